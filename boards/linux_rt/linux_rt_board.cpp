@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boards/linux_rt/linux_rt_board.hpp"
+
+#include <chrono>
+#include <stdexcept>
+
+namespace capstan {
+
+LinuxRtBoard::LinuxRtBoard(const RtOptions& options, Banks& banks)
+    : plant_({}, 1), plant_io_(plant_), io_(plant_io_), application_(io_, banks), loop_(options) {}
+
+LinuxRtBoard::~LinuxRtBoard() {
+  loop_.stop();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  io_.release();
+}
+
+void LinuxRtBoard::start() {
+  running_ = true;
+  thread_ = std::thread([this] { run(); });
+}
+
+void LinuxRtBoard::run() {
+  try {
+    report_ = loop_.run([this](const RtTick& tick) {
+      io_.rt_set_overruns(static_cast<std::uint32_t>(tick.overruns));
+      application_.rt_tick();
+    });
+  } catch (...) {
+    problem_ = std::current_exception();
+  }
+  running_ = false;
+}
+
+auto LinuxRtBoard::stop() -> RtReport {
+  using std::chrono::steady_clock;
+  constexpr std::chrono::seconds kLongEnough{1};
+  application_.link_lost();
+  const auto end = steady_clock::now() + kLongEnough;
+  while (running() && energised(application_.telemetry().state) && steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  loop_.stop();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+  io_.release();
+  if (problem_) {
+    std::rethrow_exception(problem_);
+  }
+  if (!plant_io_.failure().empty()) {
+    throw std::runtime_error(plant_io_.failure());
+  }
+  return report_;
+}
+
+}  // namespace capstan

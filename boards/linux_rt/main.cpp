@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <csignal>
+#include <exception>
+#include <iostream>
+
+#include "boards/common/console.hpp"
+#include "boards/common/file_banks.hpp"
+#include "boards/common/shell_feed.hpp"
+#include "boards/linux_rt/linux_rt_board.hpp"
+#include "boards/linux_rt/options.hpp"
+#include "boards/linux_rt/selftest.hpp"
+#include "firmware/shell.hpp"
+
+namespace {
+
+using capstan::BoardOptions;
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+extern "C" void request_stop(int /*signal_number*/) { stop_requested = 1; }
+
+auto interrupted() -> bool { return stop_requested != 0; }
+
+void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
+  using std::chrono::steady_clock;
+  constexpr std::chrono::milliseconds kLookAround{20};
+  capstan::Shell shell(board.application(), console, "linux_rt", console.is_terminal());
+  capstan::ShellFeed feed(console, shell);
+  const auto end = steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(0.0));
+  while (board.running() && !interrupted() && (!options.seconds || steady_clock::now() < end)) {
+    if (feed.poll()) {
+      board.application().link_lost();
+    }
+    if (feed.done() && !options.seconds) {
+      break;
+    }
+    feed.wait(kLookAround);
+  }
+}
+
+void say_where(const capstan::Console& console, const BoardOptions& options) {
+  std::cerr << "capstan_linux_rt: simulated joint, console on " << console.name();
+  if (options.console == "pty") {
+    std::cerr << " (attach with: screen " << console.name() << ')';
+  }
+  std::cerr << (options.storage.empty() ? ", parameters are not kept (--storage FILE keeps them)\n" : "\n");
+}
+
+void say_how_it_went(const capstan::RtReport& report, const capstan::Console& console) {
+  for (const std::string& remark : report.remarks) {
+    std::cerr << "capstan_linux_rt: " << remark << ".\n";
+  }
+  std::cerr << "capstan_linux_rt: " << report.cycles << " cycles, " << report.overruns << " missed, "
+            << report.minor_faults + report.major_faults << " page faults";
+  if (console.dropped() != 0) {
+    std::cerr << ", " << console.dropped() << " characters not read by the console's peer";
+  }
+  std::cerr << '\n';
+}
+
+auto run(const BoardOptions& options) -> int {
+  static_cast<void>(capstan::lock_memory());  // before threads exist; the loop looks whether it is so, and says it
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+    static_cast<void>(std::signal(signal_number, request_stop));
+  }
+  capstan::FileBanks banks =
+      options.storage.empty() ? capstan::FileBanks::temporary() : capstan::FileBanks(options.storage);
+  capstan::LinuxRtBoard board(options.rt, banks);
+  if (options.action == BoardOptions::Action::kSelftest) {
+    constexpr double kUsualS = 10.0;
+    const capstan::SelftestResult result = capstan::run_selftest(board, options.seconds.value_or(kUsualS), interrupted);
+    capstan::print_selftest(std::cout, result);
+    return capstan::judge(result).failures.empty() ? 0 : 1;
+  }
+  capstan::Console console = capstan::Console::open(options.console);
+  say_where(console, options);
+  board.start();
+  serve(board, console, options);
+  say_how_it_went(board.stop(), console);
+  return 0;
+}
+
+}  // namespace
+
+auto main(int argc, char* argv[]) -> int {
+  try {
+    const BoardOptions options = capstan::parse_options({argv, static_cast<std::size_t>(argc)});
+    if (options.action == BoardOptions::Action::kHelp) {
+      std::cout << capstan::help_text();
+      return 0;
+    }
+    if (options.action == BoardOptions::Action::kVersion) {
+      std::cout << "capstan linux_rt " << CAPSTAN_VERSION << '\n';
+      return 0;
+    }
+    return run(options);
+  } catch (const std::exception& problem) {
+    std::cerr << "capstan_linux_rt: " << problem.what() << '\n';
+    return 2;
+  }
+}

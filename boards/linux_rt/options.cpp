@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "boards/linux_rt/options.hpp"
+
+#include <getopt.h>
+
+#include <array>
+#include <charconv>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+namespace capstan {
+namespace {
+
+enum Code : int { kConsole = 1000, kStorage, kCpu, kPriority, kInsist, kFor, kSelftest, kHelp, kVersion };
+
+constexpr std::array<option, 10> kOptions{{{"console", required_argument, nullptr, kConsole},
+                                           {"storage", required_argument, nullptr, kStorage},
+                                           {"cpu", required_argument, nullptr, kCpu},
+                                           {"priority", required_argument, nullptr, kPriority},
+                                           {"insist", no_argument, nullptr, kInsist},
+                                           {"for", required_argument, nullptr, kFor},
+                                           {"selftest", no_argument, nullptr, kSelftest},
+                                           {"help", no_argument, nullptr, kHelp},
+                                           {"version", no_argument, nullptr, kVersion},
+                                           {nullptr, 0, nullptr, 0}}};
+
+auto quoted(std::string_view text) -> std::string { return std::string(1, '\'').append(text).append(1, '\''); }
+
+template <typename T>
+auto number(const char* name, std::string_view text, T lowest, T highest) -> T {
+  T value{};
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size() || !(value >= lowest && value <= highest)) {
+    throw std::runtime_error(quoted(text) + " is no value for --" + name + "; give a number from " +
+                             std::to_string(lowest) + " to " + std::to_string(highest));
+  }
+  return value;
+}
+
+void apply(int code, BoardOptions& options) {
+  constexpr int kMostCpus = 1023;
+  constexpr double kShortestS = 0.1;
+  constexpr double kLongestS = 1e7;
+  switch (code) {
+    case kConsole:
+      options.console = optarg;
+      break;
+    case kStorage:
+      options.storage = optarg;
+      break;
+    case kCpu:
+      options.rt.cpu = number("cpu", optarg, 0, kMostCpus);
+      break;
+    case kPriority:
+      options.rt.priority = number("priority", optarg, 1, 99);
+      break;
+    case kInsist:
+      options.rt.insist = true;
+      break;
+    case kFor:
+      options.seconds = number("for", optarg, kShortestS, kLongestS);
+      break;
+    case kSelftest:
+      options.action = BoardOptions::Action::kSelftest;
+      break;
+    case kHelp:
+      options.action = BoardOptions::Action::kHelp;
+      break;
+    case kVersion:
+      options.action = BoardOptions::Action::kVersion;
+      break;
+    default:
+      break;
+  }
+}
+
+}  // namespace
+
+auto parse_options(std::span<char* const> arguments) -> BoardOptions {
+  BoardOptions options;
+  // A copy, because getopt_long sorts its arguments; its own messages are off, ours name the cure.
+  std::vector<char*> words(arguments.begin(), arguments.end());
+  words.push_back(nullptr);
+  opterr = 0;
+  optind = 0;
+  const int count = static_cast<int>(arguments.size());
+  for (;;) {
+    const int at = optind == 0 ? 1 : optind;
+    const int code = getopt_long(count, words.data(), ":", kOptions.data(), nullptr);
+    if (code == -1) {
+      break;
+    }
+    if (code == ':') {
+      throw std::runtime_error(std::string(words[static_cast<std::size_t>(at)]) + " needs a value; --help shows which");
+    }
+    if (code == '?') {
+      throw std::runtime_error("There is no option " + std::string(words[static_cast<std::size_t>(at)]) +
+                               ", or it takes no value; --help lists all of them");
+    }
+    apply(code, options);
+  }
+  if (optind < count) {
+    throw std::runtime_error(quoted(words[static_cast<std::size_t>(optind)]) + " is not an option; --help lists all of them");
+  }
+  return options;
+}
+
+auto help_text() -> const char* {
+  return R"(capstan_linux_rt: the Capstan firmware on Linux, 1 kHz in a real-time thread
+
+The joint is the simulated plant inside this program, in lock-step with the cycle. Drives on a CAN bus are not supported yet.
+
+  --console stdio|pty|tcp:PORT|serial:PATH
+                    where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1
+  --storage FILE    keeps parameters over restarts, made if it does not exist; without it `save` lasts until the end
+  --for SECONDS     ends after this time; without it at the end of standard input, by Ctrl-C or SIGTERM
+  --cpu N           keeps the real-time thread on this processor
+  --priority N      of SCHED_FIFO, 1 to 99 (80)
+  --insist          refuses to run without real-time priority and locked memory
+  --selftest        runs the cycle with a moving joint (10 s, or as --for says) and prints latency histograms, page faults,
+                    missed cycles, kernel and a verdict
+  --version
+  --help
+
+Exit status: 0 done, 1 the self-test failed, 2 bad option or the board could not start.
+)";
+}
+
+}  // namespace capstan

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/cycle.hpp"
+#include "firmware/parameters.hpp"
+
+/// A recorded run, played through the firmware's cycle. The same code reads it on the host and on the target, so equal output
+/// files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little endian.
+///
+///   input:  "CRP1", number of parameters u32, their raw values i32 each | records of kInputSize bytes
+///   output: records of kOutputSize bytes, one for each input record
+namespace capstan::stm32f405 {
+
+inline constexpr std::uint32_t kReplayMagic = 0x31505243;  // "CRP1"
+inline constexpr std::size_t kInputSize = 24;
+inline constexpr std::size_t kOutputSize = 36;
+
+enum class ReplayResult : std::uint8_t { kOk = 0, kBadHeader = 10, kTruncated = 11, kWriteFailed = 12 };
+
+/// What one cycle is given.
+struct ReplayInput {
+  Sensed<1> sensed;
+  Command<1> command;
+};
+
+namespace detail {
+
+class ByteWriter {
+ public:
+  explicit ByteWriter(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
+  void u8(std::uint8_t value) { bytes_[at_++] = value; }
+  void u32(std::uint32_t value) {
+    for (int shift = 0; shift < 32; shift += 8) {
+      u8(static_cast<std::uint8_t>((value >> shift) & 0xFFU));
+    }
+  }
+  void q24(Q24 value) { u32(static_cast<std::uint32_t>(value.raw())); }
+
+ private:
+  std::span<std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  auto u8() -> std::uint8_t { return bytes_[at_++]; }
+  auto u32() -> std::uint32_t {
+    std::uint32_t value = 0;
+    for (int shift = 0; shift < 32; shift += 8) {
+      value |= static_cast<std::uint32_t>(u8()) << shift;
+    }
+    return value;
+  }
+  auto q24() -> Q24 { return Q24::from_raw(static_cast<std::int32_t>(u32())); }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace detail
+
+/// One input record.
+inline void encode(const ReplayInput& input, std::span<std::uint8_t, kInputSize> bytes) {
+  detail::ByteWriter out(bytes);
+  const AxisSensed& sensed = input.sensed.axis[0];
+  const AxisCommand& command = input.command.axis[0];
+  out.u32(static_cast<std::uint32_t>(sensed.encoder_counts));
+  out.q24(sensed.current_a);
+  out.u8(static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
+  out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
+                                   (input.command.disarm ? 4U : 0U)));
+  out.u8(static_cast<std::uint8_t>(command.kind));
+  out.u8(0);
+  out.u32(input.sensed.overruns);
+  out.q24(command.position_rad);
+  out.q24(command.speed_rad_s);
+}
+
+inline auto decode(std::span<const std::uint8_t, kInputSize> bytes) -> ReplayInput {
+  detail::ByteReader in(bytes);
+  ReplayInput input;
+  AxisSensed& sensed = input.sensed.axis[0];
+  AxisCommand& command = input.command.axis[0];
+  sensed.encoder_counts = static_cast<std::int32_t>(in.u32());
+  sensed.current_a = in.q24();
+  const std::uint8_t qualities = in.u8();
+  sensed.encoder = static_cast<Quality>(qualities & 0xFU);
+  sensed.current = static_cast<Quality>(qualities >> 4U);
+  const std::uint8_t flags = in.u8();
+  input.sensed.estop = (flags & 1U) != 0;
+  input.command.arm = (flags & 2U) != 0;
+  input.command.disarm = (flags & 4U) != 0;
+  command.kind = static_cast<AxisCommand::Kind>(in.u8());
+  static_cast<void>(in.u8());
+  input.sensed.overruns = in.u32();
+  command.position_rad = in.q24();
+  command.speed_rad_s = in.q24();
+  return input;
+}
+
+/// One output record: the set value and everything the cycle reports.
+inline void encode(const Drive<1>& drive, const CycleState<1>& state, std::span<std::uint8_t, kOutputSize> bytes) {
+  detail::ByteWriter out(bytes);
+  const AxisTelemetry& axis = state.axis[0].telemetry();
+  out.q24(drive.axis[0].current_a);
+  out.u8(drive.axis[0].enabled ? 1 : 0);
+  out.u8(static_cast<std::uint8_t>(state.telemetry.state));
+  out.u8(static_cast<std::uint8_t>(state.telemetry.first_fault));
+  out.u8(axis.limits);
+  out.u32(state.telemetry.conditions);
+  for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad}) {
+    out.q24(value);
+  }
+  out.u32(axis.estimate_valid ? 1 : 0);
+}
+
+/// Plays a whole run. Source: read(bytes) -> how many, fewer only at the end. Sink: write(bytes) -> done.
+/// Meter: begin() and end() are called around each cycle, to time it where that means something.
+template <typename Source, typename Sink, typename Meter>
+[[nodiscard]] auto replay(Source& source, Sink& sink, Meter& meter) -> ReplayResult {
+  std::array<std::uint8_t, 8> head{};
+  detail::ByteReader header(head);
+  if (source.read(head) != head.size() || header.u32() != kReplayMagic || header.u32() != parameters().size()) {
+    return ReplayResult::kBadHeader;  // of another firmware
+  }
+  Config<1> config{};
+  for (const ParameterInfo& parameter : parameters()) {
+    std::array<std::uint8_t, 4> word{};
+    if (source.read(word) != word.size()) {
+      return ReplayResult::kTruncated;
+    }
+    set_raw_value(config[0], parameter, static_cast<std::int32_t>(detail::ByteReader(word).u32()));
+  }
+  CycleState<1> state(config);
+  std::array<std::uint8_t, kInputSize> in{};
+  std::array<std::uint8_t, kOutputSize> out{};
+  for (std::size_t got = source.read(in); got != 0; got = source.read(in)) {
+    if (got != in.size()) {
+      return ReplayResult::kTruncated;
+    }
+    const ReplayInput input = decode(in);
+    meter.begin();
+    const Drive<1> drive = cycle(state, input.sensed, input.command);
+    meter.end();
+    encode(drive, state, out);
+    if (!sink.write(out)) {
+      return ReplayResult::kWriteFailed;
+    }
+  }
+  return ReplayResult::kOk;
+}
+
+}  // namespace capstan::stm32f405

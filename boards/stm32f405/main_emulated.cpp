@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// The board's emulated twin: everything as on the motor board but its joint, which is a simulated plant at the end of USART2,
+// and its parameter banks, since the emulator has no flash controller.
+#include "boards/stm32f405/banks.hpp"
+#include "boards/stm32f405/board.hpp"
+#include "boards/stm32f405/runtime.hpp"
+#include "hal/plant_link/plant_link_io.hpp"
+#include "hal/stm32f4/memory_map.hpp"
+
+namespace {
+
+using namespace capstan;
+using stm32f4::MemoryRegister;
+using stm32f405::BoardTick;
+using stm32f405::SerialPort;
+
+/// Counts the looks at the line while the link waits.
+class LookCounter {
+ public:
+  [[nodiscard]] auto now() const noexcept -> std::uint32_t { return ++looks_; }
+
+ private:
+  mutable std::uint32_t looks_ = 0;
+};
+using PlantLink = plant_link::PlantLinkIo<SerialPort, LookCounter, stm32f405::kAxes>;
+
+/// Lock-step with a plant that is a program on another machine, as slow as that may be: while the board waits for it, the
+/// board's time stands still. So a run is the same whatever the load of that machine.
+class PlantIo {
+ public:
+  static constexpr std::size_t kAxes = stm32f405::kAxes;
+  PlantIo(PlantLink& link, BoardTick& tick) noexcept : link_(link), tick_(tick) {}
+
+  [[nodiscard]] auto read(Sensed<kAxes>& in) noexcept -> Status {
+    tick_.pause();
+    const Status status = link_.read(in);
+    tick_.resume();
+    return status;
+  }
+  [[nodiscard]] auto write(const Drive<kAxes>& out) noexcept -> Status { return link_.write(out); }
+  void release() noexcept { link_.release(); }
+  void set_overruns(std::uint32_t overruns) noexcept { link_.set_overruns(overruns); }
+
+ private:
+  PlantLink& link_;
+  BoardTick& tick_;
+};
+static_assert(JointIo<PlantIo>);
+
+/// Looks for one answer, about a second on a machine of today: the plant answers within a millisecond, or it is gone.
+constexpr std::uint32_t kPlantPatience = 10'000'000;
+
+SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart1};
+SerialPort plant{stm32f4::usart2_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart2};
+BoardTick tick{stm32f4::systick_registers()};
+stm32f4::Watchdog<MemoryRegister> watchdog{stm32f4::watchdog_registers()};
+stm32f405::RamBanks banks;
+LookCounter looks;
+PlantLink link{plant, looks, kPlantPatience};
+PlantIo io{link, tick};
+stm32f405::Runtime<PlantIo> runtime{io, {console, tick, watchdog, banks}, "stm32f405-emulated"};
+
+/// "Bridges off", ready to send: encoded by the compiler, so the fault handler needs no working memory for it.
+constexpr auto kReleaseFrame =
+    plant_link::encode(plant_link::DriveFrame<stm32f405::kAxes>{.kind = plant_link::DriveKind::kRelease});
+
+}  // namespace
+
+extern "C" {
+
+void rt_release_outputs() {
+  auto& port = stm32f4::usart2_registers();
+  constexpr std::uint32_t kPolls = 10'000;
+  for (std::size_t i = 0; i < kReleaseFrame.size; ++i) {
+    static_cast<void>(stm32f4::wait_for(port.sr, stm32f4::usart::kSrTransmitEmpty, stm32f4::usart::kSrTransmitEmpty, kPolls));
+    port.dr.write(kReleaseFrame.bytes[i]);
+  }
+}
+
+void rt_systick_isr() {
+  tick.rt_isr();
+  stm32f4::pend_cycle(stm32f4::scb_registers());
+}
+
+void rt_cycle_isr() { runtime.rt_cycle(); }
+void rt_usart1_isr() { console.rt_isr(); }
+void rt_usart2_isr() { plant.rt_isr(); }
+
+}  // extern "C"
+
+int main() {
+  using namespace capstan;
+  stm32f405::StartReport report = stm32f405::start_core();
+  stm32f4::set_bits(stm32f4::rcc_registers().apb1enr, stm32f4::rcc::kApb1Usart2);
+  stm32f405::start_pins(stm32f405::kPlantPins);
+  console.start(report.clock.apb2_hz, stm32f405::kConsoleBaud);
+  plant.start(report.clock.apb1_hz, stm32f405::kPlantBaud);
+  report.watchdog_set = watchdog.start(stm32f4::kCycleWatchdog);
+  link.start();
+  if (!tick.start(report.clock.core_hz, kCycleRateHz)) {
+    rt_release_outputs();
+    stm32f405::reset_core();
+  }
+  runtime.run(report);
+}

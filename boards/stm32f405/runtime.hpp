@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+
+#include "boards/stm32f405/board.hpp"
+#include "boards/stm32f405/console.hpp"
+#include "boards/stm32f405/startup.hpp"
+#include "firmware/application.hpp"
+#include "firmware/shell.hpp"
+#include "hal/stm32f4/clocks.hpp"
+#include "hal/stm32f4/cycle_schedule.hpp"
+#include "hal/stm32f4/metered_io.hpp"
+#include "hal/stm32f4/reset_cause.hpp"
+#include "hal/stm32f4/tick.hpp"
+#include "hal/stm32f4/watchdog.hpp"
+
+namespace capstan::stm32f405 {
+
+/// What the board found when it started.
+struct StartReport {
+  stm32f4::ClockStatus clock;
+  stm32f4::ResetCause reset_cause = stm32f4::ResetCause::kUnknown;
+  bool faulted = false;  ///< the last run ended in a fault handler
+  FaultRecord fault;
+  bool watchdog_set = false;
+};
+
+/// Clocks, reset cause and the record of the last fault. First thing in main(), before any other peripheral.
+[[nodiscard]] auto start_core() noexcept -> StartReport;
+
+/// Clocks and modes of the pins both images use, then those of `pins`.
+void start_pins(std::span<const stm32f4::Pin> pins) noexcept;
+
+/// Prints what start_core() found, one "# ..." line each, which hosts skip.
+void print_start(Print& out, const StartReport& report);
+
+/// What the timing line shows.
+struct Timing {
+  stm32f4::CycleMeter cycle;     ///< the cycle without its input and output, core cycles
+  stm32f4::CycleMeter hardware;  ///< its input and output, core cycles
+  std::atomic<std::uint32_t> overruns{0};
+};
+void print_timing(Print& out, const Timing& timing, std::uint32_t core_hz);
+
+/// What the firmware needs of the board besides its joint I/O; built once by main.
+struct BoardParts {
+  SerialPort& console;
+  BoardTick& tick;
+  stm32f4::Watchdog<stm32f4::MemoryRegister>& watchdog;
+  Banks& banks;
+};
+
+/// The firmware on this board: the cycle in the timer's interrupt, the shell in the background. `Io` is the only difference
+/// between the motor board and its emulated twin.
+template <typename Io>
+class Runtime {
+ public:
+  Runtime(Io& io, const BoardParts& parts, const char* board_name)
+      : io_(io),
+        tick_(parts.tick),
+        watchdog_(parts.watchdog),
+        metered_(io, parts.tick),
+        application_(metered_, parts.banks),
+        sink_(parts.console, parts.tick),
+        shell_(application_, sink_, board_name, true),
+        feed_(parts.console, shell_) {}
+
+  /// In the cycle's interrupt: one cycle, if one is due.
+  void rt_cycle() {
+    const std::uint32_t begin = tick_.core_cycles();
+    if (!schedule_.rt_begin(tick_.count(), tick_.since_edge(), tick_.period())) {
+      return;
+    }
+    io_.set_overruns(schedule_.overruns());
+    application_.rt_tick();
+    const std::uint32_t spent = metered_.take_spent();
+    timing_.cycle.rt_add(tick_.core_cycles() - begin - spent);
+    timing_.hardware.rt_add(spent);
+    timing_.overruns.store(schedule_.overruns(), std::memory_order_relaxed);
+    watchdog_.rt_refresh();  // only here: a board whose cycle has stopped must not look alive
+  }
+
+  /// In main(), after everything has been started. Does not return.
+  [[noreturn]] void run(const StartReport& report) {
+    Print out(sink_);
+    print_start(out, report);
+    shell_.receive('\r');  // an empty line: prints the prompt
+    bool timing_printed = false;
+    for (;;) {
+      feed_.poll();
+      if (!timing_printed && tick_.count() >= kTimingAfterTicks && !shell_.busy()) {
+        timing_printed = true;
+        print_timing(out, timing_, report.clock.core_hz);
+      }
+      asm volatile("wfi");  // until the next interrupt, a millisecond at most
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kTimingAfterTicks = 1'000;
+
+  Io& io_;
+  BoardTick& tick_;
+  stm32f4::Watchdog<stm32f4::MemoryRegister>& watchdog_;
+  stm32f4::MeteredIo<Io, BoardTick> metered_;
+  Application<stm32f4::MeteredIo<Io, BoardTick>> application_;
+  ConsoleSink sink_;
+  Shell shell_;
+  ConsoleFeed feed_;
+  stm32f4::CycleSchedule schedule_;
+  Timing timing_;
+};
+
+}  // namespace capstan::stm32f405

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "firmware/exchange.hpp"
+#include "firmware/machine.hpp"
+#include "firmware/parameters.hpp"
+
+namespace capstan {
+
+/// The firmware of a board: the cycle on one side, the machine that the shell sees on the other. `rt_tick` belongs to the timer
+/// interrupt or the real-time thread, everything else to the background.
+template <JointIo Io>
+class Application final : public Machine {
+ public:
+  static constexpr std::size_t kAxes = Io::kAxes;
+  using Streamed = std::array<AxisCommand, kAxes>;
+
+  /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not sound, it is
+  /// defaults too, and arming is blocked until a set is saved or loaded.
+  Application(Io& io, Banks& banks) : Application(io, banks, Stored(banks)) {}
+
+  /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
+  void rt_tick(const Streamed& streamed = {}) {
+    rt_take_config();
+    Sensed<kAxes> sensed;
+    const Status read = io_.read(sensed);
+    const Drive<kAxes> drive = cycle(state_, sensed, rt_command(streamed));
+    state_.drive_faults = 0;
+    if (read == Status::kFailed) {
+      io_.release();
+    } else if (io_.write(drive) != Status::kOk) {
+      io_.release();
+      state_.drive_faults = bit(Fault::kDriveFailed);  // or torque would come back with the next write that succeeds
+    }
+    rt_publish();
+  }
+
+  /// The console is gone: whatever moves must not go on. Takes torque away within a cycle, and leaves a latched fault for the
+  /// operator to see. Callable from the background at any time.
+  void link_lost() { link_lost_.store(true, std::memory_order_relaxed); }
+
+  auto axes() const -> std::size_t override { return kAxes; }
+  auto telemetry() const -> MachineTelemetry override { return published_.read().machine; }
+  auto axis_telemetry(std::size_t axis) const -> AxisTelemetry override { return published_.read().axis[axis]; }
+  auto config() const -> std::span<const AxisConfig> override { return config_; }
+  auto configure(std::span<const AxisConfig> axes) -> bool override {
+    Config<kAxes> next = config_;
+    std::copy_n(axes.begin(), std::min(axes.size(), kAxes), next.begin());
+    const bool changes = !std::equal(next.begin(), next.end(), config_.begin(), [](const AxisConfig& a, const AxisConfig& b) {
+      return !needs_rest(a, b);
+    });
+    if ((changes && has_torque()) || !config_box_.offer(next)) {
+      return false;
+    }
+    config_ = next;
+    return true;
+  }
+  auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
+  auto settled() const -> bool override { return request_box_.empty() && config_box_.empty(); }
+  auto save() -> bool override {
+    const bool saved = !has_torque() && storage_.save(config_);
+    if (saved) {
+      model_sound_.store(true, std::memory_order_relaxed);
+    }
+    return saved;
+  }
+  auto load() -> LoadResult override {
+    if (has_torque() || !config_box_.empty()) {
+      return LoadResult::kRefused;
+    }
+    Config<kAxes> next{};
+    const LoadResult result = storage_.load(next);
+    if (result == LoadResult::kLoaded) {
+      static_cast<void>(configure(next));  // the box is empty and torque is off
+      model_sound_.store(true, std::memory_order_relaxed);
+    }
+    return result;
+  }
+  void record(bool on, std::size_t axis) override {
+    recorded_axis_.store(on ? static_cast<std::uint32_t>(axis) : kNoAxis, std::memory_order_relaxed);
+  }
+  auto next_sample(LogSample& sample) -> bool override { return samples_.pop(sample); }
+  auto dropped_samples() const -> std::uint32_t override { return samples_.dropped(); }
+
+ private:
+  struct Snapshot {
+    MachineTelemetry machine;
+    std::array<AxisTelemetry, kAxes> axis{};
+  };
+  struct Stored {
+    explicit Stored(Banks& banks) : result(ParameterStorage(banks).load(config)) {
+      if (result != LoadResult::kLoaded) {
+        config = {};
+      }
+    }
+    Config<kAxes> config{};
+    LoadResult result;
+  };
+  static constexpr std::uint32_t kNoAxis = 0xFFFFFFFF;
+
+  Application(Io& io, Banks& banks, const Stored& stored)
+      : io_(io),
+        storage_(banks),
+        config_(stored.config),
+        state_(stored.config),
+        model_sound_(stored.result != LoadResult::kCorrupt) {}
+
+  /// Also while a request that may give torque is under way.
+  [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
+
+  void rt_take_config() {
+    if (const Config<kAxes>* next = config_box_.rt_peek()) {
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        state_.axis[i].rt_configure((*next)[i]);
+      }
+      config_box_.rt_taken();
+    }
+    state_.model_faults = model_sound_.load(std::memory_order_relaxed) ? 0 : bit(Fault::kModelInvalid);
+  }
+
+  /// Streamed references, and over them what the shell asked for.
+  auto rt_command(const Streamed& streamed) -> Command<kAxes> {
+    Command<kAxes> command{.axis = streamed};
+    if (const Request* request = request_box_.rt_peek()) {
+      switch (request->kind) {
+        case Request::Kind::kArm:
+          command.arm = true;
+          break;
+        case Request::Kind::kDisarm:
+          command.disarm = true;
+          break;
+        case Request::Kind::kMove:
+          command.axis[request->axis] = {AxisCommand::Kind::kMove, request->position_rad, request->speed_rad_s};
+          break;
+        case Request::Kind::kStop:
+          command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
+          break;
+      }
+      acknowledge_ = true;
+    }
+    if (link_lost_.exchange(false, std::memory_order_relaxed)) {
+      command.arm = false;
+      command.disarm |= energised(state_.supervisor.state());  // in kFaulted it would acknowledge the fault
+    }
+    return command;
+  }
+
+  void rt_publish() {
+    Snapshot now;
+    now.machine = state_.telemetry;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      now.axis[i] = state_.axis[i].telemetry();
+    }
+    published_.rt_publish(now);
+    if (const std::uint32_t axis = recorded_axis_.load(std::memory_order_relaxed); axis < kAxes) {
+      samples_.rt_push({now.machine.tick, now.axis[axis]});
+    }
+    if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
+      acknowledge_ = false;
+      request_box_.rt_taken();
+    }
+  }
+
+  Io& io_;
+  ParameterStorage storage_;
+  Config<kAxes> config_;     // the background's copy
+  CycleState<kAxes> state_;  // the cycle's
+  bool acknowledge_ = false;
+  Mailbox<Config<kAxes>> config_box_;
+  Mailbox<Request> request_box_;
+  Published<Snapshot> published_;
+  SpscRing<LogSample, 128> samples_;
+  std::atomic<std::uint32_t> recorded_axis_ = kNoAxis;
+  std::atomic<bool> link_lost_ = false;
+  std::atomic<bool> model_sound_;
+};
+
+}  // namespace capstan

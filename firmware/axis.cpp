@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/axis.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
+constexpr std::int32_t kLinkTimeoutCycles = 100;
+constexpr std::int32_t kOverCurrentCycles = 20;
+constexpr Q24 kOne = Q24::from_int(1);
+constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
+// Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between the two the
+// limit would come and go with the sensor's noise.
+constexpr Q24 kCool = Q24::from_double(0.9);
+constexpr std::int64_t kTwoPiRaw = Q24::from_double(6.283185307179586).raw();
+// Keeps counts * 2 pi within 63 bits; far beyond the +-20 turns that an angle can express.
+constexpr std::int64_t kCountLimit = std::int64_t{1} << 34;
+
+auto angle_of(std::int64_t counts, const MotorConfig& motor) -> Q24 {
+  const std::int64_t scaled = motor.encoder_sign * counts * kTwoPiRaw;
+  const std::int64_t half = motor.encoder_counts_per_turn / 2;
+  return Q24::from_wide((scaled + (scaled < 0 ? -half : half)) / motor.encoder_counts_per_turn);
+}
+
+auto cycles_in(Q24 duration_s) -> std::int32_t {
+  return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
+}
+
+auto quality_fault(Quality quality) -> FaultSet {
+  switch (quality) {
+    case Quality::kOk:
+      return 0;
+    case Quality::kInvalid:
+      return bit(Fault::kSensorInvalid);
+    case Quality::kMissing:
+      break;
+  }
+  return bit(Fault::kSensorMissing);
+}
+
+auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool {
+  return a.coefficients == b.coefficients && a.shapes == b.shapes &&
+         a.conditioner.direction_threshold_rad == b.conditioner.direction_threshold_rad &&
+         a.conditioner.rate_time_constant_s == b.conditioner.rate_time_constant_s;
+}
+
+// What turns counts and currents into the law's arguments; a change of it is a jump for the law's memory.
+auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
+  return a.encoder_counts_per_turn == b.encoder_counts_per_turn && a.encoder_sign == b.encoder_sign &&
+         a.torque_per_current_nm_per_a == b.torque_per_current_nm_per_a;
+}
+
+}  // namespace
+
+Axis::Axis(const AxisConfig& config) : config_(config), law_(kPeriod, config.law) {}
+
+void Axis::rt_configure(const AxisConfig& config) {
+  const bool rebuild = !same_law(config.law, config_.law) || !same_scale(config.motor, config_.motor);
+  config_ = config;
+  if (rebuild) {
+    law_ = MotionLaw<Q24>(kPeriod, config_.law);
+  }
+}
+
+void Axis::rt_count(const AxisSensed& sensed) {
+  if (counting_) {
+    // Unsigned difference: the counter may wrap between two cycles.
+    const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(sensed.encoder_counts) -
+                                                 static_cast<std::uint32_t>(last_counts_));
+    const Q24 angle = angle_of(moved, config_.motor);
+    if (abs(angle) > per_cycle(config_.motor.speed_limit_rad_s)) {
+      sensor_faults_ |= bit(Fault::kEncoderJump);
+    }
+    counts_ = clamp<std::int64_t>(counts_ + moved, -kCountLimit, kCountLimit);
+  } else {
+    counts_ = sensed.encoder_counts;
+    counting_ = true;
+  }
+  last_counts_ = sensed.encoder_counts;
+}
+
+void Axis::rt_estimate(const AxisSensed& sensed) {
+  sensor_faults_ = quality_fault(sensed.encoder) | quality_fault(sensed.current);
+  telemetry_.limits = 0;
+  telemetry_.estimate_valid = false;
+  if (sensed.encoder == Quality::kOk) {
+    rt_count(sensed);
+    telemetry_.q1_rad = angle_of(counts_, config_.motor);
+  }
+  if (sensed.current == Quality::kOk) {
+    telemetry_.current_a = sensed.current_a;
+    telemetry_.tau_nm = sensed.current_a * config_.motor.torque_per_current_nm_per_a;
+  }
+  if (sensor_faults_ != 0) {
+    return;  // an estimate from an old value would be a guess
+  }
+  const Estimate<Q24> estimate = law_.update(telemetry_.q1_rad, telemetry_.tau_nm);
+  telemetry_.q2_rad = estimate.q2;
+  telemetry_.q2_reported_rad = estimate.q2_reported;
+  telemetry_.estimate_valid = !estimate.saturated;
+  if (estimate.saturated) {
+    sensor_faults_ |= bit(Fault::kEstimatorRange);
+  }
+}
+
+auto Axis::rt_faults(bool energised) -> FaultSet {
+  const bool over = abs(telemetry_.current_a) > config_.limits.current_a * kOverCurrentFactor;
+  cycles_over_current_ = over ? cycles_over_current_ + 1 : 0;
+  FaultSet faults = sensor_faults_;
+  if (cycles_over_current_ >= kOverCurrentCycles) {
+    faults |= bit(Fault::kOverCurrent);
+    cycles_over_current_ = kOverCurrentCycles;
+  }
+  if (!energised) {
+    cycles_off_reference_ = 0;
+    following_ = false;
+    return faults;
+  }
+  const bool off = abs(telemetry_.q2_reference_rad - telemetry_.q2_rad) > config_.limits.following_error_rad;
+  cycles_off_reference_ = off ? cycles_off_reference_ + 1 : 0;
+  if (cycles_off_reference_ > cycles_in(config_.limits.following_time_s)) {
+    faults |= bit(Fault::kFollowingError);
+  }
+  if (following_ && ++cycles_since_reference_ > kLinkTimeoutCycles) {
+    faults |= bit(Fault::kLinkLost);
+  }
+  return faults;
+}
+
+auto Axis::rt_command(const AxisCommand& command) -> bool {
+  const LimitConfig& limits = config_.limits;
+  const bool inside = command.position_rad >= limits.joint_min_rad && command.position_rad <= limits.joint_max_rad;
+  switch (command.kind) {
+    case AxisCommand::Kind::kNone:
+      return true;
+    case AxisCommand::Kind::kStop:
+      trajectory_.rt_stop(limits);
+      following_ = false;
+      return true;
+    case AxisCommand::Kind::kMove:
+      if (!inside || command.speed_rad_s <= Q24{}) {
+        return false;
+      }
+      following_ = false;
+      trajectory_.rt_start(command.position_rad, std::min(command.speed_rad_s, limits.joint_speed_rad_s));
+      return true;
+    case AxisCommand::Kind::kFollow:
+      follow_target_ = clamp(command.position_rad, limits.joint_min_rad, limits.joint_max_rad);
+      if (!inside) {
+        rt_flag(Limit::kReference);
+      }
+      following_ = true;
+      cycles_since_reference_ = 0;
+      return inside;
+  }
+  return false;
+}
+
+void Axis::rt_arm() {
+  trajectory_.rt_reset(telemetry_.q2_rad);
+  telemetry_.q2_reference_rad = telemetry_.q2_rad;
+  following_ = false;
+  controller_.rt_start(config_.control, law_, telemetry_.q2_rad);
+  last_drive_a_ = Q24{};
+}
+
+auto Axis::rt_reference() -> Q24 {
+  if (!following_) {
+    return trajectory_.rt_step(config_.limits);
+  }
+  // A streamed reference may not run faster than moves may, so a wrong first value can not throw the joint.
+  const Q24 step = per_cycle(config_.limits.joint_speed_rad_s);
+  const Q24 last = telemetry_.q2_reference_rad;
+  const Q24 next = clamp(follow_target_, last - step, last + step);
+  if (next != follow_target_) {
+    rt_flag(Limit::kReference);
+  }
+  trajectory_.rt_reset(next);
+  return next;
+}
+
+auto Axis::rt_control() -> Q24 {
+  telemetry_.q2_reference_rad = rt_reference();
+  return controller_.rt_update(config_, law_, telemetry_.q2_reference_rad, telemetry_.q2_rad);
+}
+
+void Axis::rt_warm() {
+  const Q24 load = telemetry_.current_a / config_.limits.continuous_current_a;
+  heat_ += (load * load - heat_) * kPeriod.filter_gain(config_.limits.thermal_time_s);
+  hot_ = heat_ >= (hot_ ? kCool : kOne);
+}
+
+auto Axis::rt_outward(Q24 current_a) const -> bool {
+  return (telemetry_.q1_rad >= config_.limits.motor_max_rad && current_a > Q24{}) ||
+         (telemetry_.q1_rad <= config_.limits.motor_min_rad && current_a < Q24{});
+}
+
+auto Axis::rt_limit(Q24 torque_nm, bool energised) -> AxisDrive {
+  const LimitConfig& limits = config_.limits;
+  rt_warm();
+  if (!energised) {
+    last_drive_a_ = Q24{};
+    telemetry_.drive_a = Q24{};
+    return {};
+  }
+  Q24 wanted = torque_nm / config_.motor.torque_per_current_nm_per_a;
+  // In motor space, because that is where tendons break: no torque further out than the travel allows.
+  if (rt_outward(wanted)) {
+    rt_flag(Limit::kMotorTravel);
+    wanted = Q24{};
+  }
+  const Q24 peak = hot_ ? limits.continuous_current_a : limits.current_a;
+  if (abs(wanted) > peak) {
+    rt_flag(hot_ ? Limit::kThermal : Limit::kCurrent);
+    wanted = clamp(wanted, -peak, peak);
+  }
+  const Q24 step = limits.current_rate_a_per_cycle;
+  Q24 gated = clamp(wanted, last_drive_a_ - step, last_drive_a_ + step);
+  if (gated != wanted) {
+    rt_flag(Limit::kRate);
+  }
+  // The rate limit may delay a torque, never its removal.
+  gated = rt_outward(gated) ? Q24{} : clamp(gated, -peak, peak);
+  last_drive_a_ = gated;
+  telemetry_.drive_a = gated;
+  return {.current_a = gated, .enabled = true};
+}
+
+}  // namespace capstan

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "firmware/controller.hpp"
+#include "firmware/faults.hpp"
+#include "firmware/trajectory.hpp"
+#include "hal/joint_io.hpp"
+
+namespace capstan {
+
+/// What one joint is asked to do in a cycle.
+struct AxisCommand {
+  enum class Kind : std::uint8_t {
+    kNone,    ///< go on with what it does
+    kMove,    ///< to position_rad at no more than speed_rad_s
+    kStop,    ///< brake and stand
+    kFollow,  ///< a streamed reference: position_rad now, the next one within 100 ms
+  };
+  Kind kind = Kind::kNone;
+  Q24 position_rad{};
+  Q24 speed_rad_s{};
+};
+
+/// Normal, reported, and each names the setting behind it; not faults.
+enum class Limit : std::uint8_t {
+  kNone = 0,
+  kCurrent = 1,     ///< limits.current
+  kThermal = 2,     ///< limits.continuous_current
+  kRate = 4,        ///< limits.current_rate
+  kMotorTravel = 8, ///< limits.motor_min, limits.motor_max
+  kReference = 16,  ///< limits.joint_min, joint_max, joint_speed
+};
+
+/// One joint's numbers of the last cycle, for shell, log and telemetry.
+struct AxisTelemetry {
+  Q24 q1_rad;
+  Q24 tau_nm;
+  Q24 q2_rad;           ///< estimated joint angle
+  Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
+  Q24 q2_reference_rad;
+  Q24 current_a;        ///< measured
+  Q24 drive_a;          ///< commanded
+  std::uint8_t limits = 0;
+  bool estimate_valid = false;
+};
+
+/// Estimator, monitors, controller and gate of one joint. The functions are called once a cycle in the order they stand here.
+class Axis {
+ public:
+  explicit Axis(const AxisConfig& config);
+
+  /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed; torque
+  /// must be off then (needs_rest).
+  void rt_configure(const AxisConfig& config);
+  /// Converts the sensors and runs the law.
+  void rt_estimate(const AxisSensed& sensed);
+  /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
+  [[nodiscard]] auto rt_faults(bool energised) -> FaultSet;
+  /// Takes a command. Only while energised. A move outside the limits or without speed is refused: false, and nothing changes. A
+  /// streamed reference outside them is cut to them: false, and followed.
+  auto rt_command(const AxisCommand& command) -> bool;
+  /// Gets ready for torque: stand where the joint is.
+  void rt_arm();
+  [[nodiscard]] auto in_motion() const -> bool { return following_ || !trajectory_.finished(); }
+  /// Motor-side torque wanted, N m.
+  auto rt_control() -> Q24;
+  /// The one gate every output passes: state, thermal and peak current, tendon travel, rate.
+  auto rt_limit(Q24 torque_nm, bool energised) -> AxisDrive;
+
+  [[nodiscard]] auto config() const -> const AxisConfig& { return config_; }
+  [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return telemetry_; }
+
+ private:
+  void rt_count(const AxisSensed& sensed);
+  auto rt_reference() -> Q24;
+  void rt_warm();
+  /// True for a current that pulls further out where the tendon travel ends.
+  [[nodiscard]] auto rt_outward(Q24 current_a) const -> bool;
+  void rt_flag(Limit limit) { telemetry_.limits |= static_cast<std::uint8_t>(limit); }
+
+  AxisConfig config_;
+  MotionLaw<Q24> law_;
+  Controller controller_;
+  Trajectory trajectory_;
+  AxisTelemetry telemetry_;
+
+  std::int64_t counts_ = 0;  // unwrapped
+  std::int32_t last_counts_ = 0;
+  bool counting_ = false;
+  FaultSet sensor_faults_ = 0;
+
+  bool following_ = false;
+  Q24 follow_target_;
+  std::int32_t cycles_since_reference_ = 0;
+  std::int32_t cycles_off_reference_ = 0;
+  std::int32_t cycles_over_current_ = 0;
+  Q24 heat_;  // of the winding, 1 = what the continuous current leads to
+  bool hot_ = false;
+  Q24 last_drive_a_;
+};
+
+}  // namespace capstan

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/motion_law.hpp"
+
+namespace capstan {
+
+/// The cycle's rate. A constant: measured time is telemetry and never enters the law.
+inline constexpr std::int32_t kCycleRateHz = 1000;
+
+/// A rate's share of one cycle: rate / kCycleRateHz by the one rounding rule (nearest, ties towards plus infinity).
+constexpr auto per_cycle(Q24 rate) -> Q24 {
+  const std::int64_t shifted = std::int64_t{rate.raw()} + kCycleRateHz / 2;
+  const std::int64_t quotient = shifted / kCycleRateHz;
+  return Q24::from_wide(quotient * kCycleRateHz > shifted ? quotient - 1 : quotient);
+}
+static_assert(per_cycle(Q24::from_raw(1499)).raw() == 1 && per_cycle(Q24::from_raw(-1499)).raw() == -1);
+static_assert(per_cycle(Q24::max()).raw() > 0 && per_cycle(Q24::lowest()).raw() < 0);
+
+/// Motor, gear and encoder, as seen at the transmission's input pulley.
+struct MotorConfig {
+  std::int32_t encoder_counts_per_turn = 40960;  ///< counts per turn of the input pulley
+  std::int32_t encoder_sign = 1;                 ///< +1 or -1
+  Q24 torque_per_current_nm_per_a = Q24::from_double(0.1);
+  Q24 speed_limit_rad_s = Q24::from_double(60.0);  ///< a faster encoder is a fault
+};
+
+/// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the motor
+/// servo follows it.
+struct ControlConfig {
+  Q24 kp = Q24::from_double(0.2);                       ///< motor rad per joint rad
+  Q24 ki_per_s = Q24::from_double(4.0);                 ///< 1/s
+  Q24 kd_s{};                                           ///< s, on the estimate, not on the error
+  Q24 integral_limit_rad = Q24::from_double(0.3);       ///< anti-windup, rad of motor angle
+  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);     ///< motor servo
+  Q24 damping_nms_per_rad = Q24::from_double(0.006);    ///< motor servo
+  Q24 torque_forward_nm{};                              ///< feedforward: torque that keeps the motor moving forward
+  Q24 torque_backward_nm{};                             ///< the same backward (negative)
+  Q24 reversal_time_s = Q24::from_double(0.02);         ///< the feedforward changes direction within about this time
+};
+
+struct LimitConfig {
+  Q24 current_a = Q24::from_double(3.0);                ///< peak
+  Q24 continuous_current_a = Q24::from_double(1.5);     ///< what the winding stands for ever
+  Q24 thermal_time_s = Q24::from_double(10.0);          ///< of the winding
+  Q24 current_rate_a_per_cycle = Q24::from_double(0.5);
+  Q24 motor_min_rad = Q24::from_double(-6.0);           ///< tendon travel, in motor space
+  Q24 motor_max_rad = Q24::from_double(6.0);
+  Q24 joint_min_rad = Q24::from_double(-2.0);           ///< references outside are refused
+  Q24 joint_max_rad = Q24::from_double(2.0);
+  Q24 joint_speed_rad_s = Q24::from_double(2.0);        ///< of moves
+  Q24 joint_acceleration_rad_s2 = Q24::from_double(10.0);
+  Q24 following_error_rad = Q24::from_double(0.35);
+  Q24 following_time_s = Q24::from_double(0.25);
+};
+
+/// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.
+struct AxisConfig {
+  MotorConfig motor;
+  ControlConfig control;
+  LimitConfig limits;
+  LawParameters<Q24> law;
+
+  constexpr AxisConfig() { law.coefficients[0] = Q24::from_int(1); }  // rigid until a model is loaded
+};
+static_assert(std::is_standard_layout_v<AxisConfig>);
+
+template <std::size_t Axes>
+using Config = std::array<AxisConfig, Axes>;
+
+}  // namespace capstan

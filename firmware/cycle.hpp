@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "firmware/axis.hpp"
+#include "firmware/supervisor.hpp"
+
+namespace capstan {
+
+/// What the operator or the host asks of the machine in one cycle.
+template <std::size_t Axes>
+struct Command {
+  bool arm = false;
+  bool disarm = false;
+  std::array<AxisCommand, Axes> axis{};
+};
+
+/// The machine as a whole, after a cycle.
+struct MachineTelemetry {
+  std::uint32_t tick = 0;
+  State state = State::kDisarmed;
+  Fault first_fault = Fault::kNone;
+  FaultSet conditions = 0;  ///< faults present now; while disarmed they are what blocks arming
+  std::uint32_t overruns = 0;
+};
+
+/// Cycles that may begin late within a second before torque is taken away: one is noise, three are a pattern.
+inline constexpr std::size_t kOverrunsPerSecond = 3;
+
+/// Remembers how long ago the last overruns were, in cycles that ran.
+class OverrunMonitor {
+ public:
+  /// @param total  overruns since start, as the board counts them; wraps
+  /// @returns kOverrun while the last kOverrunsPerSecond of them lie within a second
+  auto rt_step(std::uint32_t total) -> FaultSet {
+    for (std::int32_t& age : ages_) {
+      age = std::min(age + 1, kCycleRateHz);
+    }
+    const std::uint32_t fresh = std::min<std::uint32_t>(total - total_, kOverrunsPerSecond);
+    for (std::uint32_t i = 0; i < fresh; ++i) {
+      ages_[oldest_] = 0;
+      oldest_ = (oldest_ + 1) % kOverrunsPerSecond;
+    }
+    total_ = total;
+    return ages_[oldest_] < kCycleRateHz ? bit(Fault::kOverrun) : 0;
+  }
+  [[nodiscard]] auto total() const -> std::uint32_t { return total_; }
+
+ private:
+  std::array<std::int32_t, kOverrunsPerSecond> ages_ = {kCycleRateHz, kCycleRateHz, kCycleRateHz};
+  std::size_t oldest_ = 0;
+  std::uint32_t total_ = 0;
+};
+
+/// Everything the cycle remembers.
+template <std::size_t Axes>
+struct CycleState {
+  explicit CycleState(const Config<Axes>& config)
+      : axis([&config]<std::size_t... I>(std::index_sequence<I...>) {
+          return std::array<Axis, Axes>{Axis(config[I])...};
+        }(std::make_index_sequence<Axes>{})) {}
+
+  std::array<Axis, Axes> axis;
+  Supervisor supervisor;
+  MachineTelemetry telemetry;
+  OverrunMonitor overruns;
+  FaultSet model_faults = 0;  ///< set by whoever loads parameters
+  FaultSet drive_faults = 0;  ///< set by whoever writes the drive, about the last cycle
+};
+
+/// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure function of
+/// its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
+template <std::size_t Axes>
+auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
+  const bool had_torque = energised(state.supervisor.state());
+  FaultSet faults = state.model_faults | state.drive_faults | state.overruns.rt_step(sensed.overruns);
+  faults |= sensed.estop ? bit(Fault::kEmergencyStop) : 0;
+  bool in_motion = false;
+
+  for (std::size_t i = 0; i < Axes; ++i) {
+    state.axis[i].rt_estimate(sensed.axis[i]);
+    if (had_torque) {
+      static_cast<void>(state.axis[i].rt_command(command.axis[i]));
+    }
+    faults |= state.axis[i].rt_faults(had_torque);
+    in_motion |= state.axis[i].in_motion();
+  }
+
+  const State now = state.supervisor.rt_step({faults, command.arm, command.disarm, in_motion});
+
+  Drive<Axes> drive;
+  for (std::size_t i = 0; i < Axes; ++i) {
+    Axis& axis = state.axis[i];
+    if (energised(now) && !had_torque) {
+      axis.rt_arm();
+    }
+    const Q24 torque = energised(now) ? axis.rt_control() : Q24{};
+    drive.axis[i] = axis.rt_limit(torque, energised(now));
+  }
+
+  ++state.telemetry.tick;
+  state.telemetry.state = now;
+  state.telemetry.first_fault = state.supervisor.first_fault();
+  state.telemetry.conditions = faults;
+  state.telemetry.overruns = state.overruns.total();
+  return drive;
+}
+
+}  // namespace capstan

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "firmware/cycle.hpp"
+#include "firmware/storage.hpp"
+
+namespace capstan {
+
+/// What the shell asks the cycle to do; one at a time.
+struct Request {
+  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop };
+  Kind kind = Kind::kDisarm;
+  std::size_t axis = 0;
+  Q24 position_rad{};
+  Q24 speed_rad_s{};
+};
+
+/// One line of the log.
+struct LogSample {
+  std::uint32_t tick = 0;
+  AxisTelemetry axis;
+};
+
+/// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other. Nothing here
+/// waits for the cycle or makes it wait.
+class Machine {
+ public:
+  [[nodiscard]] virtual auto axes() const -> std::size_t = 0;
+  [[nodiscard]] virtual auto telemetry() const -> MachineTelemetry = 0;
+  [[nodiscard]] virtual auto axis_telemetry(std::size_t axis) const -> AxisTelemetry = 0;
+  /// The parameters in force.
+  [[nodiscard]] virtual auto config() const -> std::span<const AxisConfig> = 0;
+  /// Hands a checked set to the cycle, which takes it whole before its next step. False, and nothing changed: the last one is still
+  /// under way, or torque is on and the set differs in what must not change then.
+  virtual auto configure(std::span<const AxisConfig> axes) -> bool = 0;
+  /// Hands a request to the cycle. False: the last one is still under way, or there is no such joint.
+  virtual auto post(const Request& request) -> bool = 0;
+  /// True once the cycle has carried out or refused the last request and taken the last parameters.
+  [[nodiscard]] virtual auto settled() const -> bool = 0;
+  /// False: torque is on (saving may stop the processor) or the storage failed. The old set is then still there.
+  virtual auto save() -> bool = 0;
+  /// Takes the stored parameters into force.
+  virtual auto load() -> LoadResult = 0;
+  /// Starts or stops recording of one axis; samples that find no room are dropped and counted.
+  virtual void record(bool on, std::size_t axis) = 0;
+  virtual auto next_sample(LogSample& sample) -> bool = 0;
+  [[nodiscard]] virtual auto dropped_samples() const -> std::uint32_t = 0;
+
+ protected:
+  ~Machine() = default;  // never owned through this face: a virtual one would need operator delete
+};
+
+}  // namespace capstan

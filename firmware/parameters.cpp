@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/parameters.hpp"
+
+#include <array>
+#include <cstring>
+
+namespace capstan {
+namespace {
+
+constexpr auto real(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
+                    double minimum, double maximum, ParameterChange change = ParameterChange::kDisarmed) -> ParameterInfo {
+  return {group,  name, unit, doc, ParameterType::kReal, change, static_cast<std::uint16_t>(offset),
+          Q24::from_double(minimum).raw(), Q24::from_double(maximum).raw()};
+}
+
+constexpr auto integer(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
+                       std::int32_t minimum, std::int32_t maximum) -> ParameterInfo {
+  return {group, name, unit, doc, ParameterType::kInteger, ParameterChange::kDisarmed, static_cast<std::uint16_t>(offset),
+          minimum, maximum};
+}
+
+constexpr auto kTunable = ParameterChange::kAnyTime;
+constexpr std::size_t kMotor = offsetof(AxisConfig, motor);
+constexpr std::size_t kControl = offsetof(AxisConfig, control);
+constexpr std::size_t kLimits = offsetof(AxisConfig, limits);
+constexpr std::size_t kLaw = offsetof(AxisConfig, law);
+constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
+
+constexpr std::array kFixedParameters = {
+    integer("motor", "encoder_counts", "1", "encoder counts per turn of the input pulley",
+            kMotor + offsetof(MotorConfig, encoder_counts_per_turn), 16, 1 << 24),
+    integer("motor", "encoder_sign", "1", "+1, or -1 if the encoder counts against the torque",
+            kMotor + offsetof(MotorConfig, encoder_sign), -1, 1),
+    real("motor", "torque_per_current", "Nm/A", "torque at the input pulley per motor current",
+         kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
+    real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
+         kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0),
+    real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad", kControl + offsetof(ControlConfig, kp),
+         0.0, 20.0, kTunable),
+    real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0, kTunable),
+    real("control", "kd", "s", "joint loop, derivative of the estimate", kControl + offsetof(ControlConfig, kd_s), 0.0, 1.0,
+         kTunable),
+    real("control", "integral_limit", "rad", "bound of the integral, motor side",
+         kControl + offsetof(ControlConfig, integral_limit_rad), 0.0, 10.0, kTunable),
+    real("control", "stiffness", "Nm/rad", "motor servo, proportional",
+         kControl + offsetof(ControlConfig, stiffness_nm_per_rad), 0.0, 100.0, kTunable),
+    real("control", "damping", "Nms/rad", "motor servo, derivative",
+         kControl + offsetof(ControlConfig, damping_nms_per_rad), 0.0, 10.0, kTunable),
+    real("control", "torque_forward", "Nm", "torque that keeps the motor moving forward",
+         kControl + offsetof(ControlConfig, torque_forward_nm), -50.0, 50.0, kTunable),
+    real("control", "torque_backward", "Nm", "torque that keeps the motor moving backward, negative where friction rules",
+         kControl + offsetof(ControlConfig, torque_backward_nm), -50.0, 50.0, kTunable),
+    real("control", "reversal_time", "s", "the feedforward changes direction within about this time",
+         kControl + offsetof(ControlConfig, reversal_time_s), 0.001, 2.0, kTunable),
+    real("limits", "current", "A", "peak current", kLimits + offsetof(LimitConfig, current_a), 0.001, 100.0),
+    real("limits", "continuous_current", "A", "current the winding stands for ever",
+         kLimits + offsetof(LimitConfig, continuous_current_a), 0.001, 100.0),
+    real("limits", "thermal_time", "s", "thermal time constant of the winding",
+         kLimits + offsetof(LimitConfig, thermal_time_s), 0.1, 120.0),
+    real("limits", "current_rate", "A/cycle", "largest change of the set value in one cycle",
+         kLimits + offsetof(LimitConfig, current_rate_a_per_cycle), 0.0001, 100.0),
+    real("limits", "motor_min", "rad", "tendon travel: no torque further out",
+         kLimits + offsetof(LimitConfig, motor_min_rad), -125.0, 125.0),
+    real("limits", "motor_max", "rad", "tendon travel: no torque further out",
+         kLimits + offsetof(LimitConfig, motor_max_rad), -125.0, 125.0),
+    real("limits", "joint_min", "rad", "smallest reference", kLimits + offsetof(LimitConfig, joint_min_rad), -125.0, 125.0),
+    real("limits", "joint_max", "rad", "largest reference", kLimits + offsetof(LimitConfig, joint_max_rad), -125.0, 125.0),
+    real("limits", "joint_speed", "rad/s", "largest speed of a reference",
+         kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0),
+    real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
+         kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0),
+    real("limits", "following_error", "rad", "larger for longer than following_time is a fault",
+         kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0),
+    real("limits", "following_time", "s", "how long following_error may be exceeded",
+         kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0),
+    real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
+         kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
+    real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",
+         kConditioner + offsetof(ConditionerShape<Q24>, rate_time_constant_s), 0.0, 1.0),
+};
+
+constexpr double kCoefficientLimit = 100.0;
+constexpr std::size_t kCount = kFixedParameters.size() + kCoefficientCount + kShapeCount;
+
+/// Walks a list of terms and writes a row for every coefficient and shape it declares.
+class LawRows {
+ public:
+  constexpr explicit LawRows(std::array<ParameterInfo, kCount>& table) : table_(table) {}
+  template <typename Term>
+  constexpr void operator()() {
+    for (const CoefficientInfo& c : Term::kInfo.coefficients) {
+      table_[next_++] = real(Term::kInfo.name, c.name, c.unit, c.doc,
+                             kLaw + offsetof(LawParameters<Q24>, coefficients) + coefficient_++ * sizeof(Q24),
+                             c.sign == Sign::kNonNegative ? 0.0 : -kCoefficientLimit,
+                             c.sign == Sign::kNonPositive ? 0.0 : kCoefficientLimit);
+    }
+    for (const ShapeInfo& s : Term::kInfo.shapes) {
+      table_[next_++] = real(Term::kInfo.name, s.name, s.unit, s.doc,
+                             kLaw + offsetof(LawParameters<Q24>, shapes) + shape_++ * sizeof(Q24), 0.0, s.maximum);
+    }
+  }
+
+ private:
+  std::array<ParameterInfo, kCount>& table_;
+  std::size_t next_ = kFixedParameters.size();
+  std::size_t coefficient_ = 0;
+  std::size_t shape_ = 0;
+};
+
+constexpr auto make_table() -> std::array<ParameterInfo, kCount> {
+  std::array<ParameterInfo, kCount> table{};
+  for (std::size_t i = 0; i < kFixedParameters.size(); ++i) {
+    table[i] = kFixedParameters[i];
+  }
+  LawRows rows(table);
+  SumTerms::for_each<Q24>(rows);
+  OutputTerms::for_each<Q24>(rows);
+  return table;
+}
+
+constexpr std::array<ParameterInfo, kCount> kTable = make_table();
+
+}  // namespace
+
+auto parameters() -> std::span<const ParameterInfo> { return kTable; }
+
+auto find_parameter(std::string_view group_dot_name) -> const ParameterInfo* {
+  const std::size_t dot = group_dot_name.find('.');
+  if (dot == std::string_view::npos) {
+    return nullptr;
+  }
+  const std::string_view group(group_dot_name.data(), dot);
+  const std::string_view name(group_dot_name.data() + dot + 1, group_dot_name.size() - dot - 1);
+  for (const ParameterInfo& parameter : kTable) {
+    if (group == parameter.group && name == parameter.name) {
+      return &parameter;
+    }
+  }
+  return nullptr;
+}
+
+auto raw_value(const AxisConfig& config, const ParameterInfo& parameter) -> std::int32_t {
+  std::int32_t raw = 0;
+  std::memcpy(&raw, reinterpret_cast<const char*>(&config) + parameter.offset, sizeof raw);
+  return raw;
+}
+
+void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int32_t raw) {
+  std::memcpy(reinterpret_cast<char*>(&config) + parameter.offset, &raw, sizeof raw);
+}
+
+auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool {
+  for (const ParameterInfo& parameter : kTable) {
+    if (parameter.change == ParameterChange::kDisarmed && raw_value(now, parameter) != raw_value(next, parameter)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+auto check(const AxisConfig& config) -> const char* {
+  if (abs(config.law.coefficients[0]) < Q24::from_double(0.01)) {
+    return "motor_angle.beta is nearly zero, so the law can not be inverted; set it to the ratio of the pulley radii";
+  }
+  if (config.motor.encoder_sign == 0) {
+    return "motor.encoder_sign is 0; set it to 1 or -1";
+  }
+  if (config.limits.motor_min_rad >= config.limits.motor_max_rad) {
+    return "limits.motor_min is not below limits.motor_max; set them in order";
+  }
+  if (config.limits.joint_min_rad >= config.limits.joint_max_rad) {
+    return "limits.joint_min is not below limits.joint_max; set them in order";
+  }
+  if (config.limits.continuous_current_a > config.limits.current_a) {
+    return "limits.continuous_current is above limits.current; lower it or raise limits.current";
+  }
+  return nullptr;
+}
+
+}  // namespace capstan

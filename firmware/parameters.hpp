@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "firmware/config.hpp"
+
+namespace capstan {
+
+enum class ParameterType : std::uint8_t { kReal, kInteger };
+
+/// When a parameter may be changed.
+enum class ParameterChange : std::uint8_t { kAnyTime, kDisarmed };
+
+/// One parameter of a joint. The table feeds shell, storage and documentation; there is no second list.
+struct ParameterInfo {
+  const char* group;
+  const char* name;
+  const char* unit;  ///< "1" for pure numbers
+  const char* doc;
+  ParameterType type;
+  ParameterChange change;
+  std::uint16_t offset;  ///< into AxisConfig
+  std::int32_t minimum;  ///< raw, in the parameter's own type
+  std::int32_t maximum;
+};
+
+/// Every parameter of a joint, grouped; the law's come from the catalogue.
+auto parameters() -> std::span<const ParameterInfo>;
+
+/// The parameter called `group.name`, or nullptr.
+auto find_parameter(std::string_view group_dot_name) -> const ParameterInfo*;
+
+auto raw_value(const AxisConfig& config, const ParameterInfo& parameter) -> std::int32_t;
+void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int32_t raw);
+
+/// True if the two sets differ in what may change only without torque: model, motor, limits.
+auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool;
+
+/// What no single range can say: nullptr if the set is sound, else a sentence with the cure.
+auto check(const AxisConfig& config) -> const char*;
+
+}  // namespace capstan

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/shell.hpp"
+
+#include <algorithm>
+
+#include "firmware/shell_commands.hpp"
+
+namespace capstan {
+
+Shell::Shell(Machine& machine, TextSink& sink, const char* board, bool echo)
+    : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo) {}
+
+void Shell::receive(char c) {
+  constexpr char kBackspace = '\b';
+  constexpr char kDelete = 0x7F;
+  constexpr char kKillLine = 0x15;
+  constexpr char kCancel = 0x03;
+  const char last = last_;
+  last_ = c;
+  if (c == '\n' && last == '\r') {
+    return;  // the second half of a CR LF
+  }
+  if (c == '\r' || c == '\n') {
+    if (echo_) {
+      out_ << "\r\n";
+    }
+    const std::size_t length = length_;
+    length_ = 0;
+    execute(std::string_view(line_.data(), length));
+    return;
+  }
+  if (c == kBackspace || c == kDelete) {
+    if (length_ > 0) {
+      --length_;
+      if (echo_) {
+        out_ << "\b \b";
+      }
+    }
+    return;
+  }
+  if (c == kKillLine || c == kCancel) {
+    length_ = 0;
+    too_long_ = false;
+    if (c == kCancel && activity_ == Activity::kLogging) {
+      log_left_ = 0;
+    }
+    if (echo_) {
+      out_ << "\r\n";
+      prompt();
+    }
+    return;
+  }
+  if (c != '\t' && (c < ' ' || c > '~')) {
+    return;
+  }
+  if (length_ == line_.size()) {
+    too_long_ = true;
+    return;
+  }
+  line_[length_++] = c;
+  if (echo_) {
+    out_ << c;
+  }
+}
+
+void Shell::prompt() {
+  if (echo_) {
+    out_ << "capstan> ";
+  }
+}
+
+void Shell::ok() {
+  out_ << "ok\r\n";
+  activity_ = Activity::kIdle;
+  prompt();
+}
+
+void Shell::error(const char* name, const char* sentence, const char* cure) {
+  out_ << "error " << name << ": " << sentence << "; " << cure << "\r\n";
+  activity_ = Activity::kIdle;
+  prompt();
+}
+
+void Shell::execute(std::string_view line) {
+  if (too_long_) {
+    too_long_ = false;
+    error("line_too_long", "the line has more than 160 characters and was not read", "send a shorter one");
+    return;
+  }
+  if (busy()) {
+    out_ << "error busy: the last command has not answered yet; wait for its ok or error\r\n";
+    return;
+  }
+  std::string_view rest = line;
+  const std::string_view word = next_word(rest);
+  if (word.empty() || word.front() == '#') {
+    prompt();
+    return;
+  }
+  for (const ShellCommand& command : shell_commands()) {
+    if (word == command.name) {
+      while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) {
+        rest.remove_prefix(1);
+      }
+      command.run(*this, rest);
+      return;
+    }
+  }
+  error("unknown_command", "there is no such command", "'help' lists all of them");
+}
+
+void Shell::poll() {
+  if (activity_ == Activity::kLogging) {
+    finish_logging();
+  } else if (activity_ != Activity::kIdle && machine_.settled()) {
+    finish();
+  }
+}
+
+void Shell::finish() {
+  switch (activity_) {
+    case Activity::kArming:
+      finish_arming();
+      break;
+    case Activity::kMoving:
+      if (energised(machine_.telemetry().state)) {
+        ok();
+      } else {
+        error("not_armed", "torque went away before the move began", "'faults' says why");
+      }
+      break;
+    default:
+      ok();
+      break;
+  }
+}
+
+void Shell::finish_arming() {
+  const MachineTelemetry now = machine_.telemetry();
+  if (energised(now.state)) {
+    ok();
+    return;
+  }
+  for (const FaultInfo& entry : kFaultTable) {
+    if ((now.conditions & bit(entry.fault)) != 0) {
+      out_ << "blocked by " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
+    }
+  }
+  if (now.state == State::kFaulted) {
+    error("faulted", "a fault is latched", "read 'faults', then 'disarm' and 'arm'");
+  } else {
+    error("blocked", "arming is blocked by the conditions above", "cure them and 'arm' again");
+  }
+}
+
+void Shell::finish_logging() {
+  LogSample sample;
+  while (log_left_ > 0 && machine_.next_sample(sample)) {
+    if (sample.tick % log_every_ != 0) {
+      continue;
+    }
+    --log_left_;
+    // Ticks are milliseconds: the decimals are exact without any division of time.
+    const std::uint32_t thousandths = sample.tick % 1000;
+    out_ << sample.tick / 1000 << '.' << thousandths / 100 << thousandths / 10 % 10 << thousandths % 10 << ','
+         << sample.axis.q1_rad << ',' << sample.axis.tau_nm << ',' << sample.axis.q2_rad << ','
+         << sample.axis.q2_reference_rad << ',' << sample.axis.current_a << "\r\n";
+  }
+  if (log_left_ == 0) {
+    machine_.record(false, 0);
+    if (const std::uint32_t dropped = machine_.dropped_samples() - log_dropped_before_; dropped != 0) {
+      out_ << "# " << dropped << " samples found no room; log every " << 2 * log_every_ << " or fewer at a time\r\n";
+    }
+    ok();
+  }
+}
+
+auto Shell::parse_axis(std::string_view& text, std::size_t& axis) -> bool {
+  constexpr std::string_view kPrefix = "joint";
+  if (text.size() <= kPrefix.size() || std::string_view(text.data(), kPrefix.size()) != kPrefix) {
+    return false;
+  }
+  const char digit = text[kPrefix.size()];
+  if (digit < '0' || digit > '9') {
+    return false;
+  }
+  axis = static_cast<std::size_t>(digit - '0');
+  text.remove_prefix(kPrefix.size() + 1);
+  return axis < machine_.axes();
+}
+
+auto Shell::parse_name(std::string_view text, Name& name) -> bool {
+  if (!parse_axis(text, name.axis) || text.empty() || text.front() != '.') {
+    return false;
+  }
+  text.remove_prefix(1);
+  name.parameter = find_parameter(text);
+  return name.parameter != nullptr;
+}
+
+}  // namespace capstan

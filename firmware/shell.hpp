@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "firmware/machine.hpp"
+#include "firmware/parameter_text.hpp"
+
+namespace capstan {
+
+/// The operator's console: one line in, one answer out, ending in "ok" or "error <name>: <sentence>; <cure>". It never touches the
+/// cycle's data: it reads what the cycle publishes and hands it requests.
+class Shell {
+ public:
+  static constexpr std::size_t kMaxAxes = 4;
+  static constexpr std::size_t kLineLength = 160;
+
+  /// @param board  name of the board, for `version`
+  /// @param echo   true on a terminal: characters are echoed and the line can be edited
+  Shell(Machine& machine, TextSink& sink, const char* board, bool echo);
+
+  /// Feeds one received character.
+  void receive(char c);
+  /// Lets long answers go on; call it in the background loop.
+  void poll();
+  /// True while an answer is still under way: a line sent now would be refused.
+  [[nodiscard]] auto busy() const -> bool { return activity_ != Activity::kIdle; }
+
+ private:
+  friend struct ShellCommands;
+  enum class Activity : std::uint8_t { kIdle, kArming, kDisarming, kMoving, kApplying, kLogging };
+  /// joint number and group.name of "joint0.control.kp"
+  struct Name {
+    std::size_t axis = 0;
+    const ParameterInfo* parameter = nullptr;
+  };
+
+  void execute(std::string_view line);
+  void prompt();
+  void ok();
+  void error(const char* name, const char* sentence, const char* cure);
+  void finish();
+  void finish_arming();
+  void finish_logging();
+
+  auto parse_name(std::string_view text, Name& name) -> bool;
+  auto parse_axis(std::string_view& text, std::size_t& axis) -> bool;
+  auto stage(std::string_view arguments) -> bool;
+  void commit();
+
+  Machine& machine_;
+  TextSink& sink_;
+  Print out_;
+  const char* board_;
+  bool echo_;
+
+  std::array<char, kLineLength> line_{};
+  std::size_t length_ = 0;
+  bool too_long_ = false;
+  char last_ = 0;
+
+  Activity activity_ = Activity::kIdle;
+  std::array<AxisConfig, kMaxAxes> staged_{};
+  bool staging_ = false;
+  std::size_t log_axis_ = 0;
+  std::uint32_t log_left_ = 0;
+  std::uint32_t log_every_ = 1;
+  std::uint32_t log_dropped_before_ = 0;
+};
+
+}  // namespace capstan

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/storage.hpp"
+
+#include <array>
+#include <string_view>
+
+#include "firmware/parameters.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr std::uint32_t kMagic = 0x31545343;  // "CST1"
+constexpr std::uint32_t kFormatVersion = 1;
+constexpr std::size_t kHeaderBytes = 20;  // magic, version, sequence, length, crc of all that and of the payload
+constexpr std::size_t kEntryBytes = 8;    // hash of the name, raw value
+constexpr std::uint32_t kLongestPayload = 16 * 1024 - kHeaderBytes;
+
+struct Header {
+  std::uint32_t sequence = 0;
+  std::uint32_t length = 0;
+  std::uint32_t crc = 0;
+};
+
+/// CRC-32 (reflected 0x04C11DB7), bit by bit: small, and saving is not in a hurry.
+class Crc32 {
+ public:
+  void add(std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) {
+      crc_ ^= byte;
+      for (int bit = 0; bit < 8; ++bit) {
+        crc_ = (crc_ >> 1) ^ ((crc_ & 1U) != 0 ? 0xEDB88320U : 0U);
+      }
+    }
+  }
+  [[nodiscard]] auto value() const -> std::uint32_t { return ~crc_; }
+
+ private:
+  std::uint32_t crc_ = 0xFFFFFFFFU;
+};
+
+void put(std::span<std::uint8_t> bytes, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
+auto take(std::span<const std::uint8_t> bytes) -> std::uint32_t {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    value |= static_cast<std::uint32_t>(bytes[i]) << (8 * i);
+  }
+  return value;
+}
+
+/// FNV-1a over axis, group and name.
+auto hash_of(std::size_t axis, const ParameterInfo& parameter) -> std::uint32_t {
+  std::uint32_t hash = 2166136261U;
+  auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
+  add(static_cast<std::uint8_t>(axis));
+  for (const char c : std::string_view(parameter.group)) {
+    add(static_cast<std::uint8_t>(c));
+  }
+  add('.');
+  for (const char c : std::string_view(parameter.name)) {
+    add(static_cast<std::uint8_t>(c));
+  }
+  return hash;
+}
+
+/// Calls each(entry bytes) for every parameter of every axis, in order.
+template <typename Each>
+auto for_each_entry(std::span<const AxisConfig> axes, Each&& each) -> bool {
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    for (const ParameterInfo& parameter : parameters()) {
+      std::array<std::uint8_t, kEntryBytes> entry{};
+      put(std::span(entry).first(4), hash_of(axis, parameter));
+      put(std::span(entry).last(4), static_cast<std::uint32_t>(raw_value(axes[axis], parameter)));
+      if (!each(std::span<const std::uint8_t>(entry))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+auto header_bytes(const Header& header) -> std::array<std::uint8_t, kHeaderBytes> {
+  std::array<std::uint8_t, kHeaderBytes> bytes{};
+  const std::span all(bytes);
+  put(all.subspan(0, 4), kMagic);
+  put(all.subspan(4, 4), kFormatVersion);
+  put(all.subspan(8, 4), header.sequence);
+  put(all.subspan(12, 4), header.length);
+  put(all.subspan(16, 4), header.crc);
+  return bytes;
+}
+
+enum class BankState : std::uint8_t { kEmpty, kBroken, kValid };
+
+auto inspect(Banks& banks, int bank, Header& header) -> BankState {
+  std::array<std::uint8_t, kHeaderBytes> bytes{};
+  if (!banks.read(bank, 0, bytes)) {
+    return BankState::kEmpty;
+  }
+  bool erased = true;
+  for (const std::uint8_t byte : bytes) {
+    erased = erased && byte == 0xFF;
+  }
+  if (erased) {
+    return BankState::kEmpty;
+  }
+  const std::span<const std::uint8_t> all(bytes);
+  header = {take(all.subspan(8, 4)), take(all.subspan(12, 4)), take(all.subspan(16, 4))};
+  if (take(all.first(4)) != kMagic || take(all.subspan(4, 4)) != kFormatVersion || header.length > kLongestPayload ||
+      header.length % kEntryBytes != 0) {
+    return BankState::kBroken;
+  }
+  Crc32 crc;
+  crc.add(all.first(16));
+  std::array<std::uint8_t, kEntryBytes> entry{};
+  for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
+    if (!banks.read(bank, kHeaderBytes + at, entry)) {
+      return BankState::kBroken;
+    }
+    crc.add(entry);
+  }
+  return crc.value() == header.crc ? BankState::kValid : BankState::kBroken;
+}
+
+/// The bank with the newest whole set, or -1. Sequence numbers are compared with wrap.
+auto newest(Banks& banks, Header& header, bool& anything) -> int {
+  int best = -1;
+  for (int bank = 0; bank < Banks::kBanks; ++bank) {
+    Header candidate;
+    const BankState state = inspect(banks, bank, candidate);
+    anything = anything || state != BankState::kEmpty;
+    if (state == BankState::kValid &&
+        (best < 0 || static_cast<std::int32_t>(candidate.sequence - header.sequence) > 0)) {
+      best = bank;
+      header = candidate;
+    }
+  }
+  return best;
+}
+
+void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw) {
+  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+    for (const ParameterInfo& parameter : parameters()) {
+      if (hash_of(axis, parameter) == hash && raw >= parameter.minimum && raw <= parameter.maximum) {
+        set_raw_value(axes[axis], parameter, raw);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
+  Header old;
+  bool anything = false;
+  const int bank = newest(banks_, old, anything) == 0 ? 1 : 0;
+  Header header;
+  header.sequence = old.sequence + 1;
+  header.length = static_cast<std::uint32_t>(axes.size() * parameters().size() * kEntryBytes);
+  if (header.length > kLongestPayload || !banks_.erase(bank)) {
+    return false;
+  }
+  Crc32 crc;
+  const auto unsealed = header_bytes(header);
+  crc.add(std::span(unsealed).first(16));
+  std::size_t at = kHeaderBytes;
+  const bool written = for_each_entry(axes, [&](std::span<const std::uint8_t> entry) {
+    crc.add(entry);
+    const bool ok = banks_.write(bank, at, entry);
+    at += entry.size();
+    return ok;
+  });
+  header.crc = crc.value();
+  Header check;
+  return written && banks_.write(bank, 0, header_bytes(header)) && inspect(banks_, bank, check) == BankState::kValid;
+}
+
+auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
+  Header header;
+  bool anything = false;
+  const int bank = newest(banks_, header, anything);
+  if (bank < 0) {
+    return anything ? LoadResult::kCorrupt : LoadResult::kEmpty;
+  }
+  std::array<std::uint8_t, kEntryBytes> entry{};
+  for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
+    if (!banks_.read(bank, kHeaderBytes + at, entry)) {
+      return LoadResult::kCorrupt;
+    }
+    const std::span<const std::uint8_t> all(entry);
+    restore(axes, take(all.first(4)), static_cast<std::int32_t>(take(all.last(4))));
+  }
+  for (const AxisConfig& axis : axes) {
+    if (check(axis) != nullptr) {
+      return LoadResult::kCorrupt;  // values of several versions that do not go together
+    }
+  }
+  return LoadResult::kLoaded;
+}
+
+}  // namespace capstan

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "hal/joint_io.hpp"
+#include "hal/plant_link/frames.hpp"
+
+namespace capstan::plant_link {
+
+/// A serial line: every call returns at once.
+template <typename T>
+concept BytePort = requires(T port, std::uint8_t& byte, std::span<const std::uint8_t> bytes) {
+  { port.read(byte) } noexcept -> std::same_as<bool>;
+  { port.write_free() } noexcept -> std::same_as<std::size_t>;
+  { port.write(bytes) } noexcept -> std::same_as<std::size_t>;
+};
+
+/// Something that advances while read() waits: core cycles, or merely the number of looks. Differences modulo 2^32 count.
+template <typename T>
+concept WaitCounter = requires(const T& counter) {
+  { counter.now() } noexcept -> std::same_as<std::uint32_t>;
+};
+
+/// What the link has seen since start. Counters wrap.
+struct LinkCounters {
+  std::uint32_t answered = 0;  ///< cycles whose sensed frame came in time
+  std::uint32_t missed = 0;    ///< cycles without one
+  std::uint32_t stale = 0;     ///< whole frames with another cycle's sequence number: never used
+  std::uint32_t damaged = 0;   ///< frames with a wrong length, tag, version or checksum
+  std::uint32_t refused = 0;   ///< drive frames the line had no room for
+};
+
+/// Joint input and output over a serial line to a simulated plant, in lock-step: see frames.hpp. A value is either that of this
+/// very cycle or missing.
+template <BytePort Port, WaitCounter Counter, std::size_t Axes>
+class PlantLinkIo {
+ public:
+  static constexpr std::size_t kAxes = Axes;
+  /// Cycles without any answer after which read() no longer waits, so that a board without a plant stays quick. The first
+  /// frame that comes in, even a stale one, makes it wait again.
+  static constexpr std::uint32_t kMissedBeforeDown = 10;
+
+  /// `patience` bounds the wait in read(), in counts of `counter`; it must leave the rest of the cycle its time.
+  PlantLinkIo(Port& port, const Counter& counter, std::uint32_t patience) noexcept
+      : port_(port), counter_(counter), patience_(patience) {}
+
+  /// Asks for the plant's first snapshot, which read() then finds; the plant does not move for it.
+  void start() noexcept { static_cast<void>(send({.sequence = sequence_, .kind = DriveKind::kQuery})); }
+
+  [[nodiscard]] auto read(Sensed<Axes>& in) noexcept -> Status {
+    in = {};
+    in.overruns = overruns_;
+    const std::uint32_t begin = counter_.now();
+    const bool wait = silent_ < kMissedBeforeDown;
+    do {
+      if (drain()) {
+        ++counters_.answered;
+        in.axis = frame_.axis;
+        in.estop = frame_.estop;
+        return Status::kOk;
+      }
+    } while (wait && counter_.now() - begin < patience_);
+    ++counters_.missed;
+    silent_ += silent_ < kMissedBeforeDown ? 1U : 0U;
+    return Status::kTimeout;
+  }
+
+  [[nodiscard]] auto write(const Drive<Axes>& out) noexcept -> Status {
+    ++sequence_;
+    return send({.sequence = sequence_, .kind = DriveKind::kStep, .drive = out});
+  }
+
+  void release() noexcept { static_cast<void>(send({.sequence = sequence_, .kind = DriveKind::kRelease})); }
+
+  /// Cycles the board skipped or began late since start: handed on in every snapshot.
+  void set_overruns(std::uint32_t overruns) noexcept { overruns_ = overruns; }
+  [[nodiscard]] auto counters() const noexcept -> LinkCounters {
+    LinkCounters result = counters_;
+    result.damaged += reader_.damaged();
+    return result;
+  }
+  [[nodiscard]] auto is_up() const noexcept -> bool { return counters_.answered > 0 && silent_ == 0; }
+
+ private:
+  /// Takes what has come in; true when this cycle's frame was among it. Bounded: the port's buffer is, and so is each call.
+  [[nodiscard]] auto drain() noexcept -> bool {
+    constexpr std::size_t kMost = 4 * (cobs_max_size(kSensedSize<Axes>) + 1);
+    std::uint8_t byte = 0;
+    for (std::size_t i = 0; i < kMost && port_.read(byte); ++i) {
+      if (!reader_.take(byte)) {
+        continue;
+      }
+      if (!decode(reader_.packet(), frame_)) {
+        ++counters_.damaged;
+        continue;
+      }
+      silent_ = 0;
+      if (frame_.sequence == sequence_) {
+        return true;
+      }
+      ++counters_.stale;
+    }
+    return false;
+  }
+
+  [[nodiscard]] auto send(const DriveFrame<Axes>& frame) noexcept -> Status {
+    const auto wire = encode(frame);
+    if (port_.write_free() < wire.size) {
+      ++counters_.refused;  // half a frame would spoil the next one too
+      return Status::kFailed;
+    }
+    return port_.write(wire.view()) == wire.size ? Status::kOk : Status::kFailed;
+  }
+
+  Port& port_;
+  const Counter& counter_;
+  std::uint32_t patience_;
+  FrameReader<kSensedSize<Axes>> reader_;
+  SensedFrame<Axes> frame_;
+  LinkCounters counters_;
+  std::uint32_t sequence_ = 0;
+  std::uint32_t silent_ = 0;
+  std::uint32_t overruns_ = 0;
+};
+
+}  // namespace capstan::plant_link

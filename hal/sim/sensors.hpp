@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "hal/sim/parameters.hpp"
+#include "hal/sim/random.hpp"
+
+namespace capstan::sim {
+
+/// What the board's inputs hold after a step.
+struct Readings {
+  std::int32_t encoder_counts = 0;  ///< wraps at 32 bits
+  double current_a = 0.0;
+  bool encoder_ok = true;
+  bool current_ok = true;
+};
+
+enum class FaultTarget { kEncoder, kCurrent, kAmplifier };
+
+enum class FaultKind {
+  kOff,      ///< sensor: reports itself dead, its value is 0; amplifier: drives no current
+  kStuck,    ///< holds the last good value (amplifier: the last good command) and looks healthy
+  kGarbage,  ///< random values over the whole range
+  kJump,     ///< `amount` (counts or A) is added
+  kNan,      ///< current: not a number; encoder: no valid word, lowest integer and not ok
+  kSign,     ///< the value's sign is reversed
+  kDelayed,  ///< the value is `amount` seconds old
+};
+
+/// One entry of the fault schedule. `duration_s` 0 means for ever.
+struct Fault {
+  double time_s = 0.0;
+  FaultTarget target = FaultTarget::kEncoder;
+  FaultKind kind = FaultKind::kOff;
+  double amount = 0.0;
+  double duration_s = 0.0;
+};
+
+/// Faults by time. Values pass through it on the way to the board.
+class FaultSchedule {
+ public:
+  static constexpr double kLongestDelayS = 0.5;
+
+  explicit FaultSchedule(std::uint64_t seed) : random_(seed) {}
+
+  /// Throws std::invalid_argument if the time or duration is negative, the delay too long, or the target cannot have
+  /// that kind.
+  void add(const Fault& fault);
+
+  /// Applies what is active at `time_s`. Call once per step: it also remembers the healthy values.
+  void apply(double time_s, Readings& readings);
+
+  /// The command that reaches the amplifier. `enabled` may be cleared.
+  [[nodiscard]] double filter_command(double time_s, double command_a, bool& enabled);
+
+ private:
+  [[nodiscard]] bool active(const Fault& fault, double time_s) const;
+  [[nodiscard]] Readings faulty(const Fault& fault, const Readings& good);
+  void apply_one(const Fault& fault, Readings& readings);
+
+  std::vector<Fault> faults_;
+  Random random_;
+  std::vector<Readings> history_;  // ring of healthy readings, one per ms
+  std::size_t newest_ = 0;
+  Readings stuck_;
+  double stuck_command_a_ = 0.0;
+};
+
+/// Incremental encoder on the input pulley: floor, 32-bit wrap, optional eccentricity and slip on the shaft.
+class Encoder {
+ public:
+  explicit Encoder(const PlantParameters& parameters);
+  [[nodiscard]] std::int32_t counts(double q1_rad, double time_s) const;
+
+ private:
+  Effects effects_;
+  double counts_per_rad_;
+  double start_counts_;
+};
+
+/// Shunt amplifier and ADC: offset, white noise, full scale, quantisation.
+class CurrentSensor {
+ public:
+  CurrentSensor(const PlantParameters& parameters, std::uint64_t seed);
+  [[nodiscard]] double sample(double current_a);
+
+ private:
+  double offset_a_, noise_a_, step_a_, full_scale_a_;
+  Random random_;
+};
+
+/// Camera on the joint, one call per ms. Frames are held in between; exposure happens at the frame, delivery after the
+/// delay.
+class Camera {
+ public:
+  Camera(const PlantParameters& parameters, std::uint64_t seed);
+  [[nodiscard]] double sample(double q2_rad);
+
+ private:
+  double noise_rad_;
+  double frame_period_s_;
+  double next_frame_s_ = 0.0;
+  double clock_s_ = 0.0;
+  double held_rad_ = 0.0;
+  std::vector<double> late_;  // delay line in steps
+  std::size_t cursor_ = 0;
+  Random random_;
+};
+
+}  // namespace capstan::sim

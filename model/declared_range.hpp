@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace capstan {
+
+/// The range for which the fixed-point motion law is declared: inside it nothing saturates and the joint angle is
+/// within 2e-5 rad of the law in double (tests/model/motion_law_accuracy_test.cpp). Magnitudes; all may be reached at
+/// once.
+struct DeclaredRange {
+  static constexpr double kMotorAngleRad = 32.0;
+  static constexpr double kMotorRateRadPerS =
+      60.0;  ///< half the format's, since the filter forms rate minus filtered rate
+  static constexpr double kTorqueNm = 8.0;
+  static constexpr double kBeta = 2.0;
+  static constexpr double kOffsetRad = 3.2;
+  static constexpr double kElongationRadPerNm = 5.5;  ///< the largest in the thesis is 5.302 (RAVEN II elbow)
+  static constexpr double kViscousS = 0.1;
+  static constexpr double kContrastRad = 1.0;
+  static constexpr double kPlayGain = 2.0;
+  static constexpr double kPlayHalfWidthRad = 0.5;
+  static constexpr double kSlipTorqueNm = 2.0;  ///< with a coefficient up to kElongationRadPerNm
+
+  /// The largest sum these allow, rad. The slip term lags by half its torque at most.
+  static constexpr double kJointAngleRad = kBeta * kMotorAngleRad + kOffsetRad +
+                                           kElongationRadPerNm * (kTorqueNm + 0.5 * kSlipTorqueNm) +
+                                           kViscousS * kMotorRateRadPerS + kContrastRad + kPlayGain * kPlayHalfWidthRad;
+  static_assert(kJointAngleRad < 128.0, "the sum must fit the quantity format");
+};
+
+}  // namespace capstan

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+namespace capstan {
+
+/// Clamps in the wide type, then narrows: comparing after narrowing would catch nothing.
+template <typename Wide, typename Narrow>
+constexpr auto narrow_saturating(Wide value) -> Narrow {
+  constexpr auto kMin = static_cast<Wide>(std::numeric_limits<Narrow>::min());
+  constexpr auto kMax = static_cast<Wide>(std::numeric_limits<Narrow>::max());
+  return static_cast<Narrow>(value < kMin ? kMin : (value > kMax ? kMax : value));
+}
+
+/// Divides by 2^Bits, rounding to nearest and ties towards plus infinity: the one rounding rule of the project. Chosen
+/// because it is one add and one shift on every target, so all targets agree bit for bit.
+/// @pre |value| <= 2^62, which every product of two 32-bit numbers meets
+template <int Bits>
+constexpr auto shift_right_rounded(std::int64_t value) -> std::int64_t {
+  static_assert(Bits >= 0 && Bits < 63);
+  if constexpr (Bits == 0) {
+    return value;
+  } else {
+    return (value + (std::int64_t{1} << (Bits - 1))) >> Bits;
+  }
+}
+
+/// Signed fixed-point number raw * 2^-Frac. Every operation is carried out in 64 bits, rounded by shift_right_rounded
+/// and saturated at the ends of Rep; nothing wraps. Conversions are explicit. Range [-2^(31-Frac), 2^(31-Frac)) for Rep
+/// = int32_t, resolution 2^-Frac.
+template <typename Rep, int Frac>
+class Fixed {
+  static_assert(std::is_same_v<Rep, std::int32_t>, "products are widened to 64 bits, so Rep has 32");
+  static_assert(Frac >= 0 && Frac < 32);
+
+ public:
+  using rep = Rep;
+  static constexpr int kFrac = Frac;
+
+  constexpr Fixed() = default;
+  static constexpr auto from_raw(Rep raw) -> Fixed {
+    Fixed result;
+    result.raw_ = raw;
+    return result;
+  }
+  /// Saturates a 64-bit raw value (already scaled by 2^Frac).
+  static constexpr auto from_wide(std::int64_t raw) -> Fixed {
+    return from_raw(narrow_saturating<std::int64_t, Rep>(raw));
+  }
+  /// Nearest value, saturated. NaN becomes 0: callers that can meet NaN check first (the cycle never converts from
+  /// double).
+  static constexpr auto from_double(double value) -> Fixed {
+    const double scaled = value * static_cast<double>(std::int64_t{1} << Frac);
+    if (!(scaled > static_cast<double>(std::numeric_limits<Rep>::min()))) {
+      return scaled == scaled ? lowest() : Fixed{};
+    }
+    if (scaled >= static_cast<double>(std::numeric_limits<Rep>::max())) {
+      return max();
+    }
+    const auto truncated = static_cast<std::int64_t>(scaled);
+    const std::int64_t below = static_cast<double>(truncated) > scaled ? truncated - 1 : truncated;
+    // Not floor(scaled + 0.5): that sum is itself rounded, and takes the number below one half up to one.
+    return from_wide(scaled - static_cast<double>(below) >= 0.5 ? below + 1 : below);
+  }
+  static constexpr auto from_int(std::int32_t value) -> Fixed {
+    return from_wide(static_cast<std::int64_t>(value) * (std::int64_t{1} << Frac));
+  }
+  static constexpr auto max() -> Fixed { return from_raw(std::numeric_limits<Rep>::max()); }
+  static constexpr auto lowest() -> Fixed { return from_raw(std::numeric_limits<Rep>::min()); }
+
+  [[nodiscard]] constexpr auto raw() const -> Rep { return raw_; }
+  [[nodiscard]] constexpr auto to_double() const -> double {
+    return static_cast<double>(raw_) / static_cast<double>(std::int64_t{1} << Frac);
+  }
+  /// True at either end of the range: the value may have been cut, so whoever computed it must say so.
+  [[nodiscard]] constexpr auto is_saturated() const -> bool {
+    return raw_ == std::numeric_limits<Rep>::max() || raw_ == std::numeric_limits<Rep>::min();
+  }
+
+  friend constexpr auto operator==(Fixed a, Fixed b) -> bool { return a.raw_ == b.raw_; }
+  friend constexpr auto operator<=>(Fixed a, Fixed b) -> std::strong_ordering { return a.raw_ <=> b.raw_; }
+
+  constexpr auto operator-() const -> Fixed { return from_wide(-static_cast<std::int64_t>(raw_)); }
+  friend constexpr auto operator+(Fixed a, Fixed b) -> Fixed {
+    return from_wide(static_cast<std::int64_t>(a.raw_) + b.raw_);
+  }
+  friend constexpr auto operator-(Fixed a, Fixed b) -> Fixed {
+    return from_wide(static_cast<std::int64_t>(a.raw_) - b.raw_);
+  }
+  /// The right factor may have another format; the product has the format of the left one.
+  template <int OtherFrac>
+  friend constexpr auto operator*(Fixed a, Fixed<Rep, OtherFrac> b) -> Fixed {
+    return from_wide(shift_right_rounded<OtherFrac>(static_cast<std::int64_t>(a.raw_) * b.raw()));
+  }
+  /// Rounded by the one rule. Division by zero saturates with the sign of the dividend; 0/0 is 0.
+  friend constexpr auto operator/(Fixed a, Fixed b) -> Fixed { return divide<Frac>(a.raw_, b.raw_); }
+  constexpr auto operator+=(Fixed b) -> Fixed& { return *this = *this + b; }
+  constexpr auto operator-=(Fixed b) -> Fixed& { return *this = *this - b; }
+
+  /// numerator / denominator of one format, the quotient in this one (for gains below 2 from quantities, say).
+  template <int OtherFrac>
+  static constexpr auto ratio(Fixed<Rep, OtherFrac> numerator, Fixed<Rep, OtherFrac> denominator) -> Fixed {
+    return divide<Frac>(numerator.raw(), denominator.raw());
+  }
+
+ private:
+  template <int Shift>
+  static constexpr auto divide(std::int64_t a, std::int64_t b) -> Fixed {
+    if (b == 0) {
+      return a == 0 ? Fixed{} : (a > 0 ? max() : lowest());
+    }
+    const std::int64_t divisor = b < 0 ? -b : b;
+    // |a| <= 2^31 and Shift <= 31, so the sum below fits in 63 bits.
+    const std::int64_t dividend = (b < 0 ? -a : a) * (std::int64_t{1} << Shift) + divisor / 2;
+    const std::int64_t quotient = dividend / divisor;
+    return from_wide(quotient * divisor > dividend ? quotient - 1 : quotient);  // floor, as a shift would
+  }
+
+  Rep raw_ = 0;
+};
+
+/// Quantities (rad, N m, rad/s, coefficients): +-128 with a resolution of 6.0e-8.
+using Q24 = Fixed<std::int32_t, 24>;
+/// Gains of filters and other factors below 2: +-2 with a resolution of 9.3e-10.
+using Q30 = Fixed<std::int32_t, 30>;
+
+template <typename Rep, int Frac>
+constexpr auto abs(Fixed<Rep, Frac> x) -> Fixed<Rep, Frac> {
+  return x.raw() < 0 ? -x : x;
+}
+
+}  // namespace capstan

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+
+#include "model/fixed.hpp"
+
+namespace capstan {
+
+/// What a law needs to know about the numbers it is written in, so that one template serves double and fixed point.
+/// Gain: the type of factors below 2 (filter gains, fractions of a sample).
+template <typename Scalar>
+struct ScalarTraits;
+
+template <>
+struct ScalarTraits<double> {
+  using Gain = double;
+  static constexpr auto from(double value) -> double { return value; }
+  static constexpr auto fraction(double value) -> Gain { return value; }
+  static constexpr auto gain(double numerator, double denominator) -> double { return numerator / denominator; }
+  static constexpr auto is_saturated(double /*x*/) -> bool { return false; }
+  static constexpr auto missing() -> double { return std::numeric_limits<double>::quiet_NaN(); }
+  /// True for NaN and the infinities.
+  static constexpr auto is_missing(double x) -> bool {
+    return !(std::numeric_limits<double>::lowest() <= x && x <= std::numeric_limits<double>::max());
+  }
+};
+
+template <>
+struct ScalarTraits<Q24> {
+  using Gain = Q30;
+  /// Host, or constant evaluation on target: the target has no double.
+  static constexpr auto from(double value) -> Q24 { return Q24::from_double(value); }
+  /// A constant below 2; constant evaluation only, like `from`.
+  static consteval auto fraction(double value) -> Q30 { return Q30::from_double(value); }
+  static constexpr auto gain(Q24 numerator, Q24 denominator) -> Q30 { return Q30::ratio(numerator, denominator); }
+  static constexpr auto is_saturated(Q24 x) -> bool { return x.is_saturated(); }
+  /// The mark of a value nobody has given: an end of the range, where no trusted value can be.
+  static constexpr auto missing() -> Q24 { return Q24::lowest(); }
+  static constexpr auto is_missing(Q24 x) -> bool { return x.is_saturated(); }
+};
+
+constexpr auto abs(double x) -> double {
+  return x < 0.0 ? -x : x;
+}
+
+template <typename Scalar>
+constexpr auto clamp(Scalar x, Scalar low, Scalar high) -> Scalar {
+  return x < low ? low : (high < x ? high : x);
+}
+
+/// Time from one sample to the next. The firmware's is the constant 1 ms; a log brings its own (double only).
+template <typename Scalar>
+class SamplePeriod;
+
+template <>
+class SamplePeriod<double> {
+ public:
+  constexpr explicit SamplePeriod(double seconds) : seconds_(seconds) {}
+  [[nodiscard]] constexpr auto rate_of(double difference) const -> double { return difference / seconds_; }
+  /// Gain g of the first-order filter x += g (u - x) with the given time constant, s: g = dt / (T + dt). A time
+  /// constant below zero counts as zero: the gain is then one, and the filter lets everything through.
+  [[nodiscard]] constexpr auto filter_gain(double time_constant_s) const -> double {
+    return time_constant_s > 0.0 ? seconds_ / (time_constant_s + seconds_) : 1.0;
+  }
+  /// A duration in samples: whole part, and fraction in [0, 1). Durations below zero count as zero, above kMaxSplit as
+  /// that.
+  constexpr void split(double duration_s, std::int32_t& whole, double& fraction) const {
+    constexpr double kMaxSplit = 1.0e9;
+    const double wanted = duration_s / seconds_;
+    const double samples = wanted > 0.0 ? (wanted < kMaxSplit ? wanted : kMaxSplit) : 0.0;  // NaN counts as zero
+    whole = static_cast<std::int32_t>(samples);
+    fraction = samples - static_cast<double>(whole);
+  }
+
+ private:
+  double seconds_;
+};
+
+template <>
+class SamplePeriod<Q24> {
+ public:
+  /// @param rate_hz  samples per second, 1 to 10000
+  constexpr explicit SamplePeriod(std::int32_t rate_hz) : rate_hz_(rate_hz) {}
+  [[nodiscard]] constexpr auto rate_of(Q24 difference) const -> Q24 {
+    return Q24::from_wide(static_cast<std::int64_t>(difference.raw()) * rate_hz_);
+  }
+  [[nodiscard]] constexpr auto filter_gain(Q24 time_constant_s) const -> Q30 {
+    // dt / (T + dt) = 1 / (T rate + 1), exact in integers up to the final rounding.
+    const std::int64_t denominator = not_negative(time_constant_s) * rate_hz_ + kOne;
+    return Q30::from_wide(((kOne << Q30::kFrac) + denominator / 2) / denominator);
+  }
+  constexpr void split(Q24 duration_s, std::int32_t& whole, Q30& fraction) const {
+    const std::int64_t samples = not_negative(duration_s) * rate_hz_;
+    whole = static_cast<std::int32_t>(samples >> Q24::kFrac);
+    fraction = Q30::from_wide((samples & (kOne - 1)) << (Q30::kFrac - Q24::kFrac));
+  }
+
+ private:
+  static constexpr std::int64_t kOne = std::int64_t{1} << Q24::kFrac;
+  static constexpr auto not_negative(Q24 x) -> std::int64_t { return x.raw() > 0 ? x.raw() : 0; }
+
+  std::int32_t rate_hz_;
+};
+
+}  // namespace capstan

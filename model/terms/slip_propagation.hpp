@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/term.hpp"
+
+namespace capstan {
+
+/// After a reversal the slip front starts at the motor and works its way along the tendon, so the tendon stretches
+/// little at first and by the whole of a tau only when the front has reached the joint. The base law stretches it at
+/// once: its jump at a reversal is the open flaw that the thesis names.
+///
+/// With the front at phi_w a change s of the torque has reached the part phi_w ~ s of the tendon, and the elongation
+/// grows as s^2 until s = 2 R; minor loops close and follow the same shape from where they start. A torque passed
+/// through play operators of half widths spread evenly over [0, R] does just that (a Prandtl-Ishlinskii operator):
+///   regressor  mean_k play(tau, r_k) - tau,   r_k = R (k + 1/2) / n
+/// beside the a tau of the base law, so a coefficient equal to a turns a tau into a PI(tau).
+template <typename Scalar>
+class SlipPropagation {
+ public:
+  static constexpr std::size_t kOperators = 8;
+
+  static constexpr TermInfo<1, 1> kInfo = {
+      .name = "slip_propagation",
+      .equation = "a (mean_k play(tau, r_k) - tau), r_k = R (k + 1/2) / n",
+      .source = "(2.6), (2.7), (2.10) with a moving front; thesis 8.2 names the jump at reversals as open",
+      .confusable_with = "pretension_offset, reversal_memory, play, presliding",
+      .exciting_motion = "nested loops: reversals at several torques, some before the front has reached the joint",
+      .coefficients = {{{"a", "rad/Nm", Sign::kNonPositive, "elongation per torque that arrives gradually"}}},
+      .shapes = {{{"torque", "Nm", 0.002, 20.0, 0.05,
+                   "R: half the change of torque after which the whole tendon slips"}}},
+  };
+
+  constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : torque_(shape[0]) {
+    constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
+    Scalar next = torque_ * kHalfShare;
+    for (Scalar& half_width : half_width_) {
+      half_width = next;
+      next += torque_ * kShare;
+    }
+  }
+
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
+    if (!started_) {
+      started_ = true;
+      position_.fill(s.tau);
+    }
+    Scalar lag{};
+    for (std::size_t k = 0; k < kOperators; ++k) {
+      position_[k] = clamp(position_[k], s.tau - half_width_[k], s.tau + half_width_[k]);
+      lag += (position_[k] - s.tau) * kShare;
+    }
+    return {lag};
+  }
+
+  /// Fully slipping: every operator trails by its half width, R / 2 on average.
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+    constexpr auto kHalf = Traits::fraction(0.5);
+    const Scalar lag = torque_ * kHalf;
+    return {s.forward ? -lag : lag};
+  }
+
+ private:
+  using Traits = ScalarTraits<Scalar>;
+  static constexpr auto kShare = Traits::fraction(1.0 / kOperators);
+
+  Scalar torque_;
+  std::array<Scalar, kOperators> half_width_{};
+  std::array<Scalar, kOperators> position_{};
+  bool started_ = false;
+};
+
+}  // namespace capstan

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <type_traits>
+
+#include "model/term.hpp"
+
+namespace capstan {
+
+/// The joint's own measurement is late: y(t) = y0(t - D), linear between samples. It acts on the finished sum, because
+/// a late sensor delays every part of the law alike; that is what tells it from viscous drag.
+template <typename Scalar>
+class TransportDelay {
+ public:
+  /// Longest delay that can be held, in samples; a longer one is cut to it. On the target 64 ms at 1 kHz; on the host
+  /// the longest delay of kInfo still fits in a log of 17 kHz.
+  static constexpr std::int32_t kMaxSamples = std::is_floating_point_v<Scalar> ? 1024 : 64;
+
+  static constexpr TermInfo<0, 1> kInfo = {
+      .name = "transport_delay",
+      .equation = "y(t) = y0(t - D)",
+      .source = "sampling of two sensors by different clocks",
+      .confusable_with = "transmission_viscous",
+      .exciting_motion = "a multisine or chirp over a decade with fast reversals",
+      .coefficients = {},
+      .shapes = {{{"delay", "s", 0.0, 0.06, 0.0, "how much later the joint sensor reports than the motor's"}}},
+  };
+
+  constexpr TransportDelay(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) {
+    dt.split(shape[0], whole_, fraction_);
+    if (whole_ >= kMaxSamples) {
+      whole_ = kMaxSamples;
+      fraction_ = {};
+    }
+  }
+
+  constexpr auto update(Scalar y) -> Scalar {
+    if (!started_) {
+      started_ = true;
+      history_.fill(y);
+    }
+    newest_ = newest_ + 1 < kSize ? newest_ + 1 : 0;
+    history_[static_cast<std::size_t>(newest_)] = y;
+    const Scalar late = at(whole_);
+    return late + (at(whole_ + 1) - late) * fraction_;
+  }
+
+ private:
+  static constexpr std::int32_t kSize =
+      kMaxSamples + 2;  // the newest, and one beyond the oldest to interpolate towards
+  [[nodiscard]] constexpr auto at(std::int32_t age) const -> Scalar {
+    const std::int32_t index = newest_ - age;
+    return history_[static_cast<std::size_t>(index < 0 ? index + kSize : index)];
+  }
+
+  std::array<Scalar, static_cast<std::size_t>(kSize)> history_{};
+  std::int32_t newest_ = 0;
+  std::int32_t whole_ = 0;
+  typename ScalarTraits<Scalar>::Gain fraction_{};
+  bool started_ = false;
+};
+
+}  // namespace capstan

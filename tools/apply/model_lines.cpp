@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/apply/model_lines.hpp"
+
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace capstan::tools {
+namespace {
+
+/// Writes one 'set' line per parameter, in the order of the catalogue.
+class Lines {
+ public:
+  Lines(std::vector<std::string>& lines, const LawParameters<double>& law, int axis)
+      : lines_(lines), law_(law), prefix_("set joint" + std::to_string(axis) + ".") {}
+
+  void set(const std::string& group, const std::string& name, double value, const char* unit) {
+    std::array<char, 40> number{};
+    std::snprintf(number.data(), number.size(), "%.8f", value);
+    std::string line = prefix_ + group + "." + name + " " + number.data();
+    if (std::string_view(unit) != "1") {
+      line.append(" ").append(unit);
+    }
+    lines_.push_back(std::move(line));
+  }
+  template <typename Term>
+  void operator()() {
+    for (const CoefficientInfo& info : Term::kInfo.coefficients) {
+      set(Term::kInfo.name, info.name, law_.coefficients[coefficient_++], info.unit);
+    }
+    for (const ShapeInfo& info : Term::kInfo.shapes) {
+      set(Term::kInfo.name, info.name, law_.shapes[shape_++], info.unit);
+    }
+  }
+
+ private:
+  std::vector<std::string>& lines_;
+  const LawParameters<double>& law_;
+  std::string prefix_;
+  std::size_t coefficient_ = 0;
+  std::size_t shape_ = 0;
+};
+
+}  // namespace
+
+auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
+  std::vector<std::string> lines = {"begin"};
+  Lines write(lines, joint.parameters, axis);
+  SumTerms::for_each<double>(write);
+  OutputTerms::for_each<double>(write);
+  const ConditionerShape<double>& conditioner = joint.parameters.conditioner;
+  write.set("conditioner", "direction_threshold", conditioner.direction_threshold_rad, "rad");
+  write.set("conditioner", "rate_time_constant", conditioner.rate_time_constant_s, "s");
+  if (joint.steady_torque) {
+    write.set("control", "torque_forward", joint.steady_torque->forward_nm, "Nm");
+    write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");
+  }
+  lines.emplace_back("commit");
+  return lines;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/apply/shell_client.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <termios.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+#include "boards/common/terminal_mode.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr std::chrono::seconds kPatience{5};  // saving erases flash, which takes up to 2.6 s
+constexpr std::string_view kPrompt = "capstan> ";
+
+auto connect_loopback(const std::string& port, std::string_view number) -> FileDescriptor {
+  std::uint16_t value = 0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc{} || end != number.data() + number.size() || value == 0) {
+    throw BadInput(port + ": the port is not a number from 1 to 65535; write for instance tcp:4000");
+  }
+  FileDescriptor line(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(value);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  if (!line || ::connect(line.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    throw BadInput(port + ": nobody answers (" + std::strerror(errno) + "); start the board with --shell " + port);
+  }
+  return line;
+}
+
+auto open_port(const std::string& port) -> FileDescriptor {
+  constexpr std::string_view kTcp = "tcp:";
+  if (port.starts_with(kTcp)) {
+    return connect_loopback(port, std::string_view(port).substr(kTcp.size()));
+  }
+  FileDescriptor line(::open(port.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  if (!line) {
+    throw BadInput(port + ": the port does not open (" + std::strerror(errno) + "); give tcp:PORT or the board's device");
+  }
+  if (!make_raw(line.get(), B115200)) {
+    throw BadInput(port + ": this is not a serial line; give tcp:PORT or the board's device");
+  }
+  return line;
+}
+
+}  // namespace
+
+ShellClient::ShellClient(const std::string& port) : line_(open_port(port)), port_(port) {}
+
+auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> std::string {
+  for (;;) {
+    if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
+      std::string line = received_.substr(0, end);
+      received_.erase(0, end + 1);
+      while (!line.empty() && line.back() == '\r') {
+        line.pop_back();
+      }
+      while (line.starts_with(kPrompt)) {
+        line.erase(0, kPrompt.size());
+      }
+      return line;
+    }
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    pollfd set{line_.get(), POLLIN, 0};
+    if (left.count() <= 0 || ::poll(&set, 1, static_cast<int>(left.count())) == 0) {
+      throw Refusal(port_ + ": no answer from the shell within 5 s; check that a board is there and that nobody else uses its shell");
+    }
+    std::array<char, 512> buffer{};
+    const auto count = ::read(line_.get(), buffer.data(), buffer.size());
+    if (count <= 0) {
+      throw Refusal(port_ + ": the board closed the line; check its supply and that nobody else uses its shell");
+    }
+    received_.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+auto ShellClient::ask(const std::string& line) -> std::vector<std::string> {
+  const std::string text = line + "\n";
+  for (std::size_t sent = 0; sent < text.size();) {
+    const auto count = ::write(line_.get(), text.data() + sent, text.size() - sent);
+    if (count < 0) {
+      throw Refusal(port_ + ": the line broke while sending; check the cable");
+    }
+    sent += static_cast<std::size_t>(count);
+  }
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  std::vector<std::string> answer;
+  for (;;) {
+    const std::string received = read_line(deadline);
+    if (received == "ok") {
+      return answer;
+    }
+    if (received.starts_with("error ")) {
+      throw Refusal("the board refused '" + line + "': " + received.substr(6));
+    }
+    if (received != line) {  // its echo
+      answer.push_back(received);
+    }
+  }
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "hal/linux/file_descriptor.hpp"
+
+namespace capstan::tools {
+
+/// The host's end of a board's shell: one line out, one answer back. Waits for each answer, so no character is lost.
+class ShellClient {
+ public:
+  /// @param port  "tcp:PORT" on this machine, or a serial device or pseudo-terminal
+  /// Throws BadInput if it can not be opened.
+  explicit ShellClient(const std::string& port);
+
+  /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence if it is an error, or if no answer comes.
+  auto ask(const std::string& line) -> std::vector<std::string>;
+
+  [[nodiscard]] auto descriptor() const -> int { return line_.get(); }
+
+ private:
+  auto read_line(std::chrono::steady_clock::time_point deadline) -> std::string;
+
+  FileDescriptor line_;
+  std::string port_;
+  std::string received_;
+};
+
+}  // namespace capstan::tools

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/apply/model_lines.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "tools/apply/shell_client.hpp"
+#include "tools/capstan/commands.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct ApplyOptions {
+  std::string model;
+  std::string port;
+  int axis = 0;
+  bool keep_unsaved = false;
+};
+
+/// Reads back what a 'set' line asked for. The board rounds to 2^-24, and nothing else may differ.
+void verify(ShellClient& shell, const std::string& set_line) {
+  std::istringstream words(set_line);
+  std::string command;
+  std::string name;
+  double wanted = 0.0;
+  words >> command >> name >> wanted;
+  for (const std::string& line : shell.ask("get " + name)) {
+    std::istringstream answer(line);
+    std::string answered_name;
+    double value = 0.0;
+    constexpr double kRounding = 4e-8;
+    if (answer >> answered_name >> value && answered_name == name && std::abs(value - wanted) <= kRounding) {
+      return;
+    }
+  }
+  throw Refusal("the board does not report " + name + " as it was set; nothing was saved, so restart it and apply again");
+}
+
+auto apply(const ApplyOptions& options) -> int {
+  const JointFile joint = read_joint_file(options.model);
+  ShellClient shell(options.port);
+  const auto version = shell.ask("version");
+  const auto lines = model_lines(joint, options.axis);
+  for (const std::string& line : lines) {
+    shell.ask(line);
+  }
+  int verified = 0;
+  for (const std::string& line : lines) {
+    if (line.starts_with("set ")) {
+      verify(shell, line);
+      ++verified;
+    }
+  }
+  if (!options.keep_unsaved) {
+    shell.ask("save");
+  }
+  std::cout << (version.empty() ? std::string("board") : version.front()) << "\n  " << verified << " parameters set and read back"
+            << (options.keep_unsaved ? ", not saved" : ", saved") << "\n";
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_apply(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<ApplyOptions>();
+  CLI::App* command = app.add_subcommand("apply", "write a law into a running board, verify and save it");
+  command->add_option("model", options->model, "the law, a joint.toml")->required();
+  command->add_option("--port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
+  command->add_option("--axis", options->axis, "joint of the board")->capture_default_str()->check(CLI::Range(0, 3));
+  command->add_flag("--no-save", options->keep_unsaved, "try the law without keeping it over a restart");
+  command->callback([options, &exit_status] { exit_status = apply(*options); });
+}
+
+}  // namespace capstan::tools

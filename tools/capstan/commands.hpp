@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace capstan::tools {
+
+/// Each adds one subcommand, whose callback sets the exit status (tools/support/errors.hpp) or throws BadInput or Refusal.
+void add_run(CLI::App& app, int& exit_status);
+void add_apply(CLI::App& app, int& exit_status);
+void add_shell(CLI::App& app, int& exit_status);
+void add_identify(CLI::App& app, int& exit_status);
+void add_replay(CLI::App& app, int& exit_status);
+void add_diagnose(CLI::App& app, int& exit_status);
+
+}  // namespace capstan::tools

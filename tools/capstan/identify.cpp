@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/identify.hpp"
+
+#include <iostream>
+#include <memory>
+#include <numbers>
+
+#include "tools/capstan/commands.hpp"
+#include "tools/capstan/options.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct IdentifyOptions {
+  LogOptions logs;
+  std::string model = kDefaultModel;
+  std::string output;
+};
+
+auto run_identify(const IdentifyOptions& options) -> int {
+  LawForm form;
+  form.terms = terms_of_model(options.model);
+  AxisRequest request;
+  request.needs_torque = form.has("tendon_elongation");
+  const auto logs = options.logs.read(request);
+  const Identification result = identify(logs, form);
+  for (const auto& note : result.notes) {
+    std::cerr << "note: " << note << "\n";
+  }
+  std::cout << "model " << options.model << ", " << result.joint.fit->samples << " samples\n"
+            << "  parameter                                 value  95 % interval              unit\n"
+            << law_table(result.joint, result.undetermined);
+  const double rmse = result.joint.fit->rmse_rad;
+  std::cout << "  error (RMSE) " << rounded(rmse) << " rad (" << rounded(rmse * 180.0 / std::numbers::pi)
+            << " deg), goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
+  if (!result.undetermined.empty()) {
+    throw Refusal("the log can not determine " + joined(result.undetermined) +
+                  "; record a motion with reversals at several amplitudes and loads" +
+                  (options.output.empty() ? "" : " (" + options.output + " was not written)"));
+  }
+  if (!options.output.empty()) {
+    write_joint_file(options.output, result.joint);
+    std::cerr << "wrote " << options.output << "\n";
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<IdentifyOptions>();
+  CLI::App* command = app.add_subcommand("identify", "fit a law to logs of one joint");
+  options->logs.add_to(*command, true);
+  command->add_option("--model", options->model, "law to fit: kinematic, pseudo_kinematic")->capture_default_str();
+  command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
+  command->callback([options, &exit_status] { exit_status = run_identify(*options); });
+}
+
+}  // namespace capstan::tools

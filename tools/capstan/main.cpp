@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <exception>
+#include <iostream>
+
+#include "tools/capstan/commands.hpp"
+#include "tools/support/errors.hpp"
+
+int main(int argc, char** argv) {
+  using namespace capstan::tools;
+  int exit_status = kExitDone;
+  CLI::App app("Firmware and tools for tendon-driven joints: run, identify, diagnose, correct.", "capstan");
+  app.require_subcommand(1);
+  add_run(app, exit_status);
+  add_apply(app, exit_status);
+  add_shell(app, exit_status);
+  add_identify(app, exit_status);
+  add_replay(app, exit_status);
+  add_diagnose(app, exit_status);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kExitDone : kExitBadInput;
+  } catch (const BadInput& error) {
+    std::cerr << "capstan: " << error.what() << "\n";
+    return kExitBadInput;
+  } catch (const Refusal& error) {
+    std::cerr << "capstan: " << error.what() << "\n";
+    return kExitRefused;
+  } catch (const std::exception& error) {
+    std::cerr << "capstan: stopped by an internal error: " << error.what() << "; please report it with the command\n";
+    return kExitRefused;
+  }
+  return exit_status;
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/capstan/options.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/joint_file/joint_file.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto table_row(const std::string& name, double value, const std::optional<Interval>& ci95, const std::string& unit)
+    -> std::string {
+  const std::string interval = ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : "held at its bound";
+  char line[160];
+  std::snprintf(line, sizeof(line), "  %-34s %12s  %-26s %s\n", name.c_str(), rounded(value, 6).c_str(), interval.c_str(),
+                unit.c_str());
+  return line;
+}
+
+}  // namespace
+
+void LogOptions::add_to(CLI::App& command, bool many) {
+  auto* files_option = command.add_option("LOG", files, many ? "log files (CSV) of one joint" : "log file (CSV)")->required();
+  if (!many) {
+    files_option->expected(1);
+  }
+  command.add_option("--map", maps, "WANTED=COLUMN or \"WANTED=COLUMN*FACTOR\", for logs with other names or units; repeatable")
+      ->allow_extra_args(false);
+  command.add_option("--axis", axis, "axis to look at")->capture_default_str()->check(CLI::Range(0, 999));
+}
+
+auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
+  const auto mappings = parse_mappings(maps);
+  std::vector<AxisLog> logs;
+  for (const auto& file : files) {
+    AxisRequest wanted = request;
+    wanted.axis = axis;
+    logs.push_back(read_axis(CsvLog::read(file, mappings), wanted));
+    for (const auto& warning : logs.back().warnings) {
+      std::cerr << "warning: " << warning << "\n";
+    }
+  }
+  return logs;
+}
+
+auto law_table(const JointFile& joint, const std::vector<std::string>& left_out) -> std::string {
+  std::string table;
+  auto add = [&](const std::string& name, double value, const std::optional<Interval>& ci95, const char* unit) {
+    if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) {
+      table += table_row(name, value, ci95, unit);
+    }
+  };
+  for (const auto& term : term_catalogue()) {
+    if (!joint.has(term.name)) {
+      continue;
+    }
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      const std::size_t at = term.first_coefficient + i;
+      add(term.name + "." + term.coefficients[i].name, joint.parameters.coefficients[at], joint.coefficient_ci95[at],
+          term.coefficients[i].unit);
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const std::size_t at = term.first_shape + i;
+      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at], joint.shape_ci95[at], term.shapes[i].unit);
+    }
+  }
+  return table;
+}
+
+}  // namespace capstan::tools

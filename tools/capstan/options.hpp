@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/log/axis_log.hpp"
+
+namespace capstan::tools {
+
+/// Options shared by every command that reads logs.
+struct LogOptions {
+  std::vector<std::string> files;
+  std::vector<std::string> maps;
+  int axis = 0;
+
+  void add_to(CLI::App& command, bool many);
+  /// Reads every file. Warnings go to stderr.
+  [[nodiscard]] auto read(const AxisRequest& request) const -> std::vector<AxisLog>;
+};
+
+/// "value [low, high] unit" lines of a law, one per parameter, for people.
+auto law_table(const struct JointFile& joint, const std::vector<std::string>& left_out) -> std::string;
+
+}  // namespace capstan::tools

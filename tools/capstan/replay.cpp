@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/replay/replay.hpp"
+
+#include <iostream>
+#include <memory>
+
+#include "tools/capstan/commands.hpp"
+#include "tools/capstan/options.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/statistics.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct ReplayOptions {
+  LogOptions logs;
+  std::string model;
+  std::string arithmetic = "fixed";
+  std::string output;
+};
+
+auto run_replay(const ReplayOptions& options) -> int {
+  const JointFile joint = read_joint_file(options.model);
+  const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
+  AxisRequest request;
+  request.axis = options.logs.axis;
+  request.needs_target = false;
+  request.needs_torque = joint.has("tendon_elongation");
+  const AxisLog log = read_axis(csv, request);
+  for (const auto& warning : log.warnings) {
+    std::cerr << "warning: " << warning << "\n";
+  }
+  const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
+  const Replayed replayed = replay(log, joint.parameters, arithmetic);
+  write_text_file(options.output, replay_text(csv, options.logs.axis, replayed));
+  std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote " << options.output
+            << "\n";
+  if (log.q2_rad.size() > 0) {
+    std::cout << "  error (RMSE) against " << log.target << " " << rounded(rms(log.q2_rad - replayed.reported)) << " rad\n";
+  }
+  if (replayed.saturated > 0) {
+    throw Refusal(std::to_string(replayed.saturated) + " samples met the end of the range of numbers (+-128); " +
+                  "check the units of the log and of " + options.model);
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command = app.add_subcommand("replay", "run a law over a log and append its estimates as columns");
+  options->logs.add_to(*command, false);
+  command->add_option("--model", options->model, "the law, a joint.toml")->required();
+  command->add_option("--arithmetic", options->arithmetic, "fixed: the firmware's, at 1 kHz; double: any rate")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"fixed", "double"}));
+  command->add_option("-o,--output", options->output, "log to write")->required();
+  command->callback([options, &exit_status] { exit_status = run_replay(*options); });
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/run/run.hpp"
+
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "boards/common/file_banks.hpp"
+#include "boards/common/shell_feed.hpp"
+#include "tools/apply/model_lines.hpp"
+#include "tools/capstan/commands.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct RunOptions {
+  std::string scenario;
+  std::string model;
+  std::string log;
+  std::string shell;
+  std::string storage;
+  std::vector<std::string> plant_effects;
+  std::optional<double> seconds;
+  std::optional<std::uint64_t> seed;
+  bool fast = false;
+};
+
+constexpr double kDegrees = 57.29577951308232;
+
+auto scenario_of(const RunOptions& options) -> sim::Scenario {
+  try {
+    sim::Scenario scenario = options.scenario.empty() ? sim::Scenario{} : sim::load_scenario(options.scenario);
+    for (const std::string& effect : options.plant_effects) {
+      sim::override_effect(scenario, effect);
+    }
+    if (options.seconds) {
+      scenario.duration_s = *options.seconds;
+    }
+    if (options.seed) {
+      scenario.seed = *options.seed;
+    }
+    return scenario;
+  } catch (const sim::ScenarioError& error) {
+    throw BadInput(error.what());
+  }
+}
+
+/// The firmware and a person: the plant runs, the shell is attached, and the operator moves the joint.
+void serve(SimBoard& board, Console& console, const RunOptions& options) {
+  ShellFeed feed(console, board.shell());
+  const auto start = std::chrono::steady_clock::now();
+  for (std::int64_t cycle = 0; !feed.done(); ++cycle) {
+    if (options.seconds && static_cast<double>(cycle) >= *options.seconds * kCycleRateHz) {
+      return;
+    }
+    board.tick();
+    if (feed.poll()) {
+      board.application().link_lost();
+    }
+    if (!options.fast) {
+      std::this_thread::sleep_until(start + std::chrono::milliseconds(cycle + 1));
+    }
+  }
+}
+
+auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptions& options) -> int {
+  try {
+    Console console = Console::open(options.shell);
+    if (console.name() != "stdio") {
+      std::cerr << "shell at " << console.name() << "\n";
+    }
+    SimBoard board(scenario, banks, console, console.is_terminal());
+    serve(board, console, options);
+    return kExitDone;
+  } catch (const std::runtime_error& error) {
+    throw BadInput(error.what());
+  }
+}
+
+auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions& options) -> int {
+  if (scenario.duration_s <= 0.0) {
+    throw BadInput("there is no motion to run; give --scenario FILE, or --shell stdio to move the joint yourself");
+  }
+  std::ofstream log;
+  if (!options.log.empty()) {
+    log.open(options.log);
+    if (!log) {
+      throw BadInput(options.log + ": the log can not be written; give a path in a folder that exists");
+    }
+  }
+  const auto model = options.model.empty() ? std::vector<std::string>{} : model_lines(read_joint_file(options.model), 0);
+  const auto begin = std::chrono::steady_clock::now();
+  const RunSummary summary = run_scenario(scenario, model, banks, options.log.empty() ? nullptr : &log);
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  std::printf("ran %.1f s of the joint in %.1f s\n", summary.seconds, took.count());
+  std::printf("  tracking error (RMSE)    %8.3f deg\n", summary.tracking_rmse_rad * kDegrees);
+  std::printf("  estimation error (RMSE)  %8.3f deg\n", summary.estimation_rmse_rad * kDegrees);
+  if (!options.log.empty()) {
+    std::printf("  log written to %s\n", options.log.c_str());
+  }
+  if (!summary.fault.empty()) {
+    throw Refusal("the run ended early by " + summary.fault);
+  }
+  return kExitDone;
+}
+
+auto run(const RunOptions& options) -> int {
+  const sim::Scenario scenario = scenario_of(options);
+  MemoryBanks memory;
+  std::unique_ptr<FileBanks> file;
+  if (!options.storage.empty()) {
+    try {
+      file = std::make_unique<FileBanks>(options.storage);
+    } catch (const std::runtime_error& error) {
+      throw BadInput(error.what());
+    }
+  }
+  Banks& banks = file ? static_cast<Banks&>(*file) : memory;
+  return options.shell.empty() ? run_scripted(scenario, banks, options) : run_interactive(scenario, banks, options);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<RunOptions>();
+  CLI::App* command = app.add_subcommand("run", "run the firmware on the simulated joint");
+  command->add_option("--scenario", options->scenario, "plant, effects, faults and motion, a TOML file");
+  command->add_option("--model", options->model, "law to load before the motion, a joint.toml");
+  command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")->check(CLI::Range(0.001, 1e6));
+  command->add_option("--log", options->log, "CSV log to write");
+  command->add_option("--shell", options->shell, "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
+  command->add_option("--plant-effect", options->plant_effects, "give the plant an effect, for instance play=0.03 (repeatable)");
+  command->add_option("--seed", options->seed, "noise of the plant");
+  command->add_option("--storage", options->storage, "file that keeps what 'save' writes");
+  command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");
+  command->callback([options, &exit_status] { exit_status = run(*options); });
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/adequacy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/random.hpp"
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kCertain = 0.005;       // two such tests are made, together 1 %
+constexpr double kMatters = 0.05;        // of the energy: 2.5 % of the rms error
+constexpr double kCeilingWhite = 2.7;    // t over some 40 blocks at kCertain
+constexpr double kCeilingRaw = 2.0;
+
+/// Energy of the cycles' mean against that of their differences, both whitened; and in the measured quantity.
+void test_repetition(const Preparation& p, const Evidence& evidence, const Eigen::VectorXd& error, Adequacy& result) {
+  const Repeats cycles = learned_cycles(p);
+  const auto count = static_cast<double>(cycles.count);
+  const auto rows = static_cast<double>(cycles.length);
+  auto energies = [&](const Eigen::VectorXd& signal, double& mean, double& difference) {
+    const Eigen::VectorXd pure = pure_error(signal, cycles);
+    double total = 0.0;
+    for (Eigen::Index i = 0; i < cycles.count; ++i) {
+      total += signal.segment(cycles.cycle(i).begin, cycles.length).squaredNorm();
+    }
+    // pure_error() scales each cycle's deviation by count / (count - 1) in variance.
+    difference = pure.squaredNorm() / count / rows;
+    mean = (total - pure.squaredNorm() * (count - 1.0) / count) / (rows - static_cast<double>(evidence.layout.law));
+  };
+  double mean = 0.0;
+  double difference = 0.0;
+  energies(evidence.white_error, mean, difference);
+  const double z = (mean / difference - 1.0) / std::sqrt(2.0 / rows + 2.0 / (rows * (count - 1.0)));
+  result.lack_of_fit_p = normal_tail(z);
+  energies(error, mean, difference);
+  result.reducible_share = std::max(result.reducible_share, (mean - difference) / (mean + (count - 1.0) * difference));
+}
+
+}  // namespace
+
+auto learned_cycles(const Preparation& p) -> Repeats {
+  Repeats cycles = *p.repeats;
+  Eigen::Index last = 0;
+  for (const auto& rows : p.split.learned()) {
+    last = std::max(last, rows.end);
+  }
+  while (cycles.count > 2 && cycles.cycle(cycles.count - 1).begin >= last) {
+    --cycles.count;
+  }
+  while (cycles.count > 2 && cycles.first < p.coarse_logs.front().begin) {  // the first one is still warming up
+    cycles.first += cycles.length;
+    --cycles.count;
+  }
+  return cycles;
+}
+
+auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double {
+  Repeats cycles = learned_cycles(p);
+  cycles.first *= p.factor;
+  cycles.length *= p.factor;
+  return std::sqrt(pure_error(error, cycles).squaredNorm() / static_cast<double>(cycles.count * cycles.length));
+}
+
+auto judge_adequacy(const Preparation& p, const Evidence& evidence) -> Adequacy {
+  Adequacy result;
+  result.law_energy = cross_validated(evidence.raw(), evidence.learned, {});
+  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned, {});
+  const Eigen::VectorXd white_gain =
+      cross_validated(evidence.white(), evidence.learned, {}) - flexible_ceiling(evidence.white(), evidence.learned, {});
+  result.ceiling_t = t_statistic(white_gain);
+  result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
+  const bool above_ceiling = result.reducible_share > kMatters && result.ceiling_t > kCeilingWhite &&
+                             t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
+  if (evidence.noise_from_repeats) {
+    test_repetition(p, evidence, evidence.error, result);
+  }
+  const bool repeats_itself = result.lack_of_fit_p < kCertain && result.reducible_share > kMatters;
+  result.lacks_something = above_ceiling || repeats_itself;
+  return result;
+}
+
+auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling)
+    -> ExplainedShare {
+  constexpr int kResamplings = 400;
+  auto share_of = [](double e0, double e1, double floor) {
+    const double reducible = e0 - std::min(e1, floor);
+    return reducible > 0.0 ? (e0 - e1) / reducible : 0.0;
+  };
+  Random random(0x5A4E);
+  const auto n = before.size();
+  Eigen::VectorXd shares(kResamplings);
+  for (double& share : shares) {
+    double e0 = 0.0;
+    double e1 = 0.0;
+    double floor = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = std::min(n - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(n)));
+      e0 += before[at];
+      e1 += after[at];
+      floor += ceiling[at];
+    }
+    share = share_of(e0, e1, floor);
+  }
+  return {share_of(before.sum(), after.sum(), ceiling.sum()), quantile(shares, 0.05)};
+}
+
+}  // namespace capstan::tools

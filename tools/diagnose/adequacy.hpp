@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/diagnose/cross_validation.hpp"
+
+namespace capstan::tools {
+
+/// Whether a law leaves something that is not noise.
+struct Adequacy {
+  bool lacks_something = false;
+  double lack_of_fit_p = 1.0;      ///< against the pure error of repeated cycles; 1 without repeats
+  double ceiling_t = 0.0;          ///< t over blocks of what a flexible model gains, whitened
+  double reducible_share = 0.0;    ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
+  Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
+  Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added
+};
+
+/// Judges the law of this round. "Something" must be both certain (1 %) and large enough to matter (a twentieth of the energy).
+auto judge_adequacy(const Preparation& p, const Evidence& evidence) -> Adequacy;
+
+/// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over resampled blocks.
+struct ExplainedShare {
+  double value = 0.0;
+  double lower = 0.0;
+};
+auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling) -> ExplainedShare;
+
+/// rms of pure error over the cycles that take part in learning, in the measured quantity. `error` has every sample.
+auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double;
+
+/// Cycles that take part in learning; those of the report stay untouched. @pre p.repeats
+auto learned_cycles(const Preparation& p) -> Repeats;
+
+}  // namespace capstan::tools

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "tools/diagnose/free_run.hpp"
+#include "tools/diagnose/rounds.hpp"
+#include "tools/support/statistics.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// The effects found must explain more than half of what can be explained, or none of them is named.
+constexpr double kNamedShare = 0.5;
+
+auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*signal) -> Eigen::VectorXd {
+  Eigen::Index rows = 0;
+  for (const auto& log : logs) {
+    rows += log.samples();
+  }
+  Eigen::VectorXd all(rows);
+  rows = 0;
+  for (const auto& log : logs) {
+    all.segment(rows, log.samples()) = log.*signal;
+    rows += log.samples();
+  }
+  return all;
+}
+
+void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
+  d.target = logs.front().target;
+  bool torque = true;
+  for (const auto& log : logs) {
+    d.samples += log.samples();
+    d.warnings.insert(d.warnings.end(), log.warnings.begin(), log.warnings.end());
+    torque = torque && log.has_torque;
+  }
+  d.rate_hz = logs.front().rate_hz();
+  d.base_model = options.base_model.empty() ? (torque ? "pseudo_kinematic" : "kinematic") : options.base_model;
+}
+
+auto next_motion(const std::string& name) -> std::string {
+  return in_catalogue(name) ? catalogue_term(name).exciting_motion : "reversals under several loads and speeds, with holds";
+}
+
+/// Puts the search into words and decides what may be named.
+auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict {
+  if (search.effects.empty()) {
+    if (!search.lacks_something) {
+      d.reason = "The law leaves nothing but noise.";
+      d.warnings.push_back("smallest contributions that this log would have shown, rms in rad: " + joined(search.detectable));
+      if (!p.repeats) {
+        d.warnings.push_back("the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; " +
+                             std::string("record the same cycle four times"));
+      }
+      return Verdict::kNothingMissing;
+    }
+    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
+    d.reason += search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
+    return Verdict::kUnknown;
+  }
+  std::vector<std::string> names;
+  for (const auto& effect : search.effects) {
+    names.push_back(effect.name);
+  }
+  const std::string found = joined(names, " and ");
+  if (search.share.lower < kNamedShare) {
+    d.reason = "Something is missing from the law; " + found + " explains only " + rounded(100.0 * search.share.value, 2) +
+               " % of what can be explained, so it is not named.";
+    return Verdict::kUnknown;
+  }
+  if (!search.effects.front().alternatives.empty()) {
+    d.reason = "The law lacks " + found + " or " + joined(search.effects.front().alternatives, " or ") +
+               "; this log can not tell them apart.";
+    d.next_experiment = "Record this motion, it separates them: " + next_motion(search.effects.front().name) + "; " +
+                        next_motion(search.effects.front().alternatives.front()) + ".";
+    return Verdict::kAmbiguous;
+  }
+  if (search.lacks_something) {
+    d.reason = "The law lacks " + found + ", and something beyond it that is not in the catalogue";
+    d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
+    return Verdict::kEffectPlusUnlisted;
+  }
+  d.reason = "The law lacks " + found + "; with it, nothing but noise is left.";
+  return Verdict::kEffect;
+}
+
+void keep_base_only(Diagnosis& d) {
+  d.effects.clear();
+  d.law = d.base;
+  d.after = d.before;
+  d.ratio_ci95 = {1.0, 1.0};
+  d.traces.after = d.traces.before;
+}
+
+/// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
+void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
+  d.base = causal_law(p, base);
+  d.traces.before = simulate(p.logs, d.base.parameters);
+  d.before = report_error(p, d.traces.before);
+  d.effects = search.effects;
+  if (search.effects.empty() || is_refusal(d.verdict)) {
+    keep_base_only(d);
+    return;
+  }
+  d.law = causal_law(p, search.law);
+  d.traces.after = simulate(p.logs, d.law.parameters);
+  d.after = report_error(p, d.traces.after);
+  d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
+  if (d.ratio_ci95[1] >= 1.0) {
+    const bool missing = search.base_reducible > 0.05;
+    d.reason = "On rows that took no part in the choice, " + search.effects.front().name +
+               " does not lower the error for certain, so it was not added.";
+    d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
+    keep_base_only(d);
+  }
+}
+
+auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std::string> {
+  const Eigen::MatrixXd columns = law_columns(p.causal, base);
+  const Blocks blocks = refined(p.split, p.factor).learned();
+  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(base)), base, columns, p.target);
+}
+
+}  // namespace
+
+auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis {
+  Diagnosis d;
+  describe_logs(logs, options, d);
+  LawForm base;
+  base.terms = terms_of_model(d.base_model);
+  if (const std::string unfit = reason_unfit(logs); !unfit.empty()) {
+    d.verdict = Verdict::kDataUnfit;
+    d.reason = "The log is not fit for a diagnosis: " + unfit + ".";
+    d.next_experiment = unfit.substr(unfit.find(';') + 2);
+    return d;
+  }
+  options.progress("checking the log");
+  const Preparation p = prepare(logs, base);
+  d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
+  d.repeats = p.repeats ? p.repeats->count : 1;
+  if (const auto names = undetermined(p, base); !names.empty()) {
+    d.verdict = Verdict::kNotIdentifiable;
+    d.reason = "This log can not determine " + joined(names) + " of the base law.";
+    d.next_experiment = "Record reversals at several amplitudes, speeds and loads.";
+    return d;
+  }
+  const Search search = search_effects(p, base, options.progress);
+  d.rounds = search.rounds;
+  d.explained_share = search.share.value;
+  d.explained_share_lower = search.share.lower;
+  d.noise_floor = search.noise_floor;
+  d.floor_from_repeats = p.repeats.has_value();
+  d.verdict = judge(search, p, d);
+  options.progress("measuring the error on rows set aside");
+  d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);
+  d.traces.q1 = stacked_signal(p.logs, &AxisLog::q1_rad);
+  d.traces.measured = p.target;
+  report(p, search, base, d);
+  if (!d.effects.empty() && !p.repeats) {
+    d.warnings.push_back("the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +
+                         std::string("and confirm it with a log of four equal cycles"));
+  }
+  return d;
+}
+
+}  // namespace capstan::tools

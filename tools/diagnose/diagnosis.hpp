@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/joint_file/joint_file.hpp"
+#include "tools/log/axis_log.hpp"
+
+namespace capstan::tools {
+
+enum class Verdict { kNothingMissing, kEffect, kAmbiguous, kEffectPlusUnlisted, kUnknown, kNotIdentifiable, kDataUnfit };
+/// The contract's word.
+auto verdict_word(Verdict verdict) -> const char*;
+/// Whether the answer is a refusal (exit status 1): unknown, not_identifiable, data_unfit.
+auto is_refusal(Verdict verdict) -> bool;
+
+/// One line of the ranking: how a possible effect fared.
+struct RankedEffect {
+  std::string name;
+  bool in_catalogue = false;
+  double p_value = 1.0;
+  double log_evidence = 0.0;     ///< nats on unseen rows
+  double explained = 0.0;        ///< share of the residual's energy it takes away, whitened
+  std::string outcome;           ///< why it was taken or ruled out
+};
+
+/// An effect that was added to the law.
+struct AddedEffect {
+  std::string name;
+  std::vector<std::string> alternatives;
+  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, likelihood_gain = 0.0, block_t = 0.0, absorbed = 0.0;
+};
+
+/// Free-running error on the rows that took no part in choice or fit.
+struct ErrorSummary {
+  double rmse = 0.0;
+  double gof_percent = 0.0;
+};
+
+/// Everything the report draws. Rows of all logs, one below the other.
+struct Traces {
+  Eigen::VectorXd time_s, q1, measured, before, after;
+};
+
+struct Diagnosis {
+  Verdict verdict = Verdict::kDataUnfit;
+  std::string reason;                     ///< one sentence
+  std::optional<std::string> next_experiment;
+  std::string target, base_model;
+  long samples = 0;
+  double rate_hz = 0.0;
+  long repeats = 0;
+  std::vector<std::string> warnings;
+  JointFile base, law;                    ///< the law before, and with the effects; equal if none was added
+  std::vector<AddedEffect> effects;       ///< in the order added
+  std::vector<std::vector<RankedEffect>> rounds;
+  ErrorSummary before, after;
+  Interval ratio_ci95 = {1.0, 1.0};
+  double noise_floor = 0.0;
+  bool floor_from_repeats = false;
+  double explained_share = 0.0, explained_share_lower = 0.0;
+  Traces traces;
+};
+
+struct DiagnoseOptions {
+  std::string base_model;  ///< empty: pseudo_kinematic where torque is logged, else kinematic
+  std::function<void(const std::string&)> progress = [](const std::string&) {};
+};
+
+/// Finds what the base law lacks on these logs. @pre every log has q2
+/// Throws Refusal and BadInput for base models as terms_of_model() does.
+auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis;
+
+/// The contract's JSON, schema capstan.diagnosis/1.
+auto diagnosis_json(const Diagnosis& diagnosis) -> std::string;
+
+}  // namespace capstan::tools

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <nlohmann/json.hpp>
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/identify/term_catalogue.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+auto parameter_json(double value, const char* unit, const std::optional<Interval>& ci95) -> Json {
+  Json json = {{"value", value}, {"unit", unit}};
+  json["ci95"] = ci95 ? Json(*ci95) : Json(nullptr);
+  return json;
+}
+
+/// Parameters of the named terms. Names are those of the coefficients and shapes; the catalogue keeps them distinct enough by
+/// prefixing the term where two terms share one.
+auto parameters_json(const JointFile& joint, const std::vector<std::string>& terms) -> Json {
+  Json json = Json::object();
+  for (const auto& name : terms) {
+    const CatalogueTerm& term = catalogue_term(name);
+    auto key = [&](const char* parameter) { return json.contains(parameter) ? name + "." + parameter : std::string(parameter); };
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      const std::size_t at = term.first_coefficient + i;
+      json[key(term.coefficients[i].name)] =
+          parameter_json(joint.parameters.coefficients[at], term.coefficients[i].unit, joint.coefficient_ci95[at]);
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const std::size_t at = term.first_shape + i;
+      json[key(term.shapes[i].name)] = parameter_json(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
+    }
+  }
+  return json;
+}
+
+auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
+  return {{"name", effect.name},
+          {"alternatives", effect.alternatives},
+          {"parameters", parameters_json(d.law, {effect.name})},
+          {"evidence",
+           {{"p_value", effect.p_value},
+            {"log_evidence_nats", effect.log_evidence},
+            {"log_evidence_needed_nats", effect.log_evidence_needed},
+            {"likelihood_gain", effect.likelihood_gain},
+            {"cross_validated_t", effect.block_t},
+            {"absorbed_by_base", effect.absorbed},
+            {"share_of_explainable", d.explained_share},
+            {"grade", d.floor_from_repeats ? "confirmed" : "indicated"}}}};
+}
+
+}  // namespace
+
+auto diagnosis_json(const Diagnosis& d) -> std::string {
+  Json json;
+  json["schema"] = "capstan.diagnosis/1";
+  json["log"] = {{"samples", d.samples}, {"rate_hz", d.rate_hz}, {"repeats", d.repeats}, {"warnings", d.warnings}};
+  json["target"] = d.target;
+  json["base"] = {{"model", d.base_model}, {"parameters", parameters_json(d.base, d.base.terms)}};
+  json["verdict"] = verdict_word(d.verdict);
+  json["effects"] = Json::array();
+  for (const auto& effect : d.effects) {
+    json["effects"].push_back(effect_json(d, effect));
+  }
+  json["before"] = {{"rmse", d.before.rmse}, {"gof_percent", d.before.gof_percent}};
+  json["after"] = {{"rmse", d.after.rmse}, {"gof_percent", d.after.gof_percent}};
+  json["ratio_ci95"] = d.ratio_ci95;
+  json["noise_floor"] = d.noise_floor;
+  json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+auto verdict_word(Verdict verdict) -> const char* {
+  switch (verdict) {
+    case Verdict::kNothingMissing:
+      return "nothing_missing";
+    case Verdict::kEffect:
+      return "effect";
+    case Verdict::kAmbiguous:
+      return "ambiguous";
+    case Verdict::kEffectPlusUnlisted:
+      return "effect_plus_unlisted";
+    case Verdict::kUnknown:
+      return "unknown";
+    case Verdict::kNotIdentifiable:
+      return "not_identifiable";
+    case Verdict::kDataUnfit:
+      break;
+  }
+  return "data_unfit";
+}
+
+auto is_refusal(Verdict verdict) -> bool {
+  return verdict == Verdict::kUnknown || verdict == Verdict::kNotIdentifiable || verdict == Verdict::kDataUnfit;
+}
+
+}  // namespace capstan::tools

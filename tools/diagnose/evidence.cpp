@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/adequacy.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr Eigen::Index kLargestOrder = 8;
+
+auto sign_allows(double value, Sign sign) -> bool {
+  return sign == Sign::kAny || (sign == Sign::kNonNegative ? value >= 0.0 : value <= 0.0);
+}
+
+/// Lays the columns of all parts side by side; the families' variants learn where theirs begin.
+auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Family>& families, Layout& layout)
+    -> Eigen::MatrixXd {
+  layout.law = residual.base.cols();
+  layout.flexible = layout.first_variant();
+  for (const auto& family : families) {
+    for (const auto& variant : family.variants) {
+      layout.flexible += variant.columns.cols();
+    }
+  }
+  layout.total = layout.flexible + flexible.cols();
+  Eigen::MatrixXd columns(residual.base.rows(), layout.total);
+  columns.leftCols(layout.law) = residual.base;
+  columns.col(layout.error()) = residual.error;
+  Eigen::Index next = layout.first_variant();
+  for (auto& family : families) {
+    for (auto& variant : family.variants) {
+      variant.first = next;
+      columns.middleCols(next, variant.columns.cols()) = variant.columns;
+      next += variant.columns.cols();
+      variant.columns.resize(0, 0);
+    }
+  }
+  columns.rightCols(flexible.cols()) = flexible;
+  return columns;
+}
+
+void model_noise(const Preparation& p, const LawResidual& residual, Evidence& evidence) {
+  evidence.noise_from_repeats = p.repeats.has_value();
+  if (evidence.noise_from_repeats) {
+    const Repeats cycles = learned_cycles(p);
+    Blocks pieces;
+    for (Eigen::Index i = 0; i < cycles.count; ++i) {
+      pieces.push_back(cycles.cycle(i));
+    }
+    evidence.noise = fit_noise(pure_error(residual.error, cycles), pieces, kLargestOrder);
+  } else {
+    evidence.noise = fit_noise(residual.error, p.split.learned(), kLargestOrder);
+  }
+}
+
+void sort_blocks(const Split& split, Evidence& evidence) {
+  std::size_t next = 0;
+  for (const auto& block : split.blocks) {
+    if (block.role != Role::kReport) {
+      (block.role == Role::kFit ? evidence.fit : evidence.choose).push_back(next);
+      evidence.learned.push_back(next++);
+    }
+  }
+}
+
+}  // namespace
+
+BlockGrams::BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, const Blocks& blocks)
+    : layout_(layout) {
+  for (const auto& block : blocks) {
+    const auto x = columns.middleRows(block.begin, block.size());
+    Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout.total, layout.total);
+    gram.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
+    grams_.push_back(gram.selfadjointView<Eigen::Lower>());
+    rows_.push_back(static_cast<double>(block.size()));
+  }
+}
+
+auto BlockGrams::sum(const std::vector<std::size_t>& blocks) const -> Eigen::MatrixXd {
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(layout_.total, layout_.total);
+  for (const std::size_t block : blocks) {
+    total += grams_[block];
+  }
+  return total;
+}
+
+auto BlockGrams::sum(const std::vector<std::size_t>& blocks, const std::vector<Eigen::Index>& columns) const -> Eigen::MatrixXd {
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd total = Eigen::MatrixXd::Zero(n, n);
+  for (const std::size_t block : blocks) {
+    total += grams_[block](columns, columns);
+  }
+  return total;
+}
+
+auto BlockGrams::projected(const std::vector<std::size_t>& blocks) const -> Projected {
+  const Eigen::MatrixXd all = sum(blocks);
+  const Eigen::Index k = layout_.law;
+  const Eigen::Index rest = layout_.total - k;
+  const Eigen::VectorXd scale = all.diagonal().head(k).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd law = scale.asDiagonal() * all.topLeftCorner(k, k) * scale.asDiagonal();
+  law.diagonal().array() += 1e-12;
+  const Eigen::MatrixXd cross = scale.asDiagonal() * all.topRightCorner(k, rest);
+  Projected result;
+  result.gram = all.bottomRightCorner(rest, rest) - cross.transpose() * law.ldlt().solve(cross);
+  for (const std::size_t block : blocks) {
+    result.rows += rows_[block];
+  }
+  return result;
+}
+
+auto BlockGrams::energy(std::size_t block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& theta) const
+    -> double {
+  const auto& gram = grams_[block];
+  const Eigen::Index error = layout_.error();
+  double energy = gram(error, error);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    double product = -2.0 * gram(error, columns[i]);
+    for (std::size_t j = 0; j < columns.size(); ++j) {
+      product += theta[static_cast<Eigen::Index>(j)] * gram(columns[i], columns[j]);
+    }
+    energy += theta[static_cast<Eigen::Index>(i)] * product;
+  }
+  return std::max(energy, 0.0);
+}
+
+auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant) -> FamilyFit {
+  const auto& gram = projected.gram;
+  const Eigen::Index first = family.variants[variant].first - layout.law;
+  const auto n = static_cast<Eigen::Index>(family.signs.size());
+  FamilyFit fit{variant, Eigen::VectorXd::Zero(n), 0.0};
+  if (family.unit_coefficient) {
+    fit.theta[0] = 1.0;
+    fit.gain = std::max(0.0, 2.0 * gram(first, 0) - gram(first, first));
+    return fit;
+  }
+  if (n == 1) {
+    const double theta = gram(first, first) > 0.0 ? gram(first, 0) / gram(first, first) : 0.0;
+    if (sign_allows(theta, family.signs[0])) {
+      fit.theta[0] = theta;
+      fit.gain = theta * gram(first, 0);
+    }
+    return fit;
+  }
+  const Eigen::VectorXd rhs = gram.col(0).segment(first, n);
+  fit.theta = solve_signed(gram.block(first, first, n, n), rhs, family.signs);
+  fit.gain = fit.theta.dot(rhs);
+  return fit;
+}
+
+auto fit_family(const Projected& projected, const Layout& layout, const Family& family) -> FamilyFit {
+  FamilyFit best = fit_variant(projected, layout, family, 0);
+  for (std::size_t i = 1; i < family.variants.size(); ++i) {
+    const FamilyFit fit = fit_variant(projected, layout, family, i);
+    if (fit.gain > best.gain) {
+      best = fit;
+    }
+  }
+  return best;
+}
+
+auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual& residual) -> Evidence {
+  Evidence evidence;
+  evidence.error = residual.error;
+  evidence.families = catalogue_families(p, law, residual);
+  for (auto& family : probe_families(p, residual)) {
+    evidence.families.push_back(std::move(family));
+  }
+  const Eigen::MatrixXd columns = lay_out(residual, flexible_features(p.signals), evidence.families, evidence.layout);
+  model_noise(p, residual, evidence);
+  sort_blocks(p.split, evidence);
+  const Blocks blocks = p.split.learned();
+  const Eigen::MatrixXd white = whitened(columns, p.coarse_logs, evidence.noise);
+  evidence.white_error = white.col(evidence.layout.error());
+  evidence.raw_white.emplace_back(columns, evidence.layout, blocks);
+  evidence.raw_white.emplace_back(white, evidence.layout, blocks);
+  const Projected all = evidence.white().projected(evidence.learned);
+  const double dof = std::max(1.0, all.rows - static_cast<double>(evidence.layout.law));
+  evidence.innovation_variance = evidence.noise_from_repeats ? evidence.noise.innovation_variance : all.error_energy() / dof;
+  return evidence;
+}
+
+}  // namespace capstan::tools

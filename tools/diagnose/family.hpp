@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/preparation.hpp"
+
+namespace capstan::tools {
+
+/// One setting of an effect's shapes, and its columns.
+struct Variant {
+  Shapes shapes;
+  Eigen::MatrixXd columns;  ///< coarse rows; moved into the evidence's matrix when that is built
+  Eigen::Index first = 0;   ///< column there
+};
+
+/// One possible effect with the grid of its shapes.
+struct Family {
+  std::string name;
+  bool in_catalogue = false;      ///< false: a probe, which can be recognised but not added to the law
+  bool unit_coefficient = false;  ///< the column is the effect itself: its factor is 1, not fitted (output terms)
+  std::vector<Sign> signs;        ///< one per column
+  std::vector<Variant> variants;
+};
+
+/// What the law so far leaves over.
+struct LawResidual {
+  Eigen::VectorXd fitted;  ///< the law's angle, every sample
+  Eigen::MatrixXd base;    ///< coarse columns of the law: coefficients, and sensitivities to its shapes
+  Eigen::VectorXd error;   ///< target less fitted, coarse
+};
+
+/// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around the one
+/// that fits the residual best on the rows that fit.
+auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family>;
+
+/// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is not given
+/// the nearest catalogue name. They never enter a law.
+auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family>;
+
+/// Smooth bumps over (q1, dq1, tau) and time: with all families together, the flexible model that no law can be expected to beat.
+auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd;
+
+}  // namespace capstan::tools

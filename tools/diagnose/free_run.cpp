@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/free_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/random.hpp"
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools {
+
+auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
+  const Blocks learned = refined(p.split, p.factor).learned();
+  const LawForm settled = refine_shapes(p.causal, p.target, learned, form);
+  JointFile joint = law_with_intervals(p.causal, p.target, learned, settled, p.conditioner);
+  joint.steady_torque = steady_torque(p.logs, p.causal);
+  FitSummary summary;
+  const Eigen::VectorXd estimate = simulate(p.logs, joint.parameters);
+  summary.rmse_rad = rms(p.target - estimate);
+  summary.gof_percent = goodness_of_fit_percent(p.target, estimate);
+  summary.samples = p.target.size();
+  for (const auto& log : p.logs) {
+    summary.logs.push_back(log.name);
+  }
+  joint.fit = summary;
+  return joint;
+}
+
+auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary {
+  const Blocks rows = refined(p.split, p.factor).of(Role::kReport);
+  const Eigen::VectorXd measured = stacked(p.target, rows);
+  const Eigen::VectorXd estimated = stacked(estimate, rows);
+  return {rms(measured - estimated), goodness_of_fit_percent(measured, estimated)};
+}
+
+auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {
+  constexpr int kResamplings = 1000;
+  const Blocks rows = refined(p.split, p.factor).of(Role::kReport);
+  const auto n = static_cast<Eigen::Index>(rows.size());
+  Eigen::VectorXd energy_before(n);
+  Eigen::VectorXd energy_after(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const auto& block = rows[static_cast<std::size_t>(i)];
+    energy_before[i] = (p.target - before).segment(block.begin, block.size()).squaredNorm();
+    energy_after[i] = (p.target - after).segment(block.begin, block.size()).squaredNorm();
+  }
+  Random random(0xB00);
+  Eigen::VectorXd ratios(kResamplings);
+  for (double& ratio : ratios) {
+    double e0 = 0.0;
+    double e1 = 0.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto at = std::min(n - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(n)));
+      e0 += energy_before[at];
+      e1 += energy_after[at];
+    }
+    ratio = e0 > 0.0 ? std::sqrt(e1 / e0) : 1.0;
+  }
+  return {quantile(ratios, 0.025), quantile(ratios, 0.975)};
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/preparation.hpp"
+
+namespace capstan::tools {
+
+/// The causal law that the firmware will run, fitted on the rows that may be learned from; shapes start from those of the form.
+auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
+
+/// Free-running error of an estimate on the rows set aside.
+auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary;
+
+/// 95 % interval of rmse(after) / rmse(before) on the rows set aside, whole blocks resampled in pairs.
+auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval;
+
+}  // namespace capstan::tools

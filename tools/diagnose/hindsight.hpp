@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/identify/conditioning.hpp"
+
+namespace capstan::tools {
+
+/// Samples as they are known afterwards, for deciding which effect it is: the direction turns at the extreme of q1 instead of
+/// when the causal switch notices it, and the rate has no lag. What is reported in the end is the causal law's error.
+auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise) -> Samples;
+
+/// Half width, in samples, of the window for the rate: as short as keeps the rate's noise below 2 % of the motion's.
+auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index;
+
+/// Slope of a straight line through 2 h + 1 neighbours, per second; fewer neighbours at the ends.
+auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double period_s) -> Eigen::VectorXd;
+
+}  // namespace capstan::tools

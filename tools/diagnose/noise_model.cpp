@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/noise_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace capstan::tools {
+namespace {
+
+/// Forward and backward prediction errors of one piece at the current order.
+struct PredictionErrors {
+  Eigen::VectorXd forward, backward;
+};
+
+}  // namespace
+
+auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise {
+  std::vector<PredictionErrors> errors;
+  double rows = 0.0;
+  double variance = 0.0;
+  for (const auto& piece : pieces) {
+    if (piece.size() > 4 * largest_order) {
+      const Eigen::VectorXd x = signal.segment(piece.begin, piece.size());
+      errors.push_back({x, x});
+      rows += static_cast<double>(x.size());
+      variance += x.squaredNorm();
+    }
+  }
+  AutoregressiveNoise best;
+  if (rows == 0.0 || variance == 0.0) {
+    best.innovation_variance = std::max(variance, std::numeric_limits<double>::min());
+    return best;
+  }
+  variance /= rows;
+  best.innovation_variance = variance;
+  double best_bic = rows * std::log(variance);
+  Eigen::VectorXd a(0);
+  for (Eigen::Index order = 1; order <= largest_order; ++order) {
+    double cross = 0.0;
+    double power = 0.0;
+    for (const auto& e : errors) {
+      const Eigen::Index n = e.forward.size() - order;
+      cross += e.forward.tail(n).dot(e.backward.segment(order - 1, n));
+      power += e.forward.tail(n).squaredNorm() + e.backward.segment(order - 1, n).squaredNorm();
+    }
+    const double reflection = power > 0.0 ? 2.0 * cross / power : 0.0;
+    for (auto& e : errors) {
+      const Eigen::Index n = e.forward.size() - order;
+      const Eigen::VectorXd forward = e.forward.tail(n);
+      const Eigen::VectorXd backward = e.backward.segment(order - 1, n);
+      e.forward.tail(n) = forward - reflection * backward;
+      e.backward.tail(n) = backward - reflection * forward;
+    }
+    Eigen::VectorXd next(order);
+    next.head(order - 1) = a - reflection * a.reverse();
+    next[order - 1] = reflection;
+    a = next;
+    variance *= 1.0 - reflection * reflection;
+    const double bic = rows * std::log(std::max(variance, std::numeric_limits<double>::min())) +
+                       static_cast<double>(order) * std::log(rows);
+    if (bic < best_bic) {
+      best_bic = bic;
+      best = {a, variance};
+    }
+  }
+  return best;
+}
+
+auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise) -> Eigen::MatrixXd {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  const Eigen::Index p = noise.order();
+  for (const auto& piece : pieces) {
+    const Eigen::Index n = piece.size() - p;
+    if (n <= 0) {
+      continue;
+    }
+    auto out = result.middleRows(piece.begin + p, n);
+    out = columns.middleRows(piece.begin + p, n);
+    for (Eigen::Index k = 1; k <= p; ++k) {
+      out.noalias() -= noise.coefficients[k - 1] * columns.middleRows(piece.begin + p - k, n);
+    }
+  }
+  return result;
+}
+
+}  // namespace capstan::tools

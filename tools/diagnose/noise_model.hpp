@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "tools/identify/least_squares.hpp"
+
+namespace capstan::tools {
+
+/// Autoregressive noise e_i = sum a_k e_(i-k) + u_i.
+struct AutoregressiveNoise {
+  Eigen::VectorXd coefficients;  ///< a_1 .. a_p
+  double innovation_variance = 0.0;
+  [[nodiscard]] auto order() const -> Eigen::Index { return coefficients.size(); }
+};
+
+/// Fits by Burg's method over pieces that do not touch each other; the order up to `largest_order` by BIC.
+auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise;
+
+/// x_i - sum a_k x_(i-k) column by column within each piece; the first `order` rows of a piece become 0.
+auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise) -> Eigen::MatrixXd;
+
+}  // namespace capstan::tools

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/preparation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/statistics.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Decisions need no more rows than this; means over several samples lose nothing that lasts as long as a row.
+constexpr Eigen::Index kEnoughRows = 8000;
+constexpr double kLongestRowS = 0.04;
+constexpr double kGapS = 0.1;
+constexpr Eigen::Index kShortestGap = 10;  // at least the noise model's order
+
+auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index {
+  Eigen::Index total = 0;
+  for (const auto& log : logs) {
+    total += log.samples();
+  }
+  return total;
+}
+
+auto choose_factor(const std::vector<AxisLog>& logs) -> Eigen::Index {
+  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / logs.front().period_s));
+  return std::clamp<Eigen::Index>(total_samples(logs) / kEnoughRows, 1, longest);
+}
+
+void trim(AxisLog& log, Eigen::Index factor) {
+  const Eigen::Index rows = log.samples() / factor * factor;
+  for (Eigen::VectorXd* signal : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad}) {
+    signal->conservativeResize(rows);
+  }
+  for (auto& side : log.side) {
+    side.values.conservativeResize(rows);
+  }
+}
+
+/// Rows before the second reversal, where terms with memory still depend on a past that was not logged; a twentieth at most.
+auto warm_up(const Samples& samples) -> Eigen::Index {
+  const auto changes = direction_changes(samples);
+  const auto rows = static_cast<Eigen::Index>(samples.size());
+  const Eigen::Index settled = changes.size() >= 2 ? static_cast<Eigen::Index>(changes[1]) : rows;
+  return std::min(settled, rows / 20);
+}
+
+/// Torque around a sample, averaged so that one noisy value does not stand for the reversal.
+auto torque_near(const AxisLog& log, std::size_t at) -> double {
+  const auto reach = std::max<Eigen::Index>(1, std::lround(0.005 / log.period_s));
+  const Eigen::Index begin = std::max<Eigen::Index>(0, static_cast<Eigen::Index>(at) - reach);
+  const Eigen::Index end = std::min(log.samples(), static_cast<Eigen::Index>(at) + 1);
+  return log.tau_nm.segment(begin, end - begin).mean();
+}
+
+/// Columns q1, dq1, ddq1, tau, forward, tau_rev, q1_rev, time of one log at full rate.
+auto signal_columns(const AxisLog& log, const Samples& samples, Eigen::Index half_window, double start_s) -> Eigen::MatrixXd {
+  Eigen::MatrixXd columns(log.samples(), 8);
+  double tau_rev = torque_near(log, 0);
+  double q1_rev = log.q1_rad[0];
+  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+    const auto& sample = samples[static_cast<std::size_t>(i)];
+    if (i > 0 && sample.forward != samples[static_cast<std::size_t>(i - 1)].forward) {
+      tau_rev = torque_near(log, static_cast<std::size_t>(i));
+      q1_rev = sample.q1;
+    }
+    columns.row(i) << sample.q1, sample.dq1, 0.0, sample.tau, (sample.forward ? 1.0 : 0.0), tau_rev, q1_rev,
+        start_s + log.time_s[i] - log.time_s[0];
+  }
+  columns.col(2) = local_slope(columns.col(1), half_window, log.period_s);
+  return columns;
+}
+
+auto coarse_signals(const Preparation& p) -> CoarseSignals {
+  Eigen::MatrixXd all(p.hindsight.rows(), 8);
+  Eigen::Index row = 0;
+  double start_s = 0.0;
+  for (std::size_t i = 0; i < p.logs.size(); ++i) {
+    const auto& log = p.logs[i];
+    all.middleRows(row, log.samples()) =
+        signal_columns(log, p.hindsight.samples()[i], rate_half_window(log, p.noise), start_s);
+    row += log.samples();
+    start_s += static_cast<double>(log.samples()) * log.period_s;
+  }
+  const Eigen::MatrixXd coarse = decimated(all, p.factor);
+  CoarseSignals s{coarse.col(7), coarse.col(0), coarse.col(1), coarse.col(2), coarse.col(3),
+                  coarse.col(4), coarse.col(5), coarse.col(6), {}};
+  if (p.logs.size() == 1) {
+    for (const auto& side : p.logs.front().side) {
+      s.side.push_back({side.name, decimated(side.values, p.factor)});
+    }
+  }
+  return s;
+}
+
+auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> LawDesign {
+  std::vector<Samples> samples;
+  for (const auto& log : logs) {
+    samples.push_back(hindsight_samples(log, conditioner, noise));
+  }
+  return {logs, std::move(samples)};
+}
+
+}  // namespace
+
+auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd {
+  if (factor == 1) {
+    return columns;
+  }
+  Eigen::MatrixXd coarse(columns.rows() / factor, columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    for (Eigen::Index row = 0; row < coarse.rows(); ++row) {
+      coarse(row, c) = columns.col(c).segment(row * factor, factor).mean();
+    }
+  }
+  return coarse;
+}
+
+auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
+  constexpr Eigen::Index kFewestSamples = 400;
+  constexpr double kFewestNoises = 30.0;  // the motion's range in standard deviations of the sensors
+  if (total_samples(logs) < kFewestSamples) {
+    return "only " + std::to_string(total_samples(logs)) + " samples; record at least 10 s at 100 Hz or more";
+  }
+  const AngleNoise noise = motor_angle_noise(logs);
+  std::size_t reversals = 0;
+  double q1_range = 0.0;
+  double q2_range = 0.0;
+  double q2_noise = 0.0;
+  for (const auto& log : logs) {
+    ConditionerShape<double> shape;
+    shape.direction_threshold_rad = direction_thresholds(logs, noise).back();
+    reversals += direction_changes(causal_samples(log, shape)).size();
+    q1_range = std::max(q1_range, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
+    q2_range = std::max(q2_range, log.q2_rad.maxCoeff() - log.q2_rad.minCoeff());
+    q2_noise = std::max({q2_noise, white_noise_level(log.q2_rad), quantisation_step(log.q2_rad)});
+  }
+  if (q1_range < kFewestNoises * std::max(noise.step_rad, noise.white_rad)) {
+    return "the motor moves by " + rounded(q1_range, 2) + " rad only, hardly more than its sensor's noise; record a larger motion";
+  }
+  if (q2_range < kFewestNoises * q2_noise) {
+    return "the joint moves by " + rounded(q2_range, 2) + " rad only, hardly more than its sensor's noise of " +
+           rounded(q2_noise, 2) + " rad; record a larger motion or a better joint sensor";
+  }
+  if (reversals == 0) {
+    return "the motor never reverses; record a motion that goes there and back several times at several speeds";
+  }
+  return {};
+}
+
+auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
+  const Eigen::Index factor = choose_factor(logs);
+  for (auto& log : logs) {
+    trim(log, factor);
+  }
+  std::vector<std::string> notes;
+  const auto conditioner = choose_conditioner(logs, base, notes);
+  const AngleNoise noise = motor_angle_noise(logs);
+  Preparation p{logs, conditioner, noise, LawDesign(logs, conditioner), hindsight_of(logs, conditioner, noise), stacked_target(logs),
+                factor, static_cast<double>(factor) * logs.front().period_s, {}, {}, {}, {}, std::move(notes)};
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    const Eigen::Index rows = logs[i].samples() / factor;
+    p.coarse_logs.push_back({row + warm_up(p.hindsight.samples()[i]) / factor, row + rows});
+    row += rows;
+  }
+  p.signals = coarse_signals(p);
+  p.repeats = find_repeats(p.signals.q1, noise.white_rad);
+  const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));
+  p.split = split_rows({p.coarse_logs, p.repeats, gap});
+  return p;
+}
+
+}  // namespace capstan::tools

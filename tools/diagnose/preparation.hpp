@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/diagnose/hindsight.hpp"
+#include "tools/diagnose/split.hpp"
+#include "tools/identify/identify.hpp"
+
+namespace capstan::tools {
+
+/// The logs on the coarse grid on which decisions are taken: each row is the mean of `factor` samples of every signal alike.
+struct CoarseSignals {
+  Eigen::VectorXd time_s;     ///< since the start of the first log, logs one after the other
+  Eigen::VectorXd q1, dq1, ddq1, tau;
+  Eigen::VectorXd forward;    ///< share of the row's samples that move forward, 0 to 1
+  Eigen::VectorXd tau_rev, q1_rev;  ///< torque and angle at the last reversal
+  std::vector<SideSignal> side;
+};
+
+/// Everything that is decided before any candidate is looked at.
+struct Preparation {
+  std::vector<AxisLog> logs;
+  ConditionerShape<double> conditioner;
+  AngleNoise noise;
+  LawDesign causal, hindsight;
+  Eigen::VectorXd target;             ///< q2, every sample
+  Eigen::Index factor = 1;            ///< samples per coarse row
+  double coarse_period_s = 0.0;
+  Blocks coarse_logs;                 ///< rows of each log, warm-up left out
+  std::optional<Repeats> repeats;     ///< in coarse rows
+  Split split;                        ///< in coarse rows
+  CoarseSignals signals;
+  std::vector<std::string> notes;
+};
+
+/// Mean of every `factor` rows. @pre the number of rows is a multiple of it
+auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
+
+/// Why these logs can not be diagnosed, and what to record instead; empty if they can.
+auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;
+
+/// @pre reason_unfit() is empty; every log has q2
+auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation;
+
+}  // namespace capstan::tools

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tools/diagnose/family.hpp"
+#include "tools/support/random.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Column = Eigen::VectorXd;
+
+/// Signals with what several probes share.
+class Probes {
+ public:
+  Probes(const Preparation& p, const LawResidual& residual) : p_(p), s_(p.signals), residual_(residual) {
+    direction_ = 2.0 * s_.forward.array() - 1.0;
+    q1_range_ = s_.q1.maxCoeff() - s_.q1.minCoeff();
+    tau_range_ = s_.tau.maxCoeff() - s_.tau.minCoeff();
+    span_s_ = s_.time_s.tail(1)[0] + p.coarse_period_s;
+  }
+
+  auto all() -> std::vector<Family> {
+    of_direction();
+    of_torque();
+    of_angle();
+    of_time();
+    of_timing();
+    of_other_axes();
+    return std::move(families_);
+  }
+
+ private:
+  auto rows() const -> Eigen::Index { return s_.q1.size(); }
+
+  void add(const std::string& name, std::vector<std::vector<Column>> variants) {
+    Family family;
+    family.name = name;
+    for (auto& columns : variants) {
+      Variant variant;
+      variant.columns.resize(rows(), static_cast<Eigen::Index>(columns.size()));
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        variant.columns.col(static_cast<Eigen::Index>(i)) = columns[i];
+      }
+      if (variant.columns.cwiseAbs().maxCoeff() > 0.0 && variant.columns.allFinite()) {
+        family.signs.assign(columns.size(), Sign::kAny);
+        family.variants.push_back(std::move(variant));
+      }
+    }
+    if (!family.variants.empty()) {
+      families_.push_back(std::move(family));
+    }
+  }
+
+  /// A column for the forward and one for the backward strokes.
+  auto by_direction(const Column& column) const -> std::vector<Column> {
+    return {column.cwiseProduct(s_.forward), column.cwiseProduct((1.0 - s_.forward.array()).matrix())};
+  }
+
+  /// Dahl's bristle: z' = v (1 - sign(v) z / z0), the spring that gives before it slips; the lag is -z.
+  auto bristle(double z0) const -> Column {
+    Column lag(rows());
+    double z = 0.0;
+    for (Eigen::Index i = 0; i < rows(); ++i) {
+      const double step = i > 0 ? s_.q1[i] - s_.q1[i - 1] : 0.0;
+      const double limit = step >= 0.0 ? z0 : -z0;
+      z = limit + (z - limit) * std::exp(-std::abs(step) / z0);
+      lag[i] = z;
+    }
+    return lag;
+  }
+
+  auto low_pass(const Column& signal, double time_constant_s) const -> Column {
+    Column filtered(rows());
+    const double keep = std::exp(-p_.coarse_period_s / time_constant_s);
+    double x = signal[0];
+    for (Eigen::Index i = 0; i < rows(); ++i) {
+      x = keep * x + (1.0 - keep) * signal[i];
+      filtered[i] = x;
+    }
+    return filtered;
+  }
+
+  void of_direction() {
+    std::vector<std::vector<Column>> bristles;
+    for (const double share : {0.003, 0.01, 0.02, 0.04, 0.08, 0.16}) {
+      bristles.push_back({bristle(share * q1_range_)});
+    }
+    add("presliding", std::move(bristles));
+    families_.back().signs = {Sign::kNonPositive};  // the joint lags
+    add("coulomb_friction", {{direction_}});
+    families_.back().signs = {Sign::kNonPositive};  // the other sign is pretension_offset
+    std::vector<std::vector<Column>> stribeck;
+    const double fastest = s_.dq1.cwiseAbs().maxCoeff();
+    for (const double share : {0.02, 0.06, 0.2}) {
+      const auto ratio = s_.dq1.array() / (share * fastest);
+      stribeck.push_back({(direction_.array() * (-ratio.square()).exp()).matrix()});
+    }
+    add("stribeck_friction", std::move(stribeck));
+    add("load_inertia", {{s_.ddq1}});
+  }
+
+  void of_torque() {
+    if (tau_range_ <= 0.0) {
+      return;
+    }
+    const Column since = (s_.tau - s_.tau_rev).cwiseAbs();
+    std::vector<std::vector<Column>> slip;
+    for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
+      slip.push_back(by_direction((s_.tau.array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
+      slip.push_back(by_direction(((s_.tau - s_.tau_rev).array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
+    }
+    add("slip_propagation", std::move(slip));
+    add("reversal_memory", {by_direction(s_.tau_rev)});
+    std::vector<std::vector<Column>> creep;
+    for (const double time_s : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
+      if (time_s < span_s_ / 3.0) {
+        creep.push_back({low_pass(s_.tau, time_s)});
+      }
+    }
+    add("viscoelastic_creep", std::move(creep));
+    add("stiffness_hardening", {by_direction((s_.tau.array() * s_.tau.array().abs()).matrix()), by_direction(s_.tau.array().cube().matrix())});
+    add("angle_dependent_friction", {by_direction(s_.tau.cwiseProduct(s_.q1)), by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs()))});
+    const Column share_of_time = s_.time_s / span_s_;
+    add("wear", {by_direction(s_.tau.cwiseProduct(share_of_time))});
+  }
+
+  void of_angle() {
+    add("gravity", {{s_.q1.array().sin().matrix(), s_.q1.array().cos().matrix()}});
+    std::vector<std::vector<Column>> periodic;
+    for (double order = 2.0; order < 70.0; order *= 1.15) {
+      const auto angle = order * s_.q1.array();
+      periodic.push_back({angle.sin().matrix(), angle.cos().matrix()});
+    }
+    add("angle_periodic", std::move(periodic));
+    std::vector<std::vector<Column>> spots;
+    constexpr int kSpots = 9;
+    for (int i = 0; i < kSpots; ++i) {
+      const double centre = s_.q1.minCoeff() + q1_range_ * (0.5 + i) / kSpots;
+      const auto offset = (s_.q1.array() - centre) / (0.7 * q1_range_ / kSpots);
+      const Column bell = (-offset.square()).exp().matrix();
+      spots.push_back({bell, bell.cwiseProduct(direction_)});
+    }
+    add("local_spot", std::move(spots));
+  }
+
+  void of_time() {
+    std::vector<std::vector<Column>> drifts;
+    drifts.push_back({(s_.time_s.array() / span_s_ - 0.5).matrix()});
+    for (const double share : {0.05, 0.15, 0.4}) {
+      drifts.push_back({(-s_.time_s.array() / (share * span_s_)).exp().matrix()});
+    }
+    add("thermal_drift", std::move(drifts));
+    add("ratio_change", {{s_.q1.cwiseProduct((s_.time_s.array() / span_s_ - 0.5).matrix())}});
+    std::vector<std::vector<Column>> steps;
+    constexpr int kSteps = 16;
+    for (int i = 1; i < kSteps; ++i) {
+      steps.push_back({(s_.time_s.array() > span_s_ * i / kSteps).cast<double>().matrix()});
+    }
+    add("jump", std::move(steps));
+  }
+
+  /// The motor's own measurement is late: the opposite of transport_delay.
+  void of_timing() {
+    std::vector<std::vector<Column>> early;
+    const Column fitted = decimated(residual_.fitted, p_.factor);
+    const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
+    add("motor_delay", {{slope}});
+    families_.back().signs = {Sign::kNonNegative};
+  }
+
+  void of_other_axes() {
+    std::vector<std::vector<Column>> signals;
+    for (const auto& side : s_.side) {
+      const Column centred = side.values.array() - side.values.mean();
+      signals.push_back({centred});
+      signals.push_back({centred, local_slope(centred, 1, p_.coarse_period_s)});
+    }
+    add("axis_coupling", std::move(signals));
+  }
+
+  const Preparation& p_;
+  const CoarseSignals& s_;
+  const LawResidual& residual_;
+  Column direction_;
+  double q1_range_ = 0.0, tau_range_ = 0.0, span_s_ = 0.0;
+  std::vector<Family> families_;
+};
+
+auto unit_range(const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  const double range = x.maxCoeff() - x.minCoeff();
+  return range > 0.0 ? Eigen::VectorXd((x.array() - x.minCoeff()) / range) : Eigen::VectorXd(Eigen::VectorXd::Zero(x.size()));
+}
+
+}  // namespace
+
+auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family> { return Probes(p, residual).all(); }
+
+auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd {
+  constexpr Eigen::Index kBumps = 32;
+  constexpr Eigen::Index kTimeBumps = 6;
+  constexpr double kWidth = 0.35;  // of each signal's range
+  Eigen::MatrixXd inputs(signals.q1.size(), 5);
+  inputs << unit_range(signals.q1), unit_range(signals.dq1), unit_range(signals.tau), unit_range(signals.forward),
+      unit_range(signals.tau_rev);
+  Eigen::MatrixXd features(inputs.rows(), kBumps + kTimeBumps);
+  Random random(0x5EEDu);
+  for (Eigen::Index i = 0; i < kBumps; ++i) {
+    // Centred where the motion has been, so that no bump is empty.
+    const auto at = static_cast<Eigen::Index>(random.uniform() * static_cast<double>(inputs.rows()));
+    const Eigen::MatrixXd offset = (inputs.rowwise() - inputs.row(std::min(at, inputs.rows() - 1))) / kWidth;
+    features.col(i) = (-0.5 * offset.rowwise().squaredNorm()).array().exp().matrix();
+  }
+  const Eigen::VectorXd time = unit_range(signals.time_s);
+  for (Eigen::Index i = 0; i < kTimeBumps; ++i) {
+    features.col(kBumps + i) = (std::numbers::pi * static_cast<double>(i + 1) * time.array()).cos().matrix();
+  }
+  return features;
+}
+
+}  // namespace capstan::tools

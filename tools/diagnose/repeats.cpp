@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/repeats.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kCloseShare = 0.03;   // of the motion's range
+constexpr double kAgreeing = 0.9;      // of the samples
+constexpr Eigen::Index kCoarseRows = 2000;
+
+/// Share of rows at which the signal agrees with itself `lag` rows later.
+auto agreement(const Eigen::VectorXd& motion, Eigen::Index lag, double close, Eigen::Index begin, Eigen::Index rows) -> double {
+  const auto difference = motion.segment(begin + lag, rows) - motion.segment(begin, rows);
+  return static_cast<double>((difference.array().abs() < close).count()) / static_cast<double>(rows);
+}
+
+auto thinned(const Eigen::VectorXd& motion, Eigen::Index step) -> Eigen::VectorXd {
+  Eigen::VectorXd result(motion.size() / step);
+  for (Eigen::Index i = 0; i < result.size(); ++i) {
+    result[i] = motion[i * step];
+  }
+  return result;
+}
+
+/// A lag at which almost everything agrees is a period only if something moved in between.
+auto moves_within(const Eigen::VectorXd& motion, Eigen::Index begin, Eigen::Index length, double range) -> bool {
+  const auto part = motion.segment(begin, length);
+  return part.maxCoeff() - part.minCoeff() > 0.5 * range;
+}
+
+auto coarse_period(const Eigen::VectorXd& motion, double close, double range) -> Eigen::Index {
+  const Eigen::Index n = motion.size();
+  double best = kAgreeing;
+  Eigen::Index period = 0;
+  bool left_zero = false;  // small lags agree trivially until the motion has gone away
+  for (Eigen::Index lag = 1; lag <= n / 2; ++lag) {
+    // The last half or more of what overlaps: a lead-in before the first cycle does not count against it.
+    const Eigen::Index rows = std::min(n - lag, std::max(lag, (n - lag) * 3 / 4));
+    const double share = agreement(motion, lag, close, n - lag - rows, rows);
+    left_zero = left_zero || share < 0.5;
+    if (left_zero && share > best && moves_within(motion, n - lag - rows, std::min(rows, lag), range)) {
+      best = share;
+      period = lag;
+    } else if (period != 0 && lag > period + period / 10 + 2) {
+      break;  // the first period; its multiples would agree as well
+    }
+  }
+  return period;
+}
+
+}  // namespace
+
+auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optional<Repeats> {
+  const double range = motion.maxCoeff() - motion.minCoeff();
+  const double close = std::max(kCloseShare * range, 4.0 * noise_rad);
+  const Eigen::Index step = std::max<Eigen::Index>(1, motion.size() / kCoarseRows);
+  const Eigen::Index coarse = coarse_period(thinned(motion, step), close, range);
+  if (coarse == 0 || range <= 0.0) {
+    return std::nullopt;
+  }
+  Repeats repeats;
+  double least = -1.0;
+  for (Eigen::Index lag = std::max<Eigen::Index>(1, (coarse - 1) * step); lag <= (coarse + 1) * step; ++lag) {
+    const Eigen::Index rows = motion.size() - lag;
+    if (rows < lag) {
+      break;
+    }
+    const Eigen::Index used = std::max(lag, rows * 3 / 4);
+    const auto difference = motion.segment(motion.size() - used, used) - motion.segment(motion.size() - used - lag, used);
+    const double mean_square = difference.squaredNorm() / static_cast<double>(used);
+    if (least < 0.0 || mean_square < least) {
+      least = mean_square;
+      repeats.length = lag;
+    }
+  }
+  if (repeats.length == 0) {
+    return std::nullopt;
+  }
+  // Whole cycles counted back from the end, as long as they agree with the one after them.
+  const Eigen::Index length = repeats.length;
+  repeats.count = 1;
+  repeats.first = motion.size() - length;
+  while (repeats.first >= length && agreement(motion, length, close, repeats.first - length, length) > kAgreeing) {
+    repeats.first -= length;
+    ++repeats.count;
+  }
+  return repeats.count >= 2 ? std::optional(repeats) : std::nullopt;
+}
+
+auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd {
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(repeats.length);
+  for (Eigen::Index i = 0; i < repeats.count; ++i) {
+    mean += signal.segment(repeats.cycle(i).begin, repeats.length);
+  }
+  const auto count = static_cast<double>(repeats.count);
+  mean /= count;
+  Eigen::VectorXd error = Eigen::VectorXd::Zero(signal.size());
+  for (Eigen::Index i = 0; i < repeats.count; ++i) {
+    error.segment(repeats.cycle(i).begin, repeats.length) =
+        (signal.segment(repeats.cycle(i).begin, repeats.length) - mean) * std::sqrt(count / (count - 1.0));
+  }
+  return error;
+}
+
+}  // namespace capstan::tools

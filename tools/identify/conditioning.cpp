@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/conditioning.hpp"
+
+#include <algorithm>
+
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kStepsAboveResolution = 2.5;
+/// Two independent excursions of 4 standard deviations each way: one false switch in some 10^8 samples at rest.
+constexpr double kDeviationsAboveNoise = 8.0;
+constexpr double kLargestShareOfMotion = 0.02;
+/// Half a step of the firmware's numbers would be no threshold at all.
+constexpr double kSmallestThresholdRad = 1e-6;
+
+}  // namespace
+
+auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -> Samples {
+  SampleConditioner<double> conditioner(SamplePeriod<double>(log.period_s), shape);
+  Samples samples;
+  samples.reserve(static_cast<std::size_t>(log.samples()));
+  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+    samples.push_back(conditioner.update(log.q1_rad[i], log.tau_nm[i]));
+  }
+  return samples;
+}
+
+auto motor_angle_noise(const std::vector<AxisLog>& logs) -> AngleNoise {
+  AngleNoise noise;
+  for (const auto& log : logs) {
+    noise.step_rad = std::max(noise.step_rad, quantisation_step(log.q1_rad));
+    noise.white_rad = std::max(noise.white_rad, white_noise_level(log.q1_rad));
+  }
+  return noise;
+}
+
+auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> std::vector<double> {
+  double range = 0.0;
+  for (const auto& log : logs) {
+    range = std::max(range, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
+  }
+  const double largest = kLargestShareOfMotion * range;
+  // A quantised signal's third difference shows its steps as noise: count them once.
+  const double white = noise.step_rad > 0.0 && noise.white_rad < noise.step_rad ? 0.0 : noise.white_rad;
+  double threshold = std::max({kStepsAboveResolution * noise.step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
+  std::vector<double> thresholds;
+  for (; threshold < largest && thresholds.size() < 8; threshold *= 2.0) {
+    thresholds.push_back(threshold);
+  }
+  if (thresholds.empty()) {
+    thresholds.push_back(std::max(largest, kSmallestThresholdRad));
+  }
+  return thresholds;
+}
+
+auto direction_changes(const Samples& samples) -> std::vector<std::size_t> {
+  std::vector<std::size_t> changes;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (samples[i].forward != samples[i - 1].forward) {
+      changes.push_back(i);
+    }
+  }
+  return changes;
+}
+
+}  // namespace capstan::tools

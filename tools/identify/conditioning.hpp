@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/log/axis_log.hpp"
+
+namespace capstan::tools {
+
+/// What the firmware's conditioner makes of a log, sample by sample.
+auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -> Samples;
+
+/// Resolution and noise of the motor angle, rad.
+struct AngleNoise {
+  double step_rad = 0.0;   ///< of the encoder; 0 if none is seen
+  double white_rad = 0.0;  ///< standard deviation
+};
+auto motor_angle_noise(const std::vector<AxisLog>& logs) -> AngleNoise;
+
+/// Thresholds for the direction switch worth trying, rad, ascending. The first is just above what noise alone can do:
+/// 2.5 encoder steps or 8 standard deviations, whichever is more; none is above 2 % of the motion.
+auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> std::vector<double>;
+
+/// Samples per direction between two switches, and the torque of steady motion.
+auto direction_changes(const Samples& samples) -> std::vector<std::size_t>;
+
+}  // namespace capstan::tools

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/errors.hpp"
+#include "tools/support/statistics.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Lag, in samples, at which the residual's autocorrelation first falls to a tenth, looked for on a coarsening grid.
+auto memory_of(const Eigen::VectorXd& residual) -> Eigen::Index {
+  const Eigen::VectorXd centred = residual.array() - residual.mean();
+  const double power = centred.squaredNorm();
+  if (power <= 0.0) {
+    return 1;
+  }
+  for (Eigen::Index lag = 1; lag < centred.size() / 4; lag += 1 + lag / 16) {
+    const double covariance = centred.head(centred.size() - lag).dot(centred.tail(centred.size() - lag));
+    if (covariance < 0.1 * power) {
+      return lag;
+    }
+  }
+  return residual.size() / 4;
+}
+
+/// Names "term.coefficient" of a law's columns, in their order.
+auto column_names(const LawForm& form) -> std::vector<std::string> {
+  std::vector<std::string> names;
+  for (const auto& term : term_catalogue()) {
+    if (form.has(term.name)) {
+      for (const auto& coefficient : term.coefficients) {
+        names.push_back(term.name + "." + coefficient.name);
+      }
+    }
+  }
+  return names;
+}
+
+void note_bounds(const LinearFit& fit, const LawForm& form, std::vector<std::string>& notes) {
+  const auto names = column_names(form);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (fit.at_bound[i]) {
+      notes.push_back(names[i] + " is held at 0: the logs ask for the sign that physics forbids; check the sign of tau_Nm " +
+                      "(--map \"axis0/tau_Nm=COLUMN*-1\" turns it)");
+    }
+  }
+}
+
+}  // namespace
+
+auto terms_of_model(const std::string& model) -> std::vector<std::string> {
+  if (model == "kinematic") {
+    return {"motor_angle", "joint_offset"};
+  }
+  if (model == "pseudo_kinematic") {
+    return {"motor_angle", "joint_offset", "tendon_elongation"};
+  }
+  const std::vector<std::string> planned = {"pretensioned", "dynamic", "multi_dof", "pull_push", "preisach", "rigid_dynamics"};
+  const std::string available = "available in this version are kinematic and pseudo_kinematic";
+  if (std::find(planned.begin(), planned.end(), model) != planned.end()) {
+    throw Refusal("the model " + model + " can not be fitted yet; " + available);
+  }
+  throw BadInput("there is no model " + model + "; " + available);
+}
+
+auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
+    -> ConditionerShape<double> {
+  ConditionerShape<double> shape;
+  const AngleNoise noise = motor_angle_noise(logs);
+  const auto thresholds = direction_thresholds(logs, noise);
+  shape.direction_threshold_rad = thresholds.front();
+  std::string how = "just above the noise of q1";
+  if (form.has("tendon_elongation") && thresholds.size() > 1) {
+    const Eigen::VectorXd target = stacked_target(logs);
+    double best = std::numeric_limits<double>::infinity();
+    for (const double threshold : thresholds) {
+      ConditionerShape<double> trial = shape;
+      trial.direction_threshold_rad = threshold;
+      const LawDesign design(logs, trial);
+      const double rmse = fit_law(design, target, even_blocks(design.log_rows(), 2), form).rmse;
+      if (rmse < 0.995 * best) {  // a larger threshold is a later switch: it has to earn its place
+        best = rmse;
+        shape.direction_threshold_rad = threshold;
+      }
+    }
+    how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) + " rad up";
+  }
+  notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + " rad: " + how + " (resolution " +
+                  rounded(noise.step_rad, 3) + " rad, noise " + rounded(noise.white_rad, 2) + " rad)");
+  return shape;
+}
+
+auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks {
+  constexpr Eigen::Index kFewest = 8;
+  constexpr Eigen::Index kMost = 60;
+  constexpr Eigen::Index kMemoriesPerBlock = 5;
+  const Eigen::Index wanted = residual.size() / (kMemoriesPerBlock * memory_of(residual));
+  return even_blocks(log_rows, std::clamp(wanted, kFewest, kMost));
+}
+
+auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque> {
+  constexpr double kAwayFromReversal = 0.2;  // of the stroke: by then the friction has turned round
+  std::vector<double> forward;
+  std::vector<double> backward;
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    const auto& samples = design.samples()[log];
+    Eigen::VectorXd rate(static_cast<Eigen::Index>(samples.size()));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      rate[static_cast<Eigen::Index>(i)] = samples[i].dq1;
+    }
+    const double slowest = 0.3 * rms(rate);
+    auto changes = direction_changes(samples);
+    changes.push_back(samples.size());
+    std::size_t begin = 0;
+    for (const std::size_t end : changes) {
+      const double stroke = samples[end - 1].q1 - samples[begin].q1;
+      for (std::size_t i = begin; i < end; ++i) {
+        const double travelled = samples[i].q1 - samples[begin].q1;
+        const bool steady = std::abs(travelled) > kAwayFromReversal * std::abs(stroke) && std::abs(samples[i].dq1) > slowest;
+        if (steady && (samples[i].dq1 > 0.0) == samples[i].forward) {
+          (samples[i].forward ? forward : backward).push_back(samples[i].tau);
+        }
+      }
+      begin = end;
+    }
+  }
+  if (forward.empty() || backward.empty()) {
+    return std::nullopt;
+  }
+  auto middle = [](const std::vector<double>& values) {
+    return median(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  return SteadyTorque{middle(forward), middle(backward)};
+}
+
+auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const Eigen::MatrixXd& columns,
+                               const Eigen::VectorXd& target) -> std::vector<std::string> {
+  constexpr double kTellApart = 1e-6;  // 1 - R^2 below this is a copy of the other columns
+  const double motion = target.maxCoeff() - target.minCoeff();
+  const auto names = column_names(form);
+  std::vector<std::string> undetermined;
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    const double size = rms(columns.col(i));
+    const bool copy = !fit.at_bound[static_cast<std::size_t>(i)] && fit.tolerance[i] < kTellApart;
+    // An interval within which this term alone could make half of all motion says nothing.
+    const bool loose = half_interval(fit, i) * size > 0.5 * motion;
+    if (size <= 0.0 || copy || loose) {
+      undetermined.push_back(names[static_cast<std::size_t>(i)]);
+    }
+  }
+  return undetermined;
+}
+
+auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification {
+  Identification result;
+  const auto conditioner = choose_conditioner(logs, form, result.notes);
+  const LawDesign design(logs, conditioner);
+  const Eigen::VectorXd target = stacked_target(logs);
+  const Eigen::MatrixXd columns = law_columns(design, form);
+  const auto signs = law_signs(form);
+  const LinearFit first = fit_columns(columns, target, even_blocks(design.log_rows(), 2), signs);
+  const Blocks blocks = interval_blocks(design.log_rows(), target - columns * first.theta);
+  const LinearFit fit = fit_columns(columns, target, blocks, signs);
+  note_bounds(fit, form, result.notes);
+  result.undetermined = undetermined_coefficients(fit, form, columns, target);
+  result.joint = law_with_intervals(design, target, blocks, form, conditioner);
+  result.joint.steady_torque = steady_torque(logs, design);
+  result.estimate = simulate(logs, result.joint.parameters);
+  FitSummary summary;
+  summary.rmse_rad = rms(target - result.estimate);
+  summary.gof_percent = goodness_of_fit_percent(target, result.estimate);
+  summary.samples = target.size();
+  for (const auto& log : logs) {
+    summary.logs.push_back(log.name);
+  }
+  result.joint.fit = summary;
+  return result;
+}
+
+}  // namespace capstan::tools

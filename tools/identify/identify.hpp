@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/identify/law_fit.hpp"
+
+namespace capstan::tools {
+
+/// Terms of a base law by its name in the command line. Throws Refusal for a model that this version does not have and BadInput
+/// for one that nobody has.
+auto terms_of_model(const std::string& model) -> std::vector<std::string>;
+inline constexpr const char* kDefaultModel = "pseudo_kinematic";
+
+struct Identification {
+  JointFile joint;
+  std::vector<std::string> undetermined;  ///< parameters that these logs can not determine
+  std::vector<std::string> notes;         ///< how things were chosen, and what to look at
+  Eigen::VectorXd estimate;               ///< of all logs, one below the other
+};
+
+/// The conditioner for these logs: the direction threshold from noise and resolution of q1 and, where the law has torque, the
+/// best fit among its multiples.
+auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
+    -> ConditionerShape<double>;
+
+/// Blocks for intervals: longer than what the residual remembers, as many as that allows (8 to 60).
+auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks;
+
+/// Fits a law to logs of one joint. @pre every log has q2
+auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification;
+
+/// Median torque of steady motion forward and backward.
+auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque>;
+
+/// Names of coefficients that the fit leaves undetermined.
+auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const Eigen::MatrixXd& columns,
+                               const Eigen::VectorXd& target) -> std::vector<std::string>;
+
+}  // namespace capstan::tools

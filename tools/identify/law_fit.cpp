@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/law_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capstan::tools {
+namespace {
+
+auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner) -> std::vector<Samples> {
+  std::vector<Samples> samples;
+  for (const auto& log : logs) {
+    samples.push_back(causal_samples(log, conditioner));
+  }
+  return samples;
+}
+
+/// Terms of the form in the order of the catalogue.
+auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
+  std::vector<const CatalogueTerm*> terms;
+  for (const auto& term : term_catalogue()) {
+    if (form.has(term.name)) {
+      terms.push_back(&term);
+    }
+  }
+  return terms;
+}
+
+/// Golden-section search for the least cost in [low, high].
+template <typename Cost>
+auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
+  constexpr double kRatio = 0.6180339887498949;
+  double a = high - kRatio * (high - low);
+  double b = low + kRatio * (high - low);
+  double cost_a = cost(a);
+  double cost_b = cost(b);
+  for (int i = 0; i < steps; ++i) {
+    if (cost_a < cost_b) {
+      high = b;
+      b = a;
+      cost_b = cost_a;
+      a = high - kRatio * (high - low);
+      cost_a = cost(a);
+    } else {
+      low = a;
+      a = b;
+      cost_a = cost_b;
+      b = low + kRatio * (high - low);
+      cost_b = cost(b);
+    }
+  }
+  return cost_a < cost_b ? a : b;
+}
+
+/// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
+auto shape_step(const ShapeInfo& info, double value) -> double {
+  const double step = 1e-3 * (info.maximum - info.minimum);
+  return value + step > info.maximum ? -step : step;
+}
+
+}  // namespace
+
+LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
+    : LawDesign(logs, all_causal_samples(logs, conditioner)) {}
+
+LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples) : samples_(std::move(samples)) {
+  for (const auto& log : logs) {
+    periods_.push_back(log.period_s);
+    log_rows_.push_back(log.samples());
+    rows_ += log.samples();
+  }
+}
+
+auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
+  Eigen::MatrixXd result(rows_, static_cast<Eigen::Index>(term.coefficients.size()));
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    result.middleRows(row, log_rows_[i]) = term.columns(samples_[i], periods_[i], shapes);
+    row += log_rows_[i];
+  }
+  return result;
+}
+
+auto LawDesign::apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd {
+  Eigen::MatrixXd result(signals.rows(), signals.cols());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    for (Eigen::Index c = 0; c < signals.cols(); ++c) {
+      result.col(c).segment(row, log_rows_[i]) = term.apply(signals.col(c).segment(row, log_rows_[i]), periods_[i], shapes);
+    }
+    row += log_rows_[i];
+  }
+  return result;
+}
+
+auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd {
+  Eigen::Index rows = 0;
+  for (const auto& log : logs) {
+    rows += log.samples();
+  }
+  Eigen::VectorXd target(rows);
+  rows = 0;
+  for (const auto& log : logs) {
+    target.segment(rows, log.samples()) = log.q2_rad;
+    rows += log.samples();
+  }
+  return target;
+}
+
+auto LawForm::shapes_of(const CatalogueTerm& term) const -> Shapes {
+  const auto first = shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape);
+  return {first, first + static_cast<std::ptrdiff_t>(term.shapes.size())};
+}
+
+void LawForm::set_shapes(const CatalogueTerm& term, const Shapes& values) {
+  std::copy(values.begin(), values.end(), shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape));
+}
+
+auto LawForm::has(const std::string& term) const -> bool { return std::find(terms.begin(), terms.end(), term) != terms.end(); }
+
+auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd {
+  const auto terms = ordered_terms(form);
+  Eigen::Index count = 0;
+  for (const auto* term : terms) {
+    count += static_cast<Eigen::Index>(term->coefficients.size());
+  }
+  Eigen::MatrixXd columns(design.rows(), count);
+  Eigen::Index next = 0;
+  for (const auto* term : terms) {
+    if (term->acts_on_output) {
+      columns = design.apply(*term, form.shapes_of(*term), columns);
+    } else {
+      const auto own = static_cast<Eigen::Index>(term->coefficients.size());
+      columns.middleCols(next, own) = design.columns(*term, form.shapes_of(*term));
+      next += own;
+    }
+  }
+  return columns;
+}
+
+auto law_signs(const LawForm& form) -> std::vector<Sign> {
+  std::vector<Sign> signs;
+  for (const auto* term : ordered_terms(form)) {
+    for (const auto& coefficient : term->coefficients) {
+      signs.push_back(coefficient.sign);
+    }
+  }
+  return signs;
+}
+
+auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form) -> LinearFit {
+  return fit_columns(law_columns(design, form), target, blocks, law_signs(form));
+}
+
+auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> LawForm {
+  constexpr int kRounds = 2;       // a second one lets shapes settle that pull on each other
+  constexpr int kSteps[] = {12, 10};
+  constexpr double kReach[] = {0.5, 0.1};  // of the value
+  const auto terms = ordered_terms(form);
+  for (int round = 0; round < kRounds; ++round) {
+    for (const auto* term : terms) {
+      for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+        const auto& info = term->shapes[i];
+        double& value = form.shapes[term->first_shape + i];
+        const double reach = std::max(kReach[round] * value, 2e-3 * (info.maximum - info.minimum));
+        const double low = std::max(info.minimum, value - reach);
+        const double high = std::min(info.maximum, value + 2.0 * reach);
+        value = golden_section(low, high, kSteps[round], [&](double trial) {
+          value = trial;
+          return fit_law(design, target, blocks, form).rmse;
+        });
+      }
+    }
+  }
+  return form;
+}
+
+auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
+  std::vector<std::string> names;
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      const auto& info = term->shapes[i];
+      const double value = form.shapes[term->first_shape + i];
+      const double margin = 2e-3 * (info.maximum - info.minimum);
+      if (value > info.maximum - margin || value < info.minimum + (info.minimum > 0.0 ? 0.02 * info.minimum : 0.0)) {
+        names.push_back(term->name + "." + info.name);
+      }
+    }
+  }
+  return names;
+}
+
+auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form,
+                        const ConditionerShape<double>& conditioner) -> JointFile {
+  Eigen::MatrixXd columns = law_columns(design, form);
+  auto signs = law_signs(form);
+  const LinearFit plain = fit_columns(columns, target, blocks, signs);
+  const Eigen::Index linear = columns.cols();
+  JointFile joint;
+  joint.parameters = rigid_law();
+  joint.parameters.shapes = form.shapes;
+  joint.parameters.conditioner = conditioner;
+  // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due (none).
+  std::vector<std::size_t> shape_of_column;
+  for (const auto* term : ordered_terms(form)) {
+    joint.terms.push_back(term->name);
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      LawForm moved = form;
+      double& value = moved.shapes[term->first_shape + i];
+      const double step = shape_step(term->shapes[i], value);
+      value += step;
+      columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+      columns.rightCols(1) = (law_columns(design, moved) - columns.leftCols(linear)) * plain.theta / step;
+      signs.push_back(Sign::kAny);
+      shape_of_column.push_back(term->first_shape + i);
+    }
+  }
+  const LinearFit full = fit_columns(columns, target, blocks, signs);
+  Eigen::Index next = 0;
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; i < term->coefficients.size(); ++i, ++next) {
+      joint.parameters.coefficients[term->first_coefficient + i] = plain.theta[next];
+      if (!plain.at_bound[static_cast<std::size_t>(next)]) {
+        const double half = half_interval(full, next);
+        joint.coefficient_ci95[term->first_coefficient + i] = Interval{plain.theta[next] - half, plain.theta[next] + half};
+      }
+    }
+  }
+  for (std::size_t i = 0; i < shape_of_column.size(); ++i) {
+    const double half = half_interval(full, linear + static_cast<Eigen::Index>(i));
+    const double value = form.shapes[shape_of_column[i]];
+    joint.shape_ci95[shape_of_column[i]] = Interval{value - half, value + half};
+  }
+  return joint;
+}
+
+auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law) -> Eigen::VectorXd {
+  Eigen::Index rows = 0;
+  for (const auto& log : logs) {
+    rows += log.samples();
+  }
+  Eigen::VectorXd estimate(rows);
+  rows = 0;
+  for (const auto& log : logs) {
+    MotionLaw<double> motion(SamplePeriod<double>(log.period_s), law);
+    for (Eigen::Index i = 0; i < log.samples(); ++i) {
+      estimate[rows++] = motion.update(log.q1_rad[i], log.tau_nm[i]).q2_reported;
+    }
+  }
+  return estimate;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/identify/conditioning.hpp"
+#include "tools/identify/least_squares.hpp"
+#include "tools/joint_file/joint_file.hpp"
+
+namespace capstan::tools {
+
+/// Logs of one joint, conditioned once: fits and evaluates laws over all of them, one below the other.
+/// Every regressor comes from the terms of the model themselves.
+class LawDesign {
+ public:
+  LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner);
+  /// With samples prepared by the caller, for decisions that may look at the future.
+  LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples);
+
+  [[nodiscard]] auto rows() const -> Eigen::Index { return rows_; }
+  [[nodiscard]] auto log_rows() const -> const std::vector<Eigen::Index>& { return log_rows_; }
+  [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
+  [[nodiscard]] auto period_s(std::size_t log) const -> double { return periods_[log]; }
+
+  /// One column per coefficient of a sum term, over all logs.
+  [[nodiscard]] auto columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd;
+  /// Signals over all logs passed through an output term, column by column.
+  [[nodiscard]] auto apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const
+      -> Eigen::MatrixXd;
+
+ private:
+  std::vector<Samples> samples_;
+  std::vector<double> periods_;
+  std::vector<Eigen::Index> log_rows_;
+  Eigen::Index rows_ = 0;
+};
+
+/// q2 of all logs, one below the other. @pre every log has it
+auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd;
+
+/// A law to be fitted: its terms (names of the catalogue) and a full set of shapes, of which those of the terms count.
+struct LawForm {
+  std::vector<std::string> terms;
+  std::array<double, kShapeCount> shapes = rigid_law().shapes;
+
+  [[nodiscard]] auto shapes_of(const CatalogueTerm& term) const -> Shapes;
+  void set_shapes(const CatalogueTerm& term, const Shapes& shapes);
+  [[nodiscard]] auto has(const std::string& term) const -> bool;
+};
+
+/// Columns of the law's coefficients, output terms applied, in the order of the catalogue.
+auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd;
+auto law_signs(const LawForm& form) -> std::vector<Sign>;
+
+/// Least squares for the coefficients, the shapes given.
+auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form) -> LinearFit;
+
+/// Improves the shapes by a search between their limits, each bracketed around its start; returns the best form.
+auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> LawForm;
+
+/// A shape that ended at a limit of its range is not identified: names of those.
+auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
+
+/// The fitted law with 95 % intervals; those of shapes come from the fit's sensitivity to them.
+auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form,
+                        const ConditionerShape<double>& conditioner) -> JointFile;
+
+/// What a joint sensor would report under the law, over all logs: MotionLaw<double> itself, causal, free-running.
+auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law) -> Eigen::VectorXd;
+
+}  // namespace capstan::tools

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/joint_file/joint_file.hpp"
+
+#include <algorithm>
+
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto quantity(double value, const std::string& unit, const std::optional<Interval>& ci95) -> std::string {
+  std::string text = "{ value = " + exact(value) + ", unit = \"" + unit + "\"";
+  if (ci95) {
+    text += ", ci95 = [" + exact((*ci95)[0]) + ", " + exact((*ci95)[1]) + "]";
+  }
+  return text + " }\n";
+}
+
+/// TOML wants a decimal point or an exponent in a float; a whole number would read back as an integer, which is accepted too.
+auto quoted(const std::string& text) -> std::string {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+    }
+    result += c;
+  }
+  return result + "\"";
+}
+
+auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string {
+  std::string text = "\n# " + term.equation + "   " + term.source + "\n[terms." + term.name + "]\n";
+  for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+    const std::size_t at = term.first_coefficient + i;
+    text += std::string(term.coefficients[i].name) + " = " +
+            quantity(joint.parameters.coefficients[at], term.coefficients[i].unit, joint.coefficient_ci95[at]);
+  }
+  for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+    const std::size_t at = term.first_shape + i;
+    text += std::string(term.shapes[i].name) + " = " +
+            quantity(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
+  }
+  return text;
+}
+
+auto fit_text(const FitSummary& fit) -> std::string {
+  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse_rad, "rad", {}) + "gof_percent = " + exact(fit.gof_percent) +
+                     "\nsamples = " + std::to_string(fit.samples) + "\nlogs = [";
+  for (std::size_t i = 0; i < fit.logs.size(); ++i) {
+    text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
+  }
+  return text + "]\n";
+}
+
+}  // namespace
+
+auto JointFile::has(const std::string& term) const -> bool {
+  return std::find(terms.begin(), terms.end(), term) != terms.end();
+}
+
+auto rigid_law() -> LawParameters<double> {
+  LawParameters<double> law;
+  for (const auto& term : term_catalogue()) {
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      law.shapes[term.first_shape + i] = term.shapes[i].initial;
+    }
+  }
+  law.coefficients[catalogue_term("motor_angle").first_coefficient] = 1.0;
+  return law;
+}
+
+auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
+  LawParameters<Q24> fixed;
+  std::transform(parameters.coefficients.begin(), parameters.coefficients.end(), fixed.coefficients.begin(), Q24::from_double);
+  std::transform(parameters.shapes.begin(), parameters.shapes.end(), fixed.shapes.begin(), Q24::from_double);
+  fixed.conditioner.direction_threshold_rad = Q24::from_double(parameters.conditioner.direction_threshold_rad);
+  fixed.conditioner.rate_time_constant_s = Q24::from_double(parameters.conditioner.rate_time_constant_s);
+  return fixed;
+}
+
+auto joint_file_text(const JointFile& joint) -> std::string {
+  std::string text = "# A joint's law: y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n"
+                     "schema = \"capstan.joint/1\"\n\n[conditioner]\n";
+  const auto& conditioner = joint.parameters.conditioner;
+  text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, "rad", {});
+  text += "rate_time_constant = " + quantity(conditioner.rate_time_constant_s, "s", {});
+  for (const auto& term : term_catalogue()) {
+    text += joint.has(term.name) ? term_text(joint, term) : "";
+  }
+  if (joint.steady_torque) {
+    text += "\n# Motor torque while the motor moves steadily.\n[feedforward]\n";
+    text += "torque_forward = " + quantity(joint.steady_torque->forward_nm, "Nm", {});
+    text += "torque_backward = " + quantity(joint.steady_torque->backward_nm, "Nm", {});
+  }
+  return text + (joint.fit ? fit_text(*joint.fit) : "");
+}
+
+void write_joint_file(const std::string& path, const JointFile& joint) { write_text_file(path, joint_file_text(joint)); }
+
+}  // namespace capstan::tools

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/motion_law.hpp"
+
+namespace capstan::tools {
+
+using Interval = std::array<double, 2>;
+
+/// Motor torque while the motor moves steadily, N m: what the feedforward takes as the torque of a motion to come.
+struct SteadyTorque {
+  double forward_nm = 0.0;
+  double backward_nm = 0.0;
+};
+
+/// How well the law reproduced the logs it was fitted to.
+struct FitSummary {
+  double rmse_rad = 0.0;
+  double gof_percent = 0.0;
+  long samples = 0;
+  std::vector<std::string> logs;
+};
+
+/// A joint's law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are off.
+struct JointFile {
+  LawParameters<double> parameters{};
+  std::vector<std::string> terms;  ///< names of the terms that are on, in the order of the catalogue
+  std::array<std::optional<Interval>, kCoefficientCount> coefficient_ci95{};
+  std::array<std::optional<Interval>, kShapeCount> shape_ci95{};
+  std::optional<SteadyTorque> steady_torque;
+  std::optional<FitSummary> fit;
+
+  [[nodiscard]] auto has(const std::string& term) const -> bool;
+};
+
+/// Parameters of a law with every effect off (shapes at their initial values), beta = 1.
+auto rigid_law() -> LawParameters<double>;
+
+/// The same law in the firmware's numbers. @pre every number is within +-128; read_joint_file() and the fits see to it
+auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24>;
+
+/// Throws BadInput: one sentence with file, line and cure for an unknown key, a missing value, a number that is not finite, a
+/// wrong unit, or a value out of range.
+auto read_joint_file(const std::string& path) -> JointFile;
+auto parse_joint_file(const std::string& text, const std::string& name) -> JointFile;
+
+auto joint_file_text(const JointFile& joint) -> std::string;
+void write_joint_file(const std::string& path, const JointFile& joint);
+
+}  // namespace capstan::tools

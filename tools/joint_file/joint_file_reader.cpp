@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/joint_file/joint_file.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Ends of the firmware's numbers; the largest value is one step below 128.
+constexpr double kLargest = 127.999999;
+/// Below this ratio the law could not be turned round for the feedforward within the range of numbers.
+constexpr double kSmallestBeta = 0.01;
+
+struct Limits {
+  double low = -kLargest;
+  double high = kLargest;
+};
+
+/// Walks the file and turns every surprise into a sentence with file and line.
+class Reader {
+ public:
+  explicit Reader(std::string name) : name_(std::move(name)) {}
+
+  [[noreturn]] void fail(const toml::node& node, const std::string& sentence) const {
+    throw BadInput(place(name_, static_cast<std::size_t>(node.source().begin.line)) + sentence);
+  }
+
+  auto table(const toml::table& parent, const std::string& key) const -> const toml::table* {
+    const toml::node* node = parent.get(key);
+    if (node != nullptr && node->as_table() == nullptr) {
+      fail(*node, key + " is not a table; write [" + key + "]");
+    }
+    return node == nullptr ? nullptr : node->as_table();
+  }
+
+  void only(const toml::table& table, const std::vector<std::string>& known, const std::string& where) const {
+    for (const auto& [key, node] : table) {
+      if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
+        throw BadInput(place(name_, static_cast<std::size_t>(key.source().begin.line)) + "unknown key " + std::string(key.str()) +
+                       " in " + where + "; known are " + joined(known));
+      }
+    }
+  }
+
+  auto number(const toml::node& node, const std::string& what) const -> double {
+    const auto value = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value)) {
+      fail(node, what + " is not a finite number; write one, for instance 1.08");
+    }
+    return *value;
+  }
+
+  /// { value = 1.08, unit = "1", ci95 = [1.07, 1.09] }
+  auto quantity(const toml::table& parent, const std::string& key, const std::string& unit, const Limits& limits,
+                std::optional<Interval>* ci95 = nullptr) const -> double {
+    const toml::node* node = parent.get(key);
+    const std::string form = key + " = { value = ..., unit = \"" + unit + "\" }";
+    if (node == nullptr) {
+      fail(parent, key + " is missing; write " + form);
+    }
+    const toml::table* entry = node->as_table();
+    if (entry == nullptr) {
+      fail(*node, key + " has no unit; write " + form);
+    }
+    only(*entry, {"value", "unit", "ci95"}, key);
+    const auto* given_unit = entry->get("unit");
+    if (given_unit == nullptr || given_unit->value<std::string>() != unit) {
+      fail(*node, key + " must be given in \"" + unit + "\"; convert the value and write " + form);
+    }
+    if (entry->get("value") == nullptr) {
+      fail(*node, key + " has no value; write " + form);
+    }
+    const double value = number(*entry->get("value"), key);
+    if (value < limits.low || value > limits.high) {
+      fail(*node, key + " = " + rounded(value, 6) + " " + unit + " is out of range; it must be from " + rounded(limits.low, 6) +
+                      " to " + rounded(limits.high, 6));
+    }
+    if (ci95 != nullptr && entry->get("ci95") != nullptr) {
+      *ci95 = interval(*entry->get("ci95"), key);
+    }
+    return value;
+  }
+
+  void terms(const toml::table& root, JointFile& joint) const {
+    std::vector<std::string> known;
+    for (const auto& term : term_catalogue()) {
+      known.push_back(term.name);
+    }
+    const toml::table* all = table(root, "terms");
+    if (all == nullptr || all->get("motor_angle") == nullptr) {
+      fail(all == nullptr ? static_cast<const toml::node&>(root) : *all,
+           "the law has no ratio; write [terms.motor_angle] with beta = { value = ..., unit = \"1\" }");
+    }
+    only(*all, known, "[terms]");
+    for (const auto& term : term_catalogue()) {
+      if (const toml::table* entry = table(*all, term.name)) {
+        joint.terms.push_back(term.name);
+        read_term(*entry, term, joint);
+      }
+    }
+    const double beta = joint.parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
+    if (std::abs(beta) < kSmallestBeta) {
+      fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be turned round; " +
+                                         "check the fit, the joint hardly moved");
+    }
+  }
+
+  [[nodiscard]] auto name() const -> const std::string& { return name_; }
+
+ private:
+  auto interval(const toml::node& node, const std::string& key) const -> Interval {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || array->size() != 2) {
+      fail(node, "ci95 of " + key + " is not a pair; write [low, high] or leave it out");
+    }
+    const Interval result = {number(*array->get(0), "ci95 of " + key), number(*array->get(1), "ci95 of " + key)};
+    if (result[0] > result[1]) {
+      fail(node, "ci95 of " + key + " runs from high to low; swap its ends");
+    }
+    return result;
+  }
+
+  void read_term(const toml::table& entry, const CatalogueTerm& term, JointFile& joint) const {
+    std::vector<std::string> known;
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      const auto& info = term.coefficients[i];
+      known.emplace_back(info.name);
+      const Limits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargest, info.sign == Sign::kNonPositive ? 0.0 : kLargest};
+      const std::size_t at = term.first_coefficient + i;
+      joint.parameters.coefficients[at] = quantity(entry, info.name, info.unit, limits, &joint.coefficient_ci95[at]);
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const auto& info = term.shapes[i];
+      known.emplace_back(info.name);
+      const std::size_t at = term.first_shape + i;
+      joint.parameters.shapes[at] =
+          quantity(entry, info.name, info.unit, {info.minimum, info.maximum}, &joint.shape_ci95[at]);
+    }
+    only(entry, known, "[terms." + term.name + "]");
+  }
+
+  std::string name_;
+};
+
+void read_conditioner(const Reader& reader, const toml::table& root, JointFile& joint) {
+  const toml::table* table = reader.table(root, "conditioner");
+  if (table == nullptr) {
+    reader.fail(root, "[conditioner] is missing; write it with direction_threshold and rate_time_constant");
+  }
+  reader.only(*table, {"direction_threshold", "rate_time_constant"}, "[conditioner]");
+  auto& conditioner = joint.parameters.conditioner;
+  conditioner.direction_threshold_rad = reader.quantity(*table, "direction_threshold", "rad", {0.0, 1.0});
+  conditioner.rate_time_constant_s = reader.quantity(*table, "rate_time_constant", "s", {0.0, 1.0});
+}
+
+void read_steady_torque(const Reader& reader, const toml::table& root, JointFile& joint) {
+  if (const toml::table* table = reader.table(root, "feedforward")) {
+    reader.only(*table, {"torque_forward", "torque_backward"}, "[feedforward]");
+    joint.steady_torque = SteadyTorque{reader.quantity(*table, "torque_forward", "Nm", {}),
+                                       reader.quantity(*table, "torque_backward", "Nm", {})};
+  }
+}
+
+void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
+  const toml::table* table = reader.table(root, "fit");
+  if (table == nullptr) {
+    return;
+  }
+  reader.only(*table, {"rmse", "gof_percent", "samples", "logs"}, "[fit]");
+  FitSummary fit;
+  fit.rmse_rad = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
+  if (const auto* gof = table->get("gof_percent")) {
+    fit.gof_percent = reader.number(*gof, "gof_percent");
+  }
+  if (const auto* samples = table->get("samples")) {
+    fit.samples = std::lround(reader.number(*samples, "samples"));
+  }
+  if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
+    for (const auto& log : *logs->as_array()) {
+      fit.logs.push_back(log.value_or(std::string{}));
+    }
+  }
+  joint.fit = fit;
+}
+
+}  // namespace
+
+auto parse_joint_file(const std::string& text, const std::string& name) -> JointFile {
+  toml::table root;
+  try {
+    root = toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    throw BadInput(place(name, static_cast<std::size_t>(error.source().begin.line)) + "this is not TOML: " +
+                   std::string(error.description()) + "; repair the line or write the file anew with capstan identify");
+  }
+  const Reader reader(name);
+  if (root["schema"].value<std::string>() != "capstan.joint/1") {
+    throw BadInput(place(name, 1) + "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
+                   "with capstan identify");
+  }
+  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit"}, "the file");
+  JointFile joint;
+  joint.parameters = rigid_law();
+  read_conditioner(reader, root, joint);
+  reader.terms(root, joint);
+  read_steady_torque(reader, root, joint);
+  read_fit(reader, root, joint);
+  return joint;
+}
+
+auto read_joint_file(const std::string& path) -> JointFile { return parse_joint_file(read_text_file(path), path); }
+
+}  // namespace capstan::tools

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/log/axis_log.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/errors.hpp"
+#include "tools/support/statistics.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Timing that the maths below can take as even: within a tenth of a period, 99 times of 100.
+constexpr double kSmallJitter = 0.1;
+/// A step this many periods long is a gap.
+constexpr double kGap = 1.5;
+
+void check_timing(const CsvLog& csv, AxisLog& axis) {
+  const Eigen::Index n = axis.samples();
+  if (n < 3) {
+    throw BadInput(place(csv.name(), 2) + "the log has only " + std::to_string(n) + " rows; record at least a few seconds");
+  }
+  const Eigen::VectorXd steps = axis.time_s.tail(n - 1) - axis.time_s.head(n - 1);
+  axis.period_s = median(steps);
+  const double jitter = quantile((steps.array() / axis.period_s - 1.0).abs().matrix(), 0.99);
+  if (jitter > kSmallJitter) {
+    axis.warnings.push_back(csv.name() + ": the time between samples varies by " + rounded(100.0 * jitter, 2) +
+                            " % (99th percentile) around " + rounded(1e3 * axis.period_s) +
+                            " ms and is taken as even; results on delays and speeds are less sure");
+  }
+  Eigen::Index longest = 0;
+  const double gap = steps.maxCoeff(&longest);
+  if (gap > kGap * axis.period_s) {
+    const auto count = (steps.array() > kGap * axis.period_s).count();
+    axis.warnings.push_back(place(csv.name(), csv.line_of(static_cast<std::size_t>(longest) + 1)) + std::to_string(count) +
+                            " gaps in time, the longest " + rounded(1e3 * gap) + " ms, here; nothing was filled in");
+  }
+}
+
+void check_motion(const CsvLog& csv, const AxisLog& axis, const std::string& name, const Eigen::VectorXd& values) {
+  if (values.maxCoeff() - values.minCoeff() > 0.0) {
+    return;
+  }
+  throw BadInput(place(csv.name(), 2) + name + " stands at " + rounded(values[0]) + " from here to line " +
+                 std::to_string(csv.line_of(static_cast<std::size_t>(axis.samples()) - 1)) +
+                 "; record the joint while it moves, or name another column with --map");
+}
+
+/// Motion of the other axes and the temperature: not part of any law here, but a possible cause of what the law misses.
+void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
+  constexpr int kAxesLookedFor = 16;
+  std::vector<std::string> names = {"temperature_C"};
+  for (int other = 0; other < kAxesLookedFor; ++other) {
+    if (other != axis) {
+      names.push_back(axis_column(other, "q1_rad"));
+      names.push_back(axis_column(other, "tau_Nm"));
+    }
+  }
+  for (const auto& name : names) {
+    if (!csv.has(name)) {
+      continue;
+    }
+    SideSignal signal{name, csv.column(name)};
+    if (signal.values.maxCoeff() > signal.values.minCoeff()) {
+      result.side.push_back(std::move(signal));
+    }
+  }
+}
+
+}  // namespace
+
+auto axis_column(int axis, const std::string& quantity) -> std::string {
+  return "axis" + std::to_string(axis) + "/" + quantity;
+}
+
+auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
+  AxisLog axis;
+  axis.name = csv.name();
+  axis.warnings = csv.warnings();
+  axis.time_s = csv.time();
+  check_timing(csv, axis);
+  const std::string q1 = axis_column(request.axis, "q1_rad");
+  axis.q1_rad = csv.column(q1);
+  check_motion(csv, axis, q1, axis.q1_rad);
+  const std::string tau = axis_column(request.axis, "tau_Nm");
+  axis.has_torque = request.needs_torque || csv.has(tau);
+  axis.tau_nm = axis.has_torque ? csv.column(tau) : Eigen::VectorXd::Zero(axis.samples());
+  const std::string target = request.target.empty() ? axis_column(request.axis, "q2_rad") : request.target;
+  if (request.needs_target || csv.has(target)) {
+    axis.target = target;
+    axis.q2_rad = csv.column(target);
+    if (request.needs_target) {
+      check_motion(csv, axis, target, axis.q2_rad);
+    }
+  }
+  read_side_signals(csv, request.axis, axis);
+  return axis;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "tools/log/csv_log.hpp"
+
+namespace capstan::tools {
+
+/// Another signal of the same log that may act on this axis.
+struct SideSignal {
+  std::string name;
+  Eigen::VectorXd values;
+};
+
+/// One axis of one log, evenly sampled for all that follows.
+struct AxisLog {
+  std::string name;           ///< file
+  std::string target = {};    ///< column that q2 was read from; empty if there is none
+  double period_s = 0.0;      ///< median
+  Eigen::VectorXd time_s, q1_rad;
+  Eigen::VectorXd tau_nm;     ///< zero if not logged
+  Eigen::VectorXd q2_rad;     ///< empty if not logged
+  bool has_torque = false;
+  std::vector<SideSignal> side;  ///< motion of other axes and temperature, where logged
+  std::vector<std::string> warnings;
+
+  [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
+  [[nodiscard]] auto rate_hz() const -> double { return 1.0 / period_s; }
+};
+
+struct AxisRequest {
+  int axis = 0;
+  std::string target = {};    ///< column with the measured joint angle; empty: axis<N>/q2_rad
+  bool needs_target = true;
+  bool needs_torque = false;
+};
+
+/// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing moves.
+auto read_axis(const CsvLog& log, const AxisRequest& request) -> AxisLog;
+
+/// Column name by the contract: "axis0/q1_rad".
+auto axis_column(int axis, const std::string& quantity) -> std::string;
+
+}  // namespace capstan::tools

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/replay/replay.hpp"
+
+#include <cmath>
+
+#include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr std::int32_t kFirmwareRateHz = 1000;
+
+template <typename Scalar, typename ToScalar, typename ToDouble>
+auto run(const AxisLog& log, MotionLaw<Scalar> law, ToScalar&& to_scalar, ToDouble&& to_double) -> Replayed {
+  Replayed result{Eigen::VectorXd(log.samples()), Eigen::VectorXd(log.samples()), 0};
+  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+    const Estimate<Scalar> estimate = law.update(to_scalar(log.q1_rad[i]), to_scalar(log.tau_nm[i]));
+    result.q2[i] = to_double(estimate.q2);
+    result.reported[i] = to_double(estimate.q2_reported);
+    result.saturated += estimate.saturated ? 1 : 0;
+  }
+  return result;
+}
+
+}  // namespace
+
+auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic arithmetic) -> Replayed {
+  if (arithmetic == Arithmetic::kDouble) {
+    auto same = [](double x) { return x; };
+    return run(log, MotionLaw<double>(SamplePeriod<double>(log.period_s), law), same, same);
+  }
+  if (std::abs(log.rate_hz() / kFirmwareRateHz - 1.0) > 0.01) {
+    throw Refusal(log.name + ": the log runs at " + rounded(log.rate_hz()) + " Hz and the firmware's arithmetic is made for " +
+                  std::to_string(kFirmwareRateHz) + " Hz; replay it with --arithmetic double");
+  }
+  const MotionLaw<Q24> fixed(SamplePeriod<Q24>(kFirmwareRateHz), to_fixed(law));
+  return run(log, fixed, Q24::from_double, [](Q24 x) { return x.to_double(); });
+}
+
+auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string {
+  std::vector<std::string> names = {axis_column(axis, "q2_est_rad")};
+  std::vector<Eigen::VectorXd> columns = {replayed.q2};
+  if (replayed.q2 != replayed.reported) {
+    names.push_back(axis_column(axis, "q2_reported_est_rad"));
+    columns.push_back(replayed.reported);
+  }
+  return csv.text_with(names, columns);
+}
+
+}  // namespace capstan::tools

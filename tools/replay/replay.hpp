@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/joint_file/joint_file.hpp"
+#include "tools/log/axis_log.hpp"
+
+namespace capstan::tools {
+
+enum class Arithmetic { kFixed, kDouble };
+
+struct Replayed {
+  Eigen::VectorXd q2;        ///< joint angle, what the firmware acts on
+  Eigen::VectorXd reported;  ///< what the joint's sensor would report under the law
+  long saturated = 0;        ///< samples at which a number met the end of its range
+};
+
+/// Runs the law over a log as the firmware does. kFixed is the firmware's arithmetic, bit for bit; it exists at 1 kHz only and
+/// throws Refusal for other rates. Throws BadInput for inputs outside the firmware's range of numbers.
+auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic arithmetic) -> Replayed;
+
+/// The log with the estimates appended as columns of the axis.
+auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string;
+
+}  // namespace capstan::tools

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/support/statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace capstan::tools {
+
+auto quantile(const Eigen::VectorXd& values, double p) -> double {
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto rank = static_cast<std::ptrdiff_t>(std::lround(p * static_cast<double>(sorted.size() - 1)));
+  std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
+  return sorted[static_cast<std::size_t>(rank)];
+}
+
+auto median(const Eigen::VectorXd& values) -> double { return quantile(values, 0.5); }
+
+auto rms(const Eigen::VectorXd& values) -> double {
+  return values.size() == 0 ? 0.0 : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
+}
+
+auto student_t95(double degrees_of_freedom) -> double {
+  // Cornish-Fisher expansion of the t quantile about the normal one, exact to 0.3 % from 3 degrees of freedom on.
+  const double v = std::max(degrees_of_freedom, 1.0);
+  constexpr double z = 1.959964;
+  const double z3 = z * z * z;
+  const double z5 = z3 * z * z;
+  const double z7 = z5 * z * z;
+  return z + (z3 + z) / (4.0 * v) + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * v * v) +
+         (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * v * v * v);
+}
+
+auto normal_tail(double z) -> double { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+
+auto normal_quantile_upper(double p) -> double {
+  double low = 0.0;
+  double high = 40.0;
+  for (int i = 0; i < 80; ++i) {
+    const double middle = 0.5 * (low + high);
+    (normal_tail(middle) > p ? low : high) = middle;
+  }
+  return low;
+}
+
+auto goodness_of_fit_percent(const Eigen::VectorXd& measured, const Eigen::VectorXd& estimated) -> double {
+  const double spread = (estimated.array() - estimated.mean()).matrix().norm();
+  return 100.0 * (1.0 - (measured - estimated).norm() / spread);
+}
+
+auto white_noise_level(const Eigen::VectorXd& signal) -> double {
+  const Eigen::Index n = signal.size() - 3;
+  if (n < 1) {
+    return 0.0;
+  }
+  const Eigen::VectorXd third = signal.tail(n) - 3.0 * signal.segment(2, n) + 3.0 * signal.segment(1, n) - signal.head(n);
+  constexpr double kGain = 20.0;  // 1 + 9 + 9 + 1
+  // From the median of the squares, so that a few corners of the motion do not count as noise.
+  return std::sqrt(median(third.cwiseAbs2()) / 0.4549 / kGain);
+}
+
+auto quantisation_step(const Eigen::VectorXd& signal) -> double {
+  double smallest = std::numeric_limits<double>::infinity();
+  const double rounding = 1e-9 * signal.cwiseAbs().maxCoeff();  // of the numbers as printed
+  for (Eigen::Index i = 1; i < signal.size(); ++i) {
+    const double step = std::abs(signal[i] - signal[i - 1]);
+    smallest = step > rounding ? std::min(smallest, step) : smallest;
+  }
+  if (!std::isfinite(smallest) || smallest < 100.0 * rounding) {
+    return 0.0;
+  }
+  constexpr double kLargestMultiple = 50.0;  // beyond, rounding makes everything a multiple
+  Eigen::Index changes = 0;
+  Eigen::Index multiples = 0;
+  for (Eigen::Index i = 1; i < signal.size(); ++i) {
+    const double steps = std::abs(signal[i] - signal[i - 1]) / smallest;
+    if (steps > 0.5 && steps < kLargestMultiple) {
+      ++changes;
+      multiples += std::abs(steps - std::round(steps)) < 0.05 ? 1 : 0;
+    }
+  }
+  return static_cast<double>(multiples) > 0.98 * static_cast<double>(changes) ? smallest : 0.0;
+}
+
+}  // namespace capstan::tools

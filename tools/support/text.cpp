@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/support/text.hpp"
+
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+
+auto trimmed(std::string_view text) -> std::string_view {
+  constexpr std::string_view kBlank = " \t\r";
+  const auto first = text.find_first_not_of(kBlank);
+  if (first == std::string_view::npos) {
+    return {};
+  }
+  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+auto parse_number(std::string_view text) -> std::optional<double> {
+  text = trimmed(text);
+  if (!text.empty() && text.front() == '+') {
+    text.remove_prefix(1);
+  }
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc{} || end != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+auto exact(double value) -> std::string {
+  std::array<char, 40> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return error == std::errc{} ? std::string(buffer.data(), end) : std::string("nan");
+}
+
+auto rounded(double value, int digits) -> std::string {
+  std::array<char, 40> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.*g", digits, value);
+  return buffer.data();
+}
+
+auto joined(const std::vector<std::string>& words, std::string_view separator) -> std::string {
+  std::string result;
+  for (const auto& word : words) {
+    result += result.empty() ? "" : std::string(separator);
+    result += word;
+  }
+  return result;
+}
+
+auto read_text_file(const std::string& path) -> std::string {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || std::filesystem::is_directory(path)) {
+    throw BadInput(path + ": the file can not be opened; check the path");
+  }
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (file.bad()) {
+    throw BadInput(path + ": reading stopped half way; check the disk");
+  }
+  return std::move(text).str();
+}
+
+void write_text_file(const std::string& path, std::string_view text) {
+  const std::string temporary = path + ".part";
+  {
+    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+    file.write(text.data(), static_cast<std::streamsize>(text.size()));
+    file.close();
+    if (!file) {
+      throw BadInput(path + ": the file can not be written; check that the folder exists and has room");
+    }
+  }
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  if (error) {
+    throw BadInput(path + ": the file can not be written (" + error.message() + "); choose another name");
+  }
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace capstan::tools {
+
+/// The number that fills `text` completely (blanks around it allowed), or nothing. "nan" and "inf" parse: whoever needs a
+/// finite value asks for it. Independent of the locale.
+auto parse_number(std::string_view text) -> std::optional<double>;
+
+/// Shortest text that reads back as the same number.
+auto exact(double value) -> std::string;
+
+/// `digits` significant digits, for people.
+auto rounded(double value, int digits = 4) -> std::string;
+
+/// "a, b, c"
+auto joined(const std::vector<std::string>& words, std::string_view separator = ", ") -> std::string;
+
+auto trimmed(std::string_view text) -> std::string_view;
+
+/// Whole file. Throws BadInput if it can not be read.
+auto read_text_file(const std::string& path) -> std::string;
+
+/// Writes by way of a temporary file beside it, so that a failure leaves no half-written file. Throws BadInput.
+void write_text_file(const std::string& path, std::string_view text);
+
+}  // namespace capstan::tools
