@@ -40,6 +40,7 @@ auto scale_of(std::string_view given, std::string_view wanted) -> const UnitScal
 }  // namespace
 
 auto parse_quantity(std::string_view text, std::string_view unit, Q24& value) -> ValueError {
+  skip_blanks(text);
   std::size_t used = 0;
   Q24 number;
   if (parse_real(text, number, used) == ParseResult::kNotANumber) {

@@ -6,6 +6,17 @@
 #include "firmware/shell_commands.hpp"
 
 namespace capstan {
+namespace {
+
+auto words_in(std::string_view text) -> std::size_t {
+  std::size_t count = 0;
+  while (!next_word(text).empty()) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
 
 Shell::Shell(Machine& machine, TextSink& sink, const char* board, bool echo)
     : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo) {}
@@ -94,17 +105,19 @@ void Shell::execute(std::string_view line) {
   std::string_view rest = line;
   const std::string_view word = next_word(rest);
   if (word.empty() || word.front() == '#') {
-    prompt();
+    ok();  // a host that waits for an answer to every line waits for this one too
     return;
   }
   for (const ShellCommand& command : shell_commands()) {
-    if (word == command.name) {
-      while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) {
-        rest.remove_prefix(1);
-      }
-      command.run(*this, rest);
-      return;
+    if (word != command.name) {
+      continue;
     }
+    if (words_in(rest) > command.most_words) {
+      error("usage", "the command was given more words than it takes, and nothing was done", "'help' shows its arguments");
+    } else {
+      command.run(*this, rest);
+    }
+    return;
   }
   error("unknown_command", "there is no such command", "'help' lists all of them");
 }
@@ -148,6 +161,8 @@ void Shell::finish_arming() {
   }
   if (now.state == State::kFaulted) {
     error("faulted", "a fault is latched", "read 'faults', then 'disarm' and 'arm'");
+  } else if (now.conditions == 0) {
+    error("blocked", "what blocked arming has gone meanwhile", "'arm' again");
   } else {
     error("blocked", "arming is blocked by the conditions above", "cure them and 'arm' again");
   }

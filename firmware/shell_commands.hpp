@@ -8,11 +8,41 @@ namespace capstan {
 struct ShellCommand {
   const char* name;
   const char* arguments;
+  std::size_t most_words;  ///< after the name; more are refused
   const char* help;
   void (*run)(Shell& shell, std::string_view arguments);
 };
 
 /// Every command there is; `help` prints from it.
 auto shell_commands() -> std::span<const ShellCommand>;
+
+/// The commands' bodies. A struct only so that they may use the shell's private parts.
+struct ShellCommands {
+  static void help(Shell& shell, std::string_view arguments);
+  static void version(Shell& shell, std::string_view arguments);
+  static void status(Shell& shell, std::string_view arguments);
+  static void faults(Shell& shell, std::string_view arguments);
+  static void get(Shell& shell, std::string_view arguments);
+  static void set(Shell& shell, std::string_view arguments);
+  static void list(Shell& shell, std::string_view arguments);
+  static void dump(Shell& shell, std::string_view arguments);
+  static void diff(Shell& shell, std::string_view arguments);
+  static void begin(Shell& shell, std::string_view arguments);
+  static void commit(Shell& shell, std::string_view arguments);
+  static void abandon(Shell& shell, std::string_view arguments);
+  static void defaults(Shell& shell, std::string_view arguments);
+  static void save(Shell& shell, std::string_view arguments);
+  static void load(Shell& shell, std::string_view arguments);
+  static void arm(Shell& shell, std::string_view arguments);
+  static void disarm(Shell& shell, std::string_view arguments);
+  static void move(Shell& shell, std::string_view arguments);
+  static void hold(Shell& shell, std::string_view arguments);
+  static void log(Shell& shell, std::string_view arguments);
+
+ private:
+  static void replay_lines(Shell& shell, bool changed_only);
+  static void post(Shell& shell, const Request& request, Shell::Activity activity);
+  static void begin_staging(Shell& shell);
+};
 
 }  // namespace capstan

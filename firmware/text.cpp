@@ -86,9 +86,9 @@ auto scale_to_raw(Decimal number, std::int64_t& raw) -> bool {
   return true;
 }
 
-/// pi / 180 in 31 binary places: 1e-8 of the value, below the resolution up to 4 rad.
-constexpr std::int64_t kRadianPerDegree = 37480660;
-constexpr int kRadianPerDegreeBits = 31;
+/// pi / 180 in 30 binary places: right to 8e-9 of the value, which is below the resolution up to 3 rad.
+constexpr std::int64_t kRadianPerDegree = 18740330;
+constexpr int kRadianPerDegreeBits = 30;
 
 }  // namespace
 
@@ -197,10 +197,14 @@ auto parse_real(std::string_view text, Q24& value, std::size_t& used) -> ParseRe
   return parse_scaled(text, {}, value, used);
 }
 
-auto next_word(std::string_view& text) -> std::string_view {
+void skip_blanks(std::string_view& text) {
   while (!text.empty() && is_blank(text.front())) {
     text.remove_prefix(1);
   }
+}
+
+auto next_word(std::string_view& text) -> std::string_view {
+  skip_blanks(text);
   std::size_t length = 0;
   while (length < text.size() && !is_blank(text[length])) {
     ++length;

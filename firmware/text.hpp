@@ -52,6 +52,8 @@ struct UnitScale {
 /// The same for a number in another unit, which alone may lie outside Q24: 500 (mA) is 0.5 A.
 auto parse_scaled(std::string_view text, const UnitScale& scale, Q24& value, std::size_t& used) -> ParseResult;
 
+/// Takes blanks and tabs off the front of `text`.
+void skip_blanks(std::string_view& text);
 /// Takes the next word, separated by blanks, off the front of `text`; empty at the end.
 auto next_word(std::string_view& text) -> std::string_view;
 

@@ -30,8 +30,10 @@ struct TermList {
   }
 };
 
-/// The catalogue. A new effect is one file in terms/ and one word here: parameters, shell, storage, fit and diagnosis follow.
-using SumTerms = TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset, SlipPropagation, Play>;
+/// The catalogue. A new effect is one file in terms/ and one word here: parameters, shell, storage, fit and diagnosis
+/// follow.
+using SumTerms =
+    TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset, SlipPropagation, Play>;
 /// Effects of the joint's own sensor, applied to the finished sum in this order.
 using OutputTerms = TermList<TransportDelay>;
 

@@ -41,18 +41,21 @@ class Preisach {
   /// `beyond_table` and force zero; ask `check` why.
   constexpr explicit Preisach(const Table& table, StartState start = StartState::kNegativeSaturation,
                               Scalar tolerance = {})
-      : usable_(check(table, tolerance).ok()), surface_(usable_ ? table : kFlat) {
+      : usable_(check(table, tolerance).ok()), surface_(usable_ ? Surface(table) : Surface()) {
     reset(start);
   }
   explicit Preisach(const Table&& table, StartState start = {}, Scalar tolerance = {}) = delete;
 
   /// Forgets the past and assumes another one.
   constexpr void reset(StartState start) {
+    known_ = false;
+    cut_loops_ = 0;
+    if (!usable_) {
+      return;
+    }
     size_ = 1;
     history_[0] = {surface_.lowest(), surface_.lower_saturation()};
     last_ = surface_.lowest();
-    known_ = false;
-    cut_loops_ = 0;
     if (start == StartState::kDemagnetised) {
       demagnetise();
     }
@@ -62,24 +65,28 @@ class Preisach {
   /// monotone.
   constexpr auto update(Scalar input) -> ForceEstimate<Scalar> {
     ForceEstimate<Scalar> estimate;
+    if (!usable_) {
+      estimate.beyond_table = true;
+      return estimate;
+    }
     const Position x = surface_.locate(input, estimate.beyond_table);
     const std::uint32_t cut_before = cut_loops_;
     move_to(x);
     known_ = known_ || x == surface_.lowest() || x == surface_.highest();
     estimate.force = force_at(x);
-    estimate.known = known_ && usable_;
-    estimate.beyond_table |= !usable_;
+    estimate.known = known_;
     estimate.history_cut = cut_loops_ != cut_before;
     return estimate;
   }
 
-  [[nodiscard]] constexpr auto is_known() const -> bool { return known_ && usable_; }
+  [[nodiscard]] constexpr auto is_known() const -> bool { return known_; }
   /// Extremes in memory, the lower saturation included: 1 to Depth.
   [[nodiscard]] constexpr auto extremes() const -> std::size_t { return size_; }
   /// Loops dropped since the last reset because the memory was full; stays at its maximum.
   [[nodiscard]] constexpr auto cut_loops() const -> std::uint32_t { return cut_loops_; }
 
  private:
+  using Surface = ReversalSurface<Scalar, MaxLevels>;
   using Position = GridPosition<Scalar>;
   /// An extreme of the input and the sum up to it: the force is closed + f_{position, u} below a peak, and
   /// closed + f_uu - f_{u, position} above a valley.
@@ -87,15 +94,6 @@ class Preisach {
     Position position{};
     Scalar closed{};
   };
-
-  /// Stands in for a table that was refused, so that no step reads outside one.
-  static constexpr Table kFlat = [] {
-    Table flat;
-    flat.levels = 2;
-    flat.inputs[1] = ScalarTraits<Scalar>::from(1.0);
-    flat.forces.fill(Scalar{});
-    return flat;
-  }();
 
   // Valleys and peaks alternate from the lower saturation at index 0.
   [[nodiscard]] constexpr auto last_is_peak() const -> bool { return size_ % 2 == 0; }
@@ -174,7 +172,7 @@ class Preisach {
   }
 
   bool usable_;
-  ReversalSurface<Scalar, MaxLevels> surface_;
+  Surface surface_;
   std::array<Extreme, Depth> history_{};
   std::size_t size_ = 1;
   Position last_{};

@@ -73,6 +73,8 @@ class ReversalSurface {
   using Table = ReversalTable<Scalar, MaxLevels>;
   using Position = GridPosition<Scalar>;
 
+  /// A surface of no table, to be assigned one before anything is asked of it.
+  constexpr ReversalSurface() = default;
   /// @pre check(table) passes with some tolerance
   constexpr explicit ReversalSurface(const Table& table) : table_(&table) {
     for (std::size_t cell = 0; cell + 1 < table.levels; ++cell) {
@@ -130,7 +132,7 @@ class ReversalSurface {
     return low + (force(row, b.cell + 1) - low) * b.fraction;
   }
 
-  const Table* table_;
+  const Table* table_ = nullptr;
   std::array<CellScale<Scalar>, MaxLevels - 1> scales_{};
 };
 

@@ -55,13 +55,15 @@ template <typename T, typename Scalar>
 concept SumTerm = requires(T term, const T& const_term, const Sample<Scalar>& sample) {
   { term.update(sample) } -> std::same_as<std::array<Scalar, kCoefficientsOf<T>>>;
   { const_term.settled(sample) } -> std::same_as<std::array<Scalar, kCoefficientsOf<T>>>;
-} && std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
+}
+&&std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
-/// A term that acts on the finished sum, as a sensor does on what it measures: y <- update(y). It is linear in y, so a fit
-/// may pass every column through it instead.
+/// A term that acts on the finished sum, as a sensor does on what it measures: y <- update(y). It is linear in y, so a
+/// fit may pass every column through it instead.
 template <typename T, typename Scalar>
 concept OutputTerm = requires(T term, Scalar y) {
   { term.update(y) } -> std::same_as<Scalar>;
-} && kCoefficientsOf<T> == 0 && std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
+}
+&&kCoefficientsOf<T> == 0 && std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
 }  // namespace capstan

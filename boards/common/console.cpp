@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "boards/common/console.hpp"
 
+#include <fcntl.h>
 #include <sys/socket.h>
 
 #include <algorithm>
@@ -15,7 +16,9 @@ auto events_now(int fd, std::int16_t events) -> std::int16_t {
   return ::poll(&entry, 1, 0) > 0 ? entry.revents : std::int16_t{0};
 }
 
-auto try_again_later() -> bool { return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR; }
+auto try_again_later() -> bool {
+  return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+}
 
 }  // namespace
 
@@ -68,11 +71,15 @@ void Console::lose_peer() {
   hung_up_ = true;
   attached_ = false;
   stalled_ = false;
-  if (kind_ == Kind::kTcp || kind_ == Kind::kSerial) {
-    line_.close();
+  if (kind_ != Kind::kStdio) {  // answers to a peer that left are not for the next one
+    outgoing_.clear();
   }
-  if (kind_ != Kind::kStdio) {
-    outgoing_.clear();  // answers to a peer that left are not for the next one
+  if (kind_ == Kind::kPty) {  // its device keeps them, and the modes the peer may have set
+    const FileDescriptor device(::open(name_.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+    static_cast<void>(make_raw(device.get()));
+    static_cast<void>(tcflush(device.get(), TCIFLUSH));
+  } else if (kind_ != Kind::kStdio) {
+    line_.close();
   }
 }
 
@@ -151,8 +158,8 @@ void Console::do_write(std::string_view text) {
 
 auto Console::poll_set() const -> std::array<pollfd, 2> {
   const std::int16_t wanted = outgoing_.empty() ? POLLIN : POLLIN | POLLOUT;
-  std::array<pollfd, 2> set{{{.fd = -1, .events = wanted, .revents = 0},
-                             {.fd = listener_.get(), .events = POLLIN, .revents = 0}}};
+  std::array<pollfd, 2> set{
+      {{.fd = -1, .events = wanted, .revents = 0}, {.fd = listener_.get(), .events = POLLIN, .revents = 0}}};
   if (attached_) {
     set[0].fd = line_.get();
     if (kind_ == Kind::kStdio) {

@@ -18,12 +18,12 @@
 
 namespace capstan {
 
-/// The shell's line on a host: standard streams, a pseudo-terminal, TCP on loopback or a serial device. For one thread, never the
-/// cycle's. Nothing blocks: what is written waits in a bounded buffer and goes out with the next newline, receive() or wait().
-/// Factories throw std::runtime_error with "sentence; cure". SIGPIPE is ignored from then on.
+/// The shell's line on a host: standard streams, a pseudo-terminal, TCP on loopback or a serial device. For one thread,
+/// never the cycle's. Nothing blocks: what is written waits in a bounded buffer and goes out with the next newline,
+/// receive() or wait(). Factories throw std::runtime_error with "sentence; cure". SIGPIPE is ignored from then on.
 class Console final : public TextSink {
  public:
-  static constexpr std::size_t kOutgoingBytes = 64 * 1024;
+  static constexpr std::size_t kOutgoingBytes = std::size_t{64} * 1024;
   /// How long a write may wait once for a peer that does not read; then it drops until the peer reads again.
   static constexpr std::chrono::milliseconds kPatience{20};
 
@@ -43,12 +43,15 @@ class Console final : public TextSink {
   auto operator=(Console&&) -> Console& = delete;
   ~Console();
 
-  /// Takes what has arrived, 0 if nothing has. Also sends, accepts a client and notices who came and went: call it often.
+  /// Takes what has arrived, 0 if nothing has. Also sends, accepts a client and notices who came and went: call it
+  /// often.
   auto receive(std::span<char> into) -> std::size_t;
   /// True once each time the peer went away: end of standard input, terminal closed, client gone, device unplugged.
   auto hung_up() -> bool { return std::exchange(hung_up_, false); }
   /// True if nobody can come any more: standard input has ended or the serial device is gone.
-  [[nodiscard]] auto finished() const -> bool { return !attached_ && (kind_ == Kind::kStdio || kind_ == Kind::kSerial); }
+  [[nodiscard]] auto finished() const -> bool {
+    return !attached_ && (kind_ == Kind::kStdio || kind_ == Kind::kSerial);
+  }
   /// True if a person is expected, who wants echo and a prompt: pty, serial, and stdio on a terminal.
   [[nodiscard]] auto is_terminal() const -> bool { return terminal_; }
   /// True if the input was given as a whole beforehand (a pipe or a file): what is in it counts even after its end.
@@ -56,7 +59,8 @@ class Console final : public TextSink {
 
   /// Sleeps until something arrives or the time is over.
   void wait(std::chrono::milliseconds at_most);
-  /// What to wait for in a poll of one's own; unused places are -1. Nobody wakes it when a pty is attached: bound the time.
+  /// What to wait for in a poll of one's own; unused places are -1. Nobody wakes it when a pty is attached: bound the
+  /// time.
   [[nodiscard]] auto poll_set() const -> std::array<pollfd, 2>;
   /// Sends what the peer takes now.
   void flush();

@@ -21,14 +21,18 @@ namespace {
   throw std::runtime_error(sentence + "; " + cure);
 }
 
-auto reason() -> std::string { return std::strerror(errno); }
+auto reason() -> std::string {
+  return std::strerror(errno);
+}
 
-auto quoted(std::string_view text) -> std::string { return std::string(1, '\'').append(text).append(1, '\''); }
+auto quoted(std::string_view text) -> std::string {
+  return std::string(1, '\'').append(text).append(1, '\'');
+}
 
-/// Standard output, opened anew so that non-blocking mode does not leak into the programs that share it. An invalid result
-/// means that this is not possible (a socket) or would do harm (a file would be written from its beginning).
+/// Standard output, opened anew so that non-blocking mode does not leak into the programs that share it. An invalid
+/// result means that this is not possible (a socket) or would do harm (a file would be written from its beginning).
 auto reopen_standard_output() -> FileDescriptor {
-  struct stat info{};
+  struct stat info {};
   if (fstat(STDOUT_FILENO, &info) != 0 || !(S_ISCHR(info.st_mode) || S_ISFIFO(info.st_mode))) {
     return FileDescriptor();
   }
@@ -97,7 +101,8 @@ auto Console::pty() -> Console {
   if (ptsname_r(master.get(), device.data(), device.size()) != 0) {
     fail("The pseudo-terminal has no name (" + reason() + ")", "mount /dev/pts or use another console");
   }
-  // Opened and closed once: the line is transparent for programs that do not set it, and "nobody there" shows as a hang-up.
+  // Opened and closed once: the line is transparent for programs that do not set it, and "nobody there" shows as a
+  // hang-up.
   const FileDescriptor slave(::open(device.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (!slave || !make_raw(slave.get())) {
     fail(std::string(device.data()) + " cannot be set up (" + reason() + ")", "check the permissions of /dev/pts");
@@ -127,7 +132,8 @@ auto Console::tcp(std::uint16_t port) -> Console {
 auto Console::serial(const std::string& path) -> Console {
   FileDescriptor device(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!device) {
-    fail(path + " cannot be opened (" + reason() + ")", "check the cable, the name and that you are in the group dialout");
+    fail(path + " cannot be opened (" + reason() + ")",
+         "check the cable, the name and that you are in the group dialout");
   }
   if (!make_raw(device.get(), B115200)) {
     fail(path + " is not a serial device that does 115200 8N1", "give a device such as /dev/ttyUSB0");

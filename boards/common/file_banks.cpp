@@ -62,14 +62,16 @@ auto FileBanks::temporary() -> FileBanks {
 }
 
 FileBanks::FileBanks(FileDescriptor file, const std::string& name) : file_(std::move(file)) {
-  const auto fail = [&name](const std::string& problem) { throw std::runtime_error("The parameter store " + name + problem); };
+  const auto fail = [&name](const std::string& problem) {
+    throw std::runtime_error("The parameter store " + name + problem);
+  };
   if (!file_) {
     fail(" cannot be opened (" + std::string(std::strerror(errno)) + "); check the folder and its permissions");
   }
   if (flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
     fail(" is in use by another program; end it or give another file");
   }
-  struct stat info{};
+  struct stat info {};
   if (fstat(file_.get(), &info) != 0 || !S_ISREG(info.st_mode) ||
       (info.st_size != 0 && info.st_size != position(kBanks, 0))) {
     fail(" is something else: a store is a file of 32768 bytes; give another name");

@@ -8,12 +8,12 @@
 
 namespace capstan {
 
-/// Two banks of 16 KB in one file, with the manners of flash: erasing sets every bit, writing can only clear bits, so code that
-/// forgets to erase fails here as it would on the target. A write at a bank's beginning, where a set becomes valid, reaches the
-/// disk after everything written before it.
+/// Two banks of 16 KB in one file, with the manners of flash: erasing sets every bit, writing can only clear bits, so
+/// code that forgets to erase fails here as it would on the target. A write at a bank's beginning, where a set becomes
+/// valid, reaches the disk after everything written before it.
 class FileBanks final : public Banks {
  public:
-  static constexpr std::size_t kBankBytes = 16 * 1024;
+  static constexpr std::size_t kBankBytes = std::size_t{16} * 1024;
 
   /// Opens the file, or makes it with both banks erased. It stays locked against other programs.
   /// Throws std::runtime_error with "sentence; cure".

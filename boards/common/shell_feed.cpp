@@ -27,6 +27,7 @@ void ShellFeed::take() {
 
 auto ShellFeed::poll() -> bool {
   take();
+  shell_.poll();
   bool lost = false;
   if (console_.hung_up()) {
     ended_ = console_.is_script();

@@ -9,15 +9,17 @@
 
 namespace capstan {
 
-/// Carries characters from a console to the shell, no faster than the shell answers: what comes meanwhile waits, in the end in the
-/// operating system, so a host that sends everything at once loses nothing. Only Ctrl-C overtakes; it ends a log.
+/// Carries characters from a console to the shell, no faster than the shell answers: what comes meanwhile waits, in the
+/// end in the operating system, so a host that sends everything at once loses nothing. Only Ctrl-C overtakes; it ends a
+/// log.
 class ShellFeed {
  public:
   /// Both outlive this object.
   ShellFeed(Console& console, Shell& shell) : console_(console), shell_(shell) {}
 
-  /// Call it in the background loop. True: the peer has just gone, so whatever moves must stop. A line it left half typed and
-  /// lines that still waited are forgotten then; only a script (input given as a whole) is carried out to its end first.
+  /// Call it in the background loop. True: the peer has just gone, so whatever moves must stop. A line it left half
+  /// typed and lines that still waited are forgotten then; only a script (input given as a whole) is carried out to its
+  /// end first.
   [[nodiscard]] auto poll() -> bool;
   /// True when nobody can come any more and everything is answered.
   [[nodiscard]] auto done() const -> bool { return console_.finished() && empty() && !ended_ && !shell_.busy(); }

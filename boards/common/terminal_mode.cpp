@@ -30,7 +30,7 @@ extern "C" void restore_mode_and_end(int signal_number) {
 /// Only where the program has not taken the signal itself: then it ends through the destructor.
 void restore_on_signals() {
   for (const int signal_number : std::array{SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
-    struct sigaction now{};
+    struct sigaction now {};
     if (sigaction(signal_number, nullptr, &now) == 0 && now.sa_handler == SIG_DFL) {
       now.sa_handler = restore_mode_and_end;
       static_cast<void>(sigaction(signal_number, &now, nullptr));

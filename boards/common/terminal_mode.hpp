@@ -11,9 +11,9 @@ namespace capstan {
 /// False if the file is no terminal.
 auto make_raw(int fd, speed_t speed = 0) -> bool;
 
-/// Puts the terminal on standard input into character mode as long as this object lives. What it was before comes back at its
-/// end, at exit() and when a signal ends the program. Does nothing if standard input is no terminal.
-/// Ctrl-C still ends the program. Ctrl-Z is switched off: a stopped process leaves a joint without its controller.
+/// Puts the terminal on standard input into character mode as long as this object lives. What it was before comes back
+/// at its end, at exit() and when a signal ends the program. Does nothing if standard input is no terminal. Ctrl-C
+/// still ends the program. Ctrl-Z is switched off: a stopped process leaves a joint without its controller.
 class CharacterMode {
  public:
   CharacterMode();

@@ -12,8 +12,8 @@
 
 namespace capstan {
 
-/// The firmware with a real-time thread of its own, every object built once. The joint is the simulated plant, in lock-step with
-/// the cycle.
+/// The firmware with a real-time thread of its own, every object built once. The joint is the simulated plant, in
+/// lock-step with the cycle.
 class LinuxRtBoard {
  public:
   using Io = CountedIo<SimIo>;

@@ -18,9 +18,13 @@ using capstan::BoardOptions;
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-extern "C" void request_stop(int /*signal_number*/) { stop_requested = 1; }
+extern "C" void request_stop(int /*signal_number*/) {
+  stop_requested = 1;
+}
 
-auto interrupted() -> bool { return stop_requested != 0; }
+auto interrupted() -> bool {
+  return stop_requested != 0;
+}
 
 void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
   using std::chrono::steady_clock;

@@ -25,7 +25,9 @@ constexpr std::array<option, 10> kOptions{{{"console", required_argument, nullpt
                                            {"version", no_argument, nullptr, kVersion},
                                            {nullptr, 0, nullptr, 0}}};
 
-auto quoted(std::string_view text) -> std::string { return std::string(1, '\'').append(text).append(1, '\''); }
+auto quoted(std::string_view text) -> std::string {
+  return std::string(1, '\'').append(text).append(1, '\'');
+}
 
 template <typename T>
 auto number(const char* name, std::string_view text, T lowest, T highest) -> T {
@@ -101,7 +103,8 @@ auto parse_options(std::span<char* const> arguments) -> BoardOptions {
     apply(code, options);
   }
   if (optind < count) {
-    throw std::runtime_error(quoted(words[static_cast<std::size_t>(optind)]) + " is not an option; --help lists all of them");
+    throw std::runtime_error(quoted(words[static_cast<std::size_t>(optind)]) +
+                             " is not an option; --help lists all of them");
   }
   return options;
 }
@@ -109,7 +112,8 @@ auto parse_options(std::span<char* const> arguments) -> BoardOptions {
 auto help_text() -> const char* {
   return R"(capstan_linux_rt: the Capstan firmware on Linux, 1 kHz in a real-time thread
 
-The joint is the simulated plant inside this program, in lock-step with the cycle. Drives on a CAN bus are not supported yet.
+The joint is the simulated plant inside this program, in lock-step with the cycle.
+Drives on a CAN bus are not supported yet.
 
   --console stdio|pty|tcp:PORT|serial:PATH
                     where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1
@@ -118,8 +122,8 @@ The joint is the simulated plant inside this program, in lock-step with the cycl
   --cpu N           keeps the real-time thread on this processor
   --priority N      of SCHED_FIFO, 1 to 99 (80)
   --insist          refuses to run without real-time priority and locked memory
-  --selftest        runs the cycle with a moving joint (10 s, or as --for says) and prints latency histograms, page faults,
-                    missed cycles, kernel and a verdict
+  --selftest        runs the cycle with a moving joint (10 s, or as --for says) and prints latency histograms,
+                    page faults, missed cycles, kernel and a verdict
   --version
   --help
 

@@ -19,7 +19,9 @@ using std::chrono::microseconds;
 /// A good wake-up on a real-time kernel of a small board under load.
 constexpr microseconds kGoodWakeUp{100};
 
-auto in_us(std::chrono::nanoseconds time) -> double { return static_cast<double>(time.count()) / 1000.0; }
+auto in_us(std::chrono::nanoseconds time) -> double {
+  return static_cast<double>(time.count()) / 1000.0;
+}
 
 void print_times(std::ostream& out, const char* name, const TimeHistogram& times) {
   out << name << std::fixed << std::setprecision(1) << "median " << in_us(times.quantile(0.5)) << " us, 99.9 % "
@@ -27,8 +29,8 @@ void print_times(std::ostream& out, const char* name, const TimeHistogram& times
 }
 
 void print_histogram(std::ostream& out, const RtReport& report) {
-  constexpr std::array<std::size_t, 13> kEdges{0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, TimeHistogram::kBins - 1,
-                                               TimeHistogram::kBins};
+  constexpr std::array<std::size_t, 13> kEdges{
+      0, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, TimeHistogram::kBins - 1, TimeHistogram::kBins};
   out << "\n        us      wake-up        cycle\n";
   for (std::size_t i = 0; i + 1 < kEdges.size(); ++i) {
     const bool last = i + 2 == kEdges.size();
@@ -65,7 +67,8 @@ auto judge(const SelftestResult& result) -> Verdict {
   if (loop.overruns != 0) {
     const char* const too_long = "a cycle took too long here: keep other load off its processor (--cpu, isolcpus)";
     const char* const too_late =
-        "the thread was woken too late: use a PREEMPT_RT kernel, real-time priority and a processor of its own (--cpu, isolcpus)";
+        "the thread was woken too late: use a PREEMPT_RT kernel, real-time priority and a processor of its own (--cpu, "
+        "isolcpus)";
     verdict.failures.push_back(std::to_string(loop.overruns) + " of " + std::to_string(loop.cycles + loop.overruns) +
                                " cycles were missed; " +
                                (loop.cycle.maximum() > loop.wake_up.maximum() ? too_long : too_late));
@@ -76,8 +79,8 @@ auto judge(const SelftestResult& result) -> Verdict {
   }
   verdict.failures.insert(verdict.failures.end(), loop.remarks.begin(), loop.remarks.end());
   if (const FaultInfo& fault = info(result.firmware.first_fault); fault.fault != Fault::kNone) {
-    verdict.failures.push_back(std::string("The firmware took the torque away, ") + fault.name + ": " + fault.cause + "; " +
-                               fault.cure);
+    verdict.failures.push_back(std::string("The firmware took the torque away, ") + fault.name + ": " + fault.cause +
+                               "; " + fault.cure);
   }
   if (!result.machine.real_time) {
     verdict.notes.emplace_back(
@@ -85,7 +88,8 @@ auto judge(const SelftestResult& result) -> Verdict {
   }
   if (loop.wake_up.maximum() > kGoodWakeUp) {
     verdict.notes.emplace_back(
-        "A wake-up took over 100 us; governor performance, no deep sleep states and isolcpus shorten it (in an emulator the "
+        "A wake-up took over 100 us; governor performance, no deep sleep states and isolcpus shorten it (in an "
+        "emulator the "
         "figure means nothing)");
   }
   return verdict;
@@ -93,7 +97,8 @@ auto judge(const SelftestResult& result) -> Verdict {
 
 void print_selftest(std::ostream& out, const SelftestResult& result) {
   const RtReport& loop = result.loop;
-  out << "kernel       " << result.machine.kernel << (result.machine.real_time ? " (real-time)" : " (not real-time)") << '\n'
+  out << "kernel       " << result.machine.kernel << (result.machine.real_time ? " (real-time)" : " (not real-time)")
+      << '\n'
       << "started as   " << result.machine.command_line << '\n'
       << "priority     " << (loop.priority_granted ? "granted" : "refused") << '\n'
       << "memory       " << (loop.memory_locked ? "locked" : "not locked") << '\n'
@@ -110,9 +115,10 @@ void print_selftest(std::ostream& out, const SelftestResult& result) {
   for (const std::string& note : verdict.notes) {
     out << "note: " << note << ".\n";
   }
-  out << (verdict.failures.empty() ? "verdict: pass; repeat it for an hour under load (--for 3600 beside stress-ng) before you "
-                                     "trust a joint to this machine\n"
-                                   : "verdict: fail; do what stands above and run it again\n");
+  out << (verdict.failures.empty()
+              ? "verdict: pass; repeat it for an hour under load (--for 3600 beside stress-ng) before you "
+                "trust a joint to this machine\n"
+              : "verdict: fail; do what stands above and run it again\n");
 }
 
 auto run_selftest(LinuxRtBoard& board, double seconds, bool (*interrupted)()) -> SelftestResult {
@@ -120,7 +126,8 @@ auto run_selftest(LinuxRtBoard& board, double seconds, bool (*interrupted)()) ->
   constexpr std::chrono::milliseconds kLookAround{20};
   constexpr std::chrono::milliseconds kStroke{500};
   const auto end = steady_clock::now() + std::chrono::duration<double>(seconds);
-  Request move{.kind = Request::Kind::kMove, .axis = 0, .position_rad = Q24::from_double(0.4), .speed_rad_s = Q24::from_int(1)};
+  Request move{
+      .kind = Request::Kind::kMove, .axis = 0, .position_rad = Q24::from_double(0.4), .speed_rad_s = Q24::from_int(1)};
   board.start();
   board.application().post({.kind = Request::Kind::kArm});
   auto next_stroke = steady_clock::now() + kStroke;

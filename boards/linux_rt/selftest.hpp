@@ -14,9 +14,9 @@ class LinuxRtBoard;
 
 /// The machine a timing figure belongs to.
 struct MachineInfo {
-  std::string kernel;         ///< as uname tells it
-  std::string command_line;   ///< the kernel's
-  bool real_time = false;     ///< PREEMPT_RT
+  std::string kernel;        ///< as uname tells it
+  std::string command_line;  ///< the kernel's
+  bool real_time = false;    ///< PREEMPT_RT
 };
 auto machine_info() -> MachineInfo;
 

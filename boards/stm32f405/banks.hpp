@@ -15,10 +15,11 @@
 
 namespace capstan::stm32f405 {
 
-inline constexpr std::size_t kBankBytes = 16 * 1024;
+inline constexpr std::size_t kBankBytes = std::size_t{16} * 1024;
 
-/// The two parameter banks in the chip's flash, sectors 1 and 2. Writes go in whole words, so offset and length are multiples
-/// of 4. An erase stops the core for up to 0.8 s: the caller sees to it that no torque is on, this sees to the watchdog.
+/// The two parameter banks in the chip's flash, sectors 1 and 2. Writes go in whole words, so offset and length are
+/// multiples of 4. An erase stops the core for up to 0.8 s: the caller sees to it that no torque is on, this sees to
+/// the watchdog.
 template <stm32f4::RegisterCell Cell>
 class FlashBanks final : public Banks {
  public:
@@ -71,12 +72,12 @@ class FlashBanks final : public Banks {
 };
 static_assert(std::endian::native == std::endian::little, "bytes are packed into words the way the core reads them");
 
-/// Two banks in RAM with the manners of flash, for the emulated board, whose flash controller is not modelled. What is saved
-/// lasts until the emulator ends.
+/// Two banks in RAM with the manners of flash, for the emulated board, whose flash controller is not modelled. What is
+/// saved lasts until the emulator ends.
 class RamBanks final : public Banks {
  public:
   /// Room for one set of parameters of one joint with a margin of ten.
-  static constexpr std::size_t kSize = 4 * 1024;
+  static constexpr std::size_t kSize = std::size_t{4} * 1024;
   RamBanks() noexcept {
     for (auto& bank : memory_) {
       bank.fill(kErased);

@@ -44,8 +44,9 @@ inline constexpr std::uint32_t kSetValueHz = 5'000;
 /// Current of the amplifier at 90 % duty, and of its monitor at either end of the analogue range, A.
 inline constexpr Q24 kAmplifierFullScaleA = Q24::from_int(5);
 inline constexpr Q24 kMonitorFullScaleA = Q24::from_int(6);
-/// Input filter code of the encoder: an edge counts after 8 equal samples at half the timer's clock of 84 MHz (RM0090 18.4.7),
-/// so pulses under 190 ns do not. 40000 counts a turn at 60 rad/s, the default speed limit, are 2.6 us apart.
+/// Input filter code of the encoder: an edge counts after 8 equal samples at half the timer's clock of 84 MHz
+/// (RM0090 18.4.7), so pulses under 190 ns do not. 40000 counts a turn at 60 rad/s, the default speed limit, are 2.6 us
+/// apart.
 inline constexpr std::uint32_t kEncoderFilter = 5;
 inline constexpr bool kEncoder0Inverted = false;
 

@@ -17,8 +17,8 @@ namespace capstan::stm32f405 {
 using SerialPort = stm32f4::Usart<stm32f4::MemoryRegister, 256, 1024>;
 using BoardTick = stm32f4::Tick<stm32f4::MemoryRegister>;
 
-/// The shell's output on a serial port. An answer longer than the port's buffer waits for room: a byte leaves every 87 us. Only
-/// the background waits; the cycle goes on in its interrupt.
+/// The shell's output on a serial port. An answer longer than the port's buffer waits for room: a byte leaves every 87
+/// us. Only the background waits; the cycle goes on in its interrupt.
 class ConsoleSink final : public TextSink {
  public:
   /// Ticks (ms) without any byte leaving after which the rest of a text is dropped.
@@ -45,8 +45,8 @@ class ConsoleSink final : public TextSink {
   std::uint32_t dropped_ = 0;
 };
 
-/// Carries characters from the port to the shell, no faster than the shell answers: while an answer is under way they wait in
-/// the port's ring. Only a Ctrl-C that comes next overtakes; it ends a log.
+/// Carries characters from the port to the shell, no faster than the shell answers: while an answer is under way they
+/// wait in the port's ring. Only a Ctrl-C that comes next overtakes; it ends a log.
 class ConsoleFeed {
  public:
   ConsoleFeed(SerialPort& port, Shell& shell) noexcept : port_(port), shell_(shell) {}

@@ -9,8 +9,9 @@
 #include "firmware/cycle.hpp"
 #include "firmware/parameters.hpp"
 
-/// A recorded run, played through the firmware's cycle. The same code reads it on the host and on the target, so equal output
-/// files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little endian.
+/// A recorded run, played through the firmware's cycle. The same code reads it on the host and on the target, so equal
+/// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
+/// endian.
 ///
 ///   input:  "CRP1", number of parameters u32, their raw values i32 each | records of kInputSize bytes
 ///   output: records of kOutputSize bytes, one for each input record
@@ -73,7 +74,8 @@ inline void encode(const ReplayInput& input, std::span<std::uint8_t, kInputSize>
   const AxisCommand& command = input.command.axis[0];
   out.u32(static_cast<std::uint32_t>(sensed.encoder_counts));
   out.q24(sensed.current_a);
-  out.u8(static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
+  out.u8(
+      static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
   out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
                                    (input.command.disarm ? 4U : 0U)));
   out.u8(static_cast<std::uint8_t>(command.kind));

@@ -22,14 +22,21 @@ stm32f405::SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registe
 stm32f405::BoardTick tick{stm32f4::systick_registers()};
 stm32f4::Watchdog<MemoryRegister> watchdog{stm32f4::watchdog_registers()};
 stm32f405::FlashBanks<MemoryRegister> banks{
-    stm32f4::flash_registers(), watchdog, {std::span(capstan_bank_a, kBankWords), std::span(capstan_bank_b, kBankWords)}};
+    stm32f4::flash_registers(),
+    watchdog,
+    {std::span(capstan_bank_a, kBankWords), std::span(capstan_bank_b, kBankWords)}};
 stm32f4::QuadratureEncoder<MemoryRegister> encoder0{stm32f4::tim2_registers()};
 stm32f4::PwmSetValue<MemoryRegister> set_value0{stm32f4::tim1_registers(), 0};
 stm32f4::Adc<MemoryRegister> adc{stm32f4::adc1_registers(), stm32f4::adc_common_registers()};
-MotorIo io{{stm32f4::AxisHardware<MemoryRegister>{encoder0, set_value0, stm32f4::gpio_registers(stm32f405::kEnable0.port),
-                                                 stm32f405::kEnable0, stm32f405::kCurrent0Channel,
-                                                 {stm32f405::kMonitorFullScaleA}}},
-           adc, stm32f4::gpio_registers(stm32f405::kEstop.port), stm32f405::kEstop};
+MotorIo io{{stm32f4::AxisHardware<MemoryRegister>{encoder0,
+                                                  set_value0,
+                                                  stm32f4::gpio_registers(stm32f405::kEnable0.port),
+                                                  stm32f405::kEnable0,
+                                                  stm32f405::kCurrent0Channel,
+                                                  {stm32f405::kMonitorFullScaleA}}},
+           adc,
+           stm32f4::gpio_registers(stm32f405::kEstop.port),
+           stm32f405::kEstop};
 stm32f405::Runtime<MotorIo> runtime{io, {console, tick, watchdog, banks}, "stm32f405"};
 
 void start_motor_peripherals(const stm32f4::ClockStatus& clock) {
@@ -40,7 +47,8 @@ void start_motor_peripherals(const stm32f4::ClockStatus& clock) {
   set_value0.start({.period = clock.timer_hz(clock.apb2_hz) / stm32f405::kSetValueHz,
                     .full_scale_a = stm32f405::kAmplifierFullScaleA});
   adc.start();
-  // An encoder that does not start is reported by every read: the firmware then shows a missing sensor and does not arm.
+  // An encoder that does not start is reported by every read: the firmware then shows a missing sensor and does not
+  // arm.
   static_cast<void>(encoder0.start(stm32f405::kEncoderFilter, stm32f405::kEncoder0Inverted));
   stm32f405::start_pins(stm32f405::kMotorPins);  // last: no pin changes hands before its peripheral is at rest
   io.release();
@@ -61,8 +69,12 @@ void rt_systick_isr() {
   stm32f4::pend_cycle(stm32f4::scb_registers());
 }
 
-void rt_cycle_isr() { runtime.rt_cycle(); }
-void rt_usart1_isr() { console.rt_isr(); }
+void rt_cycle_isr() {
+  runtime.rt_cycle();
+}
+void rt_usart1_isr() {
+  console.rt_isr();
+}
 
 }  // extern "C"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The board's emulated twin: everything as on the motor board but its joint, which is a simulated plant at the end of USART2,
-// and its parameter banks, since the emulator has no flash controller.
+// The board's emulated twin: everything as on the motor board but its joint, which is a simulated plant at the end of
+// USART2, and its parameter banks, since the emulator has no flash controller.
 #include "boards/stm32f405/banks.hpp"
 #include "boards/stm32f405/board.hpp"
 #include "boards/stm32f405/runtime.hpp"
@@ -24,8 +24,8 @@ class LookCounter {
 };
 using PlantLink = plant_link::PlantLinkIo<SerialPort, LookCounter, stm32f405::kAxes>;
 
-/// Lock-step with a plant that is a program on another machine, as slow as that may be: while the board waits for it, the
-/// board's time stands still. So a run is the same whatever the load of that machine.
+/// Lock-step with a plant that is a program on another machine, as slow as that may be: while the board waits for it,
+/// the board's time stands still. So a run is the same whatever the load of that machine.
 class PlantIo {
  public:
   static constexpr std::size_t kAxes = stm32f405::kAxes;
@@ -47,8 +47,9 @@ class PlantIo {
 };
 static_assert(JointIo<PlantIo>);
 
-/// Looks for one answer, about a second on a machine of today: the plant answers within a millisecond, or it is gone.
-constexpr std::uint32_t kPlantPatience = 10'000'000;
+/// Looks for one answer, about half a second on a machine of today: a plant answers within a millisecond, or it is
+/// gone.
+constexpr std::uint32_t kPlantPatience = 5'000'000;
 
 SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart1};
 SerialPort plant{stm32f4::usart2_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart2};
@@ -72,7 +73,8 @@ void rt_release_outputs() {
   auto& port = stm32f4::usart2_registers();
   constexpr std::uint32_t kPolls = 10'000;
   for (std::size_t i = 0; i < kReleaseFrame.size; ++i) {
-    static_cast<void>(stm32f4::wait_for(port.sr, stm32f4::usart::kSrTransmitEmpty, stm32f4::usart::kSrTransmitEmpty, kPolls));
+    static_cast<void>(
+        stm32f4::wait_for(port.sr, stm32f4::usart::kSrTransmitEmpty, stm32f4::usart::kSrTransmitEmpty, kPolls));
     port.dr.write(kReleaseFrame.bytes[i]);
   }
 }
@@ -82,9 +84,15 @@ void rt_systick_isr() {
   stm32f4::pend_cycle(stm32f4::scb_registers());
 }
 
-void rt_cycle_isr() { runtime.rt_cycle(); }
-void rt_usart1_isr() { console.rt_isr(); }
-void rt_usart2_isr() { plant.rt_isr(); }
+void rt_cycle_isr() {
+  runtime.rt_cycle();
+}
+void rt_usart1_isr() {
+  console.rt_isr();
+}
+void rt_usart2_isr() {
+  plant.rt_isr();
+}
 
 }  // extern "C"
 

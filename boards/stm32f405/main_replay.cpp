@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Test image for the emulator: plays a recorded run through the cycle and writes what comes out, so that the bytes can be
-// compared with the host's. Command line: IMAGE INPUT OUTPUT. Exits with the result and prints the cost of the cycle.
+// Test image for the emulator: plays a recorded run through the cycle and writes what comes out, so that the bytes can
+// be compared with the host's. Command line: IMAGE INPUT OUTPUT. Exits with the result and prints the cost of the
+// cycle.
 #include <algorithm>
 #include <string_view>
 
@@ -78,8 +79,9 @@ class CostMeter {
   void print(Print& out) const {
     const auto mean = cycles_ == 0 ? 0U : static_cast<std::uint32_t>(total_ / cycles_);
     out << "replay: " << cycles_ << " cycles, " << stm32f4::emulated_instructions(mean, kCoreHz)
-        << " instructions each on average, " << stm32f4::emulated_instructions(max_, kCoreHz) << " at most, stack unused "
-        << stm32f405::stack_unused_bytes() << " of " << stm32f405::stack_size_bytes() << " bytes\n";
+        << " instructions each on average, " << stm32f4::emulated_instructions(max_, kCoreHz)
+        << " at most, stack unused " << stm32f405::stack_unused_bytes() << " of " << stm32f405::stack_size_bytes()
+        << " bytes\n";
   }
 
  private:
@@ -129,11 +131,21 @@ auto run() -> std::uint32_t {
 extern "C" {
 
 /// Nothing is driven here, and a fault ends the run.
-void rt_release_outputs() { semihosting::exit(kFaultStatus); }
-void rt_systick_isr() { tick.rt_isr(); }
-void rt_cycle_isr() { semihosting::exit(kFaultStatus); }
-void rt_usart1_isr() { semihosting::exit(kFaultStatus); }
+void rt_release_outputs() {
+  semihosting::exit(kFaultStatus);
+}
+void rt_systick_isr() {
+  tick.rt_isr();
+}
+void rt_cycle_isr() {
+  semihosting::exit(kFaultStatus);
+}
+void rt_usart1_isr() {
+  semihosting::exit(kFaultStatus);
+}
 
 }  // extern "C"
 
-int main() { semihosting::exit(run()); }
+int main() {
+  semihosting::exit(run());
+}

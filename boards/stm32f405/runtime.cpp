@@ -72,8 +72,8 @@ void print_timing(Print& out, const Timing& timing, std::uint32_t core_hz) {
   };
   line("# timing: cycle", timing.cycle);
   line(", its input and output", timing.hardware);
-  out << ", overruns " << timing.overruns.load(std::memory_order_relaxed) << ", stack unused " << stack_unused_bytes() << " of " << stack_size_bytes()
-      << " bytes\r\n";
+  out << ", overruns " << timing.overruns.load(std::memory_order_relaxed) << ", stack unused " << stack_unused_bytes()
+      << " of " << stack_size_bytes() << " bytes\r\n";
 }
 
 }  // namespace capstan::stm32f405

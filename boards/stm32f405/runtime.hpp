@@ -53,8 +53,8 @@ struct BoardParts {
   Banks& banks;
 };
 
-/// The firmware on this board: the cycle in the timer's interrupt, the shell in the background. `Io` is the only difference
-/// between the motor board and its emulated twin.
+/// The firmware on this board: the cycle in the timer's interrupt, the shell in the background. `Io` is the only
+/// difference between the motor board and its emulated twin.
 template <typename Io>
 class Runtime {
  public:
@@ -87,12 +87,12 @@ class Runtime {
   [[noreturn]] void run(const StartReport& report) {
     Print out(sink_);
     print_start(out, report);
-    shell_.receive('\r');  // an empty line: prints the prompt
     bool timing_printed = false;
     for (;;) {
       feed_.poll();
       if (!timing_printed && tick_.count() >= kTimingAfterTicks && !shell_.busy()) {
         timing_printed = true;
+        out << "\r\n";  // the prompt may stand there already
         print_timing(out, timing_, report.clock.core_hz);
       }
       asm volatile("wfi");  // until the next interrupt, a millisecond at most

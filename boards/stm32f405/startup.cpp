@@ -7,7 +7,8 @@
 #include "hal/stm32f4/memory_map.hpp"
 #include "hal/stm32f4/nvic.hpp"
 
-// Addresses from the linker script; only their addresses mean anything.
+// Symbols of the linker script, of which only the addresses mean anything, and the functions its vectors start in.
+// NOLINTBEGIN(readability-identifier-naming): the linker's names.
 extern "C" {
 extern std::uint32_t capstan_stack_bottom[];
 extern std::uint32_t capstan_stack_top[];
@@ -18,6 +19,7 @@ extern std::uint32_t capstan_bss_start[];
 extern std::uint32_t capstan_bss_end[];
 extern void (*const capstan_init_start[])();
 extern void (*const capstan_init_end[])();
+// NOLINTEND(readability-identifier-naming)
 
 [[noreturn]] void capstan_reset();
 [[noreturn]] void capstan_start();
@@ -25,8 +27,13 @@ extern void (*const capstan_init_end[])();
 [[noreturn]] void capstan_fault(const std::uint32_t* frame);
 }
 
-// The motor board does not use this port: its interrupt is then as stray as any other.
-extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry"), gnu::noreturn, gnu::nothrow]] void rt_usart2_isr();
+// The motor board does not use this port: its interrupt is then as stray as any other. The alias promises less than its
+// target
+// ("never returns"), which is what it is for.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmissing-attributes"
+extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_usart2_isr();
+#pragma GCC diagnostic pop
 
 namespace {
 
@@ -74,8 +81,8 @@ constexpr auto make_core_vectors() -> std::array<Handler, kCoreHandlers> {
 
 }  // namespace
 
-/// First instruction after reset. Paints the stack before anything is on it: a naked function, since a compiled one could use
-/// the very memory it paints.
+/// First instruction after reset. Paints the stack before anything is on it: a naked function, since a compiled one
+/// could use the very memory it paints.
 [[gnu::naked, gnu::section(".sector0"), gnu::used]] void capstan_reset() {
   asm volatile(
       "ldr r0, =capstan_stack_bottom \n"
@@ -109,19 +116,25 @@ void capstan_start() {
   capstan::stm32f405::reset_core();
 }
 
-/// Every fault and every stray interrupt comes here: finds the stack frame of what was interrupted, then continues on a fresh
-/// stack, as the old one may be what failed. Sits in sector 0, away from the code it reports on.
+/// Every fault and every stray interrupt comes here: finds the stack frame of what was interrupted, and goes on below
+/// it, or at the top of the stack when less than 512 bytes are left (an overflow: nothing on it is worth keeping then).
+/// Sits in sector 0, away from the code it reports on.
 [[gnu::naked, gnu::section(".sector0"), gnu::used]] void capstan_fault_entry() {
   asm volatile(
-      "cpsid i                       \n"
-      "tst lr, #4                    \n"
-      "ite eq                        \n"
-      "mrseq r0, msp                 \n"
-      "mrsne r0, psp                 \n"
-      "ldr r1, =capstan_stack_top    \n"
-      "mov sp, r1                    \n"
-      "b capstan_fault               \n"
-      ".ltorg                        \n");
+      "cpsid i                        \n"
+      "tst lr, #4                     \n"
+      "ite eq                         \n"
+      "mrseq r0, msp                  \n"
+      "mrsne r0, psp                  \n"
+      "ldr r1, =capstan_stack_bottom  \n"
+      "add r1, r1, #512               \n"
+      "mov r2, sp                     \n"
+      "cmp r2, r1                     \n"
+      "bhs 1f                         \n"
+      "ldr r1, =capstan_stack_top     \n"
+      "mov sp, r1                     \n"
+      "1: b capstan_fault             \n"
+      ".ltorg                         \n");
 }
 
 [[gnu::section(".sector0"), gnu::used]] void capstan_fault(const std::uint32_t* frame) {
@@ -200,8 +213,14 @@ auto stack_unused_bytes() noexcept -> std::uint32_t {
 
 }  // namespace capstan::stm32f405
 
-// The compiler refers to these from virtual tables. Without a heap and with every object living for ever neither can be called
-// in a correct program, so being called is a fault like any other.
-extern "C" [[noreturn]] void __cxa_pure_virtual() { capstan_fault_entry(); }
-void operator delete(void*) noexcept { capstan_fault_entry(); }
-void operator delete(void*, std::size_t) noexcept { capstan_fault_entry(); }
+// The compiler refers to these from virtual tables. Without a heap and with every object living for ever neither can be
+// called in a correct program, so being called is a fault like any other.
+extern "C" [[noreturn]] void __cxa_pure_virtual() {
+  capstan_fault_entry();
+}
+void operator delete(void*) noexcept {
+  capstan_fault_entry();
+}
+void operator delete(void*, std::size_t) noexcept {
+  capstan_fault_entry();
+}

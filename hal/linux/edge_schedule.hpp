@@ -6,9 +6,10 @@
 
 namespace capstan {
 
-/// Which edges of a fixed grid of times are run and which are missed. The grid never moves, so a cycle is never made up for by a
-/// shorter one: a cycle that cannot begin within half a period of its edge, or whose forerunner ends after its edge, is skipped
-/// and counted. Two cycles therefore begin at least half a period apart, and edge = start + (run + missed) * period.
+/// Which edges of a fixed grid of times are run and which are missed. The grid never moves, so a cycle is never made up
+/// for by a shorter one: a cycle that cannot begin within half a period of its edge, or whose forerunner ends after its
+/// edge, is skipped and counted. Two cycles therefore begin at least half a period apart, and edge = start + (run +
+/// missed) * period.
 class EdgeSchedule {
  public:
   using Time = std::chrono::nanoseconds;  ///< since any fixed moment

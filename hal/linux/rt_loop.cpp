@@ -47,9 +47,10 @@ auto rt_page_faults() -> PageFaults {
   return {static_cast<std::uint64_t>(usage.ru_minflt), static_cast<std::uint64_t>(usage.ru_majflt)};
 }
 
-/// The pages a cycle's stack will need exist before it needs them. Not inlined: the array must lie below the loop's own frame.
+/// The pages a cycle's stack will need exist before it needs them. Not inlined: the array must lie below the loop's own
+/// frame.
 [[gnu::noinline]] void touch_stack() {
-  constexpr std::size_t kBytes = 256 * 1024;
+  constexpr std::size_t kBytes = std::size_t{256} * 1024;
   constexpr std::size_t kSmallestPage = 4096;
   std::array<volatile unsigned char, kBytes> stack;
   for (std::size_t at = 0; at < kBytes; at += kSmallestPage) {
@@ -57,7 +58,8 @@ auto rt_page_faults() -> PageFaults {
   }
 }
 
-/// Locked kilobytes of this program, from the kernel: lock_memory() may have been called anywhere before, or not at all.
+/// Locked kilobytes of this program, from the kernel: lock_memory() may have been called anywhere before, or not at
+/// all.
 auto memory_is_locked() -> bool {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -70,7 +72,9 @@ auto memory_is_locked() -> bool {
   return false;
 }
 
-auto reason(int error) -> std::string { return std::strerror(error); }
+auto reason(int error) -> std::string {
+  return std::strerror(error);
+}
 
 }  // namespace
 
@@ -110,8 +114,8 @@ void RtLoop::prepare(RtReport& report) const {
     CPU_ZERO(&set);
     CPU_SET(static_cast<std::size_t>(options_.cpu), &set);
     if (const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set); error != 0) {
-      report.remarks.push_back("The loop cannot stay on processor " + std::to_string(options_.cpu) + " (" + reason(error) +
-                               "); choose one that this program may use (taskset -p $$ shows them)");
+      report.remarks.push_back("The loop cannot stay on processor " + std::to_string(options_.cpu) + " (" +
+                               reason(error) + "); choose one that this program may use (taskset -p $$ shows them)");
     }
   }
   const sched_param parameters{.sched_priority = options_.priority};
@@ -119,7 +123,8 @@ void RtLoop::prepare(RtReport& report) const {
   report.priority_granted = error == 0;
   if (error != 0) {
     static_cast<void>(prctl(PR_SET_TIMERSLACK, 1UL));  // an ordinary thread's sleeps are else lengthened by 50 us
-    report.remarks.push_back("Real-time priority " + std::to_string(options_.priority) + " was refused (" + reason(error) +
+    report.remarks.push_back("Real-time priority " + std::to_string(options_.priority) + " was refused (" +
+                             reason(error) +
                              "); run as root or give the user 'rtprio 99' in /etc/security/limits.conf");
   }
   report.memory_locked = memory_is_locked();

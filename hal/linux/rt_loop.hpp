@@ -27,9 +27,9 @@ struct RtTick {
 
 struct RtReport {
   std::uint64_t cycles = 0;
-  std::uint64_t overruns = 0;     ///< edges skipped because a cycle began or ended too late
-  std::uint64_t minor_faults = 0; ///< page faults of the thread between the first cycle and the last
-  std::uint64_t major_faults = 0; ///< those that had to wait for a disk
+  std::uint64_t overruns = 0;      ///< edges skipped because a cycle began or ended too late
+  std::uint64_t minor_faults = 0;  ///< page faults of the thread between the first cycle and the last
+  std::uint64_t major_faults = 0;  ///< those that had to wait for a disk
   bool priority_granted = false;
   bool memory_locked = false;
   TimeHistogram wake_up;  ///< from the edge to the thread running
@@ -38,19 +38,21 @@ struct RtReport {
   std::vector<std::string> remarks;
 };
 
-/// The real-time thread's loop: absolute sleeps on the monotonic clock, locked and touched memory, real-time priority. Nothing in
-/// it allocates, prints or locks. Missed edges are skipped by the rule of EdgeSchedule. One run for each object.
+/// The real-time thread's loop: absolute sleeps on the monotonic clock, locked and touched memory, real-time priority.
+/// Nothing in it allocates, prints or locks. Missed edges are skipped by the rule of EdgeSchedule. One run for each
+/// object.
 class RtLoop {
  public:
   /// Throws std::runtime_error with "sentence; cure" if the options are out of range.
   explicit RtLoop(const RtOptions& options);
 
-  /// Runs `rt_cycle(const RtTick&)` on every edge in the calling thread, which it turns into a real-time one, until stop().
-  /// Throws std::runtime_error, before the first cycle, if something is not granted and the options insist.
+  /// Runs `rt_cycle(const RtTick&)` on every edge in the calling thread, which it turns into a real-time one, until
+  /// stop(). Throws std::runtime_error, before the first cycle, if something is not granted and the options insist.
   template <typename Cycle>
   auto run(Cycle&& rt_cycle) -> RtReport {
-    return run_erased([](void* context, const RtTick& tick) { (*static_cast<std::remove_reference_t<Cycle>*>(context))(tick); },
-                      &rt_cycle);
+    return run_erased(
+        [](void* context, const RtTick& tick) { (*static_cast<std::remove_reference_t<Cycle>*>(context))(tick); },
+        &rt_cycle);
   }
 
   /// Ends run() after the cycle that is under way. Callable from any thread, from the cycle and from a signal handler.
@@ -67,8 +69,8 @@ class RtLoop {
 };
 static_assert(std::atomic<bool>::is_always_lock_free, "stop() is called from signal handlers");
 
-/// Locks all memory of the program, now and later, and keeps the allocator from giving any back. Call it once at start, before
-/// threads are made. Returns false if the machine does not allow it.
+/// Locks all memory of the program, now and later, and keeps the allocator from giving any back. Call it once at start,
+/// before threads are made. Returns false if the machine does not allow it.
 [[nodiscard]] auto lock_memory() -> bool;
 
 }  // namespace capstan

@@ -9,7 +9,8 @@
 
 namespace capstan {
 
-/// Distribution of short times in bins of 1 us. Fixed size, so the cycle may fill it; the maximum is exact, however long.
+/// Distribution of short times in bins of 1 us. Fixed size, so the cycle may fill it; the maximum is exact, however
+/// long.
 class TimeHistogram {
  public:
   static constexpr std::size_t kBins = 2000;  ///< the last one holds all that is longer
@@ -32,7 +33,8 @@ class TimeHistogram {
     }
     return sum;
   }
-  /// The time that this share of samples (0 to 1) does not exceed, rounded up to a whole microsecond; 0 without samples.
+  /// The time that this share of samples (0 to 1) does not exceed, rounded up to a whole microsecond; 0 without
+  /// samples.
   [[nodiscard]] auto quantile(double share) const -> std::chrono::nanoseconds {
     const double wanted = share * static_cast<double>(count_);
     std::uint64_t sum = 0;

@@ -7,12 +7,14 @@
 
 namespace capstan::plant_link {
 
-/// Consistent overhead byte stuffing (Cheshire and Baker, 1999): removes every zero from a packet at the price of one byte per
-/// 254, so that a zero marks the end of a frame and a reader that lost bytes is in step again at the next one.
+/// Consistent overhead byte stuffing (Cheshire and Baker, 1999): removes every zero from a packet at the price of one
+/// byte per 254, so that a zero marks the end of a frame and a reader that lost bytes is in step again at the next one.
 inline constexpr std::uint8_t kFrameEnd = 0;
 
 /// Bytes a packet of `size` needs at most, without the end mark.
-[[nodiscard]] constexpr auto cobs_max_size(std::size_t size) -> std::size_t { return size + size / 254 + 1; }
+[[nodiscard]] constexpr auto cobs_max_size(std::size_t size) -> std::size_t {
+  return size + size / 254 + 1;
+}
 
 /// Encodes `packet` into `out` and returns the length, or 0 when `out` is too small. No end mark is written.
 [[nodiscard]] constexpr auto cobs_encode(std::span<const std::uint8_t> packet, std::span<std::uint8_t> out) noexcept
@@ -38,7 +40,8 @@ inline constexpr std::uint8_t kFrameEnd = 0;
   return end;
 }
 
-/// Decodes one frame (without its end mark) into `out` and returns the packet's length; 0: the frame is damaged or too long.
+/// Decodes one frame (without its end mark) into `out` and returns the packet's length; 0: the frame is damaged or too
+/// long.
 [[nodiscard]] constexpr auto cobs_decode(std::span<const std::uint8_t> frame, std::span<std::uint8_t> out) noexcept
     -> std::size_t {
   std::size_t end = 0;

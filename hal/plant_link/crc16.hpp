@@ -6,8 +6,8 @@
 
 namespace capstan::plant_link {
 
-/// CRC-16 with generator x^16 + x^12 + x^5 + 1, start value 0xFFFF, no reflection, no final inversion ("CCITT-FALSE"). Bit by
-/// bit: a frame has some twenty bytes, which is not worth a table of 512 bytes of flash.
+/// CRC-16 with generator x^16 + x^12 + x^5 + 1, start value 0xFFFF, no reflection, no final inversion ("CCITT-FALSE").
+/// Bit by bit: a frame has some twenty bytes, which is not worth a table of 512 bytes of flash.
 [[nodiscard]] constexpr auto crc16(std::span<const std::uint8_t> bytes) noexcept -> std::uint16_t {
   std::uint32_t crc = 0xFFFF;
   for (const std::uint8_t byte : bytes) {

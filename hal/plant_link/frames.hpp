@@ -10,15 +10,15 @@
 #include "hal/plant_link/cobs.hpp"
 #include "hal/plant_link/crc16.hpp"
 
-/// The two frames between a board without a joint of its own and the simulated plant that stands in for one. All numbers are
-/// little endian and fixed point, so that what arrives is what was sent, to the bit.
+/// The two frames between a board without a joint of its own and the simulated plant that stands in for one. All
+/// numbers are little endian and fixed point, so that what arrives is what was sent, to the bit.
 ///
 ///   sensed: 'S' version axes flags | sequence u32 | per axis: encoder i32, current Q24 i32, qualities u8 | crc16
 ///   drive:  'D' version axes flags | sequence u32 | per axis: current Q24 i32, enabled u8               | crc16
 ///
-/// The flags of a drive frame say what the plant does with it (DriveKind); those of a sensed frame hold the emergency stop.
-/// Lock-step: the plant advances by exactly one cycle for each kStep, then answers with the sensed frame that carries the drive
-/// frame's sequence number.
+/// The flags of a drive frame say what the plant does with it (DriveKind); those of a sensed frame hold the emergency
+/// stop. Lock-step: the plant advances by exactly one cycle for each kStep, then answers with the sensed frame that
+/// carries the drive frame's sequence number.
 namespace capstan::plant_link {
 
 inline constexpr std::uint8_t kVersion = 1;
@@ -51,9 +51,9 @@ inline constexpr std::size_t kCrcSize = 2;
 inline constexpr std::size_t kSensedAxisSize = 9;
 inline constexpr std::size_t kDriveAxisSize = 5;
 template <std::size_t Axes>
-inline constexpr std::size_t kSensedSize = kHeaderSize + Axes * kSensedAxisSize + kCrcSize;
+inline constexpr std::size_t kSensedSize = kHeaderSize + Axes* kSensedAxisSize + kCrcSize;
 template <std::size_t Axes>
-inline constexpr std::size_t kDriveSize = kHeaderSize + Axes * kDriveAxisSize + kCrcSize;
+inline constexpr std::size_t kDriveSize = kHeaderSize + Axes* kDriveAxisSize + kCrcSize;
 
 /// A frame ready for the line: stuffed, with its end mark.
 template <std::size_t PacketSize>
@@ -137,7 +137,8 @@ template <std::size_t Axes>
   for (const AxisSensed& axis : frame.axis) {
     out.i32(axis.encoder_counts);
     out.i32(axis.current_a.raw());
-    out.u8(static_cast<std::uint8_t>(static_cast<unsigned>(axis.encoder) | (static_cast<unsigned>(axis.current) << 4U)));
+    out.u8(
+        static_cast<std::uint8_t>(static_cast<unsigned>(axis.encoder) | (static_cast<unsigned>(axis.current) << 4U)));
   }
   return out.finish();
 }

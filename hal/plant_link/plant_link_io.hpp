@@ -14,15 +14,20 @@ namespace capstan::plant_link {
 /// A serial line: every call returns at once.
 template <typename T>
 concept BytePort = requires(T port, std::uint8_t& byte, std::span<const std::uint8_t> bytes) {
-  { port.read(byte) } noexcept -> std::same_as<bool>;
-  { port.write_free() } noexcept -> std::same_as<std::size_t>;
-  { port.write(bytes) } noexcept -> std::same_as<std::size_t>;
+  { port.read(byte) }
+  noexcept->std::same_as<bool>;
+  { port.write_free() }
+  noexcept->std::same_as<std::size_t>;
+  { port.write(bytes) }
+  noexcept->std::same_as<std::size_t>;
 };
 
-/// Something that advances while read() waits: core cycles, or merely the number of looks. Differences modulo 2^32 count.
+/// Something that advances while read() waits: core cycles, or merely the number of looks. Differences modulo 2^32
+/// count.
 template <typename T>
 concept WaitCounter = requires(const T& counter) {
-  { counter.now() } noexcept -> std::same_as<std::uint32_t>;
+  { counter.now() }
+  noexcept->std::same_as<std::uint32_t>;
 };
 
 /// What the link has seen since start. Counters wrap.
@@ -34,47 +39,62 @@ struct LinkCounters {
   std::uint32_t refused = 0;   ///< drive frames the line had no room for
 };
 
-/// Joint input and output over a serial line to a simulated plant, in lock-step: see frames.hpp. A value is either that of this
-/// very cycle or missing.
+/// Joint input and output over a serial line to a simulated plant, in lock-step: see frames.hpp. A value is either that
+/// of this very cycle or missing.
+///
+/// The link is up from the first answer until kMissedBeforeDown cycles in a row had none. While it is up, read() waits
+/// for the plant; while it is down it does not, so a board without a plant stays quick, and write() asks instead of
+/// advancing the plant.
 template <BytePort Port, WaitCounter Counter, std::size_t Axes>
 class PlantLinkIo {
  public:
   static constexpr std::size_t kAxes = Axes;
-  /// Cycles without any answer after which read() no longer waits, so that a board without a plant stays quick. The first
-  /// frame that comes in, even a stale one, makes it wait again.
-  static constexpr std::uint32_t kMissedBeforeDown = 10;
+  static constexpr std::uint32_t kMissedBeforeDown = 3;
 
-  /// `patience` bounds the wait in read(), in counts of `counter`; it must leave the rest of the cycle its time.
+  /// `patience` bounds the wait in read(), in counts of `counter`.
   PlantLinkIo(Port& port, const Counter& counter, std::uint32_t patience) noexcept
       : port_(port), counter_(counter), patience_(patience) {}
 
-  /// Asks for the plant's first snapshot, which read() then finds; the plant does not move for it.
-  void start() noexcept { static_cast<void>(send({.sequence = sequence_, .kind = DriveKind::kQuery})); }
+  /// Asks for the plant's first snapshot; the plant does not move for it.
+  void start() noexcept { static_cast<void>(send(DriveKind::kQuery, {})); }
 
   [[nodiscard]] auto read(Sensed<Axes>& in) noexcept -> Status {
     in = {};
     in.overruns = overruns_;
     const std::uint32_t begin = counter_.now();
-    const bool wait = silent_ < kMissedBeforeDown;
     do {
       if (drain()) {
         ++counters_.answered;
+        silent_ = 0;
+        up_ = true;
         in.axis = frame_.axis;
         in.estop = frame_.estop;
         return Status::kOk;
       }
-    } while (wait && counter_.now() - begin < patience_);
+    } while (up_ && counter_.now() - begin < patience_);
     ++counters_.missed;
-    silent_ += silent_ < kMissedBeforeDown ? 1U : 0U;
+    if (up_ && ++silent_ >= kMissedBeforeDown) {
+      up_ = false;
+      release();
+    }
     return Status::kTimeout;
   }
 
+  /// kFailed: an axis was to be driven, and there is no plant to drive or no room on the line.
   [[nodiscard]] auto write(const Drive<Axes>& out) noexcept -> Status {
-    ++sequence_;
-    return send({.sequence = sequence_, .kind = DriveKind::kStep, .drive = out});
+    if (up_) {
+      ++sequence_;
+      return send(DriveKind::kStep, out);
+    }
+    bool wanted = false;
+    for (const AxisDrive& axis : out.axis) {
+      wanted = wanted || axis.enabled;
+    }
+    const Status asked = send(DriveKind::kQuery, {});
+    return wanted ? Status::kFailed : asked;
   }
 
-  void release() noexcept { static_cast<void>(send({.sequence = sequence_, .kind = DriveKind::kRelease})); }
+  void release() noexcept { static_cast<void>(send(DriveKind::kRelease, {})); }
 
   /// Cycles the board skipped or began late since start: handed on in every snapshot.
   void set_overruns(std::uint32_t overruns) noexcept { overruns_ = overruns; }
@@ -83,10 +103,11 @@ class PlantLinkIo {
     result.damaged += reader_.damaged();
     return result;
   }
-  [[nodiscard]] auto is_up() const noexcept -> bool { return counters_.answered > 0 && silent_ == 0; }
+  [[nodiscard]] auto is_up() const noexcept -> bool { return up_; }
 
  private:
-  /// Takes what has come in; true when this cycle's frame was among it. Bounded: the port's buffer is, and so is each call.
+  /// Takes what has come in; true when this cycle's frame was among it. Bounded: the port's buffer is, and so is each
+  /// call.
   [[nodiscard]] auto drain() noexcept -> bool {
     constexpr std::size_t kMost = 4 * (cobs_max_size(kSensedSize<Axes>) + 1);
     std::uint8_t byte = 0;
@@ -98,7 +119,6 @@ class PlantLinkIo {
         ++counters_.damaged;
         continue;
       }
-      silent_ = 0;
       if (frame_.sequence == sequence_) {
         return true;
       }
@@ -107,8 +127,8 @@ class PlantLinkIo {
     return false;
   }
 
-  [[nodiscard]] auto send(const DriveFrame<Axes>& frame) noexcept -> Status {
-    const auto wire = encode(frame);
+  [[nodiscard]] auto send(DriveKind kind, const Drive<Axes>& drive) noexcept -> Status {
+    const auto wire = encode(DriveFrame<Axes>{.sequence = sequence_, .kind = kind, .drive = drive});
     if (port_.write_free() < wire.size) {
       ++counters_.refused;  // half a frame would spoil the next one too
       return Status::kFailed;
@@ -125,6 +145,7 @@ class PlantLinkIo {
   std::uint32_t sequence_ = 0;
   std::uint32_t silent_ = 0;
   std::uint32_t overruns_ = 0;
+  bool up_ = false;
 };
 
 }  // namespace capstan::plant_link

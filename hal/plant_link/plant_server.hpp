@@ -18,8 +18,8 @@ class PlantServer {
 
   explicit PlantServer(Io& io) noexcept : io_(io) {}
 
-  /// Takes one byte from the board. True: `answer` is to be sent. A frame that asks for nothing, or a damaged one, has no
-  /// answer: the board then sees a missing sensor.
+  /// Takes one byte from the board. True: `answer` is to be sent. A frame that asks for nothing, or a damaged one, has
+  /// no answer: the board then sees a missing sensor.
   [[nodiscard]] auto take(std::uint8_t byte, Answer& answer) noexcept -> bool {
     DriveFrame<kAxes> frame;
     if (!reader_.take(byte) || !decode(reader_.packet(), frame)) {

@@ -9,8 +9,8 @@ namespace capstan::stm32f4 {
 
 inline constexpr std::uint32_t kAdcFullScale = 4095;  ///< 12 bits
 
-/// One channel of the analogue converter at a time, started by software and waited for: a conversion takes 12 + 28 clocks of
-/// 21 MHz, 1.9 us.
+/// One channel of the analogue converter at a time, started by software and waited for: a conversion takes 12 + 28
+/// clocks of 21 MHz, 1.9 us.
 template <RegisterCell Cell>
 class Adc {
  public:

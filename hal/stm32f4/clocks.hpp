@@ -7,13 +7,13 @@
 
 namespace capstan::stm32f4 {
 
-/// Where the core's clock comes from. Anything but kCrystalPll is a fault the board must report: its timing is then only as
-/// good as the internal oscillator's 1 % (datasheet, table of HSI accuracy), or unknown.
+/// Where the core's clock comes from. Anything but kCrystalPll is a fault the board must report: its timing is then
+/// only as good as the internal oscillator's 1 % (datasheet, table of HSI accuracy), or unknown.
 enum class ClockSource : std::uint8_t {
-  kCrystalPll,     ///< 8 MHz crystal through the PLL: 168 MHz
-  kInternalPll,    ///< the crystal did not start; the 16 MHz internal oscillator through the PLL: 168 MHz
-  kInternal,       ///< the PLL did not lock either: 16 MHz
-  kNotAnswering,   ///< the clock control reads as if it were not there (an emulated core); the frequencies are assumed
+  kCrystalPll,    ///< 8 MHz crystal through the PLL: 168 MHz
+  kInternalPll,   ///< the crystal did not start; the 16 MHz internal oscillator through the PLL: 168 MHz
+  kInternal,      ///< the PLL did not lock either: 16 MHz
+  kNotAnswering,  ///< the clock control reads as if it were not there (an emulated core); the frequencies are assumed
 };
 
 /// What start_clocks() reached, and the frequencies every divider is worked out from.
@@ -36,13 +36,15 @@ struct ClockStatus {
     case ClockSource::kCrystalPll:
       return "";
     case ClockSource::kInternalPll:
-      return "the 8 MHz crystal did not start and the internal oscillator runs instead; check the crystal and its capacitors";
+      return "the 8 MHz crystal did not start and the internal oscillator runs instead; check the crystal and its "
+             "capacitors";
     case ClockSource::kInternal:
       return "neither crystal nor PLL started and the core runs at 16 MHz; check the supply and the crystal";
     case ClockSource::kNotAnswering:
       break;
   }
-  return "the clock control does not answer and 168 MHz is assumed; expected in an emulator, on a board replace the chip";
+  return "the clock control does not answer and 168 MHz is assumed; expected in an emulator, on a board replace the "
+         "chip";
 }
 
 /// The clock tree as checked constants (RM0090 section 7.3.2: f = source / M * N / P).
@@ -69,8 +71,9 @@ static_assert(kCrystalPll.vco_in_hz() == 1'000'000, "the PLL's input must be 1 t
 static_assert(kCrystalPll.vco_hz() == 336'000'000, "the VCO must run at 100 to 432 MHz");
 static_assert(kCrystalPll.vco_hz() / PllSetting::kQ == 48'000'000);
 
-/// Bounds of the waits, in polls of at least 4 core cycles at 16 MHz (a poll is a load, a mask, a compare and a branch). The
-/// crystal gets at least 25 ms (datasheet: 2 ms typical), the PLL and the switch at least 2.5 ms (0.3 ms maximum).
+/// Bounds of the waits, in polls of at least 4 core cycles at 16 MHz (a poll is a load, a mask, a compare and a
+/// branch). The crystal gets at least 25 ms (datasheet: 2 ms typical), the PLL and the switch at least 2.5 ms (0.3 ms
+/// maximum).
 struct ClockBounds {
   std::uint32_t internal_polls = 1'000;
   std::uint32_t crystal_polls = 100'000;
@@ -107,15 +110,16 @@ auto switch_to_pll(RccRegisters<Cell>& rcc, const PllSetting& pll, std::uint32_t
 
 }  // namespace detail
 
-/// Brings the core to 168 MHz from the crystal; failing that from the internal oscillator; failing that leaves it at 16 MHz.
-/// Every wait is bounded. On an emulator without clock control it returns kNotAnswering with the frequencies of full speed,
-/// because there the core's timer counts at 168 MHz whatever is written.
+/// Brings the core to 168 MHz from the crystal; failing that from the internal oscillator; failing that leaves it at 16
+/// MHz. Every wait is bounded. On an emulator without clock control it returns kNotAnswering with the frequencies of
+/// full speed, because there the core's timer counts at 168 MHz whatever is written.
 template <RegisterCell Cell>
 [[nodiscard]] auto start_clocks(RccRegisters<Cell>& rcc, PowerRegisters<Cell>& power, FlashRegisters<Cell>& flash,
                                 const ClockBounds& bounds = {}) noexcept -> ClockStatus {
   set_bits(rcc.cr, rcc::kCrHsiOn);
   if (!wait_for(rcc.cr, rcc::kCrHsiReady, rcc::kCrHsiReady, bounds.internal_polls)) {
-    return detail::full_speed(ClockSource::kNotAnswering);  // this code runs on that very oscillator, so it cannot be off
+    return detail::full_speed(
+        ClockSource::kNotAnswering);  // this code runs on that very oscillator, so it cannot be off
   }
   constexpr ClockStatus kSlow{
       .source = ClockSource::kInternal, .core_hz = kInternalHz, .apb1_hz = kInternalHz, .apb2_hz = kInternalHz};

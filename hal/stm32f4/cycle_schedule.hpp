@@ -5,16 +5,18 @@
 
 namespace capstan::stm32f4 {
 
-/// Decides which ticks get a cycle. The policy for overruns is: skip to the next edge and count what was skipped; never catch
-/// up with cycles that follow each other too closely, since the law's dt is a constant.
+/// Decides which ticks get a cycle. The policy for overruns is: skip to the next edge and count what was skipped; never
+/// catch up with cycles that follow each other too closely, since the law's dt is a constant.
 class CycleSchedule {
  public:
-  /// A cycle may begin this fraction of a period after its edge. The serial interrupts that may go first take microseconds.
+  /// A cycle may begin this fraction of a period after its edge. The serial interrupts that may go first take
+  /// microseconds.
   static constexpr std::uint32_t kLatestFraction = 8;
 
-  /// @param tick  ticks since start  @param since_edge  core cycles since the last of them  @param period  core cycles of one
-  /// True: run a cycle now.
-  [[nodiscard]] constexpr auto rt_begin(std::uint32_t tick, std::uint32_t since_edge, std::uint32_t period) noexcept -> bool {
+  /// @param tick  ticks since start  @param since_edge  core cycles since the last of them  @param period  core cycles
+  /// of one True: run a cycle now.
+  [[nodiscard]] constexpr auto rt_begin(std::uint32_t tick, std::uint32_t since_edge, std::uint32_t period) noexcept
+      -> bool {
     const std::uint32_t passed = tick - last_;
     last_ = tick;
     if (passed == 0) {

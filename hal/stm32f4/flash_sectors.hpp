@@ -9,8 +9,8 @@
 
 namespace capstan::stm32f4 {
 
-/// Erases and programs sectors of the chip's own flash (RM0090 section 3.6). While it works the core cannot fetch code and
-/// stands still, a sector erase up to 0.8 s: outputs off and watchdog lengthened first, and never from the cycle.
+/// Erases and programs sectors of the chip's own flash (RM0090 section 3.6). While it works the core cannot fetch code
+/// and stands still, a sector erase up to 0.8 s: outputs off and watchdog lengthened first, and never from the cycle.
 template <RegisterCell Cell>
 class FlashSectors {
  public:

@@ -27,7 +27,8 @@ struct Pin {
   [[nodiscard]] constexpr auto mask() const -> std::uint32_t { return 1U << number; }
 };
 
-/// Puts one pin into its mode. Pull and alternate function go first, so that the pin never shows a state nobody asked for.
+/// Puts one pin into its mode. Pull and alternate function go first, so that the pin never shows a state nobody asked
+/// for.
 template <RegisterCell Cell>
 void configure_pin(GpioRegisters<Cell>& gpio, const Pin& pin) noexcept {
   const std::uint32_t two = 2U * pin.number;
@@ -37,7 +38,8 @@ void configure_pin(GpioRegisters<Cell>& gpio, const Pin& pin) noexcept {
   modify(gpio.moder, 3U << two, static_cast<std::uint32_t>(pin.mode) << two);
 }
 
-/// Set and reset in one write, so an interrupt between cannot be lost: bits 0-15 set, 16-31 reset (RM0090 section 8.4.7).
+/// Set and reset in one write, so an interrupt between cannot be lost: bits 0-15 set, 16-31 reset (RM0090
+/// section 8.4.7).
 template <RegisterCell Cell>
 void set_pin(GpioRegisters<Cell>& gpio, const Pin& pin, bool high) noexcept {
   gpio.bsrr.write(high ? pin.mask() : pin.mask() << 16U);

@@ -13,7 +13,8 @@
 
 namespace capstan::stm32f4 {
 
-/// Amplifier's current monitor at the analogue input: half of the range is zero, both ends are plus and minus full scale.
+/// Amplifier's current monitor at the analogue input: half of the range is zero, both ends are plus and minus full
+/// scale.
 struct CurrentScale {
   Q24 full_scale_a = Q24::from_raw(1 << 24);
 
@@ -42,8 +43,8 @@ struct AxisHardware {
   CurrentScale current_scale;
 };
 
-/// Joint input and output of the motor board: encoders on timers, currents by the analogue converter, set values by pulse
-/// width, one enable line per amplifier, one emergency-stop line that is also the timer's break input.
+/// Joint input and output of the motor board: encoders on timers, currents by the analogue converter, set values by
+/// pulse width, one enable line per amplifier, one emergency-stop line that is also the timer's break input.
 template <RegisterCell Cell, std::size_t Axes>
 class MotorBoardIo {
  public:

@@ -12,9 +12,10 @@ enum class Interrupt : std::uint8_t { kUsart1 = 37, kUsart2 = 38 };
 inline constexpr std::uint32_t kInterruptCount = 82;
 
 /// Urgency, most urgent first; the chip decodes the upper four bits of each priority byte.
-/// The tick only counts, so it may delay nothing and must never be delayed: with it on top the count of ticks is exact even
-/// when a cycle overruns. The serial ports come next, as they have one byte of buffer (87 us at 115200 baud) and the cycle may
-/// take longer. The cycle itself has the least urgency of all interrupts and thus preempts the shell only.
+/// The tick only counts, so it may delay nothing and must never be delayed: with it on top the count of ticks is exact
+/// even when a cycle overruns. The serial ports come next, as they have one byte of buffer (87 us at 115200 baud) and
+/// the cycle may take longer. The cycle itself has the least urgency of all interrupts and thus preempts the shell
+/// only.
 enum class Priority : std::uint8_t { kTick = 0x10, kSerial = 0x20, kCycle = 0xF0 };
 
 template <RegisterCell Cell>

@@ -8,15 +8,17 @@
 
 namespace capstan::stm32f4 {
 
-/// Set value for a servo amplifier as a pulse width: 50 % is zero, 10 % and 90 % are minus and plus full scale. Anything
-/// outside 10 to 90 %, a line that stays low included, is not a set value at all, so a broken wire commands nothing.
+/// Set value for a servo amplifier as a pulse width: 50 % is zero, 10 % and 90 % are minus and plus full scale.
+/// Anything outside 10 to 90 %, a line that stays low included, is not a set value at all, so a broken wire commands
+/// nothing.
 struct PwmScale {
-  std::uint32_t period = 2;                  ///< timer counts
+  std::uint32_t period = 2;                   ///< timer counts
   Q24 full_scale_a = Q24::from_raw(1 << 24);  ///< current the amplifier gives at 90 %, more than 0
 
   /// Compare value for a current, saturated at the ends of the scale: 0.5 period + 0.4 period * current / full scale.
   [[nodiscard]] constexpr auto compare(Q24 current_a) const -> std::uint32_t {
-    const Q24 limited = current_a > full_scale_a ? full_scale_a : (current_a < -full_scale_a ? -full_scale_a : current_a);
+    const Q24 limited =
+        current_a > full_scale_a ? full_scale_a : (current_a < -full_scale_a ? -full_scale_a : current_a);
     const std::int64_t span = std::int64_t{period} * 2 * limited.raw();
     const std::int64_t unit = std::int64_t{full_scale_a.raw()} * 5;
     const std::int64_t shift = (span + (span < 0 ? -unit / 2 : unit / 2)) / unit;  // to nearest
@@ -24,8 +26,8 @@ struct PwmScale {
   }
 };
 
-/// One output channel of an advanced timer (TIM1, TIM8) whose break input cuts the output in hardware, without the core. A
-/// break is latched by the timer: however short it was, the output stays off until rt_rearm().
+/// One output channel of an advanced timer (TIM1, TIM8) whose break input cuts the output in hardware, without the
+/// core. A break is latched by the timer: however short it was, the output stays off until rt_rearm().
 template <RegisterCell Cell>
 class PwmSetValue {
  public:

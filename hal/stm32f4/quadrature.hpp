@@ -7,16 +7,16 @@
 
 namespace capstan::stm32f4 {
 
-/// Incremental encoder on a 32-bit timer (TIM2, TIM5). The counter runs over all 2^32 counts, so its difference modulo 2^32 is
-/// the motion and no interrupt is needed.
+/// Incremental encoder on a 32-bit timer (TIM2, TIM5). The counter runs over all 2^32 counts, so its difference modulo
+/// 2^32 is the motion and no interrupt is needed.
 template <RegisterCell Cell>
 class QuadratureEncoder {
  public:
   explicit QuadratureEncoder(TimerRegisters<Cell>& registers) noexcept : registers_(registers) {}
 
-  /// `filter` is the timer's input filter code 0 to 15 (RM0090 section 18.4.7): an edge counts after that many equal samples.
-  /// `inverted` turns the counting direction round. False: the counter did not take over its settings (clock off, or not
-  /// there), and read() will say so.
+  /// `filter` is the timer's input filter code 0 to 15 (RM0090 section 18.4.7): an edge counts after that many equal
+  /// samples. `inverted` turns the counting direction round. False: the counter did not take over its settings (clock
+  /// off, or not there), and read() will say so.
   [[nodiscard]] auto start(std::uint32_t filter, bool inverted) noexcept -> bool {
     registers_.cr1.write(0);
     registers_.smcr.write(timer::kSmcrQuadrature);

@@ -6,12 +6,14 @@
 
 namespace capstan::stm32f4 {
 
-/// One 32-bit register of a peripheral. Drivers are templates on this type, so that the host's tests run the very same code
-/// against cells that behave as the reference manual says (flags that come late or never, write-1-to-clear, ...).
+/// One 32-bit register of a peripheral. Drivers are templates on this type, so that the host's tests run the very same
+/// code against cells that behave as the reference manual says (flags that come late or never, write-1-to-clear, ...).
 template <typename Cell>
 concept RegisterCell = requires(Cell cell, const Cell& constant, std::uint32_t value) {
-  { constant.read() } noexcept -> std::same_as<std::uint32_t>;
-  { cell.write(value) } noexcept -> std::same_as<void>;
+  { constant.read() }
+  noexcept->std::same_as<std::uint32_t>;
+  { cell.write(value) }
+  noexcept->std::same_as<void>;
 };
 
 /// The target's cell: every call is exactly one bus access, never merged or dropped by the compiler.

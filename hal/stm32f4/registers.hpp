@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own definitions of the few registers this firmware touches; no vendor header is packaged. Layouts and bits are those of
-// the reference manual RM0090 (STM32F405/407), section numbers beside each block, and for the core of the ARMv7-M architecture
-// manual. Only bits that are used have a name.
+// Our own definitions of the few registers this firmware touches; no vendor header is packaged. Layouts and bits are
+// those of the reference manual RM0090 (STM32F405/407), section numbers beside each block, and for the core of the
+// ARMv7-M architecture manual. Only bits that are used have a name.
 #pragma once
 
 #include <array>
@@ -86,7 +86,8 @@ inline constexpr std::uint32_t kAcrDataCache = 1U << 10;
 inline constexpr std::uint32_t kAcrDataCacheReset = 1U << 12;
 inline constexpr std::uint32_t kKey1 = 0x4567'0123;
 inline constexpr std::uint32_t kKey2 = 0xCDEF'89AB;
-inline constexpr std::uint32_t kSrErrors = 0xF2;  // operation, write protection, alignment, size, sequence; write 1 to clear
+inline constexpr std::uint32_t kSrErrors =
+    0xF2;  // operation, write protection, alignment, size, sequence; write 1 to clear
 inline constexpr std::uint32_t kSrBusy = 1U << 16;
 inline constexpr std::uint32_t kCrProgram = 1U << 0;
 inline constexpr std::uint32_t kCrSectorErase = 1U << 1;
@@ -132,7 +133,8 @@ namespace watchdog {
 inline constexpr std::uint32_t kKeyReload = 0xAAAA;
 inline constexpr std::uint32_t kKeyUnlock = 0x5555;
 inline constexpr std::uint32_t kKeyStart = 0xCCCC;
-inline constexpr std::uint32_t kSrBusy = 3U;  // PVU and RVU: the new divider and reload are still on their way to the LSI side
+inline constexpr std::uint32_t kSrBusy =
+    3U;  // PVU and RVU: the new divider and reload are still on their way to the LSI side
 }  // namespace watchdog
 
 /// System timer of the core, ARMv7-M B3.3.

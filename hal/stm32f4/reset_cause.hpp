@@ -7,8 +7,8 @@
 
 namespace capstan::stm32f4 {
 
-/// Why the core started. The flags of the chip add up over resets until they are removed, and the pin flag is set by every
-/// internal reset too (RM0090 section 6.1), so the most telling one is named.
+/// Why the core started. The flags of the chip add up over resets until they are removed, and the pin flag is set by
+/// every internal reset too (RM0090 section 6.1), so the most telling one is named.
 enum class ResetCause : std::uint8_t {
   kUnknown,
   kPowerOn,

@@ -8,8 +8,8 @@
 
 namespace capstan {
 
-/// Bounded queue of bytes between exactly one writer and one reader, of which either may be an interrupt. No lock and no
-/// interrupt masking: each side stores only its own index, and publishes it after the data.
+/// Bounded queue of bytes between exactly one writer and one reader, of which either may be an interrupt. No lock and
+/// no interrupt masking: each side stores only its own index, and publishes it after the data.
 template <std::size_t Capacity>
 class RingBuffer {
   static_assert(Capacity >= 2 && (Capacity & (Capacity - 1)) == 0, "indices run free and are masked");

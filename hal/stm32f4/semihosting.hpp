@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Calls to the host of an emulated or debugged core (Arm "Semihosting for AArch32 and AArch64", version 2.0). Only the images
-// for the emulator's tests include this: without a host to answer, the trap would be a hard fault.
+// Calls to the host of an emulated or debugged core (Arm "Semihosting for AArch32 and AArch64", version 2.0). Only the
+// images for the emulator's tests include this: without a host to answer, the trap would be a hard fault.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace capstan::stm32f4::semihosting {
 
@@ -44,8 +46,8 @@ inline auto word(const volatile void* pointer) noexcept -> std::uint32_t {
   }
 }
 
-/// Copies the words given to the image on its command line into `text`, ended by a zero. Returns the length, 0 when there is
-/// none or it does not fit.
+/// Copies the words given to the image on its command line into `text`, ended by a zero. Returns the length, 0 when
+/// there is none or it does not fit.
 [[nodiscard]] inline auto command_line(std::span<char> text) noexcept -> std::size_t {
   std::array<std::uint32_t, 2> arguments{detail::word(text.data()), static_cast<std::uint32_t>(text.size())};
   if (detail::call(detail::Operation::kCommandLine, arguments.data()) != 0) {
@@ -58,9 +60,16 @@ inline auto word(const volatile void* pointer) noexcept -> std::uint32_t {
 class File {
  public:
   enum class Mode : std::uint32_t { kRead = 1, kWrite = 5 };  ///< "rb" and "wb"
+  static constexpr std::size_t kLongestPath = 255;
 
-  File(std::span<const char> path, Mode mode) noexcept {
-    const std::array<std::uint32_t, 3> arguments{detail::word(path.data()), static_cast<std::uint32_t>(mode),
+  /// ":tt" is the host's console. A path that is longer than kLongestPath is not opened.
+  File(std::string_view path, Mode mode) noexcept {
+    std::array<char, kLongestPath + 1> name{};  // the host wants it ended by a zero
+    if (path.size() > kLongestPath) {
+      return;
+    }
+    std::copy(path.begin(), path.end(), name.begin());
+    const std::array<std::uint32_t, 3> arguments{detail::word(name.data()), static_cast<std::uint32_t>(mode),
                                                  static_cast<std::uint32_t>(path.size())};
     handle_ = detail::call(detail::Operation::kOpen, arguments.data());
   }

@@ -28,8 +28,8 @@ class Tick {
     return true;
   }
 
-  /// The board's time stands still from pause() to resume(): for a lock-step with something that has no real time. On the chip
-  /// the running period may begin anew then.
+  /// The board's time stands still from pause() to resume(): for a lock-step with something that has no real time. On
+  /// the chip the running period may begin anew then.
   void pause() noexcept { registers_.csr.write(systick::kCsrInterrupt | systick::kCsrCoreClock); }
   void resume() noexcept {
     registers_.csr.write(systick::kCsrEnable | systick::kCsrInterrupt | systick::kCsrCoreClock);
@@ -81,8 +81,8 @@ class CycleMeter {
   std::atomic<std::uint32_t> max_{0};
 };
 
-/// Instructions behind a number of timer ticks in the emulator at one instruction per nanosecond. On the chip the figure has
-/// no meaning: there a tick is a clock cycle and instructions take one or more.
+/// Instructions behind a number of timer ticks in the emulator at one instruction per nanosecond. On the chip the
+/// figure has no meaning: there a tick is a clock cycle and instructions take one or more.
 [[nodiscard]] constexpr auto emulated_instructions(std::uint32_t ticks, std::uint32_t core_hz) -> std::uint32_t {
   return static_cast<std::uint32_t>(std::uint64_t{ticks} * 1'000'000'000U / core_hz);
 }

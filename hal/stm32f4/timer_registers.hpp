@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Our own definitions of the timers' registers: RM0090 section 17.4 (TIM1, TIM8) and 18.4 (TIM2 to TIM5), one layout for both.
+// Our own definitions of the timers' registers: RM0090 section 17.4 (TIM1, TIM8) and 18.4 (TIM2 to TIM5), one layout
+// for both.
 #pragma once
 
 #include <array>
@@ -35,7 +36,8 @@ inline constexpr std::uint32_t kCcmrFilter2Shift = 12;
 inline constexpr std::uint32_t kCcerInvert1 = 1U << 1;
 /// One output channel's byte of CCMR: PWM mode 1 (high while the counter is below the compare value), preloaded.
 inline constexpr std::uint32_t kCcmrPwm = (6U << 4) | (1U << 3);
-inline constexpr std::uint32_t kBdtrIdleDriven = 1U << 10;  // OSSI: an output that is off is driven low, not left floating
+inline constexpr std::uint32_t kBdtrIdleDriven = 1U
+                                                 << 10;  // OSSI: an output that is off is driven low, not left floating
 inline constexpr std::uint32_t kBdtrBreakEnable = 1U << 12;
 inline constexpr std::uint32_t kBdtrBreakHigh = 1U << 13;
 inline constexpr std::uint32_t kBdtrMainOutput = 1U << 15;

@@ -22,14 +22,16 @@ struct UsartErrors {
 [[nodiscard]] constexpr auto baud_divider(std::uint32_t bus_hz, std::uint32_t baud) -> std::uint32_t {
   return (bus_hz + baud / 2) / baud;
 }
-/// Error of the rate reached, in parts per thousand, never negative. A receiver samples ten bits: 20 per thousand is safe.
+/// Error of the rate reached, in parts per thousand, never negative. A receiver samples ten bits: 20 per thousand is
+/// safe.
 [[nodiscard]] constexpr auto baud_error_permille(std::uint32_t bus_hz, std::uint32_t baud) -> std::uint32_t {
   const std::uint32_t reached = bus_hz / baud_divider(bus_hz, baud);
   return (reached > baud ? reached - baud : baud - reached) * 1000 / baud;
 }
 static_assert(baud_error_permille(84'000'000, 115'200) < 5 && baud_error_permille(16'000'000, 115'200) < 5);
 
-/// Interrupt-driven 8N1 port with bounded rings. rt_isr() runs in the port's interrupt; everything else in one other context.
+/// Interrupt-driven 8N1 port with bounded rings. rt_isr() runs in the port's interrupt; everything else in one other
+/// context.
 template <RegisterCell Cell, std::size_t RxSize, std::size_t TxSize>
 class Usart {
  public:
@@ -57,8 +59,8 @@ class Usart {
     }
     if (taken > 0) {
       registers_.cr1.write(kRunning | usart::kCr1TransmitInterrupt);
-      // The empty transmit register would raise the interrupt by itself. Pending it as well costs nothing on the chip and
-      // makes the same driver work on an emulated port that knows no transmit interrupt (QEMU 7.2).
+      // The empty transmit register would raise the interrupt by itself. Pending it as well costs nothing on the chip
+      // and makes the same driver work on an emulated port that knows no transmit interrupt (QEMU 7.2).
       pend_interrupt(nvic_, interrupt_);
     }
     return taken;

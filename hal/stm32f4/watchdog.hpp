@@ -7,9 +7,9 @@
 
 namespace capstan::stm32f4 {
 
-/// The watchdog runs from its own oscillator, "32 kHz", which the datasheet lets be anything from 17 to 47 kHz. A setting
-/// worked out for 32 kHz would be wrong by up to a factor of two, so both ends count: the slowest one bounds how long a dead
-/// board may drive a motor, the fastest one how late a live cycle may be.
+/// The watchdog runs from its own oscillator, "32 kHz", which the datasheet lets be anything from 17 to 47 kHz. A
+/// setting worked out for 32 kHz would be wrong by up to a factor of two, so both ends count: the slowest one bounds
+/// how long a dead board may drive a motor, the fastest one how late a live cycle may be.
 inline constexpr std::uint32_t kLsiSlowestHz = 17'000;
 inline constexpr std::uint32_t kLsiFastestHz = 47'000;
 
@@ -21,7 +21,8 @@ struct WatchdogSetting {
   [[nodiscard]] constexpr auto oscillator_periods() const -> std::uint32_t { return (reload + 1) * (4U << code); }
   /// Longest time from the last refresh to the reset, rounded up, us.
   [[nodiscard]] constexpr auto longest_us() const -> std::uint32_t {
-    return static_cast<std::uint32_t>((std::uint64_t{oscillator_periods()} * 1'000'000 + kLsiSlowestHz - 1) / kLsiSlowestHz);
+    return static_cast<std::uint32_t>((std::uint64_t{oscillator_periods()} * 1'000'000 + kLsiSlowestHz - 1) /
+                                      kLsiSlowestHz);
   }
   /// Shortest time in which no refresh already means reset, rounded down, us.
   [[nodiscard]] constexpr auto shortest_us() const -> std::uint32_t {
@@ -32,7 +33,8 @@ struct WatchdogSetting {
 inline constexpr std::uint32_t kWatchdogMaxReload = 0xFFF;
 inline constexpr std::uint32_t kWatchdogMaxCode = 6;
 
-/// The longest setting that still resets within `limit_us` at the slowest oscillator; the finest divider that can do it.
+/// The longest setting that still resets within `limit_us` at the slowest oscillator; the finest divider that can do
+/// it.
 [[nodiscard]] constexpr auto watchdog_setting_within(std::uint32_t limit_us) -> WatchdogSetting {
   const std::uint64_t periods = std::uint64_t{limit_us} * kLsiSlowestHz / 1'000'000;
   for (std::uint32_t code = 0; code <= kWatchdogMaxCode; ++code) {
@@ -50,19 +52,21 @@ static_assert(kCycleWatchdog.longest_us() <= 30'000, "a dead board would drive i
 static_assert(kCycleWatchdog.shortest_us() >= 10'000, "a live board would be reset by ten late cycles");
 static_assert(kCycleWatchdog.code == 0 && kCycleWatchdog.reload == 126);
 
-/// While a flash sector is erased the core stands still, for 0.8 s at most (datasheet, 16 KB at 16 bits). Only ever used with
-/// the outputs off.
+/// While a flash sector is erased the core stands still, for 0.8 s at most (datasheet, 16 KB at 16 bits). Only ever
+/// used with the outputs off.
 inline constexpr WatchdogSetting kEraseWatchdog{.code = 4, .reload = kWatchdogMaxReload};
 static_assert(kEraseWatchdog.shortest_us() >= 2 * 800'000);
 
-/// Cannot be stopped once started, by design of the chip: neither a fault handler nor a lost stack can keep it from biting.
+/// Cannot be stopped once started, by design of the chip: neither a fault handler nor a lost stack can keep it from
+/// biting.
 template <RegisterCell Cell>
 class Watchdog {
  public:
   explicit Watchdog(WatchdogRegisters<Cell>& registers) noexcept : registers_(registers) {}
 
-  /// Starts with `setting`. False: the setting was not taken over in time, and the watchdog runs with what it had (its reset
-  /// value at first). A change needs up to five oscillator periods to reach the other clock: 300 us, here 1 ms at least.
+  /// Starts with `setting`. False: the setting was not taken over in time, and the watchdog runs with what it had (its
+  /// reset value at first). A change needs up to five oscillator periods to reach the other clock: 300 us, here 1 ms at
+  /// least.
   [[nodiscard]] auto start(const WatchdogSetting& setting) noexcept -> bool {
     registers_.kr.write(watchdog::kKeyStart);  // first: it also switches the oscillator on
     return change(setting);

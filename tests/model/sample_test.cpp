@@ -145,5 +145,23 @@ TEST(ConditionerSaturation, IsFlaggedForAngleTorqueAndRateAndGoesWithItsCause) {
   EXPECT_TRUE(conditioner.update(Q24::max(), zero).saturated);
 }
 
+TEST(ConditionerSaturation, OfTheRateIsFlaggedInFullMotionToo) {
+  SampleConditioner<Q24> conditioner(SamplePeriod<Q24>(1000), {});
+  double q1 = 0.0;
+  for (int i = 0; i < 200; ++i, q1 += 0.05) {  // 50 rad/s, so that the step of the filter itself stays small
+    ASSERT_FALSE(conditioner.update(number<Q24>(q1), Q24{}).saturated);
+  }
+  EXPECT_TRUE(conditioner.update(number<Q24>(q1 + 0.2), Q24{}).saturated);
+}
+
+TEST(ConditionerSaturation, OfTheFilterStepIsFlaggedBetweenTwoRatesInRange) {
+  SampleConditioner<Q24> conditioner(SamplePeriod<Q24>(1000), {});
+  double q1 = 0.0;
+  for (int i = 0; i < 200; ++i, q1 += 0.1) {
+    ASSERT_FALSE(conditioner.update(number<Q24>(q1), Q24{}).saturated);
+  }
+  EXPECT_TRUE(conditioner.update(number<Q24>(q1 - 0.2), Q24{}).saturated) << "from 100 to -100 rad/s";
+}
+
 }  // namespace
 }  // namespace capstan

@@ -146,6 +146,7 @@ auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) 
   }
   const Search search = search_effects(p, base, options.progress);
   d.rounds = search.rounds;
+  d.trace = search.trace;
   d.explained_share = search.share.value;
   d.explained_share_lower = search.share.lower;
   d.noise_floor = search.noise_floor;

@@ -23,7 +23,8 @@ struct RankedEffect {
   bool in_catalogue = false;
   double p_value = 1.0;
   double log_evidence = 0.0;     ///< nats on unseen rows
-  double explained = 0.0;        ///< share of the residual's energy it takes away, whitened
+  double explained = 0.0;        ///< share of the whitened residual's energy that it takes away
+  double raw_explained = 0.0;    ///< the same in the measured quantity, cross-validated
   std::string outcome;           ///< why it was taken or ruled out
 };
 
@@ -63,6 +64,7 @@ struct Diagnosis {
   bool floor_from_repeats = false;
   double explained_share = 0.0, explained_share_lower = 0.0;
   Traces traces;
+  std::vector<std::string> trace;  // debugging
 };
 
 struct DiagnoseOptions {

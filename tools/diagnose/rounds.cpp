@@ -71,7 +71,7 @@ auto ranking(const Round& round, const FamilyTrial* chosen, const std::vector<st
   for (const auto& trial : round.trials) {
     const auto& family = round.evidence.families[trial.family];
     ranked.push_back({family.name, family.in_catalogue, trial.p_value, trial.log_evidence,
-                      energy > 0.0 ? trial.learned.gain / energy : 0.0, outcome_of(round, trial, chosen, confusable)});
+                      energy > 0.0 ? trial.learned.gain / energy : 0.0, trial.raw_explained, outcome_of(round, trial, chosen, confusable)});
   }
   std::sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.explained > b.explained; });
   return ranked;
@@ -119,6 +119,7 @@ class Searcher {
   auto run() -> Search {
     progress_("looking at what " + joined(search_.law.terms, " + ") + " leaves");
     Round round = hold_round(p_, search_.law);
+    note(round);
     base_energy_ = round.adequacy.law_energy;
     search_.base_reducible = round.adequacy.reducible_share;
     while (search_.effects.size() < kMostEffects && take_step(round)) {
@@ -165,6 +166,7 @@ class Searcher {
     }
     progress_("trying " + family.name);
     Round next = hold_round(p_, *law);
+    note(next);
     const auto share = explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.ceiling_energy);
     if (further && share.lower < kShareOfRest) {
       return false;
@@ -177,6 +179,16 @@ class Searcher {
     return !ambiguous;
   }
 
+  void note(const Round& r) {
+    std::string ar;
+    for (double a : r.evidence.noise.coefficients) ar += " " + rounded(a, 3);
+    search_.trace.push_back("lacks " + std::to_string(r.adequacy.lacks_something) + " lof_p " + rounded(r.adequacy.lack_of_fit_p) + " ceil_t " +
+                            rounded(r.adequacy.ceiling_t) + " reducible " + rounded(r.adequacy.reducible_share) + " law rms " +
+                            rounded(std::sqrt(r.adequacy.law_energy.sum() / static_cast<double>(rows_in(p_.split.learned())))) + " ceil rms " +
+                            rounded(std::sqrt(r.adequacy.ceiling_energy.sum() / static_cast<double>(rows_in(p_.split.learned())))) +
+                            " innov " + rounded(std::sqrt(r.evidence.innovation_variance)) + " AR" + ar + " need " +
+                            rounded(evidence_needed(r.evidence)) + " cols " + std::to_string(r.evidence.layout.total));
+  }
   void conclude(const Round& round) {
     search_.lacks_something = round.adequacy.lacks_something;
     if (!search_.effects.empty()) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tools/support/random.hpp"
 
@@ -84,7 +85,7 @@ void judge_visibility(const Evidence& evidence, const Projected& learned, const 
   }
   const double share = std::max(choosing / learned.rows, 1e-3);
   const double lambda = 2.0 * evidence_needed(evidence) / share;
-  trial.detectable = seen > 0.0 ? std::sqrt(lambda * evidence.innovation_variance / seen * raw.trace() / learned.rows) : INFINITY;
+  trial.detectable = seen > 0.0 ? std::sqrt(lambda * evidence.innovation_variance / seen * raw.trace() / learned.rows) : std::numeric_limits<double>::infinity();
 }
 
 /// Largest share of the direction x (given by its products with all columns and its energy) that a family can copy.
@@ -126,6 +127,7 @@ auto try_families(const Evidence& evidence) -> std::vector<FamilyTrial> {
       trial.log_evidence = split_likelihood(evidence, choose_rows, family, trial.fit);
       const auto with_effect = cross_validated(evidence.raw(), evidence.learned, columns_of(family, trial.fit.variant));
       trial.block_t = t_statistic(alone - with_effect);
+      trial.raw_explained = 1.0 - with_effect.sum() / alone.sum();
     }
     trial.likelihood_gain = likelihood_gain_of(evidence, learned_rows, trial.learned.gain);
     judge_visibility(evidence, learned_rows, family, trial);

@@ -18,6 +18,7 @@ struct FamilyTrial {
   double p_value = 1.0;          ///< family-wise: of the largest statistic over all families and shapes
   double log_evidence = 0.0;     ///< split likelihood ratio on the rows that choose, nats
   double block_t = 0.0;          ///< t over blocks of the cross-validated gain in the measured quantity
+  double raw_explained = 0.0;    ///< share of the residual's energy in the measured quantity that it takes away, out of fold
   double likelihood_gain = 0.0;  ///< 2 log likelihood ratio on fit and choose together (lambda)
   double absorbed = 0.0;         ///< share of its columns that the law takes up
   double detectable = 0.0;       ///< rms of the smallest contribution that these rows would have shown, in the target's unit

@@ -138,13 +138,30 @@ TEST(PtyConsole, WhatNobodyReadIsNotShownToTheNextPeer) {
   EXPECT_EQ(console.dropped(), 0U) << "it was not lost, it had no reader";
 }
 
+TEST(PtyConsole, AnswersAPeerDidNotWaitForAreNotShownToTheNext) {
+  Console console = Console::pty();
+  Peer first = Peer::on_device(console.name());
+  first.send("x");
+  EXPECT_TRUE(receives(console, "x"));
+  console.write("to the first\r\n");
+  first.leave();
+  EXPECT_TRUE(eventually([&] { return receive_some(console).empty() && console.hung_up(); }));
+  const Peer second = Peer::on_device(console.name());
+  second.send("y");
+  EXPECT_TRUE(receives(console, "y"));
+  console.write("to the second\r\n");
+  EXPECT_EQ(second.read(15), "to the second\r\n");
+}
+
 TEST(TcpConsole, PassesEveryByteUnchangedBothWays) {
   Console console = Console::tcp(0);
   EXPECT_FALSE(console.is_terminal());
   expect_bytes_both_ways(console, Peer::on_port(console.name()));
 }
 
-TEST(TcpConsole, ListensOnLoopbackOnly) { EXPECT_EQ(Console::tcp(0).name().rfind("127.0.0.1:", 0), 0U); }
+TEST(TcpConsole, ListensOnLoopbackOnly) {
+  EXPECT_EQ(Console::tcp(0).name().rfind("127.0.0.1:", 0), 0U);
+}
 
 TEST(TcpConsole, TakesANextClientAfterTheFirstHasLeftAndReportsThatHangUpOnce) {
   Console console = Console::tcp(0);
@@ -227,8 +244,8 @@ TEST(TcpConsole, APortThatIsTakenIsRefusedWithACure) {
 }
 
 TEST(Console, UnknownKindsAndBadPortsAreRefused) {
-  for (const char* what : {"", "telnet", "tcp:", "tcp:70000", "tcp:12x", "tcp:-1", "serial:", "serial:/dev/null",
-                           "serial:/nowhere/tty"}) {
+  for (const char* what :
+       {"", "telnet", "tcp:", "tcp:70000", "tcp:12x", "tcp:-1", "serial:", "serial:/dev/null", "serial:/nowhere/tty"}) {
     EXPECT_THROW(Console::open(what), std::runtime_error) << what;
   }
 }

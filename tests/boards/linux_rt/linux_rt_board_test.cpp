@@ -56,7 +56,8 @@ TEST(LinuxRtBoard, RunsTheFirmwareAndCountsWhatItRan) {
   const RtReport report = board.stop();
   EXPECT_FALSE(board.running());
   EXPECT_EQ(board.application().telemetry().tick, report.cycles);
-  EXPECT_GE(report.overruns, board.application().telemetry().overruns) << "the firmware is told of every one but the last";
+  EXPECT_GE(report.overruns, board.application().telemetry().overruns)
+      << "the firmware is told of every one but the last";
 }
 
 TEST(LinuxRtBoard, StoppingTakesTheTorqueAway) {

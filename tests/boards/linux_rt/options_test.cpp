@@ -59,10 +59,12 @@ TEST(BoardOptions, ParsingTwiceGivesTheSame) {
 
 TEST(BoardOptions, WhatIsWrongIsNamedAndTheCureToo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--cpu", "x"}, "'x'"},          {{"--cpu", "-1"}, "'-1'"},       {{"--priority", "0"}, "'0'"},
-      {{"--priority", "100"}, "'100'"}, {{"--for", "nan"}, "'nan'"},     {{"--for", "-3"}, "'-3'"},
-      {{"--for", "2s"}, "'2s'"},        {{"--storage"}, "--storage"},    {{"--nonsense"}, "--nonsense"},
-      {{"-x"}, "-x"},                   {{"file.toml"}, "'file.toml'"},  {{"--help=yes"}, "--help=yes"},
+      {{"--cpu", "x"}, "'x'"},           {{"--cpu", "-1"}, "'-1'"},
+      {{"--priority", "0"}, "'0'"},      {{"--priority", "100"}, "'100'"},
+      {{"--for", "nan"}, "'nan'"},       {{"--for", "-3"}, "'-3'"},
+      {{"--for", "2s"}, "'2s'"},         {{"--storage"}, "--storage"},
+      {{"--nonsense"}, "--nonsense"},    {{"-x"}, "-x"},
+      {{"file.toml"}, "'file.toml'"},    {{"--help=yes"}, "--help=yes"},
       {{"--cpu", "1", "--for"}, "--for"}};
   for (const auto& [words, named] : cases) {
     const std::string sentence = refusal(words);
@@ -73,8 +75,8 @@ TEST(BoardOptions, WhatIsWrongIsNamedAndTheCureToo) {
 
 TEST(BoardOptions, HelpNamesEveryOptionThatIsAccepted) {
   const std::string help = help_text();
-  for (const char* name : {"--console", "--storage", "--for", "--cpu", "--priority", "--insist", "--selftest", "--version",
-                           "--help"}) {
+  for (const char* name :
+       {"--console", "--storage", "--for", "--cpu", "--priority", "--insist", "--selftest", "--version", "--help"}) {
     EXPECT_NE(help.find(std::string("\n  ") + name), std::string::npos) << name;
   }
 }

@@ -110,7 +110,9 @@ TEST(Selftest, EverySampleStandsInOneLineOfTheHistogram) {
   EXPECT_EQ(wake_up, 10'001U);
 }
 
-TEST(Selftest, KnowsTheKernelItRunsOn) { EXPECT_EQ(machine_info().kernel.rfind("Linux ", 0), 0U); }
+TEST(Selftest, KnowsTheKernelItRunsOn) {
+  EXPECT_EQ(machine_info().kernel.rfind("Linux ", 0), 0U);
+}
 
 }  // namespace
 }  // namespace capstan

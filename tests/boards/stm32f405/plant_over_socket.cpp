@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The simulated plant at the end of the emulated board's second serial port: plant_over_socket SOCKET. Ends when the emulator
-// closes the line, with a summary on standard output; status 2 when the line cannot be opened, 1 when the plant diverged.
+// The simulated plant at the end of the emulated board's second serial port: plant_over_socket SOCKET [CYCLES]. Ends
+// when the emulator closes the line, or leaves by itself after that many cycles, with a summary on standard output;
+// status 2 when the line cannot be opened, 1 when the plant diverged.
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -9,7 +10,9 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <span>
 #include <string>
 #include <thread>
 
@@ -54,10 +57,13 @@ auto send_all(int line, std::span<const std::uint8_t> bytes) -> bool {
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 2) {
-    std::fprintf(stderr, "one argument is needed, the emulator's socket; see tools/qemu_stm32f405 --help\n");
+  if (count != 2 && count != 3) {
+    std::fprintf(
+        stderr,
+        "the emulator's socket is needed, and a number of cycles may follow; see tools/qemu_stm32f405 --help\n");
     return 2;
   }
+  const std::uint64_t cycles = count == 3 ? std::strtoull(words[2], nullptr, 10) : UINT64_MAX;
   const int line = connect_to(words[1]);
   if (line < 0) {
     std::fprintf(stderr, "%s: nobody answers there; start the emulator with --plant %s\n", words[1], words[1]);
@@ -74,7 +80,7 @@ int main(int count, char** words) {
     open = received > 0;
     for (ssize_t i = 0; open && i < received; ++i) {
       if (server.take(bytes[static_cast<std::size_t>(i)], answer)) {
-        open = send_all(line, answer.view());
+        open = server.steps() < cycles && send_all(line, answer.view());
       }
     }
   }

@@ -96,9 +96,10 @@ TEST(Cobs, NoSequenceOfBytesReadsOrWritesOutOfBounds) {
 
 auto example_sensed() -> SensedFrame<2> {
   SensedFrame<2> frame{.sequence = 0x01020304, .estop = true};
-  frame.axis[0] = {.encoder_counts = -5, .current_a = Q24::from_raw(-123456), .encoder = Quality::kOk,
-                   .current = Quality::kInvalid};
-  frame.axis[1] = {.encoder_counts = 1 << 30, .current_a = Q24::max(), .encoder = Quality::kMissing, .current = Quality::kOk};
+  frame.axis[0] = {
+      .encoder_counts = -5, .current_a = Q24::from_raw(-123456), .encoder = Quality::kOk, .current = Quality::kInvalid};
+  frame.axis[1] = {
+      .encoder_counts = 1 << 30, .current_a = Q24::max(), .encoder = Quality::kMissing, .current = Quality::kOk};
   return frame;
 }
 

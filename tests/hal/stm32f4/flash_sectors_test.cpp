@@ -10,8 +10,8 @@
 namespace capstan::stm32f4 {
 namespace {
 
-/// Flash as in RM0090 section 3.6: locked until both keys came in order, programming only clears bits and only while the
-/// program bit and the word size are set, errors latch and block until written with 1.
+/// Flash as in RM0090 section 3.6: locked until both keys came in order, programming only clears bits and only while
+/// the program bit and the word size are set, errors latch and block until written with 1.
 class Flash : public testing::Test {
  protected:
   static constexpr std::size_t kWords = 16;

@@ -63,7 +63,8 @@ class MotorBoard : public testing::Test {
       : encoder(tim2),
         set_value(tim1, 0),
         adc(adc1, adc_common),
-        io({AxisHardware<FakeRegister>{encoder, set_value, port_c, kEnable, 10, {Q24::from_int(6)}}}, adc, port_b, kStop) {
+        io({AxisHardware<FakeRegister>{encoder, set_value, port_c, kEnable, 10, {Q24::from_int(6)}}}, adc, port_b,
+           kStop) {
     port_b.idr.value = kStop.mask();
     tim1.bdtr.on_write = [this](std::uint32_t, std::uint32_t written) {
       return stop_pressed() ? written & ~timer::kBdtrMainOutput : written;

@@ -11,7 +11,9 @@
 namespace capstan::stm32f4 {
 namespace {
 
-auto bytes_of(const std::string& text) -> std::vector<std::uint8_t> { return {text.begin(), text.end()}; }
+auto bytes_of(const std::string& text) -> std::vector<std::uint8_t> {
+  return {text.begin(), text.end()};
+}
 
 /// A port as in RM0090 section 30.6: reading status then data clears the receive flags; writing data makes the transmit
 /// register busy until the test says that the byte has left.

@@ -45,7 +45,9 @@ TEST(WatchdogArithmetic, TimesRoundToTheSafeSide) {
   }
 }
 
-TEST(WatchdogArithmetic, EraseSettingOutlastsTheSlowestErase) { EXPECT_GE(seconds(kEraseWatchdog, 47e3), 1.6); }
+TEST(WatchdogArithmetic, EraseSettingOutlastsTheSlowestErase) {
+  EXPECT_GE(seconds(kEraseWatchdog, 47e3), 1.6);
+}
 
 class WatchdogDriver : public testing::Test {
  protected:

@@ -22,12 +22,15 @@ constexpr double kN = static_cast<double>(SlipPropagation<double>::kOperators);
 template <typename Scalar>
 class Slip : public testing::Test {
  protected:
-  static auto make() -> SlipPropagation<Scalar> { return SlipPropagation<Scalar>(one_khz<Scalar>(), {number<Scalar>(kR)}); }
+  static auto make() -> SlipPropagation<Scalar> {
+    return SlipPropagation<Scalar>(one_khz<Scalar>(), {number<Scalar>(kR)});
+  }
   /// The torque that has arrived, as the elongation shows it: regressor + tau.
   static auto arrived(SlipPropagation<Scalar>& slip, double tau) -> double {
     return value_of(slip.update({.tau = number<Scalar>(tau)})[0]) + tau;
   }
-  // Sorted evenly, n operators follow the continuum's parabola to R / (4 n^2): the cell with the kink, by the midpoint rule.
+  // Sorted evenly, n operators follow the continuum's parabola to R / (4 n^2): the cell with the kink, by the midpoint
+  // rule.
   static constexpr double kBound = kR / (4.0 * kN * kN) + (std::is_same_v<Scalar, double> ? 1e-12 : 12.0 * test::kLsb);
 };
 using Formats = testing::Types<double, Q24>;

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shell's commands that read and change parameters.
+#include <algorithm>
+
+#include "firmware/shell_commands.hpp"
+
+namespace capstan {
+namespace {
+
+auto is_group(std::string_view name) -> bool {
+  const auto all = parameters();
+  return std::any_of(all.begin(), all.end(), [name](const ParameterInfo& parameter) { return name == parameter.group; });
+}
+
+}  // namespace
+
+void ShellCommands::get(Shell& shell, std::string_view arguments) {
+  Shell::Name wanted;
+  if (!shell.parse_name(next_word(arguments), wanted)) {
+    shell.error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
+    return;
+  }
+  const ParameterInfo& parameter = *wanted.parameter;
+  shell.out_ << "joint" << static_cast<std::uint32_t>(wanted.axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+  print_value(shell.out_, parameter, raw_value(shell.machine_.config()[wanted.axis], parameter));
+  shell.out_ << " (";
+  print_range(shell.out_, parameter);
+  shell.out_ << ")\r\n";
+  shell.ok();
+}
+
+void ShellCommands::begin_staging(Shell& shell) {
+  std::copy(shell.machine_.config().begin(), shell.machine_.config().end(), shell.staged_.begin());
+}
+
+void ShellCommands::set(Shell& shell, std::string_view arguments) {
+  if (!shell.staging_) {
+    begin_staging(shell);
+  }
+  if (!shell.stage(arguments)) {
+    return;
+  }
+  if (shell.staging_) {
+    shell.ok();
+  } else {
+    shell.commit();
+  }
+}
+
+auto Shell::stage(std::string_view arguments) -> bool {
+  Name wanted;
+  if (!parse_name(next_word(arguments), wanted)) {
+    error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
+    return false;
+  }
+  const ParameterInfo& parameter = *wanted.parameter;
+  std::int32_t raw = 0;
+  const ValueError problem = parse_value(arguments, parameter, raw);
+  if (problem == ValueError::kNone) {
+    set_raw_value(staged_[wanted.axis], parameter, raw);
+    return true;
+  }
+  out_ << "error " << (problem == ValueError::kNotANumber ? "not_a_number" : problem == ValueError::kUnit ? "unit" : "range")
+       << ": " << parameter.group << '.' << parameter.name << " takes ";
+  print_range(out_, parameter);
+  out_ << " and nothing was changed; give a "
+       << (problem == ValueError::kRange ? "value in that range" : "number, with that unit or none") << "\r\n";
+  prompt();
+  return false;
+}
+
+void Shell::commit() {
+  const bool live = energised(machine_.telemetry().state);
+  const std::span<const AxisConfig> now = machine_.config();
+  for (std::size_t axis = 0; axis < now.size(); ++axis) {
+    if (live && needs_rest(now[axis], staged_[axis])) {
+      error("armed", "the model, the motor and the limits change only without torque, and nothing was changed",
+            "'disarm' first");
+      return;
+    }
+    if (const char* problem = check(staged_[axis])) {
+      out_ << "error inconsistent: nothing was changed, because " << problem << "\r\n";  // it ends in its own cure
+      prompt();
+      return;
+    }
+  }
+  if (!machine_.configure(std::span(staged_).first(now.size()))) {
+    error("busy", "the cycle has not taken the last change yet, and nothing was changed", "send the line again");
+    return;
+  }
+  staging_ = false;
+  activity_ = Activity::kApplying;
+}
+
+void ShellCommands::list(Shell& shell, std::string_view arguments) {
+  std::string_view filter = next_word(arguments);
+  std::size_t only = 0;
+  const bool one_axis = !filter.empty();
+  if (one_axis && !shell.parse_axis(filter, only)) {
+    shell.error("unknown_joint", "there is no such joint", "give joint0 and so on, or nothing");
+    return;
+  }
+  const bool one_group = !filter.empty();
+  const bool dot = one_group && filter.front() == '.';
+  if (dot) {
+    filter.remove_prefix(1);
+  }
+  if (one_group && !(dot && is_group(filter))) {
+    shell.error("unknown_group", "there is no such group of parameters", "'list' shows all of them, 'list joint0.limits' one");
+    return;
+  }
+  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
+    for (const ParameterInfo& parameter : parameters()) {
+      if ((one_axis && axis != only) || (one_group && filter != parameter.group)) {
+        continue;
+      }
+      shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+      print_value(shell.out_, parameter, raw_value(shell.machine_.config()[axis], parameter));
+      shell.out_ << " (";
+      print_range(shell.out_, parameter);
+      shell.out_ << ") " << parameter.doc << "\r\n";
+    }
+  }
+  shell.ok();
+}
+
+void ShellCommands::replay_lines(Shell& shell, bool changed_only) {
+  const AxisConfig fresh;
+  shell.out_ << "begin\r\n";
+  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
+    for (const ParameterInfo& parameter : parameters()) {
+      const std::int32_t raw = raw_value(shell.machine_.config()[axis], parameter);
+      if (changed_only && raw == raw_value(fresh, parameter)) {
+        continue;
+      }
+      shell.out_ << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+      print_value(shell.out_, parameter, raw);
+      shell.out_ << "\r\n";
+    }
+  }
+  shell.out_ << "commit\r\n";
+  shell.ok();
+}
+
+void ShellCommands::dump(Shell& shell, std::string_view /*arguments*/) { replay_lines(shell, false); }
+void ShellCommands::diff(Shell& shell, std::string_view /*arguments*/) { replay_lines(shell, true); }
+
+void ShellCommands::begin(Shell& shell, std::string_view /*arguments*/) {
+  begin_staging(shell);
+  shell.staging_ = true;
+  shell.ok();
+}
+
+void ShellCommands::commit(Shell& shell, std::string_view /*arguments*/) {
+  if (!shell.staging_) {
+    shell.error("not_staging", "nothing is staged", "'begin', then 'set' what you want to change");
+    return;
+  }
+  shell.commit();
+}
+
+void ShellCommands::abandon(Shell& shell, std::string_view /*arguments*/) {
+  shell.staging_ = false;
+  shell.ok();
+}
+
+void ShellCommands::defaults(Shell& shell, std::string_view /*arguments*/) {
+  shell.staged_.fill(AxisConfig{});
+  shell.staging_ = true;
+  shell.ok();
+}
+
+void ShellCommands::save(Shell& shell, std::string_view /*arguments*/) {
+  if (energised(shell.machine_.telemetry().state)) {
+    shell.error("armed", "saving stops the processor for up to seconds", "'disarm' first");
+  } else if (!shell.machine_.save()) {
+    shell.error("storage", "the storage did not take the parameters, and the old set is still there",
+                "'save' again; if that fails too the memory is worn or write protected");
+  } else {
+    shell.ok();
+  }
+}
+
+void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
+  if (energised(shell.machine_.telemetry().state)) {
+    shell.error("armed", "a model changes only without torque", "'disarm' first");
+    return;
+  }
+  switch (shell.machine_.load()) {
+    case LoadResult::kLoaded:
+      shell.staging_ = false;
+      shell.activity_ = Shell::Activity::kApplying;
+      break;
+    case LoadResult::kEmpty:
+      shell.error("storage_empty", "nothing was ever saved, and nothing was changed", "'set' what you want and 'save'");
+      break;
+    case LoadResult::kCorrupt:
+      shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed", "load a model and 'save' it");
+      break;
+    case LoadResult::kRefused:
+      shell.error("busy", "the cycle has not taken the last change yet, and nothing was changed", "send the line again");
+      break;
+  }
+}
+
+}  // namespace capstan

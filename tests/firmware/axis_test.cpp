@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/axis.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "tests/firmware/support.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr double kCountsPerRad = 40960.0 / 6.283185307179586;
+
+auto q(double value) -> Q24 { return Q24::from_double(value); }
+auto has(std::uint8_t limits, Limit limit) -> bool { return (limits & static_cast<std::uint8_t>(limit)) != 0; }
+
+auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
+  return {.encoder_counts = static_cast<std::int32_t>(std::lround(q1_rad * kCountsPerRad)),
+          .current_a = q(current_a),
+          .encoder = Quality::kOk,
+          .current = Quality::kOk};
+}
+
+/// One cycle at an angle with a measured current, in which a torque is asked for. The default torque constant is 0.1 Nm/A.
+auto gated(Axis& axis, double q1_rad, double current_a, double wanted_a, bool energised = true) -> double {
+  axis.rt_estimate(sensed_at(q1_rad, current_a));
+  const AxisDrive drive = axis.rt_limit(q(0.1 * wanted_a), energised);
+  EXPECT_EQ(drive.enabled, energised);
+  EXPECT_EQ(drive.current_a, axis.telemetry().drive_a);
+  return drive.current_a.to_double();
+}
+
+auto config_without_rate_limit() -> AxisConfig {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
+  return config;
+}
+
+TEST(AxisGate, WithoutPermissionThereIsNoTorqueWhateverIsAskedFor) {
+  Axis axis(AxisConfig{});
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(gated(axis, 0.0, 0.0, 1.0, false), 0.0);
+  }
+}
+
+TEST(AxisGate, PermissionGoneTheTorqueIsGoneAtOnceAndComesBackFromZero) {
+  Axis axis(AxisConfig{});
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(gated(axis, 0.0, 0.0, 2.0));
+  }
+  EXPECT_EQ(gated(axis, 0.0, 0.0, 2.0, false), 0.0);
+  EXPECT_NEAR(gated(axis, 0.0, 0.0, 2.0), 0.5, 1e-5);
+}
+
+TEST(AxisGate, CurrentStopsAtItsPeakInBothDirectionsAndNamesTheLimit) {
+  Axis axis(config_without_rate_limit());
+  EXPECT_NEAR(gated(axis, 0.0, 0.0, 2.9), 2.9, 1e-5);
+  EXPECT_FALSE(has(axis.telemetry().limits, Limit::kCurrent));
+  EXPECT_EQ(gated(axis, 0.0, 0.0, 50.0), 3.0);
+  EXPECT_TRUE(has(axis.telemetry().limits, Limit::kCurrent));
+  EXPECT_EQ(gated(axis, 0.0, 0.0, -1000.0), -3.0);
+}
+
+TEST(AxisGate, CurrentRisesNoFasterThanItsRate) {
+  Axis axis(AxisConfig{});
+  for (int i = 1; i <= 5; ++i) {
+    EXPECT_NEAR(gated(axis, 0.0, 0.0, 2.2), std::min(0.5 * i, 2.2), 1e-5);
+    EXPECT_EQ(has(axis.telemetry().limits, Limit::kRate), i < 5);
+  }
+  EXPECT_NEAR(gated(axis, 0.0, 0.0, -2.2), 1.7, 1e-5);
+}
+
+TEST(AxisGate, AtTheEndOfTheTendonsTravelThereIsOnlyTorqueInwards) {
+  for (const double side : {1.0, -1.0}) {
+    Axis axis(config_without_rate_limit());
+    EXPECT_EQ(gated(axis, side * 6.001, 0.0, side * 2.0), 0.0);
+    EXPECT_TRUE(has(axis.telemetry().limits, Limit::kMotorTravel));
+    EXPECT_NEAR(gated(axis, side * 6.001, 0.0, side * -2.0), side * -2.0, 1e-5);
+    EXPECT_FALSE(has(axis.telemetry().limits, Limit::kMotorTravel));
+    EXPECT_NEAR(gated(axis, side * 5.99, 0.0, side * 2.0), side * 2.0, 1e-5);
+  }
+}
+
+TEST(AxisGate, ASlowRateNeverDelaysTheEndOfTravel) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = q(0.01);
+  Axis axis(config);
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(gated(axis, 5.9, 0.0, 2.0));
+  }
+  EXPECT_NEAR(axis.telemetry().drive_a.to_double(), 2.0, 1e-4);
+  EXPECT_EQ(gated(axis, 6.01, 0.0, 2.0), 0.0) << "it still pulled outwards";
+  EXPECT_LE(gated(axis, 6.01, 0.0, -2.0), 0.0);
+}
+
+RC_GTEST_PROP(AxisGate, NeverPullsOutwardsBeyondTheTravel, ()) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_raw(*rc::gen::inRange(2000, 1 << 26));
+  Axis axis(config);
+  for (int i = 0; i < 200; ++i) {
+    const double q1 = 6.0 + (*rc::gen::inRange(-100, 101)) * 1e-3;
+    const double current = gated(axis, q1, 0.0, (*rc::gen::inRange(-500, 501)) * 0.01);
+    RC_ASSERT(axis.telemetry().q1_rad < config.limits.motor_max_rad || current <= 0.0);
+    RC_ASSERT(std::fabs(current) <= 3.0);
+  }
+}
+
+/// Cycles until the gate gives less than the peak, with a measured current; -1 if it does not within `most`.
+auto cycles_to_heat(Axis& axis, double measured_a, int most) -> int {
+  for (int i = 0; i < most; ++i) {
+    static_cast<void>(gated(axis, 0.0, measured_a, 3.0));
+    if (has(axis.telemetry().limits, Limit::kThermal)) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+TEST(AxisThermal, TwiceTheContinuousCurrentIsAllowedForAsLongAsTheWindingStandsIt) {
+  Axis axis(config_without_rate_limit());
+  // heat = 4 (1 - exp(-t / 10 s)) reaches 1 after 10 s ln(4/3).
+  EXPECT_NEAR(cycles_to_heat(axis, 3.0, 10'000), 10'000.0 * std::log(4.0 / 3.0), 10.0);
+  EXPECT_EQ(axis.telemetry().drive_a, q(1.5));
+}
+
+TEST(AxisThermal, TheContinuousCurrentIsAllowedForEver) {
+  Axis axis(config_without_rate_limit());
+  EXPECT_EQ(cycles_to_heat(axis, 1.49, 200'000), -1);
+}
+
+TEST(AxisThermal, TheReductionIsNotDelayedByTheRateLimit) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = q(0.001);
+  Axis axis(config);
+  for (int i = 0; i < 2860; ++i) {
+    static_cast<void>(gated(axis, 0.0, 3.0, 3.0));
+  }
+  ASSERT_GT(axis.telemetry().drive_a, q(2.8));
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 100), 0);
+  EXPECT_EQ(axis.telemetry().drive_a, q(1.5));
+}
+
+TEST(AxisThermal, AHotWindingStaysLimitedAtItsContinuousCurrentWithoutChatter) {
+  Axis axis(config_without_rate_limit());
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 10'000), 0);
+  for (int i = 0; i < 60'000; ++i) {
+    const double noise = i % 2 == 0 ? 0.02 : -0.03;
+    ASSERT_EQ(gated(axis, 0.0, 1.5 + noise, 3.0), 1.5) << "cycle " << i;
+  }
+}
+
+TEST(AxisThermal, APauseBringsThePeakCurrentBackAndDisarmingDoesNotForgetTheHeat) {
+  Axis axis(config_without_rate_limit());
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 10'000), 0);
+  for (int i = 0; i < 900; ++i) {
+    static_cast<void>(gated(axis, 0.0, 0.0, 0.0, false));
+  }
+  EXPECT_EQ(gated(axis, 0.0, 0.0, 3.0), 1.5) << "still hot after 0.9 s";
+  // From 1 to 0.9 in 10 s ln(1/0.9) = 1.05 s.
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(gated(axis, 0.0, 0.0, 0.0, false));
+  }
+  EXPECT_NEAR(gated(axis, 0.0, 0.0, 2.9), 2.9, 1e-5);
+}
+
+TEST(AxisEncoder, AnglesHaveTheConfiguredScaleAndSign) {
+  AxisConfig config;
+  config.motor.encoder_counts_per_turn = 1000;
+  config.motor.encoder_sign = -1;
+  Axis axis(config);
+  AxisSensed sensed = sensed_at(0.0, 0.0);
+  sensed.encoder_counts = 250;
+  axis.rt_estimate(sensed);
+  EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), -1.5707963267948966, 1e-7);
+}
+
+TEST(AxisEncoder, JustBelowTheSpeedLimitIsNoJumpAndJustAboveIs) {
+  AxisConfig config;
+  config.motor.speed_limit_rad_s = q(60.0);
+  for (const double sign : {1.0, -1.0}) {
+    Axis axis(config);
+    axis.rt_estimate(sensed_at(0.0, 0.0));
+    axis.rt_estimate(sensed_at(sign * 0.0599, 0.0));
+    EXPECT_EQ(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
+    axis.rt_estimate(sensed_at(sign * (0.0599 + 0.0602), 0.0));
+    EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
+  }
+}
+
+TEST(AxisEncoder, TheCountersWrapIsNeitherAJumpNorALossOfPosition) {
+  Axis axis(AxisConfig{});
+  AxisSensed sensed = sensed_at(0.0, 0.0);
+  axis.rt_estimate(sensed);
+  // Three quarters of the counter's range in three great jumps, then slowly across its end.
+  std::uint32_t counts = 0;
+  for (int i = 0; i < 2; ++i) {
+    counts += 0x3FFFFF00U;
+    sensed.encoder_counts = static_cast<std::int32_t>(counts);
+    axis.rt_estimate(sensed);
+    EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
+  }
+  for (int i = 0; i < 20; ++i) {
+    counts += 100;
+    sensed.encoder_counts = static_cast<std::int32_t>(counts);
+    axis.rt_estimate(sensed);
+    ASSERT_EQ(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U) << sensed.encoder_counts;
+  }
+  EXPECT_LT(sensed.encoder_counts, 0) << "the counter has wrapped";
+  EXPECT_EQ(axis.telemetry().q1_rad, Q24::max()) << "and the angle has not";
+  for (int i = 0; i < 2; ++i) {
+    counts += 0x3FFFFF00U;
+    sensed.encoder_counts = static_cast<std::int32_t>(counts);
+    axis.rt_estimate(sensed);
+  }
+  counts = 0;
+  sensed.encoder_counts = 0;
+  axis.rt_estimate(sensed);
+  EXPECT_EQ(axis.telemetry().q1_rad, Q24::max()) << "one whole round of the counter is not where it began";
+}
+
+TEST(AxisEncoder, AnAngleBeyondTheFormatIsAnEstimatorFaultAndNotAWrongAngle) {
+  Axis axis(AxisConfig{});
+  axis.rt_estimate(sensed_at(200.0, 0.0));
+  EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEstimatorRange), 0U);
+  EXPECT_FALSE(axis.telemetry().estimate_valid);
+}
+
+TEST(AxisConfiguration, ANewEncoderScaleOrSignStartsTheLawAfresh) {
+  AxisConfig config = test::lossy_config();
+  Axis axis(config);
+  for (int i = 0; i < 100; ++i) {
+    axis.rt_estimate(sensed_at(2.0 + 0.0001 * i, 0.0));
+  }
+  config.motor.encoder_sign = -1;
+  axis.rt_configure(config);
+  axis.rt_estimate(sensed_at(2.01, 0.0));
+  EXPECT_EQ(axis.rt_faults(false), 0U) << "the jump from +2 to -2 rad is no motion";
+  // A fresh law at rest: beta q1 + offset, since play starts where the motor is.
+  EXPECT_NEAR(axis.telemetry().q2_rad.to_double(), -1.08 * 2.01 + 0.05, 1e-3);
+}
+
+TEST(AxisConfiguration, NewGainsLeaveTheLawsMemoryAlone) {
+  AxisConfig config = test::lossy_config();
+  Axis changed(config);
+  Axis untouched(config);
+  for (int i = 0; i < 400; ++i) {
+    if (i == 200) {
+      config.control.kp = q(3.0);
+      config.limits.following_error_rad = q(1.0);
+      changed.rt_configure(config);
+    }
+    const AxisSensed sensed = sensed_at(0.5 * std::sin(0.02 * i), 0.3);
+    changed.rt_estimate(sensed);
+    untouched.rt_estimate(sensed);
+    ASSERT_EQ(changed.telemetry().q2_rad, untouched.telemetry().q2_rad) << "cycle " << i;
+  }
+}
+
+/// An axis at rest with torque.
+auto armed_axis(const AxisConfig& config) -> Axis {
+  Axis axis(config);
+  axis.rt_estimate(sensed_at(0.0, 0.0));
+  axis.rt_arm();
+  return axis;
+}
+
+TEST(AxisCommands, AMoveOutsideTheLimitsOrWithoutSpeedChangesNothing) {
+  Axis axis = armed_axis(AxisConfig{});
+  using Kind = AxisCommand::Kind;
+  EXPECT_FALSE(axis.rt_command({Kind::kMove, q(2.0001), q(1.0)}));
+  EXPECT_FALSE(axis.rt_command({Kind::kMove, q(-2.0001), q(1.0)}));
+  EXPECT_FALSE(axis.rt_command({Kind::kMove, Q24::max(), q(1.0)}));
+  EXPECT_FALSE(axis.rt_command({Kind::kMove, q(1.0), Q24{}}));
+  EXPECT_FALSE(axis.rt_command({Kind::kMove, q(1.0), q(-1.0)}));
+  EXPECT_FALSE(axis.in_motion());
+  EXPECT_TRUE(axis.rt_command({Kind::kMove, q(2.0), q(1.0)}));
+  EXPECT_TRUE(axis.in_motion());
+}
+
+TEST(AxisCommands, AMoveIsNoFasterThanTheJointsLimitWhateverIsAskedFor) {
+  Axis axis = armed_axis(AxisConfig{});
+  ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(2.0), q(100.0)}));
+  Q24 last;
+  for (int i = 0; i < 2000; ++i) {
+    axis.rt_estimate(sensed_at(0.0, 0.0));
+    static_cast<void>(axis.rt_control());
+    ASSERT_LE(axis.telemetry().q2_reference_rad - last, q(0.002) + Q24::from_raw(1));
+    last = axis.telemetry().q2_reference_rad;
+  }
+  EXPECT_EQ(last, q(2.0));
+}
+
+TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
+  for (const double wild : {100.0, -127.0}) {
+    Axis axis = armed_axis(AxisConfig{});
+    Q24 last;
+    for (int i = 0; i < 1500; ++i) {
+      axis.rt_estimate(sensed_at(0.0, 0.0));
+      EXPECT_FALSE(axis.rt_command({AxisCommand::Kind::kFollow, q(wild), {}}));
+      static_cast<void>(axis.rt_control());
+      const Q24 now = axis.telemetry().q2_reference_rad;
+      ASSERT_LE(abs(now - last), q(0.002) + Q24::from_raw(1));
+      ASSERT_TRUE(has(axis.telemetry().limits, Limit::kReference));
+      last = now;
+    }
+    EXPECT_EQ(last, wild > 0.0 ? q(2.0) : q(-2.0));
+  }
+}
+
+TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
+  Axis axis = armed_axis(AxisConfig{});
+  for (int i = 0; i < 100; ++i) {
+    axis.rt_estimate(sensed_at(0.0, 0.0));
+    static_cast<void>(axis.rt_command({AxisCommand::Kind::kFollow, q(0.001 * i), {}}));
+    static_cast<void>(axis.rt_control());
+  }
+  const Q24 before = axis.telemetry().q2_reference_rad;
+  axis.rt_estimate(sensed_at(0.0, 0.0));
+  ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(-1.0), q(1.0)}));
+  static_cast<void>(axis.rt_control());
+  EXPECT_LE(abs(axis.telemetry().q2_reference_rad - before), q(0.00002));
+}
+
+}  // namespace
+}  // namespace capstan

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/storage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/firmware/support.hpp"
+
+namespace capstan {
+namespace {
+
+using test::distinct_config;
+using test::FlashBanks;
+using test::same;
+
+constexpr std::size_t kAxes = 2;
+using Set = std::array<AxisConfig, kAxes>;
+
+auto set_of(std::uint32_t seed) -> Set { return {distinct_config(2 * seed), distinct_config(2 * seed + 1)}; }
+auto same_set(const Set& a, const Set& b) -> bool { return same(a[0], b[0]) && same(a[1], b[1]); }
+
+auto saved(FlashBanks& banks, const Set& set) -> bool { return ParameterStorage(banks).save(set); }
+auto loaded(FlashBanks& banks, Set& set) -> LoadResult { return ParameterStorage(banks).load(set); }
+
+// The format, written a second time, so that a change of it is noticed: sets must still load after an update.
+class Image {
+ public:
+  explicit Image(std::uint32_t sequence) : sequence_(sequence) {}
+  void add_hash(std::uint32_t hash, std::int32_t raw) {
+    put(payload_, hash);
+    put(payload_, static_cast<std::uint32_t>(raw));
+  }
+  void add(std::uint8_t axis, const std::string& name, std::int32_t raw) {
+    std::uint32_t hash = 2166136261U;
+    for (const char c : std::string(1, static_cast<char>(axis)) + name) {
+      hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
+    }
+    add_hash(hash, raw);
+  }
+  void write(FlashBanks& banks, std::size_t bank) const {
+    std::vector<std::uint8_t> bytes;
+    for (const std::uint32_t word : {0x31545343U, 1U, sequence_, static_cast<std::uint32_t>(payload_.size())}) {
+      put(bytes, word);
+    }
+    std::vector<std::uint8_t> summed = bytes;
+    summed.insert(summed.end(), payload_.begin(), payload_.end());
+    put(bytes, crc32(summed));
+    bytes.insert(bytes.end(), payload_.begin(), payload_.end());
+    std::copy(bytes.begin(), bytes.end(), banks.memory[bank].begin());
+  }
+  static auto crc32(const std::vector<std::uint8_t>& bytes) -> std::uint32_t {
+    std::uint32_t crc = 0xFFFFFFFFU;
+    for (const std::uint8_t byte : bytes) {
+      for (int bit = 0; bit < 8; ++bit) {
+        const bool out = (((crc >> 0) ^ (static_cast<std::uint32_t>(byte) >> bit)) & 1U) != 0;
+        crc = (crc >> 1) ^ (out ? 0xEDB88320U : 0U);
+      }
+    }
+    return ~crc;
+  }
+
+ private:
+  static void put(std::vector<std::uint8_t>& bytes, std::uint32_t word) {
+    for (int i = 0; i < 4; ++i) {
+      bytes.push_back(static_cast<std::uint8_t>(word >> (8 * i)));
+    }
+  }
+  std::uint32_t sequence_;
+  std::vector<std::uint8_t> payload_;
+};
+
+TEST(Storage, TheTestsOwnChecksumIsTheStandardOne) {
+  const std::string digits = "123456789";
+  EXPECT_EQ(Image::crc32({digits.begin(), digits.end()}), 0xCBF43926U);
+}
+
+TEST(Storage, WhatWasNeverSavedIsEmpty) {
+  FlashBanks banks;
+  Set set = set_of(1);
+  EXPECT_EQ(loaded(banks, set), LoadResult::kEmpty);
+  EXPECT_TRUE(same_set(set, set_of(1)));
+}
+
+TEST(Storage, ASavedSetLoadsWithEveryParameterOfEveryJoint) {
+  FlashBanks banks;
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  Set set{};
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_TRUE(same_set(set, set_of(1)));
+}
+
+TEST(Storage, AThousandSavesInARowEachLoadBack) {
+  FlashBanks banks;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(saved(banks, set_of(i % 40)));
+    if (i % 10 == 0) {
+      Set set{};
+      ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+      ASSERT_TRUE(same_set(set, set_of(i % 40))) << i;
+    }
+  }
+}
+
+struct Cut {
+  bool tears_last_byte;
+  bool erases_backwards;
+};
+class StoragePowerCut : public testing::TestWithParam<Cut> {};
+
+TEST_P(StoragePowerCut, LeavesTheOldOrTheNewSetAfterEveryByteAndSavingWorksAgain) {
+  FlashBanks before;
+  ASSERT_TRUE(saved(before, set_of(1)));
+  ASSERT_TRUE(saved(before, set_of(2)));  // both banks are in use, so the save must erase
+  FlashBanks whole = before;
+  whole.bytes_changed = 0;
+  ASSERT_TRUE(saved(whole, set_of(3)));
+  const long cost = whole.bytes_changed;
+  ASSERT_GT(cost, 2 * 8 * static_cast<long>(parameters().size()));
+
+  int old_sets = 0;
+  for (long cut = 0; cut < cost; ++cut) {
+    FlashBanks banks = before;
+    banks.power_left = cut;
+    banks.tears_last_byte = GetParam().tears_last_byte;
+    banks.erases_backwards = GetParam().erases_backwards;
+    EXPECT_FALSE(saved(banks, set_of(3))) << "a save without power must not report success, cut at " << cut;
+    Set set{};
+    ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded) << "cut at " << cut;
+    old_sets += same_set(set, set_of(2)) ? 1 : 0;
+    ASSERT_TRUE(same_set(set, set_of(2)) || same_set(set, set_of(3))) << "cut at " << cut;
+
+    banks.power_left = -1;
+    ASSERT_TRUE(saved(banks, set_of(4))) << "cut at " << cut;
+    ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+    ASSERT_TRUE(same_set(set, set_of(4))) << "cut at " << cut;
+  }
+  EXPECT_GE(old_sets, cost - 1) << "the new set becomes valid with its last byte, not before";
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, StoragePowerCut,
+                         testing::Values(Cut{false, false}, Cut{true, false}, Cut{false, true}, Cut{true, true}));
+
+TEST(Storage, TheVeryFirstSaveCutShortIsNeverTakenForASet) {
+  FlashBanks whole;
+  ASSERT_TRUE(saved(whole, set_of(1)));
+  for (long cut = 0; cut < whole.bytes_changed; cut += 3) {
+    FlashBanks banks;
+    banks.power_left = cut;
+    EXPECT_FALSE(saved(banks, set_of(1)));
+    Set set{};
+    EXPECT_NE(loaded(banks, set), LoadResult::kLoaded) << "cut at " << cut;
+  }
+}
+
+TEST(Storage, ADamagedBitAnywhereInTheNewSetBringsTheOldOneBack) {
+  FlashBanks banks;
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  FlashBanks only_first = banks;
+  ASSERT_TRUE(saved(banks, set_of(2)));
+  const std::size_t newest = banks.memory[0] == only_first.memory[0] ? 1 : 0;
+  const std::size_t used = 20 + kAxes * parameters().size() * 8;
+  for (std::size_t byte = 0; byte < used; ++byte) {
+    for (unsigned bit = byte < 20 ? 0U : byte % 8; bit < 8; bit += byte < 20 ? 1 : 8) {
+      FlashBanks damaged = banks;
+      damaged.memory[newest][byte] = static_cast<std::uint8_t>(damaged.memory[newest][byte] ^ (1U << bit));
+      Set set{};
+      ASSERT_EQ(loaded(damaged, set), LoadResult::kLoaded) << byte;
+      ASSERT_TRUE(same_set(set, set_of(1))) << "byte " << byte << " bit " << bit;
+    }
+  }
+}
+
+TEST(Storage, TwoBrokenBanksAreReportedAsCorrupt) {
+  FlashBanks banks;
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  ASSERT_TRUE(saved(banks, set_of(2)));
+  banks.memory[0][100] ^= 1U;
+  banks.memory[1][200] ^= 1U;
+  Set set{};
+  EXPECT_EQ(loaded(banks, set), LoadResult::kCorrupt);
+}
+
+TEST(Storage, GarbageInBothBanksIsCorruptAndASaveCuresIt) {
+  FlashBanks banks;
+  std::uint32_t noise = 1;
+  for (auto& bank : banks.memory) {
+    for (std::uint8_t& cell : bank) {
+      noise = noise * 1664525U + 1013904223U;
+      cell = static_cast<std::uint8_t>(noise >> 24);
+    }
+  }
+  Set set{};
+  EXPECT_EQ(loaded(banks, set), LoadResult::kCorrupt);
+  EXPECT_TRUE(saved(banks, set_of(5)));
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_TRUE(same_set(set, set_of(5)));
+}
+
+TEST(Storage, UnknownAndImpossibleEntriesAreIgnoredAndTheOthersLoad) {
+  FlashBanks banks;
+  Image image(1);
+  image.add_hash(0xDEADBEEF, 42);
+  image.add(0, "control.kp", Q24::from_double(3.5).raw());
+  image.add(0, "control.ki", Q24::from_double(101.0).raw());  // above its range
+  image.add(1, "control.kp", Q24::from_double(4.5).raw());
+  image.add(9, "control.kp", Q24::from_double(5.5).raw());  // no such joint
+  image.write(banks, 0);
+  Set set{};
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_EQ(set[0].control.kp, Q24::from_double(3.5));
+  EXPECT_EQ(set[1].control.kp, Q24::from_double(4.5));
+  EXPECT_EQ(set[0].control.ki_per_s, AxisConfig{}.control.ki_per_s);
+}
+
+TEST(Storage, ValuesThatDoNotGoTogetherAreCorruptAndNotUsed) {
+  FlashBanks banks;
+  Image image(1);
+  image.add(0, "limits.motor_min", Q24::from_int(5).raw());
+  image.add(0, "limits.motor_max", Q24::from_int(-5).raw());
+  image.write(banks, 0);
+  Set set{};
+  EXPECT_EQ(loaded(banks, set), LoadResult::kCorrupt);
+}
+
+TEST(Storage, TheSequenceNumberMayWrap) {
+  FlashBanks banks;
+  Image image(0xFFFFFFFFU);
+  image.add(0, "control.kp", Q24::from_double(3.5).raw());
+  image.write(banks, 0);
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  Set set{};
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_TRUE(same_set(set, set_of(1)));
+}
+
+TEST(Storage, ASaveThatTheMemoryRefusesIsReportedAndTheOldSetStays) {
+  FlashBanks banks;
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  banks.write_fails = true;
+  EXPECT_FALSE(saved(banks, set_of(2)));
+  Set set{};
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_TRUE(same_set(set, set_of(1)));
+}
+
+}  // namespace
+}  // namespace capstan
