@@ -49,7 +49,8 @@ void print_start(Print& out, const StartReport& report) {
     out << "# clock fault: " << describe(report.clock.source) << "\r\n";
   }
   if (!report.watchdog_set) {
-    out << "# watchdog fault: it did not take its setting; expected in an emulator, on a board replace the chip\r\n";
+    out << "# watchdog fault: it did not take its setting and bites too late; restart the board, and replace it if "
+           "this comes back\r\n";
   }
   if (report.faulted) {
     out << "# the last run ended in a " << fault_name(report.fault) << " at ";

@@ -215,6 +215,7 @@ auto stack_unused_bytes() noexcept -> std::uint32_t {
 
 // The compiler refers to these from virtual tables. Without a heap and with every object living for ever neither can be
 // called in a correct program, so being called is a fault like any other.
+// NOLINTNEXTLINE(readability-identifier-naming): the compiler's name.
 extern "C" [[noreturn]] void __cxa_pure_virtual() {
   capstan_fault_entry();
 }

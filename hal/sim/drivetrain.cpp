@@ -5,19 +5,16 @@
 #include <initializer_list>
 #include <stdexcept>
 
-#include "hal/sim/deterministic_math.hpp"
-
 namespace capstan::sim {
 namespace {
 
 constexpr int kMaxRounds = 40;
 constexpr int kMaxRelaxations = 2000;
 constexpr int kSweepsPerNewton = 4;
-constexpr double kToleranceNm = 1.0e-10;
-// With play the output pulley has a bearing of its own: this share of the joint's viscous friction, and a floor.
-constexpr double kPulleyViscousShare = 0.05;
-constexpr double kPulleyViscousFloor = 1.0e-7;
+constexpr double kToleranceNm = kBalanceToleranceNm;
 constexpr double kLargestAngleRad = 1.0e4;
+
+}  // namespace
 
 TendonParameters tendon_parameters(const PlantParameters& p, bool top) {
   const Effects& e = p.effects;
@@ -33,7 +30,7 @@ TendonParameters tendon_parameters(const PlantParameters& p, bool top) {
           .creep_time_s = e.creep_time_s};
 }
 
-// Both tendons begin equally long, with integral(Tt) + integral(Tb) = I; hardening makes that a quadratic.
+// Hardening makes this a quadratic.
 double initial_elongation(const PlantParameters& p) {
   const double top = p.stiffness_top_n_per_m;
   const double bottom = p.stiffness_bottom_n_per_m;
@@ -42,52 +39,8 @@ double initial_elongation(const PlantParameters& p) {
   return 2.0 * p.pretension_n / (linear + std::sqrt(linear * linear + 4.0 * square * p.pretension_n));
 }
 
-struct Row {
-  bool fixed;  // the increment is known to become move + step
-  bool satisfied;
-  double step;      // if fixed
-  double residual;  // otherwise, Coulomb friction included
-};
-
-// Which branch of residual in -coulomb sgn(move) the projection picks.
-Row pick_row(double residual, double slope, double coulomb, double move) {
-  const double push = slope * move - residual;
-  if (std::fabs(push) <= coulomb)
-    return {true, std::fabs(slope * move) <= kToleranceNm, -move, 0.0};
-  const double total = residual + (push > 0.0 ? coulomb : -coulomb);
-  return {false, std::fabs(total) <= kToleranceNm, 0.0, total};
-}
-
-struct Torque {
-  double value, slope_angle, slope_rate;
-};
-
-Torque environment_torque(const Environment& env, double angle, double rate) {
-  const double depth = angle - env.angle_rad;
-  switch (env.kind) {
-    case EnvironmentKind::kFree:
-    case EnvironmentKind::kLocked:
-      return {0.0, 0.0, 0.0};
-    case EnvironmentKind::kSpring:
-      return {env.stiffness * depth, env.stiffness, 0.0};
-    case EnvironmentKind::kKelvinVoigt:
-      return {env.stiffness * depth + env.damping * rate, env.stiffness, env.damping};
-    case EnvironmentKind::kHuntCrossley:
-      break;
-  }
-  const double damp = 1.0 + env.damping * rate;
-  if (depth <= 0.0 || damp <= 0.0)
-    return {0.0, 0.0, 0.0};  // contact never pulls
-  const double root = std::sqrt(depth);
-  return {env.stiffness * depth * root * damp, 1.5 * env.stiffness * root * damp,
-          env.stiffness * depth * root * env.damping};
-}
-
-}  // namespace
-
 Drivetrain::Drivetrain(const PlantParameters& parameters)
     : parameters_(parameters),
-      joint_inertia_(parameters.joint_inertia_kgm2 + parameters.effects.load_inertia_kgm2),
       top_(tendon_parameters(parameters, true), initial_elongation(parameters)),
       bottom_(tendon_parameters(parameters, false), initial_elongation(parameters)),
       contact_(parameters.effects.play_half_width_rad > 0.0 ? Contact::kGap : Contact::kJoined) {}
@@ -124,7 +77,7 @@ bool Drivetrain::try_contact(Step& step, Contact contact) {
     if (std::fabs(gap) > parameters_.effects.play_half_width_rad * (1.0 + 1.0e-12))
       return false;
   } else {
-    const double bearing = pulley_viscous() / step.dt_s * pulley_move(step, moves.output);
+    const double bearing = pulley_viscous(parameters_) / step.dt_s * pulley_move(step, moves.output);
     if ((last_torques_.out - bearing) * static_cast<double>(contact) < -2.0 * kToleranceNm)
       return false;
   }
@@ -146,8 +99,8 @@ bool Drivetrain::newton(const Step& step, Moves& moves) {
   for (int round = 0; round < kMaxRounds; ++round) {
     ++rounds_;
     const Torques t = torques(step, moves);
-    const Balance m = motor_balance(step, moves.q1);
-    const Balance o = output_balance(step, moves.output);
+    const Balance m = balance_motor(step, moves.q1);
+    const Balance o = balance_output(step, moves.output);
     const double a11 = m.slope + t.in_by_q1;
     const double a22 = o.slope - t.out_by_q2;
     Row r1 = pick_row(m.residual + t.in, a11, m.coulomb, moves.q1);
@@ -199,7 +152,7 @@ double Drivetrain::relax_one(const Step& step, Moves moves, bool output) {
   double& move = output ? moves.output : moves.q1;
   const auto balance = [&](double at) {
     move = at;
-    Balance b = output ? output_balance(step, at) : motor_balance(step, at);
+    Balance b = output ? balance_output(step, at) : balance_motor(step, at);
     if (b.prescribed)
       return b;
     const Torques t = torques(step, moves);
@@ -232,7 +185,9 @@ Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves) {
   const double r1 = parameters_.input_radius_m;
   const double r2 = parameters_.output_radius_m;
   const double input = r1 * moves.q1;
-  const double output = r2 * pulley_move(step, moves.output);
+  double output = r2 * pulley_move(step, moves.output);
+  if (step.loads.path_move_m != 0.0)
+    output += step.loads.path_move_m;
   // The top tendon's material moves toward the input when q1 grows; displacements count toward the output.
   const TendonEnds& t = top_.trial(-input, -output, step.dt_s);
   const TendonEnds& b = bottom_.trial(input, output, step.dt_s);
@@ -245,44 +200,23 @@ Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves) {
   return last_torques_;
 }
 
-Drivetrain::Balance Drivetrain::motor_balance(const Step& step, double move) const {
-  const double h = step.dt_s;
-  const double inertia = parameters_.motor_inertia_kgm2 / (h * h);
-  const double viscous = parameters_.motor_viscous_nms_per_rad / h;
-  const double residual = inertia * (move - h * state_.q1_rate_rad_per_s) + viscous * move - step.loads.motor_torque_nm;
-  return {residual, inertia + viscous, parameters_.motor_coulomb_nm, step.kinematic, step.q1_move};
+Balance Drivetrain::balance_motor(const Step& step, double move) const {
+  Balance balance = motor_balance(parameters_, state_, step.loads, step.dt_s, move);
+  balance.prescribed = step.kinematic;
+  balance.target = step.q1_move;
+  return balance;
 }
 
-Drivetrain::Balance Drivetrain::joint_balance(const Step& step, double move) const {
-  const double h = step.dt_s;
-  const double angle = state_.q2_rad + move;
-  const double inertia = joint_inertia_ / (h * h);
-  const double viscous = parameters_.joint_viscous_nms_per_rad / h;
-  const Torque env = environment_torque(parameters_.environment, angle, move / h);
-  const Effects& e = parameters_.effects;
-  double gravity = 0.0;
-  double gravity_slope = 0.0;
-  if (e.gravity_torque_nm != 0.0) {
-    gravity = e.gravity_torque_nm * det_sin(angle + e.gravity_angle_rad);
-    gravity_slope = e.gravity_torque_nm * det_cos(angle + e.gravity_angle_rad);
-  }
-  const double residual =
-      inertia * (move - h * state_.q2_rate_rad_per_s) + viscous * move + env.value + gravity - step.loads.tip_torque_nm;
-  return {residual, inertia + viscous + env.slope_angle + env.slope_rate / h + gravity_slope,
-          parameters_.joint_coulomb_nm + step.loads.extra_joint_coulomb_nm,
-          parameters_.environment.kind == EnvironmentKind::kLocked, 0.0};
-}
-
-double Drivetrain::pulley_viscous() const {
-  return kPulleyViscousFloor + kPulleyViscousShare * parameters_.joint_viscous_nms_per_rad;
+Balance Drivetrain::balance_joint(const Step& step, double move) const {
+  return joint_balance(parameters_, state_, step.loads, step.dt_s, move);
 }
 
 // With play the pulley's bearing acts in every state: only then do pushing and parting exclude each other.
-Drivetrain::Balance Drivetrain::output_balance(const Step& step, double move) const {
+Balance Drivetrain::balance_output(const Step& step, double move) const {
   if (step.contact == Contact::kJoined)
-    return joint_balance(step, move);
-  const double viscous = pulley_viscous() / step.dt_s;
-  Balance balance = step.contact == Contact::kGap ? Balance{0.0, 0.0, 0.0, false, 0.0} : joint_balance(step, move);
+    return balance_joint(step, move);
+  const double viscous = pulley_viscous(parameters_) / step.dt_s;
+  Balance balance = step.contact == Contact::kGap ? Balance{0.0, 0.0, 0.0, false, 0.0} : balance_joint(step, move);
   balance.residual += viscous * pulley_move(step, move);
   balance.slope += viscous;
   return balance;
@@ -291,7 +225,7 @@ Drivetrain::Balance Drivetrain::output_balance(const Step& step, double move) co
 double Drivetrain::free_joint_move(const Step& step) const {
   double move = 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const Balance b = joint_balance(step, move);
+    const Balance b = balance_joint(step, move);
     if (b.prescribed)
       return b.target;
     const Row row = pick_row(b.residual, b.slope, b.coulomb, move);
@@ -312,11 +246,8 @@ double Drivetrain::pulley_move(const Step& step, double output_move) const {
 void Drivetrain::accept(const Step& step, const Moves& moves, double joint_move) {
   top_.commit();
   bottom_.commit();
-  state_.q1_rad += moves.q1;
   state_.pulley_rad += pulley_move(step, moves.output);
-  state_.q2_rad += joint_move;
-  state_.q1_rate_rad_per_s = moves.q1 / step.dt_s;
-  state_.q2_rate_rad_per_s = joint_move / step.dt_s;
+  advance_state(parameters_, state_, step.dt_s, moves.q1, joint_move);
   state_.tau_in_nm = last_torques_.in;
   state_.tau_out_nm = last_torques_.out;
   last_moves_ = moves;

@@ -3,27 +3,16 @@
 
 #include <cstdint>
 
-#include "hal/sim/parameters.hpp"
+#include "hal/sim/axis_mechanics.hpp"
 #include "hal/sim/tendon.hpp"
 
 namespace capstan::sim {
 
-/// What acts on the drivetrain from outside during one step.
-struct Loads {
-  double motor_torque_nm = 0.0;
-  double tip_torque_nm = 0.0;
-  double extra_joint_coulomb_nm = 0.0;
-};
+/// The two tendons of an axis as its parameters and effects make them.
+[[nodiscard]] TendonParameters tendon_parameters(const PlantParameters& parameters, bool top);
 
-struct DrivetrainState {
-  double q1_rad = 0.0;
-  double q1_rate_rad_per_s = 0.0;
-  double pulley_rad = 0.0;  ///< output pulley; equals q2 unless there is play
-  double q2_rad = 0.0;
-  double q2_rate_rad_per_s = 0.0;
-  double tau_in_nm = 0.0;
-  double tau_out_nm = 0.0;
-};
+/// Both begin equally long, with integral(Tt) + integral(Tb) = I.
+[[nodiscard]] double initial_elongation(const PlantParameters& parameters);
 
 /// Input pulley, two tendons, output pulley, joint and environment.
 ///
@@ -49,6 +38,9 @@ class Drivetrain {
   [[nodiscard]] Tendon& top() { return top_; }
   [[nodiscard]] Tendon& bottom() { return bottom_; }
 
+  /// Moves the tip along the surface of a layered environment.
+  void set_site(double site_m) { parameters_.environment.site_m = site_m; }
+
   /// How often Newton had to be replaced by relaxation.
   [[nodiscard]] std::uint64_t relaxations() const { return relaxations_; }
   [[nodiscard]] std::uint64_t rounds() const { return rounds_; }
@@ -61,11 +53,6 @@ class Drivetrain {
   struct Torques {
     double in, out;
     double in_by_q1, in_by_q2, out_by_q1, out_by_q2;
-  };
-  struct Balance {
-    double residual, slope, coulomb;  // torque balance without Coulomb friction, N m and N m/rad
-    bool prescribed;
-    double target;  // increment if prescribed
   };
   struct Step {
     Loads loads;
@@ -85,16 +72,14 @@ class Drivetrain {
   void relax(const Step& step, Moves& moves);
   double relax_one(const Step& step, Moves moves, bool output);
   Torques torques(const Step& step, const Moves& moves);
-  [[nodiscard]] Balance motor_balance(const Step& step, double move) const;
-  [[nodiscard]] Balance joint_balance(const Step& step, double move) const;
-  [[nodiscard]] Balance output_balance(const Step& step, double move) const;
-  [[nodiscard]] double pulley_viscous() const;
+  [[nodiscard]] Balance balance_motor(const Step& step, double move) const;
+  [[nodiscard]] Balance balance_joint(const Step& step, double move) const;
+  [[nodiscard]] Balance balance_output(const Step& step, double move) const;
   [[nodiscard]] double free_joint_move(const Step& step) const;
   [[nodiscard]] double pulley_move(const Step& step, double output_move) const;
   void accept(const Step& step, const Moves& moves, double joint_move);
 
   PlantParameters parameters_;
-  double joint_inertia_;
   Tendon top_;
   Tendon bottom_;
   DrivetrainState state_;

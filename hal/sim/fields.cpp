@@ -42,12 +42,23 @@ constexpr std::array kPlantFields = std::to_array<Field<P>>({
     {"camera_noise_rad", &P::camera_noise_rad, 0.0, 1.0},
     {"camera_rate_hz", &P::camera_rate_hz, 0.0, 1000.0},
     {"camera_delay_s", &P::camera_delay_s, 0.0, 10.0},
+    {"tip_length_m", &P::tip_length_m, 1.0e-5, 10.0},
+    {"tip_force_noise_n", &P::tip_force_noise_n, 0.0, 1.0e3},
 });
 
 constexpr std::array kEnvironmentFields = std::to_array<Field<Environment>>({
     {"stiffness", &Environment::stiffness, 0.0, 1.0e6},
     {"damping", &Environment::damping, 0.0, 1.0e6},
     {"angle_rad", &Environment::angle_rad, -100.0, 100.0},
+    {"layer_depth_rad", &Environment::layer_depth_rad, 0.0, 100.0},
+    {"deep_stiffness", &Environment::deep_stiffness, 0.0, 1.0e6},
+    {"inclusion_stiffness", &Environment::inclusion_stiffness, 0.0, 1.0e6},
+    {"inclusion_depth_rad", &Environment::inclusion_depth_rad, 0.0, 100.0},
+    {"inclusion_site_m", &Environment::inclusion_site_m, -10.0, 10.0},
+    {"inclusion_width_m", &Environment::inclusion_width_m, 1.0e-6, 10.0},
+    {"site_m", &Environment::site_m, -10.0, 10.0},
+    {"site_step_m", &Environment::site_step_m, -10.0, 10.0},
+    {"site_period_s", &Environment::site_period_s, 0.0, kHuge},
 });
 
 constexpr std::array kEffectFields = std::to_array<EffectField>({
@@ -68,6 +79,19 @@ constexpr std::array kEffectFields = std::to_array<EffectField>({
     {"angle_periodic", "phase_rad", &E::angle_periodic_phase_rad, -10.0, 10.0, false},
     {"stiffness_hardening", "per_n", &E::hardening_per_n, 0.0, 100.0, true},
     {"load_inertia", "inertia_kgm2", &E::load_inertia_kgm2, 0.0, 10.0, true},
+    {"axis_coupling", "angle_rad", &E::axis_coupling_rad, -10.0, 10.0, true},
+    {"axis_coupling", "frequency_hz", &E::axis_coupling_hz, 0.0, 100.0, false},
+    {"axis_coupling", "radius_m", &E::axis_coupling_radius_m, -1.0, 1.0, false},
+    {"presliding", "torque_nm", &E::presliding_nm, 0.0, 100.0, true},
+    {"presliding", "width_rad", &E::presliding_width_rad, 1.0e-6, 10.0, false},
+    {"viscous_friction", "nms_per_rad", &E::viscous_friction_nms_per_rad, 0.0, 100.0, true},
+    {"coulomb_friction", "torque_nm", &E::coulomb_friction_nm, 0.0, 100.0, true},
+    {"friction_asymmetry", "share", &E::friction_asymmetry, -1.0, 1.0, true},
+    {"stribeck_friction", "torque_nm", &E::stribeck_nm, 0.0, 100.0, true},
+    {"stribeck_friction", "rate_rad_per_s", &E::stribeck_rad_per_s, 1.0e-4, 1.0e3, false},
+    {"play_friction", "torque_nm", &E::play_friction_nm, 0.0, 100.0, true},
+    {"play_friction", "width_rad", &E::play_friction_width_rad, 1.0e-6, 10.0, false},
+    {"offset", "torque_nm", &E::offset_nm, -100.0, 100.0, true},
     {"wear", "per_rad", &E::wear_per_rad, -10.0, 10.0, true},
     {"sticky_spot", "torque_nm", &E::sticky_spot_nm, 0.0, 100.0, true},
     {"sticky_spot", "angle_rad", &E::sticky_spot_angle_rad, -100.0, 100.0, false},
@@ -113,6 +137,31 @@ bool set_field(std::span<const Field<Owner>> fields, Owner& owner, std::string_v
 
 [[noreturn]] void unknown(std::string_view what, std::string_view name, const std::string& known) {
   throw std::invalid_argument("there is no " + std::string(what) + " `" + std::string(name) + "`; known are: " + known);
+}
+
+// The part of a name before its unit.
+std::string_view stem(std::string_view name) {
+  for (const std::string_view unit :
+       {"_nms_per_rad", "_n_per_m", "_nm_per_a", "_counts_per_turn", "_kgm2", "_counts", "_nm", "_rad", "_hz", "_a", "_m",
+        "_n", "_s"}) {
+    if (name.ends_with(unit))
+      return name.substr(0, name.size() - unit.size());
+  }
+  return {};
+}
+
+// `input_radius_mm` or `input_radius` where `input_radius_m` is known: the quantity is right, its unit is not.
+template <class Table>
+void refuse_other_unit(const Table& table, std::string_view name) {
+  for (const auto& field : table) {
+    const std::string_view quantity = stem(field.name);
+    if (quantity.empty() || !name.starts_with(quantity))
+      continue;
+    if (name.size() == quantity.size() || name[quantity.size()] == '_') {
+      throw std::invalid_argument("`" + std::string(name) + "` is not in this file's unit; write `" +
+                                  std::string(field.name) + "`, converted");
+    }
+  }
 }
 
 template <class Table>
@@ -169,12 +218,14 @@ void set_parameter(PlantParameters& parameters, std::string_view name, double va
   } else if (name == "substeps") {
     parameters.substeps = checked_integer(name, value, 1, 1000);
   } else if (!set_field(plant_fields(), parameters, name, value)) {
+    refuse_other_unit(kPlantFields, name);
     unknown("plant parameter", name, names(kPlantFields) + ", element_count, substeps");
   }
 }
 
 void set_environment(Environment& environment, std::string_view name, double value) {
   if (!set_field(environment_fields(), environment, name, value)) {
+    refuse_other_unit(kEnvironmentFields, name);
     unknown("environment parameter", name, "kind, " + names(kEnvironmentFields));
   }
 }
@@ -185,12 +236,13 @@ EnvironmentKind environment_kind(std::string_view name) {
                                                                    {"locked", EnvironmentKind::kLocked},
                                                                    {"spring", EnvironmentKind::kSpring},
                                                                    {"kelvin_voigt", EnvironmentKind::kKelvinVoigt},
-                                                                   {"hunt_crossley", EnvironmentKind::kHuntCrossley}});
+                                                                   {"hunt_crossley", EnvironmentKind::kHuntCrossley},
+                                                                   {"layered", EnvironmentKind::kLayered}});
   for (const auto& [known, kind] : kKinds) {
     if (known == name)
       return kind;
   }
-  unknown("environment", name, "free, locked, spring, kelvin_voigt, hunt_crossley");
+  unknown("environment", name, "free, locked, spring, kelvin_voigt, hunt_crossley, layered");
 }
 
 void validate(const PlantParameters& parameters) {

@@ -10,6 +10,7 @@ enum class EnvironmentKind {
   kSpring,        ///< stiffness (q2 - angle)
   kKelvinVoigt,   ///< spring plus damping q2'
   kHuntCrossley,  ///< one-sided contact beyond `angle`: stiffness d^1.5 (1 + damping d'), d = q2 - angle > 0
+  kLayered,       ///< one-sided contact with a soft layer over a deep one and an inclusion, times (1 + damping d')
 };
 
 struct Environment {
@@ -17,6 +18,18 @@ struct Environment {
   double stiffness = 0.0;  ///< N m/rad, or N m/rad^1.5 for kHuntCrossley
   double damping = 0.0;    ///< N m s/rad, or s/rad for kHuntCrossley
   double angle_rad = 0.0;  ///< rest angle, or the angle where the contact begins
+  // kLayered: `stiffness` down to layer_depth, deep_stiffness below. Pressed at `site`, the inclusion adds
+  // inclusion_stiffness exp(-((site - inclusion_site) / inclusion_width)^2) from inclusion_depth on. Every site_period
+  // the tip goes on by site_step: palpation of a row of sites in one run.
+  double layer_depth_rad = 0.1;
+  double deep_stiffness = 0.0;       ///< N m/rad
+  double inclusion_stiffness = 0.0;  ///< N m/rad
+  double inclusion_depth_rad = 0.05;
+  double inclusion_site_m = 0.0;
+  double inclusion_width_m = 0.005;
+  double site_m = 0.0;
+  double site_step_m = 0.0;
+  double site_period_s = 0.0;  ///< 0: the tip stays at its site
 };
 
 /// Effects a joint may have without its model knowing. All off by default; nothing outside the plant is told about
@@ -49,6 +62,24 @@ struct Effects {
   double hardening_per_n = 0.0;
   // More inertia on the link.
   double load_inertia_kgm2 = 0.0;
+  // A second joint swings, angle sin(2 pi frequency t), and this joint's tendons pass it at the radius: what goes
+  // around it on the top run is missing on the bottom run.
+  double axis_coupling_rad = 0.0;
+  double axis_coupling_hz = 0.17;
+  double axis_coupling_radius_m = 1.6e-3;
+  // Elastic friction at the joint beside its Coulomb friction: a spring that yields at this torque and deflection.
+  double presliding_nm = 0.0;
+  double presliding_width_rad = 0.02;
+  // The motor's: more viscous and Coulomb friction, both larger forward than backward by a share, a static excess that
+  // fades with speed, elastic friction, a constant torque.
+  double viscous_friction_nms_per_rad = 0.0;
+  double coulomb_friction_nm = 0.0;
+  double friction_asymmetry = 0.0;
+  double stribeck_nm = 0.0;
+  double stribeck_rad_per_s = 0.1;
+  double play_friction_nm = 0.0;
+  double play_friction_width_rad = 0.05;
+  double offset_nm = 0.0;
 
   // Outside any catalogue:
   // wear: eta grows by this share per radian travelled by the input pulley.
@@ -108,6 +139,9 @@ struct PlantParameters {
   double camera_noise_rad = 0.0017;
   double camera_rate_hz = 0.0;  ///< 0: every step; otherwise the value is held between frames
   double camera_delay_s = 0.0;
+  // Tip force sensor, for the log only.
+  double tip_length_m = 0.01;  ///< joint axis to tip
+  double tip_force_noise_n = 0.02;
 
   Environment environment;
   Effects effects;

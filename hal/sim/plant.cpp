@@ -24,87 +24,88 @@ const PlantParameters& checked(const PlantParameters& parameters) {
 
 }  // namespace
 
-Plant::Plant(const PlantParameters& parameters, std::uint64_t seed)
+Periphery::Periphery(const PlantParameters& parameters, std::uint64_t seed)
     : parameters_(checked(parameters)),
-      drivetrain_(parameters),
       faults_(stream(seed, 1)),
       encoder_(parameters),
       current_sensor_(parameters, stream(seed, 2)),
       camera_(parameters, stream(seed, 3)),
+      tip_noise_(stream(seed, 4)),
       current_decay_(det_exp(-2.0 * std::numbers::pi * parameters.current_bandwidth_hz * kStepS /
-                             static_cast<double>(parameters.substeps))) {
-  observe();
-}
+                             static_cast<double>(parameters.substeps))),
+      substep_s_(kStepS / static_cast<double>(parameters.substeps)) {}
 
-void Plant::step(double current_command_a, bool enabled) {
+void Periphery::begin(double current_command_a, bool enabled, Tendon& top, Tendon& bottom) {
   if (!std::isfinite(current_command_a)) {
     throw std::runtime_error("the current command is not a number; the controller must limit its output");
   }
-  const double command = faults_.filter_command(truth_.time_s, current_command_a, enabled);
-  apply_slow_effects();
-  const double dt = kStepS / static_cast<double>(parameters_.substeps);
-  for (int i = 0; i < parameters_.substeps; ++i) {
-    advance_current(command, enabled);
-    drivetrain_.advance(loads(truth_.time_s + static_cast<double>(i + 1) * dt), dt);
-  }
-  ++step_count_;
-  observe();
+  command_a_ = faults_.filter_command(truth_.time_s, current_command_a, enabled);
+  enabled_ = enabled;
+  if (faults_.snapped(truth_.time_s, true))
+    top.snap();
+  if (faults_.snapped(truth_.time_s, false))
+    bottom.snap();
+  apply_slow_effects(top, bottom);
 }
 
-void Plant::step_kinematic(double q1_rad) {
-  if (!std::isfinite(q1_rad))
-    throw std::runtime_error("the input angle is not a number; give an angle in rad");
-  apply_slow_effects();
-  const double dt = kStepS / static_cast<double>(parameters_.substeps);
-  const double start = drivetrain_.state().q1_rad;
-  for (int i = 1; i <= parameters_.substeps; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(parameters_.substeps);
-    drivetrain_.advance_to(start + share * (q1_rad - start), loads(truth_.time_s + static_cast<double>(i) * dt), dt);
-  }
-  ++step_count_;
-  observe();
+Loads Periphery::powered(int substep, const DrivetrainState& before) {
+  advance_current();
+  return unpowered(substep, before);
 }
 
-void Plant::apply_slow_effects() {
+Loads Periphery::unpowered(int substep, const DrivetrainState& before) const {
+  return loads(truth_.time_s + static_cast<double>(substep) * substep_s_, before);
+}
+
+double Periphery::site_m() const {
+  const Environment& e = parameters_.environment;
+  return e.site_period_s > 0.0 ? e.site_m + e.site_step_m * std::floor(truth_.time_s / e.site_period_s) : e.site_m;
+}
+
+void Periphery::apply_slow_effects(Tendon& top, Tendon& bottom) {
   const Effects& e = parameters_.effects;
   const double now = truth_.time_s;
   if (e.creep_ratio > 0.0) {
-    drivetrain_.top().creep(kStepS);
-    drivetrain_.bottom().creep(kStepS);
+    top.creep(kStepS);
+    bottom.creep(kStepS);
   }
   if (e.thermal_growth_m != 0.0) {
     const double growth = e.thermal_growth_m * (1.0 - det_exp(-now / e.thermal_time_s));
-    drivetrain_.top().lengthen(growth - applied_growth_m_);
+    top.lengthen(growth - applied_growth_m_);
     applied_growth_m_ = growth;
   }
   if (e.pretension_change_n != applied_pretension_n_ && now >= e.pretension_change_at_s) {
     const double change = e.pretension_change_n - applied_pretension_n_;
     const double both = parameters_.stiffness_top_n_per_m + parameters_.stiffness_bottom_n_per_m;
-    drivetrain_.top().lengthen(-change / both);
-    drivetrain_.bottom().lengthen(-change / both);
+    top.lengthen(-change / both);
+    bottom.lengthen(-change / both);
     applied_pretension_n_ = e.pretension_change_n;
   }
   if (e.wear_per_rad != 0.0 || e.sheath_bend_per_rad != 0.0) {
     const double bend = 1.0 + e.sheath_bend_per_rad * std::fabs(truth_.q2_rad);
     const double factor = std::max(0.0, (1.0 + e.wear_per_rad * travelled_rad_) * bend);
-    drivetrain_.top().set_eta(parameters_.eta_top * factor);
-    drivetrain_.bottom().set_eta(parameters_.eta_bottom * factor);
+    top.set_eta(parameters_.eta_top * factor);
+    bottom.set_eta(parameters_.eta_bottom * factor);
   }
 }
 
-void Plant::advance_current(double command_a, bool enabled) {
-  if (!enabled) {
+void Periphery::advance_current() {
+  if (!enabled_) {
     current_a_ = 0.0;
     return;
   }
-  const double limit = parameters_.current_limit_a;
-  const double target = std::clamp(command_a, -limit, limit);
+  const double limit = parameters_.current_limit_a * faults_.supply(truth_.time_s);
+  const double target = std::clamp(command_a_, -limit, limit);
   current_a_ = target + (current_a_ - target) * current_decay_;
 }
 
-Loads Plant::loads(double time_s) const {
+double Periphery::second_rad(double time_s) const {
   const Effects& e = parameters_.effects;
-  const DrivetrainState& s = drivetrain_.state();
+  return e.axis_coupling_rad * det_sin(2.0 * std::numbers::pi * e.axis_coupling_hz * time_s);
+}
+
+Loads Periphery::loads(double time_s, const DrivetrainState& s) const {
+  const Effects& e = parameters_.effects;
   Loads result;
   double constant = parameters_.torque_constant_nm_per_a;
   if (e.torque_fade != 0.0)
@@ -113,33 +114,76 @@ Loads Plant::loads(double time_s) const {
   if (e.magnetic_detent_nm != 0.0) {
     result.motor_torque_nm -= e.magnetic_detent_nm * det_sin(e.magnetic_detent_per_turn * s.q1_rad);
   }
+  if (e.offset_nm != 0.0)
+    result.motor_torque_nm -= e.offset_nm;
+  if (e.stribeck_nm != 0.0) {
+    const double speed = s.q1_rate_rad_per_s / e.stribeck_rad_per_s;
+    result.extra_motor_coulomb_nm = e.stribeck_nm * det_exp(-std::min(speed * speed, 100.0));
+  }
   if (e.tremor_nm != 0.0)
     result.tip_torque_nm = e.tremor_nm * det_sin(2.0 * std::numbers::pi * e.tremor_hz * time_s);
   if (e.sticky_spot_nm != 0.0) {
     const double distance = (s.q2_rad - e.sticky_spot_angle_rad) / e.sticky_spot_width_rad;
     result.extra_joint_coulomb_nm = e.sticky_spot_nm * det_exp(-std::min(distance * distance, 100.0));
   }
+  if (e.axis_coupling_rad != 0.0)
+    result.path_move_m = e.axis_coupling_radius_m * (second_rad(time_s) - second_rad(time_s - substep_s_));
   return result;
 }
 
-void Plant::observe() {
-  const DrivetrainState& s = drivetrain_.state();
+void Periphery::observe(const DrivetrainState& s) {
   travelled_rad_ += std::fabs(s.q1_rad - truth_.q1_rad);
   truth_.time_s = static_cast<double>(step_count_) * kStepS;
+  ++step_count_;
   truth_.q1_rad = s.q1_rad;
   truth_.q2_rad = s.q2_rad;
   truth_.q1_rate_rad_per_s = s.q1_rate_rad_per_s;
   truth_.q2_rate_rad_per_s = s.q2_rate_rad_per_s;
   truth_.tau_in_nm = s.tau_in_nm;
   truth_.tau_out_nm = s.tau_out_nm;
-  truth_.motor_torque_nm = loads(truth_.time_s).motor_torque_nm;
+  truth_.motor_torque_nm = loads(truth_.time_s, s).motor_torque_nm;
   truth_.current_a = current_a_;
   truth_.q2_camera_rad = camera_.sample(s.q2_rad);
+  Environment touched = parameters_.environment;
+  touched.site_m = site_m();
+  truth_.tip_force_n = environment_torque(touched, s.q2_rad, s.q2_rate_rad_per_s).value / parameters_.tip_length_m;
+  if (parameters_.tip_force_noise_n > 0.0)
+    truth_.tip_force_n += parameters_.tip_force_noise_n * tip_noise_.normal();
+  if (parameters_.effects.axis_coupling_rad != 0.0)
+    truth_.second_rad = second_rad(truth_.time_s);
   readings_ = Readings{.encoder_counts = encoder_.counts(s.q1_rad, truth_.time_s),
                        .current_a = current_sensor_.sample(current_a_),
                        .encoder_ok = true,
                        .current_ok = true};
   faults_.apply(truth_.time_s, readings_);
+}
+
+Plant::Plant(const PlantParameters& parameters, std::uint64_t seed)
+    : periphery_(parameters, seed), drivetrain_(parameters) {
+  periphery_.observe(drivetrain_.state());
+}
+
+void Plant::step(double current_command_a, bool enabled) {
+  periphery_.begin(current_command_a, enabled, drivetrain_.top(), drivetrain_.bottom());
+  drivetrain_.set_site(periphery_.site_m());
+  const double dt = kStepS / static_cast<double>(parameters().substeps);
+  for (int i = 1; i <= parameters().substeps; ++i)
+    drivetrain_.advance(periphery_.powered(i, drivetrain_.state()), dt);
+  periphery_.observe(drivetrain_.state());
+}
+
+void Plant::step_kinematic(double q1_rad) {
+  if (!std::isfinite(q1_rad))
+    throw std::runtime_error("the input angle is not a number; give an angle in rad");
+  periphery_.begin(0.0, false, drivetrain_.top(), drivetrain_.bottom());
+  drivetrain_.set_site(periphery_.site_m());
+  const double dt = kStepS / static_cast<double>(parameters().substeps);
+  const double start = drivetrain_.state().q1_rad;
+  for (int i = 1; i <= parameters().substeps; ++i) {
+    const double share = static_cast<double>(i) / static_cast<double>(parameters().substeps);
+    drivetrain_.advance_to(start + share * (q1_rad - start), periphery_.unpowered(i, drivetrain_.state()), dt);
+  }
+  periphery_.observe(drivetrain_.state());
 }
 
 }  // namespace capstan::sim

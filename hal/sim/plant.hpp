@@ -10,6 +10,8 @@
 
 namespace capstan::sim {
 
+constexpr double kStepS = 0.001;
+
 /// The true state after a step. For logs and tests only: nothing of it may reach the firmware.
 struct Truth {
   double time_s = 0.0;
@@ -22,13 +24,62 @@ struct Truth {
   double motor_torque_nm = 0.0;  ///< torque constant times current, before the motor's own friction
   double current_a = 0.0;
   double q2_camera_rad = 0.0;  ///< the joint camera: noisy, possibly held and late
+  double tip_force_n = 0.0;    ///< the tip force sensor: what the environment pushes back with, noisy
+  double second_rad = 0.0;     ///< the joint that `axis_coupling` swings
+};
+
+/// Everything of an axis but its drivetrain: amplifier, sensors, faults, and what changes slowly.
+class Periphery {
+ public:
+  Periphery(const PlantParameters& parameters, std::uint64_t seed);
+
+  /// Begins a step of 1 ms: faults and slow effects. Throws std::runtime_error if the command is not a number.
+  void begin(double current_command_a, bool enabled, Tendon& top, Tendon& bottom);
+
+  /// The loads of one sub-step, number 1..substeps, amplifier included.
+  [[nodiscard]] Loads powered(int substep, const DrivetrainState& before);
+  /// The same with the amplifier taking no part.
+  [[nodiscard]] Loads unpowered(int substep, const DrivetrainState& before) const;
+
+  /// Ends the step, or describes the start.
+  void observe(const DrivetrainState& state);
+
+  void schedule(const Fault& fault) { faults_.add(fault); }
+  [[nodiscard]] double site_m() const;
+  [[nodiscard]] const PlantParameters& parameters() const { return parameters_; }
+  [[nodiscard]] const Readings& readings() const { return readings_; }
+  [[nodiscard]] const Truth& truth() const { return truth_; }
+
+ private:
+  void apply_slow_effects(Tendon& top, Tendon& bottom);
+  void advance_current();
+  [[nodiscard]] double second_rad(double time_s) const;
+  [[nodiscard]] Loads loads(double time_s, const DrivetrainState& state) const;
+
+  PlantParameters parameters_;
+  FaultSchedule faults_;
+  Encoder encoder_;
+  CurrentSensor current_sensor_;
+  Camera camera_;
+  Random tip_noise_;
+  Readings readings_;
+  Truth truth_;
+  std::uint64_t step_count_ = 0;
+  double command_a_ = 0.0;
+  bool enabled_ = false;
+  double current_a_ = 0.0;
+  double current_decay_ = 0.0;
+  double substep_s_ = 0.0;
+  double applied_growth_m_ = 0.0;
+  double applied_pretension_n_ = 0.0;
+  double travelled_rad_ = 0.0;
 };
 
 /// One motor, two tendons with distributed friction, one joint. Advances in steps of 1 ms.
 /// Two plants with equal parameters, seed and input sequence agree bit for bit, on any machine with IEEE doubles.
 class Plant {
  public:
-  static constexpr double kStepS = 0.001;
+  static constexpr double kStepS = capstan::sim::kStepS;
 
   /// Starts at rest, q1 = q2 = 0, tendons evenly tensioned. Throws std::invalid_argument on impossible parameters.
   Plant(const PlantParameters& parameters, std::uint64_t seed);
@@ -41,35 +92,18 @@ class Plant {
   void step_kinematic(double q1_rad);
 
   /// What the board sees now, sensor faults included.
-  [[nodiscard]] Readings readings() const { return readings_; }
-  [[nodiscard]] const Truth& truth() const { return truth_; }
+  [[nodiscard]] Readings readings() const { return periphery_.readings(); }
+  [[nodiscard]] const Truth& truth() const { return periphery_.truth(); }
 
-  /// Adds a fault to the schedule.
-  void schedule(const Fault& fault) { faults_.add(fault); }
+  /// Adds a fault to the schedule. Throws std::invalid_argument as FaultSchedule::add does.
+  void schedule(const Fault& fault) { periphery_.schedule(fault); }
 
-  [[nodiscard]] const PlantParameters& parameters() const { return parameters_; }
+  [[nodiscard]] const PlantParameters& parameters() const { return periphery_.parameters(); }
   [[nodiscard]] const Drivetrain& drivetrain() const { return drivetrain_; }
 
  private:
-  void apply_slow_effects();
-  void advance_current(double command_a, bool enabled);
-  [[nodiscard]] Loads loads(double time_s) const;
-  void observe();
-
-  PlantParameters parameters_;
+  Periphery periphery_;
   Drivetrain drivetrain_;
-  FaultSchedule faults_;
-  Encoder encoder_;
-  CurrentSensor current_sensor_;
-  Camera camera_;
-  Readings readings_;
-  Truth truth_;
-  std::uint64_t step_count_ = 0;
-  double current_a_ = 0.0;
-  double current_decay_ = 0.0;
-  double applied_growth_m_ = 0.0;
-  double applied_pretension_n_ = 0.0;
-  double travelled_rad_ = 0.0;
 };
 
 }  // namespace capstan::sim

@@ -283,7 +283,9 @@ const TendonEnds& Tendon::trial(double input_move_m, double output_move_m, doubl
   const bool any_drag = drag_in_ > 0.0 || drag_out_ > 0.0;
   const double before = elongation();
   const double total = before + output_move_m - input_move_m;
-  if (!any_drag && total <= 0.0) {
+  if (snapped_) {
+    slack_trial(std::min(total, 0.0));
+  } else if (!any_drag && total <= 0.0) {
     slack_trial(total);
   } else if (!any_drag && before <= 0.0) {
     retension_trial(input_move_m, output_move_m, total);

@@ -57,6 +57,9 @@ class Tendon {
 
   void set_eta(double eta);
 
+  /// Tears: no tension from now on, whatever the ends do.
+  void snap() { snapped_ = true; }
+
   /// Free of drag, a tendon is slack as a whole; this is its elongation, negative when slack.
   [[nodiscard]] double elongation() const;
   [[nodiscard]] int element_count() const { return count_; }
@@ -90,6 +93,7 @@ class Tendon {
   double scale_ = 1.0;                     // N/m, makes v comparable with R and M
   double tolerance_n_ = 1.0e-9;
   bool slack_ = false;  // state of the last trial
+  bool snapped_ = false;
 
   // Per element.
   std::vector<double> stiffness_, elongation_, crept_, tension_, slope_, start_;

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/sim/deterministic_math.hpp"
+#include "hal/sim/parameters.hpp"
+
+/// What one axis needs besides its tendons: torque balances of motor and joint as functions of their increments in one
+/// implicit Euler step. Each balance grows with its own increment, which is what makes the solvers' solution unique.
+namespace capstan::sim {
+
+constexpr double kBalanceToleranceNm = 1.0e-10;
+
+/// What acts on the drivetrain from outside during one step.
+struct Loads {
+  double motor_torque_nm = 0.0;
+  double tip_torque_nm = 0.0;
+  double extra_joint_coulomb_nm = 0.0;
+  double extra_motor_coulomb_nm = 0.0;
+  double path_move_m = 0.0;  ///< the tendons' way past another joint grows on the top run, shrinks on the bottom run
+};
+
+struct DrivetrainState {
+  double q1_rad = 0.0;
+  double q1_rate_rad_per_s = 0.0;
+  double pulley_rad = 0.0;  ///< output pulley; equals q2 unless there is play
+  double q2_rad = 0.0;
+  double q2_rate_rad_per_s = 0.0;
+  double tau_in_nm = 0.0;
+  double tau_out_nm = 0.0;
+  double motor_bristle_rad = 0.0;  ///< deflection of elastic friction, see bristle()
+  double joint_bristle_rad = 0.0;
+};
+
+struct Balance {
+  double residual, slope, coulomb;  // torque balance without Coulomb friction, N m and N m/rad
+  bool prescribed;
+  double target;  // increment if prescribed
+};
+
+struct Row {
+  bool fixed;  // the increment is known to become move + step
+  bool satisfied;
+  double step;      // if fixed
+  double residual;  // otherwise, Coulomb friction included
+};
+
+// Which branch of residual in -coulomb sgn(move) the projection picks.
+inline Row pick_row(double residual, double slope, double coulomb, double move) {
+  const double push = slope * move - residual;
+  if (std::fabs(push) <= coulomb)
+    return {true, std::fabs(slope * move) <= kBalanceToleranceNm, -move, 0.0};
+  const double total = residual + (push > 0.0 ? coulomb : -coulomb);
+  return {false, std::fabs(total) <= kBalanceToleranceNm, 0.0, total};
+}
+
+struct Torque {
+  double value, slope_angle, slope_rate;
+};
+
+// Two layers from the surface down and an inclusion somewhere below it, whose share falls off with the distance along
+// the surface. Continuous, and stiffer with depth wherever the stiffnesses are positive.
+inline Torque layered_tissue(const Environment& env, double depth) {
+  const double near = std::min(depth, env.layer_depth_rad);
+  const double deep = std::max(depth - env.layer_depth_rad, 0.0);
+  Torque t{env.stiffness * near + env.deep_stiffness * deep, deep > 0.0 ? env.deep_stiffness : env.stiffness, 0.0};
+  if (env.inclusion_stiffness > 0.0 && depth > env.inclusion_depth_rad) {
+    const double away = (env.site_m - env.inclusion_site_m) / env.inclusion_width_m;
+    const double share = env.inclusion_stiffness * det_exp(-std::min(away * away, 100.0));
+    t.value += share * (depth - env.inclusion_depth_rad);
+    t.slope_angle += share;
+  }
+  return t;
+}
+
+inline Torque environment_torque(const Environment& env, double angle, double rate) {
+  const double depth = angle - env.angle_rad;
+  switch (env.kind) {
+    case EnvironmentKind::kFree:
+    case EnvironmentKind::kLocked:
+      return {0.0, 0.0, 0.0};
+    case EnvironmentKind::kSpring:
+      return {env.stiffness * depth, env.stiffness, 0.0};
+    case EnvironmentKind::kKelvinVoigt:
+      return {env.stiffness * depth + env.damping * rate, env.stiffness, env.damping};
+    case EnvironmentKind::kHuntCrossley:
+    case EnvironmentKind::kLayered:
+      break;
+  }
+  const double damp = 1.0 + env.damping * rate;
+  if (depth <= 0.0 || damp <= 0.0)
+    return {0.0, 0.0, 0.0};  // contact never pulls
+  if (env.kind == EnvironmentKind::kLayered) {
+    const Torque still = layered_tissue(env, depth);
+    return {still.value * damp, still.slope_angle * damp, still.value * env.damping};
+  }
+  const double root = std::sqrt(depth);
+  return {env.stiffness * depth * root * damp, 1.5 * env.stiffness * root * damp,
+          env.stiffness * depth * root * env.damping};
+}
+
+/// Elastic friction: a spring that yields at +-force, `width` its deflection there. `z` is its deflection before the
+/// step.
+inline Torque bristle(double force, double width, double z, double move) {
+  const double deflection = z + move;
+  if (std::fabs(deflection) >= width)
+    return {deflection > 0.0 ? force : -force, 0.0, 0.0};
+  return {force * deflection / width, force / width, 0.0};
+}
+
+inline double bristle_after(double width, double z, double move) {
+  return std::clamp(z + move, -width, width);
+}
+
+inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s, const Loads& loads, double h,
+                             double move) {
+  const Effects& e = p.effects;
+  const double inertia = p.motor_inertia_kgm2 / (h * h);
+  double viscous = (p.motor_viscous_nms_per_rad + e.viscous_friction_nms_per_rad) / h;
+  const double coulomb = p.motor_coulomb_nm + e.coulomb_friction_nm + loads.extra_motor_coulomb_nm;
+  double extra = 0.0;
+  if (e.friction_asymmetry != 0.0) {
+    // Friction forward (1 + share), backward (1 - share): for Coulomb friction that is the same as a constant torque.
+    viscous *= move > 0.0 ? 1.0 + e.friction_asymmetry : 1.0 - e.friction_asymmetry;
+    extra = e.friction_asymmetry * coulomb;
+  }
+  Balance b{inertia * (move - h * s.q1_rate_rad_per_s) + viscous * move - loads.motor_torque_nm, inertia + viscous,
+            coulomb, false, 0.0};
+  if (e.play_friction_nm > 0.0) {
+    const Torque t = bristle(e.play_friction_nm, e.play_friction_width_rad, s.motor_bristle_rad, move);
+    extra += t.value;
+    b.slope += t.slope_angle;
+  }
+  b.residual += extra;
+  return b;
+}
+
+inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s, const Loads& loads, double h,
+                             double move) {
+  const Effects& e = p.effects;
+  const double angle = s.q2_rad + move;
+  const double inertia = (p.joint_inertia_kgm2 + e.load_inertia_kgm2) / (h * h);
+  const double viscous = p.joint_viscous_nms_per_rad / h;
+  const Torque env = environment_torque(p.environment, angle, move / h);
+  double gravity = 0.0;
+  double gravity_slope = 0.0;
+  if (e.gravity_torque_nm != 0.0) {
+    gravity = e.gravity_torque_nm * det_sin(angle + e.gravity_angle_rad);
+    gravity_slope = e.gravity_torque_nm * det_cos(angle + e.gravity_angle_rad);
+  }
+  Balance b{
+      inertia * (move - h * s.q2_rate_rad_per_s) + viscous * move + env.value + gravity - loads.tip_torque_nm,
+      inertia + viscous + env.slope_angle + env.slope_rate / h + gravity_slope,
+      p.joint_coulomb_nm + loads.extra_joint_coulomb_nm, p.environment.kind == EnvironmentKind::kLocked, 0.0};
+  if (e.presliding_nm > 0.0) {
+    const Torque t = bristle(e.presliding_nm, e.presliding_width_rad, s.joint_bristle_rad, move);
+    b.residual += t.value;
+    b.slope += t.slope_angle;
+  }
+  return b;
+}
+
+/// With play the output pulley has a bearing of its own: a share of the joint's viscous friction, and a floor. N m s/rad
+inline double pulley_viscous(const PlantParameters& p) {
+  return 1.0e-7 + 0.05 * p.joint_viscous_nms_per_rad;
+}
+
+/// Rotations and deflections after a step of `h` in which motor and joint moved so far.
+inline void advance_state(const PlantParameters& p, DrivetrainState& s, double h, double q1_move, double q2_move) {
+  s.q1_rad += q1_move;
+  s.q2_rad += q2_move;
+  s.q1_rate_rad_per_s = q1_move / h;
+  s.q2_rate_rad_per_s = q2_move / h;
+  if (p.effects.play_friction_nm > 0.0)
+    s.motor_bristle_rad = bristle_after(p.effects.play_friction_width_rad, s.motor_bristle_rad, q1_move);
+  if (p.effects.presliding_nm > 0.0)
+    s.joint_bristle_rad = bristle_after(p.effects.presliding_width_rad, s.joint_bristle_rad, q2_move);
+}
+
+}  // namespace capstan::sim

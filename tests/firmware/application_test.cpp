@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "firmware/application.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/support.hpp"
+
+namespace capstan {
+namespace {
+
+using test::FakeIo;
+using test::FlashBanks;
+
+struct Rig {
+  explicit Rig(const FlashBanks& stored = {}) : banks(stored) { application.rt_tick(); }
+  auto request(const Request& wanted) -> bool {
+    const bool posted = application.post(wanted);
+    application.rt_tick();
+    return posted;
+  }
+  auto arm() -> bool { return request({.kind = Request::Kind::kArm}); }
+  auto move(double target_rad) -> bool {
+    return request({.kind = Request::Kind::kMove, .position_rad = Q24::from_double(target_rad), .speed_rad_s = Q24::from_int(2)});
+  }
+  void ticks(int count) {
+    for (int i = 0; i < count; ++i) {
+      application.rt_tick();
+    }
+  }
+  [[nodiscard]] auto state() const -> State { return application.telemetry().state; }
+  [[nodiscard]] auto fault() const -> Fault { return application.telemetry().first_fault; }
+
+  FlashBanks banks;
+  FakeIo<1> io;
+  Application<FakeIo<1>> application{io, banks};
+};
+
+auto stored(const AxisConfig& config) -> FlashBanks {
+  FlashBanks banks;
+  EXPECT_TRUE(ParameterStorage(banks).save(std::span(&config, 1)));
+  return banks;
+}
+
+/// A stiff set of parameters that is easy to tell from the defaults.
+auto other_config() -> AxisConfig {
+  AxisConfig config;
+  config.limits.joint_max_rad = Q24::from_double(1.25);
+  config.control.kp = Q24::from_double(0.75);
+  return config;
+}
+
+TEST(Application, StartsDisarmedAndStaysSo) {
+  Rig rig;
+  rig.ticks(100);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_FALSE(rig.io.has_torque());
+  EXPECT_EQ(rig.application.telemetry().conditions, 0U);
+}
+
+TEST(Application, WithoutASavedSetTheDefaultsAreInForceAndArmingIsAllowed) {
+  Rig rig;
+  EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{}));
+  EXPECT_TRUE(rig.arm());
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_TRUE(rig.io.has_torque());
+}
+
+TEST(Application, ASavedSetIsInForceFromTheFirstCycle) {
+  Rig rig(stored(other_config()));
+  EXPECT_TRUE(test::same(rig.application.config()[0], other_config()));
+  ASSERT_TRUE(rig.arm());
+  ASSERT_TRUE(rig.move(1.3));
+  EXPECT_EQ(rig.state(), State::kHolding) << "1.3 rad is outside the saved joint_max";
+}
+
+TEST(Application, CorruptStorageMeansDefaultsBlocksArmingAndSaysSoUntilASetIsSaved) {
+  FlashBanks banks = stored(other_config());
+  banks.memory[0][60] ^= 4U;
+  Rig rig(banks);
+  EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{}));
+  rig.arm();
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_EQ(rig.application.telemetry().conditions, bit(Fault::kModelInvalid));
+  ASSERT_TRUE(rig.application.save());
+  rig.ticks(1);
+  EXPECT_EQ(rig.application.telemetry().conditions, 0U);
+  rig.arm();
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, StoredValuesThatDoNotGoTogetherAreNotUsedAtAll) {
+  AxisConfig crossed = other_config();
+  crossed.limits.motor_min_rad = Q24::from_int(5);
+  crossed.limits.motor_max_rad = Q24::from_int(-5);
+  Rig rig(stored(crossed));
+  EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{}));
+  EXPECT_EQ(rig.application.telemetry().conditions, bit(Fault::kModelInvalid));
+}
+
+TEST(Application, SaveAndLoadAreRefusedWithTorqueAndTheMemoryIsNotTouched) {
+  Rig rig(stored(other_config()));
+  rig.arm();
+  rig.banks.bytes_changed = 0;
+  EXPECT_FALSE(rig.application.save());
+  EXPECT_EQ(rig.application.load(), LoadResult::kRefused);
+  EXPECT_EQ(rig.banks.bytes_changed, 0);
+  rig.request({.kind = Request::Kind::kDisarm});
+  EXPECT_TRUE(rig.application.save());
+}
+
+TEST(Application, SaveIsRefusedWhileAnArmingIsUnderWay) {
+  Rig rig;
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  EXPECT_FALSE(rig.application.save());
+}
+
+TEST(Application, LoadBringsTheStoredSetIntoForce) {
+  Rig rig(stored(other_config()));
+  const AxisConfig defaults;
+  ASSERT_TRUE(rig.application.configure(std::span(&defaults, 1)));
+  rig.ticks(1);
+  ASSERT_EQ(rig.application.load(), LoadResult::kLoaded);
+  EXPECT_TRUE(test::same(rig.application.config()[0], other_config()));
+}
+
+TEST(Application, LoadIsRefusedWhileAChangeIsUnderWay) {
+  Rig rig(stored(other_config()));
+  const AxisConfig defaults;
+  ASSERT_TRUE(rig.application.configure(std::span(&defaults, 1)));
+  EXPECT_EQ(rig.application.load(), LoadResult::kRefused) << "or it would say 'loaded' and not be";
+}
+
+TEST(Application, TheModelTheMotorAndTheLimitsDoNotChangeUnderTorque) {
+  Rig rig;
+  rig.arm();
+  for (const ParameterInfo& parameter : parameters()) {
+    AxisConfig changed;
+    set_raw_value(changed, parameter, raw_value(changed, parameter) + 1);
+    const bool allowed = parameter.change == ParameterChange::kAnyTime;
+    EXPECT_EQ(rig.application.configure(std::span(&changed, 1)), allowed) << parameter.group << '.' << parameter.name;
+    rig.ticks(1);
+    const AxisConfig back;
+    if (allowed) {
+      EXPECT_TRUE(test::same(rig.application.config()[0], changed));
+      ASSERT_TRUE(rig.application.configure(std::span(&back, 1)));
+    } else {
+      EXPECT_TRUE(test::same(rig.application.config()[0], back));
+    }
+    rig.ticks(1);
+  }
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, ALostLinkTakesTorqueAwayWithinOneCycleInTheMiddleOfAMove) {
+  Rig rig;
+  rig.arm();
+  rig.move(1.5);
+  rig.ticks(100);
+  ASSERT_EQ(rig.state(), State::kArmed);
+  rig.application.link_lost();
+  rig.ticks(1);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, ALostLinkOverrulesAnArmingThatIsUnderWay) {
+  Rig rig;
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  rig.application.link_lost();
+  rig.ticks(10);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, ALostLinkDoesNotAcknowledgeAFault) {
+  Rig rig;
+  rig.arm();
+  rig.io.estop = true;
+  rig.ticks(1);
+  rig.io.estop = false;
+  ASSERT_EQ(rig.fault(), Fault::kEmergencyStop);
+  rig.application.link_lost();
+  rig.ticks(10);
+  EXPECT_EQ(rig.state(), State::kFaulted);
+  EXPECT_EQ(rig.fault(), Fault::kEmergencyStop);
+}
+
+TEST(Application, AFailedWriteReleasesAtOnceAndTorqueDoesNotComeBackByItself) {
+  Rig rig;
+  rig.arm();
+  rig.ticks(10);
+  rig.io.write_status = Status::kFailed;
+  rig.ticks(1);
+  EXPECT_EQ(rig.io.releases, 1);
+  EXPECT_FALSE(rig.io.has_torque());
+  rig.io.write_status = Status::kOk;
+  rig.ticks(20);
+  EXPECT_EQ(rig.state(), State::kFaulted);
+  EXPECT_EQ(rig.fault(), Fault::kDriveFailed);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, AnAmplifierThatTakesNothingBlocksArming) {
+  Rig rig;
+  rig.io.write_status = Status::kTimeout;
+  rig.ticks(2);
+  rig.arm();
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_EQ(rig.application.telemetry().conditions, bit(Fault::kDriveFailed));
+}
+
+TEST(Application, AFailedReadReleasesWithoutWritingAndIsAMissingSensor) {
+  Rig rig;
+  rig.arm();
+  rig.ticks(10);
+  const int writes = rig.io.writes;
+  rig.io.read_status = Status::kFailed;
+  rig.ticks(1);
+  EXPECT_EQ(rig.io.writes, writes);
+  EXPECT_EQ(rig.io.releases, 1);
+  EXPECT_FALSE(rig.io.has_torque());
+  rig.io.read_status = Status::kOk;
+  rig.ticks(1);
+  EXPECT_EQ(rig.fault(), Fault::kSensorMissing);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, ARequestForAJointThatIsNotThereIsRefused) {
+  Rig rig;
+  EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kMove, .axis = 1}));
+  EXPECT_TRUE(rig.application.settled());
+}
+
+TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
+  Rig rig;
+  EXPECT_TRUE(rig.application.settled());
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  EXPECT_FALSE(rig.application.settled());
+  EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kDisarm})) << "one at a time";
+  rig.ticks(1);
+  EXPECT_TRUE(rig.application.settled());
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) {
+  Rig rig;
+  rig.arm();
+  Application<FakeIo<1>>::Streamed streamed{};
+  for (int i = 0; i < 500; ++i) {
+    streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(0.001 * i), {}};
+    rig.application.rt_tick(streamed);
+  }
+  EXPECT_EQ(rig.state(), State::kArmed);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.5, 0.02);
+  rig.request({.kind = Request::Kind::kStop});
+  rig.ticks(300);
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
+  Rig rig;
+  LogSample sample;
+  rig.ticks(10);
+  EXPECT_FALSE(rig.application.next_sample(sample)) << "nothing is recorded unasked";
+  rig.application.record(true, 0);
+  rig.ticks(50);
+  std::uint32_t last = 0;
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_TRUE(rig.application.next_sample(sample));
+    EXPECT_TRUE(i == 0 || sample.tick == last + 1);
+    last = sample.tick;
+  }
+  EXPECT_EQ(rig.application.dropped_samples(), 0U);
+  rig.ticks(200);
+  EXPECT_EQ(rig.application.dropped_samples(), 200U - 128U);
+}
+
+}  // namespace
+}  // namespace capstan

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The main job in closed loop: log, identify, diagnose, put into the firmware, measure again. Every number is against the plant,
+// which shares no code with the laws.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "tools/apply/model_lines.hpp"
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/identify/identify.hpp"
+#include "tools/run/run.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
+
+struct Run {
+  RunSummary summary;
+  std::vector<AxisLog> logs;
+};
+
+auto run(const std::string& scenario, const std::vector<std::string>& model) -> Run {
+  std::ostringstream text;
+  MemoryBanks banks;
+  Run result;
+  result.summary = run_scenario(sim::load_scenario(kScenarios + scenario), model, banks, &text);
+  result.logs.push_back(read_axis(CsvLog::parse(text.str(), scenario), {.needs_torque = true}));
+  return result;
+}
+
+auto identified(const Run& run, const std::string& model) -> JointFile {
+  LawForm form;
+  form.terms = terms_of_model(model);
+  return identify(run.logs, form).joint;
+}
+
+TEST(Circle, IdentifiedLawHalvesAndBetterTheErrorOfTheRatioAloneOnUnseenMotion) {
+  const Run recorded = run("identify.toml", {});
+  ASSERT_EQ(recorded.summary.fault, "");
+  const Run by_ratio = run("validate.toml", model_lines(identified(recorded, "kinematic"), 0));
+  const Run by_law = run("validate.toml", model_lines(identified(recorded, "pseudo_kinematic"), 0));
+  EXPECT_GT(by_ratio.summary.estimation_rmse_rad, 1.5 * kDegree);  // there is a hysteresis to speak of
+  EXPECT_LT(by_law.summary.estimation_rmse_rad, 0.4 * by_ratio.summary.estimation_rmse_rad);
+}
+
+TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
+  const Run recorded = run("identify_play.toml", {});
+  const JointFile base = identified(recorded, "pseudo_kinematic");
+  const Diagnosis diagnosis = diagnose(recorded.logs, {});
+  ASSERT_FALSE(diagnosis.effects.empty()) << diagnosis.reason;
+  std::vector<std::string> named = {diagnosis.effects.front().name};
+  const auto& alternatives = diagnosis.effects.front().alternatives;
+  named.insert(named.end(), alternatives.begin(), alternatives.end());
+  EXPECT_NE(std::find(named.begin(), named.end(), "play"), named.end());
+
+  const Run before = run("validate_play.toml", model_lines(base, 0));
+  const Run after = run("validate_play.toml", model_lines(diagnosis.law, 0));
+  ASSERT_EQ(after.summary.fault, "");
+  EXPECT_LT(after.summary.estimation_rmse_rad, 0.25 * before.summary.estimation_rmse_rad);
+  EXPECT_LT(after.summary.tracking_rmse_rad, 0.5 * before.summary.tracking_rmse_rad);
+
+  const Run again = run("identify_play.toml", model_lines(diagnosis.law, 0));
+  EXPECT_LT(again.summary.estimation_rmse_rad, 0.25 * recorded.summary.estimation_rmse_rad);
+}
+
+TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
+  const Run recorded = run("validate.toml", {});
+  std::ostringstream text;
+  MemoryBanks banks;
+  JointFile law;
+  law.parameters = rigid_law();
+  law.parameters.coefficients[0] = 1.0625;  // exact in both formats
+  static_cast<void>(run_scenario(sim::load_scenario(kScenarios + "validate.toml"), model_lines(law, 0), banks, &text));
+  const CsvLog log = CsvLog::parse(text.str(), "log");
+  const Eigen::VectorXd q1 = log.column("axis0/q1_rad");
+  const Eigen::VectorXd tau = log.column("axis0/tau_Nm");
+  const Eigen::VectorXd logged = log.column("axis0/q2_est_rad");
+  MotionLaw<Q24> replayed(SamplePeriod<Q24>(1000), to_fixed(law.parameters));
+  for (Eigen::Index i = 0; i < q1.size(); ++i) {
+    const Estimate<Q24> estimate = replayed.update(Q24::from_double(q1[i]), Q24::from_double(tau[i]));
+    ASSERT_EQ(estimate.q2_reported, Q24::from_double(logged[i])) << "sample " << i;
+  }
+}
+
+TEST(RunScenario, LineThatTheShellRefusesStopsTheRunWithItsAnswer) {
+  sim::Scenario scenario = sim::load_scenario(kScenarios + "validate.toml");
+  scenario.shell = {"set joint0.control.kp 1000"};
+  MemoryBanks banks;
+  try {
+    run_scenario(scenario, {}, banks, nullptr);
+    FAIL() << "the run went on";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("control.kp"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("0 to 20"), std::string::npos);
+  }
+}
+
+TEST(RunScenario, SensorThatGivesNoNumberEndsTheRunWithCauseAndCure) {
+  sim::Scenario scenario = sim::load_scenario(kScenarios + "validate.toml");
+  scenario.faults.push_back({.time_s = 2.0, .target = sim::FaultTarget::kCurrent, .kind = sim::FaultKind::kNan});
+  MemoryBanks banks;
+  const RunSummary summary = run_scenario(scenario, {}, banks, nullptr);
+  EXPECT_EQ(summary.fault.substr(0, 14), "sensor_invalid");
+  EXPECT_LT(summary.seconds, 2.1);
+}
+
+TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
+  JointFile joint;
+  joint.parameters = rigid_law();
+  joint.steady_torque = SteadyTorque{0.08, -0.08};
+  const auto lines = model_lines(joint, 0);
+  constexpr std::size_t kConditionerAndTorque = 4;
+  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerAndTorque + 2);
+  EXPECT_EQ(lines.front(), "begin");
+  EXPECT_EQ(lines.back(), "commit");
+  EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint0.control.torque_backward -0.08000000 Nm"), lines.end());
+}
+
+}  // namespace
+}  // namespace capstan::tools
