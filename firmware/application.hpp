@@ -9,16 +9,16 @@
 
 namespace capstan {
 
-/// The firmware of a board: the cycle on one side, the machine that the shell sees on the other. `rt_tick` belongs to the timer
-/// interrupt or the real-time thread, everything else to the background.
+/// The firmware of a board: the cycle on one side, the machine that the shell sees on the other. `rt_tick` belongs to
+/// the timer interrupt or the real-time thread, everything else to the background.
 template <JointIo Io>
 class Application final : public Machine {
  public:
   static constexpr std::size_t kAxes = Io::kAxes;
   using Streamed = std::array<AxisCommand, kAxes>;
 
-  /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not sound, it is
-  /// defaults too, and arming is blocked until a set is saved or loaded.
+  /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not
+  /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
   Application(Io& io, Banks& banks) : Application(io, banks, Stored(banks)) {}
 
   /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
@@ -37,8 +37,8 @@ class Application final : public Machine {
     rt_publish();
   }
 
-  /// The console is gone: whatever moves must not go on. Takes torque away within a cycle, and leaves a latched fault for the
-  /// operator to see. Callable from the background at any time.
+  /// The console is gone: whatever moves must not go on. Takes torque away within a cycle, and leaves a latched fault
+  /// for the operator to see. Callable from the background at any time.
   void link_lost() { link_lost_.store(true, std::memory_order_relaxed); }
 
   auto axes() const -> std::size_t override { return kAxes; }
@@ -48,9 +48,8 @@ class Application final : public Machine {
   auto configure(std::span<const AxisConfig> axes) -> bool override {
     Config<kAxes> next = config_;
     std::copy_n(axes.begin(), std::min(axes.size(), kAxes), next.begin());
-    const bool changes = !std::equal(next.begin(), next.end(), config_.begin(), [](const AxisConfig& a, const AxisConfig& b) {
-      return !needs_rest(a, b);
-    });
+    const bool changes = !std::equal(next.begin(), next.end(), config_.begin(),
+                                     [](const AxisConfig& a, const AxisConfig& b) { return !needs_rest(a, b); });
     if ((changes && has_torque()) || !config_box_.offer(next)) {
       return false;
     }

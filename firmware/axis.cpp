@@ -9,8 +9,8 @@ constexpr std::int32_t kLinkTimeoutCycles = 100;
 constexpr std::int32_t kOverCurrentCycles = 20;
 constexpr Q24 kOne = Q24::from_int(1);
 constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
-// Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between the two the
-// limit would come and go with the sensor's noise.
+// Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
+// the two the limit would come and go with the sensor's noise.
 constexpr Q24 kCool = Q24::from_double(0.9);
 constexpr std::int64_t kTwoPiRaw = Q24::from_double(6.283185307179586).raw();
 // Keeps counts * 2 pi within 63 bits; far beyond the +-20 turns that an angle can express.

@@ -24,11 +24,11 @@ struct AxisCommand {
 /// Normal, reported, and each names the setting behind it; not faults.
 enum class Limit : std::uint8_t {
   kNone = 0,
-  kCurrent = 1,     ///< limits.current
-  kThermal = 2,     ///< limits.continuous_current
-  kRate = 4,        ///< limits.current_rate
-  kMotorTravel = 8, ///< limits.motor_min, limits.motor_max
-  kReference = 16,  ///< limits.joint_min, joint_max, joint_speed
+  kCurrent = 1,      ///< limits.current
+  kThermal = 2,      ///< limits.continuous_current
+  kRate = 4,         ///< limits.current_rate
+  kMotorTravel = 8,  ///< limits.motor_min, limits.motor_max
+  kReference = 16,   ///< limits.joint_min, joint_max, joint_speed
 };
 
 /// One joint's numbers of the last cycle, for shell, log and telemetry.
@@ -38,26 +38,27 @@ struct AxisTelemetry {
   Q24 q2_rad;           ///< estimated joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
   Q24 q2_reference_rad;
-  Q24 current_a;        ///< measured
-  Q24 drive_a;          ///< commanded
+  Q24 current_a;  ///< measured
+  Q24 drive_a;    ///< commanded
   std::uint8_t limits = 0;
   bool estimate_valid = false;
 };
 
-/// Estimator, monitors, controller and gate of one joint. The functions are called once a cycle in the order they stand here.
+/// Estimator, monitors, controller and gate of one joint. The functions are called once a cycle in the order they stand
+/// here.
 class Axis {
  public:
   explicit Axis(const AxisConfig& config);
 
-  /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed; torque
-  /// must be off then (needs_rest).
+  /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed;
+  /// torque must be off then (needs_rest).
   void rt_configure(const AxisConfig& config);
   /// Converts the sensors and runs the law.
   void rt_estimate(const AxisSensed& sensed);
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   [[nodiscard]] auto rt_faults(bool energised) -> FaultSet;
-  /// Takes a command. Only while energised. A move outside the limits or without speed is refused: false, and nothing changes. A
-  /// streamed reference outside them is cut to them: false, and followed.
+  /// Takes a command. Only while energised. A move outside the limits or without speed is refused: false, and nothing
+  /// changes. A streamed reference outside them is cut to them: false, and followed.
   auto rt_command(const AxisCommand& command) -> bool;
   /// Gets ready for torque: stand where the joint is.
   void rt_arm();

@@ -25,30 +25,30 @@ struct MotorConfig {
   Q24 speed_limit_rad_s = Q24::from_double(60.0);  ///< a faster encoder is a fault
 };
 
-/// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the motor
-/// servo follows it.
+/// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the
+/// motor servo follows it.
 struct ControlConfig {
-  Q24 kp = Q24::from_double(0.2);                       ///< motor rad per joint rad
-  Q24 ki_per_s = Q24::from_double(4.0);                 ///< 1/s
-  Q24 kd_s{};                                           ///< s, on the estimate, not on the error
-  Q24 integral_limit_rad = Q24::from_double(0.3);       ///< anti-windup, rad of motor angle
-  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);     ///< motor servo
-  Q24 damping_nms_per_rad = Q24::from_double(0.006);    ///< motor servo
-  Q24 torque_forward_nm{};                              ///< feedforward: torque that keeps the motor moving forward
-  Q24 torque_backward_nm{};                             ///< the same backward (negative)
-  Q24 reversal_time_s = Q24::from_double(0.02);         ///< the feedforward changes direction within about this time
+  Q24 kp = Q24::from_double(0.2);                     ///< motor rad per joint rad
+  Q24 ki_per_s = Q24::from_double(4.0);               ///< 1/s
+  Q24 kd_s{};                                         ///< s, on the estimate, not on the error
+  Q24 integral_limit_rad = Q24::from_double(0.3);     ///< anti-windup, rad of motor angle
+  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);   ///< motor servo
+  Q24 damping_nms_per_rad = Q24::from_double(0.006);  ///< motor servo
+  Q24 torque_forward_nm{};                            ///< feedforward: torque that keeps the motor moving forward
+  Q24 torque_backward_nm{};                           ///< the same backward (negative)
+  Q24 reversal_time_s = Q24::from_double(0.02);       ///< the feedforward changes direction within about this time
 };
 
 struct LimitConfig {
-  Q24 current_a = Q24::from_double(3.0);                ///< peak
-  Q24 continuous_current_a = Q24::from_double(1.5);     ///< what the winding stands for ever
-  Q24 thermal_time_s = Q24::from_double(10.0);          ///< of the winding
+  Q24 current_a = Q24::from_double(3.0);             ///< peak
+  Q24 continuous_current_a = Q24::from_double(1.5);  ///< what the winding stands for ever
+  Q24 thermal_time_s = Q24::from_double(10.0);       ///< of the winding
   Q24 current_rate_a_per_cycle = Q24::from_double(0.5);
-  Q24 motor_min_rad = Q24::from_double(-6.0);           ///< tendon travel, in motor space
+  Q24 motor_min_rad = Q24::from_double(-6.0);  ///< tendon travel, in motor space
   Q24 motor_max_rad = Q24::from_double(6.0);
-  Q24 joint_min_rad = Q24::from_double(-2.0);           ///< references outside are refused
+  Q24 joint_min_rad = Q24::from_double(-2.0);  ///< references outside are refused
   Q24 joint_max_rad = Q24::from_double(2.0);
-  Q24 joint_speed_rad_s = Q24::from_double(2.0);        ///< of moves
+  Q24 joint_speed_rad_s = Q24::from_double(2.0);  ///< of moves
   Q24 joint_acceleration_rad_s2 = Q24::from_double(10.0);
   Q24 following_error_rad = Q24::from_double(0.35);
   Q24 following_time_s = Q24::from_double(0.25);

@@ -12,7 +12,9 @@ constexpr Q24 kHalf = Q24::from_double(0.5);
 constexpr ConditionerShape<Q24> kReferenceShape{.direction_threshold_rad = Q24::from_double(1e-5),
                                                 .rate_time_constant_s = Q24::from_double(0.002)};
 
-constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 { return backward + (forward - backward) * branch; }
+constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
+  return backward + (forward - backward) * branch;
+}
 
 }  // namespace
 
@@ -25,7 +27,8 @@ void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   integral_ = law.sample().q1 - rt_inverse(gains, law, q2_rad, Q24{});
 }
 
-auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const -> Q24 {
+auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const
+    -> Q24 {
   Sample<Q24> motion;
   motion.dq1 = motor_speed;
   motion.tau = gains.torque_backward_nm;

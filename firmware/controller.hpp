@@ -6,22 +6,25 @@
 namespace capstan {
 
 /// Joint position control through the estimated joint angle.
-///   q1* = invert(q2*) + PID(q2* - q2)      the inverse law is the feedforward, the PID corrects what it leaves; it changes sign
+///   q1* = invert(q2*) + PID(q2* - q2)      the inverse law is the feedforward, the PID corrects what it leaves; it
+///   changes sign
 ///                                          with beta, so that it pulls the joint back on a crossed transmission too
 ///   tau = tau*(direction) + stiffness (q1* - q1) + damping (q1*' - q1')
-/// At a reversal of the reference the feedforward passes from one branch of the law to the other within reversal_time, so it
-/// crosses the hysteresis at once but does not kick.
+/// At a reversal of the reference the feedforward passes from one branch of the law to the other within reversal_time,
+/// so it crosses the hysteresis at once but does not kick.
 class Controller {
  public:
   Controller();
   /// Takes over without a jump: with the reference at the present estimate the motor is asked to stay where it is.
   void rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad);
-  /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque, N m
+  /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
+  /// N m
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
 
  private:
   /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const -> Q24;
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const
+      -> Q24;
   /// Both arguments in the motor's direction.
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 

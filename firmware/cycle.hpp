@@ -69,8 +69,8 @@ struct CycleState {
   FaultSet drive_faults = 0;  ///< set by whoever writes the drive, about the last cycle
 };
 
-/// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure function of
-/// its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
+/// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure
+/// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
   const bool had_torque = energised(state.supervisor.state());

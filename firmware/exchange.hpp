@@ -34,8 +34,8 @@ class Mailbox {
   std::atomic<bool> full_ = false;
 };
 
-/// Cycle to slow code: the newest value, read whole. The reader retries if the cycle wrote meanwhile; it can lose that race at
-/// most once a cycle.
+/// Cycle to slow code: the newest value, read whole. The reader retries if the cycle wrote meanwhile; it can lose that
+/// race at most once a cycle.
 template <typename T>
 class Published {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -41,22 +41,27 @@ inline constexpr std::array<FaultInfo, 12> kFaultTable = {{
      "check the sensor's cable and configuration, then 'disarm' and 'arm'"},
     {Fault::kEncoderJump, "encoder_jump", "the motor encoder moved further in one cycle than the motor can",
      "check the encoder's cable and shielding, or raise motor.speed_limit if the motor is really that fast"},
-    {Fault::kFollowingError, "following_error", "the estimated joint angle stayed too far from its reference for too long",
+    {Fault::kFollowingError, "following_error",
+     "the estimated joint angle stayed too far from its reference for too long",
      "check for a blocked joint, lower the speed, or raise limits.following_error"},
     {Fault::kOverCurrent, "over_current", "the measured current stayed above limits.current by a fifth for 20 ms",
      "check the amplifier and the motor's winding"},
     {Fault::kEstimatorRange, "estimator_range", "a number in the estimator met the end of its range",
      "check the model's parameters with 'list', and the motor's zero position"},
-    {Fault::kLinkLost, "link_lost", "the stream of references stopped for more than 100 ms while the joint was following it",
+    {Fault::kLinkLost, "link_lost",
+     "the stream of references stopped for more than 100 ms while the joint was following it",
      "restart the sender, then 'disarm' and 'arm'"},
-    {Fault::kEmergencyStop, "emergency_stop", "the emergency stop is open", "close the emergency stop, then 'disarm' and 'arm'"},
-    {Fault::kModelInvalid, "model_invalid", "the stored parameters are corrupt or from another version; defaults are in use",
-     "load a model and 'save' it"},
+    {Fault::kEmergencyStop, "emergency_stop", "the emergency stop is open",
+     "close the emergency stop, then 'disarm' and 'arm'"},
+    {Fault::kModelInvalid, "model_invalid",
+     "the stored parameters are corrupt or from another version; defaults are in use", "load a model and 'save' it"},
     {Fault::kDriveFailed, "drive_failed", "the amplifier did not take its set value in the last cycle",
      "check the amplifier's cable, supply and enable line, then 'disarm' and 'arm'"},
 }};
 
-constexpr auto info(Fault fault) -> const FaultInfo& { return kFaultTable[static_cast<std::size_t>(fault)]; }
+constexpr auto info(Fault fault) -> const FaultInfo& {
+  return kFaultTable[static_cast<std::size_t>(fault)];
+}
 
 constexpr auto fault_table_is_in_order() -> bool {
   for (std::size_t i = 0; i < kFaultTable.size(); ++i) {
@@ -71,6 +76,8 @@ static_assert(fault_table_is_in_order());
 /// A set of faults, one bit each.
 using FaultSet = std::uint32_t;
 static_assert(kFaultTable.size() <= 32);
-constexpr auto bit(Fault fault) -> FaultSet { return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault); }
+constexpr auto bit(Fault fault) -> FaultSet {
+  return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault);
+}
 
 }  // namespace capstan

@@ -23,8 +23,8 @@ struct LogSample {
   AxisTelemetry axis;
 };
 
-/// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other. Nothing here
-/// waits for the cycle or makes it wait.
+/// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other.
+/// Nothing here waits for the cycle or makes it wait.
 class Machine {
  public:
   [[nodiscard]] virtual auto axes() const -> std::size_t = 0;
@@ -32,8 +32,8 @@ class Machine {
   [[nodiscard]] virtual auto axis_telemetry(std::size_t axis) const -> AxisTelemetry = 0;
   /// The parameters in force.
   [[nodiscard]] virtual auto config() const -> std::span<const AxisConfig> = 0;
-  /// Hands a checked set to the cycle, which takes it whole before its next step. False, and nothing changed: the last one is still
-  /// under way, or torque is on and the set differs in what must not change then.
+  /// Hands a checked set to the cycle, which takes it whole before its next step. False, and nothing changed: the last
+  /// one is still under way, or torque is on and the set differs in what must not change then.
   virtual auto configure(std::span<const AxisConfig> axes) -> bool = 0;
   /// Hands a request to the cycle. False: the last one is still under way, or there is no such joint.
   virtual auto post(const Request& request) -> bool = 0;

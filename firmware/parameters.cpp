@@ -8,15 +8,30 @@ namespace capstan {
 namespace {
 
 constexpr auto real(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
-                    double minimum, double maximum, ParameterChange change = ParameterChange::kDisarmed) -> ParameterInfo {
-  return {group,  name, unit, doc, ParameterType::kReal, change, static_cast<std::uint16_t>(offset),
-          Q24::from_double(minimum).raw(), Q24::from_double(maximum).raw()};
+                    double minimum, double maximum, ParameterChange change = ParameterChange::kDisarmed)
+    -> ParameterInfo {
+  return {group,
+          name,
+          unit,
+          doc,
+          ParameterType::kReal,
+          change,
+          static_cast<std::uint16_t>(offset),
+          Q24::from_double(minimum).raw(),
+          Q24::from_double(maximum).raw()};
 }
 
 constexpr auto integer(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
                        std::int32_t minimum, std::int32_t maximum) -> ParameterInfo {
-  return {group, name, unit, doc, ParameterType::kInteger, ParameterChange::kDisarmed, static_cast<std::uint16_t>(offset),
-          minimum, maximum};
+  return {group,
+          name,
+          unit,
+          doc,
+          ParameterType::kInteger,
+          ParameterChange::kDisarmed,
+          static_cast<std::uint16_t>(offset),
+          minimum,
+          maximum};
 }
 
 constexpr auto kTunable = ParameterChange::kAnyTime;
@@ -35,11 +50,12 @@ constexpr std::array kFixedParameters = {
          kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
     real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
          kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0),
-    real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad", kControl + offsetof(ControlConfig, kp),
-         0.0, 20.0, kTunable),
-    real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0, kTunable),
-    real("control", "kd", "s", "joint loop, derivative of the estimate", kControl + offsetof(ControlConfig, kd_s), 0.0, 1.0,
+    real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad",
+         kControl + offsetof(ControlConfig, kp), 0.0, 20.0, kTunable),
+    real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0,
          kTunable),
+    real("control", "kd", "s", "joint loop, derivative of the estimate", kControl + offsetof(ControlConfig, kd_s), 0.0,
+         1.0, kTunable),
     real("control", "integral_limit", "rad", "bound of the integral, motor side",
          kControl + offsetof(ControlConfig, integral_limit_rad), 0.0, 10.0, kTunable),
     real("control", "stiffness", "Nm/rad", "motor servo, proportional",
@@ -48,7 +64,8 @@ constexpr std::array kFixedParameters = {
          kControl + offsetof(ControlConfig, damping_nms_per_rad), 0.0, 10.0, kTunable),
     real("control", "torque_forward", "Nm", "torque that keeps the motor moving forward",
          kControl + offsetof(ControlConfig, torque_forward_nm), -50.0, 50.0, kTunable),
-    real("control", "torque_backward", "Nm", "torque that keeps the motor moving backward, negative where friction rules",
+    real("control", "torque_backward", "Nm",
+         "torque that keeps the motor moving backward, negative where friction rules",
          kControl + offsetof(ControlConfig, torque_backward_nm), -50.0, 50.0, kTunable),
     real("control", "reversal_time", "s", "the feedforward changes direction within about this time",
          kControl + offsetof(ControlConfig, reversal_time_s), 0.001, 2.0, kTunable),
@@ -63,8 +80,10 @@ constexpr std::array kFixedParameters = {
          kLimits + offsetof(LimitConfig, motor_min_rad), -125.0, 125.0),
     real("limits", "motor_max", "rad", "tendon travel: no torque further out",
          kLimits + offsetof(LimitConfig, motor_max_rad), -125.0, 125.0),
-    real("limits", "joint_min", "rad", "smallest reference", kLimits + offsetof(LimitConfig, joint_min_rad), -125.0, 125.0),
-    real("limits", "joint_max", "rad", "largest reference", kLimits + offsetof(LimitConfig, joint_max_rad), -125.0, 125.0),
+    real("limits", "joint_min", "rad", "smallest reference", kLimits + offsetof(LimitConfig, joint_min_rad), -125.0,
+         125.0),
+    real("limits", "joint_max", "rad", "largest reference", kLimits + offsetof(LimitConfig, joint_max_rad), -125.0,
+         125.0),
     real("limits", "joint_speed", "rad/s", "largest speed of a reference",
          kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0),
     real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
@@ -122,7 +141,9 @@ constexpr std::array<ParameterInfo, kCount> kTable = make_table();
 
 }  // namespace
 
-auto parameters() -> std::span<const ParameterInfo> { return kTable; }
+auto parameters() -> std::span<const ParameterInfo> {
+  return kTable;
+}
 
 auto find_parameter(std::string_view group_dot_name) -> const ParameterInfo* {
   const std::size_t dot = group_dot_name.find('.');

@@ -113,7 +113,8 @@ void Shell::execute(std::string_view line) {
       continue;
     }
     if (words_in(rest) > command.most_words) {
-      error("usage", "the command was given more words than it takes, and nothing was done", "'help' shows its arguments");
+      error("usage", "the command was given more words than it takes, and nothing was done",
+            "'help' shows its arguments");
     } else {
       command.run(*this, rest);
     }

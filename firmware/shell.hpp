@@ -10,8 +10,8 @@
 
 namespace capstan {
 
-/// The operator's console: one line in, one answer out, ending in "ok" or "error <name>: <sentence>; <cure>". It never touches the
-/// cycle's data: it reads what the cycle publishes and hands it requests.
+/// The operator's console: one line in, one answer out, ending in "ok" or "error <name>: <sentence>; <cure>". It never
+/// touches the cycle's data: it reads what the cycle publishes and hands it requests.
 class Shell {
  public:
   static constexpr std::size_t kMaxAxes = 4;

@@ -15,28 +15,34 @@ constexpr std::array kCommands = {
     ShellCommand{"help", "", 0, "this list", ShellCommands::help},
     ShellCommand{"version", "", 0, "firmware, board and number of parameters", ShellCommands::version},
     ShellCommand{"status", "", 0, "state, joint angles, currents and active limits", ShellCommands::status},
-    ShellCommand{"faults", "", 0, "the latched fault and what would block arming, with causes and cures", ShellCommands::faults},
+    ShellCommand{"faults", "", 0, "the latched fault and what would block arming, with causes and cures",
+                 ShellCommands::faults},
     ShellCommand{"get", "jointN.group.name", 1, "one parameter with unit and range", ShellCommands::get},
-    ShellCommand{"set", "jointN.group.name VALUE [UNIT]", kAnyNumber, "changes one parameter, or stages it after 'begin'", ShellCommands::set},
+    ShellCommand{"set", "jointN.group.name VALUE [UNIT]", kAnyNumber,
+                 "changes one parameter, or stages it after 'begin'", ShellCommands::set},
     ShellCommand{"list", "[jointN[.group]]", 1, "parameters with unit, range and meaning", ShellCommands::list},
     ShellCommand{"dump", "", 0, "all parameters as lines that can be pasted back", ShellCommands::dump},
     ShellCommand{"diff", "", 0, "the same, only what differs from the defaults", ShellCommands::diff},
     ShellCommand{"begin", "", 0, "starts staging: 'set' changes nothing until 'commit'", ShellCommands::begin},
     ShellCommand{"commit", "", 0, "takes all staged parameters, or none", ShellCommands::commit},
     ShellCommand{"abandon", "", 0, "forgets what was staged", ShellCommands::abandon},
-    ShellCommand{"defaults", "", 0, "stages the defaults of every parameter; 'commit' takes them", ShellCommands::defaults},
+    ShellCommand{"defaults", "", 0, "stages the defaults of every parameter; 'commit' takes them",
+                 ShellCommands::defaults},
     ShellCommand{"save", "", 0, "writes the parameters to storage (disarmed only)", ShellCommands::save},
     ShellCommand{"load", "", 0, "reads them back from storage (disarmed only)", ShellCommands::load},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", ShellCommands::arm},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", ShellCommands::disarm},
     ShellCommand{"move", "jointN ANGLE [rad|deg]", kAnyNumber, "moves a joint within its limits", ShellCommands::move},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", ShellCommands::hold},
-    ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms", ShellCommands::log},
+    ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms",
+                 ShellCommands::log},
 };
 
 }  // namespace
 
-auto shell_commands() -> std::span<const ShellCommand> { return kCommands; }
+auto shell_commands() -> std::span<const ShellCommand> {
+  return kCommands;
+}
 
 void ShellCommands::help(Shell& shell, std::string_view /*arguments*/) {
   for (const ShellCommand& command : kCommands) {
@@ -58,8 +64,8 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
                                                              "limits.joint_min/joint_max/joint_speed"};
   const MachineTelemetry now = shell.machine_.telemetry();
   Print& out = shell.out_;
-  out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick << " overruns "
-      << now.overruns << "\r\n";
+  out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
+      << " overruns " << now.overruns << "\r\n";
   for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
     const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
     out << "joint" << static_cast<std::uint32_t>(axis) << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm
@@ -118,9 +124,9 @@ void ShellCommands::move(Shell& shell, std::string_view arguments) {
   }
   if (problem == ValueError::kRange || request.position_rad < limits.joint_min_rad ||
       request.position_rad > limits.joint_max_rad) {
-    shell.out_ << "error range: joint" << static_cast<std::uint32_t>(request.axis) << " moves only from limits.joint_min "
-               << limits.joint_min_rad << " to limits.joint_max " << limits.joint_max_rad
-               << " rad, and nothing was done; give a target in that range\r\n";
+    shell.out_ << "error range: joint" << static_cast<std::uint32_t>(request.axis)
+               << " moves only from limits.joint_min " << limits.joint_min_rad << " to limits.joint_max "
+               << limits.joint_max_rad << " rad, and nothing was done; give a target in that range\r\n";
     shell.prompt();
     return;
   }

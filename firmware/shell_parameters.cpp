@@ -9,7 +9,8 @@ namespace {
 
 auto is_group(std::string_view name) -> bool {
   const auto all = parameters();
-  return std::any_of(all.begin(), all.end(), [name](const ParameterInfo& parameter) { return name == parameter.group; });
+  return std::any_of(all.begin(), all.end(),
+                     [name](const ParameterInfo& parameter) { return name == parameter.group; });
 }
 
 }  // namespace
@@ -21,7 +22,8 @@ void ShellCommands::get(Shell& shell, std::string_view arguments) {
     return;
   }
   const ParameterInfo& parameter = *wanted.parameter;
-  shell.out_ << "joint" << static_cast<std::uint32_t>(wanted.axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+  shell.out_ << "joint" << static_cast<std::uint32_t>(wanted.axis) << '.' << parameter.group << '.' << parameter.name
+             << ' ';
   print_value(shell.out_, parameter, raw_value(shell.machine_.config()[wanted.axis], parameter));
   shell.out_ << " (";
   print_range(shell.out_, parameter);
@@ -60,7 +62,10 @@ auto Shell::stage(std::string_view arguments) -> bool {
     set_raw_value(staged_[wanted.axis], parameter, raw);
     return true;
   }
-  out_ << "error " << (problem == ValueError::kNotANumber ? "not_a_number" : problem == ValueError::kUnit ? "unit" : "range")
+  out_ << "error "
+       << (problem == ValueError::kNotANumber ? "not_a_number"
+           : problem == ValueError::kUnit     ? "unit"
+                                              : "range")
        << ": " << parameter.group << '.' << parameter.name << " takes ";
   print_range(out_, parameter);
   out_ << " and nothing was changed; give a "
@@ -106,7 +111,8 @@ void ShellCommands::list(Shell& shell, std::string_view arguments) {
     filter.remove_prefix(1);
   }
   if (one_group && !(dot && is_group(filter))) {
-    shell.error("unknown_group", "there is no such group of parameters", "'list' shows all of them, 'list joint0.limits' one");
+    shell.error("unknown_group", "there is no such group of parameters",
+                "'list' shows all of them, 'list joint0.limits' one");
     return;
   }
   for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
@@ -114,7 +120,8 @@ void ShellCommands::list(Shell& shell, std::string_view arguments) {
       if ((one_axis && axis != only) || (one_group && filter != parameter.group)) {
         continue;
       }
-      shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+      shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
+                 << ' ';
       print_value(shell.out_, parameter, raw_value(shell.machine_.config()[axis], parameter));
       shell.out_ << " (";
       print_range(shell.out_, parameter);
@@ -133,7 +140,8 @@ void ShellCommands::replay_lines(Shell& shell, bool changed_only) {
       if (changed_only && raw == raw_value(fresh, parameter)) {
         continue;
       }
-      shell.out_ << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name << ' ';
+      shell.out_ << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
+                 << ' ';
       print_value(shell.out_, parameter, raw);
       shell.out_ << "\r\n";
     }
@@ -142,8 +150,12 @@ void ShellCommands::replay_lines(Shell& shell, bool changed_only) {
   shell.ok();
 }
 
-void ShellCommands::dump(Shell& shell, std::string_view /*arguments*/) { replay_lines(shell, false); }
-void ShellCommands::diff(Shell& shell, std::string_view /*arguments*/) { replay_lines(shell, true); }
+void ShellCommands::dump(Shell& shell, std::string_view /*arguments*/) {
+  replay_lines(shell, false);
+}
+void ShellCommands::diff(Shell& shell, std::string_view /*arguments*/) {
+  replay_lines(shell, true);
+}
 
 void ShellCommands::begin(Shell& shell, std::string_view /*arguments*/) {
   begin_staging(shell);
@@ -195,10 +207,12 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
       shell.error("storage_empty", "nothing was ever saved, and nothing was changed", "'set' what you want and 'save'");
       break;
     case LoadResult::kCorrupt:
-      shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed", "load a model and 'save' it");
+      shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
+                  "load a model and 'save' it");
       break;
     case LoadResult::kRefused:
-      shell.error("busy", "the cycle has not taken the last change yet, and nothing was changed", "send the line again");
+      shell.error("busy", "the cycle has not taken the last change yet, and nothing was changed",
+                  "send the line again");
       break;
   }
 }

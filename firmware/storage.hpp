@@ -20,7 +20,9 @@ class Banks {
     return do_write(bank, offset, bytes);
   }
   /// False: nothing to read there.
-  auto read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool { return do_read(bank, offset, bytes); }
+  auto read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool {
+    return do_read(bank, offset, bytes);
+  }
 
  protected:
   ~Banks() = default;  // never owned through this face: a virtual one would need operator delete
@@ -38,15 +40,15 @@ enum class LoadResult : std::uint8_t {
   kRefused,  ///< nothing was tried, because torque is on or the last change is still under way
 };
 
-/// Parameters in two banks. A save goes to the bank that does not hold the newest set and becomes valid with its last word,
-/// the header; a cut at any byte leaves the old set. Entries carry a hash of the parameter's name, so sets from other versions
-/// load as far as names agree.
+/// Parameters in two banks. A save goes to the bank that does not hold the newest set and becomes valid with its last
+/// word, the header; a cut at any byte leaves the old set. Entries carry a hash of the parameter's name, so sets from
+/// other versions load as far as names agree.
 class ParameterStorage {
  public:
   explicit ParameterStorage(Banks& banks) : banks_(banks) {}
   auto save(std::span<const AxisConfig> axes) -> bool;
-  /// Entries that are unknown or outside today's range are left at the values `axes` came with. After anything but kLoaded what
-  /// is in `axes` is not to be used. Never kRefused.
+  /// Entries that are unknown or outside today's range are left at the values `axes` came with. After anything but
+  /// kLoaded what is in `axes` is not to be used. Never kRefused.
   auto load(std::span<AxisConfig> axes) -> LoadResult;
 
  private:

@@ -15,8 +15,12 @@ enum class State : std::uint8_t {
   kFaulted,   ///< bridge off after a fault, until the operator disarms
 };
 inline constexpr std::array<const char*, 4> kStateNames = {"disarmed", "armed", "holding", "faulted"};
-constexpr auto name(State state) -> const char* { return kStateNames[static_cast<std::size_t>(state)]; }
-constexpr auto energised(State state) -> bool { return state == State::kArmed || state == State::kHolding; }
+constexpr auto name(State state) -> const char* {
+  return kStateNames[static_cast<std::size_t>(state)];
+}
+constexpr auto energised(State state) -> bool {
+  return state == State::kArmed || state == State::kHolding;
+}
 
 /// What can change the state.
 enum class Trigger : std::uint8_t { kFault, kDisarm, kArm, kMotionBegins, kMotionEnds };

@@ -7,8 +7,12 @@
 namespace capstan {
 namespace {
 
-constexpr auto is_digit(char c) -> bool { return c >= '0' && c <= '9'; }
-constexpr auto is_blank(char c) -> bool { return c == ' ' || c == '\t'; }
+constexpr auto is_digit(char c) -> bool {
+  return c >= '0' && c <= '9';
+}
+constexpr auto is_blank(char c) -> bool {
+  return c == ' ' || c == '\t';
+}
 
 /// A decimal number mantissa * 10^exponent.
 struct Decimal {

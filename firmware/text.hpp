@@ -40,11 +40,13 @@ enum class ParseResult : std::uint8_t { kOk, kNotANumber, kOutOfRange };
 
 /// Reads a whole decimal integer.
 auto parse_integer(std::string_view text, std::int32_t& value) -> ParseResult;
-/// Reads a decimal number such as -1.25, .5 or 3e-2 and rounds it to the nearest Q24. `used` is how many characters belong to
-/// the number; what follows is the unit. "nan" and "inf" are not numbers. `value` is set only if the result is kOk.
+/// Reads a decimal number such as -1.25, .5 or 3e-2 and rounds it to the nearest Q24. `used` is how many characters
+/// belong to the number; what follows is the unit. "nan" and "inf" are not numbers. `value` is set only if the result
+/// is kOk.
 auto parse_real(std::string_view text, Q24& value, std::size_t& used) -> ParseResult;
 
-/// A unit that people type instead of the one a quantity has: value = number * 10^exponent, and from degrees to rad if so said.
+/// A unit that people type instead of the one a quantity has: value = number * 10^exponent, and from degrees to rad if
+/// so said.
 struct UnitScale {
   std::int32_t exponent = 0;
   bool degrees = false;

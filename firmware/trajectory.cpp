@@ -8,8 +8,12 @@ namespace {
 
 constexpr std::int64_t kUnits = std::int64_t{kCycleRateHz} * kCycleRateHz;
 
-auto position_of(Q24 angle_rad) -> std::int64_t { return angle_rad.raw() * kUnits; }
-auto speed_of(Q24 speed_rad_s) -> std::int64_t { return std::int64_t{speed_rad_s.raw()} * kCycleRateHz; }
+auto position_of(Q24 angle_rad) -> std::int64_t {
+  return angle_rad.raw() * kUnits;
+}
+auto speed_of(Q24 speed_rad_s) -> std::int64_t {
+  return std::int64_t{speed_rad_s.raw()} * kCycleRateHz;
+}
 auto step_of(const LimitConfig& limits) -> std::int64_t {
   return std::max<std::int64_t>(limits.joint_acceleration_rad_s2.raw(), 1);
 }
@@ -20,7 +24,8 @@ auto angle_of(std::int64_t position) -> Q24 {
   return Q24::from_wide(quotient * kUnits > shifted ? quotient - 1 : quotient);
 }
 
-/// What is still travelled while the speed falls by `step` in every cycle: speed - step, speed - 2 step, ... above zero.
+/// What is still travelled while the speed falls by `step` in every cycle: speed - step, speed - 2 step, ... above
+/// zero.
 auto braking_distance(std::int64_t speed, std::int64_t step) -> std::int64_t {
   constexpr std::int64_t kForever = std::int64_t{1} << 61;
   constexpr std::int64_t kMostCycles = 4'000'000;  // over an hour, and n * speed below still fits
@@ -28,7 +33,8 @@ auto braking_distance(std::int64_t speed, std::int64_t step) -> std::int64_t {
   return n > kMostCycles ? kForever : n * speed - step * (n * (n + 1) / 2);
 }
 
-/// The next speed towards a target `distance` >= 0 ahead: the fastest from which it can still be reached without passing it.
+/// The next speed towards a target `distance` >= 0 ahead: the fastest from which it can still be reached without
+/// passing it.
 auto next_speed(std::int64_t speed, std::int64_t distance, std::int64_t limit, std::int64_t step) -> std::int64_t {
   if (distance <= std::min(limit, step) && std::abs(distance - speed) <= step) {
     return distance;  // lands on it now and can stand in the next cycle

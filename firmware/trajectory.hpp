@@ -5,9 +5,9 @@
 
 namespace capstan {
 
-/// A point-to-point move of one joint with limited speed and acceleration; one call a cycle. The reference ends exactly on the
-/// target and never passes it, unless a new target lies closer than the joint can brake.
-/// Limits are those of the parameter table: acceleration above zero.
+/// A point-to-point move of one joint with limited speed and acceleration; one call a cycle. The reference ends exactly
+/// on the target and never passes it, unless a new target lies closer than the joint can brake. Limits are those of the
+/// parameter table: acceleration above zero.
 class Trajectory {
  public:
   /// Stands still at a position, rad.
@@ -21,8 +21,8 @@ class Trajectory {
   [[nodiscard]] auto finished() const -> bool { return position_ == target_ && speed_ == 0; }
 
  private:
-  // In units of 2^-24 rad / kCycleRateHz^2. In them a cycle's change of speed, rad/s2, and a cycle's travel, rad/s, are whole
-  // numbers, so nothing is rounded on the way and braking ends exactly where it was computed to end.
+  // In units of 2^-24 rad / kCycleRateHz^2. In them a cycle's change of speed, rad/s2, and a cycle's travel, rad/s, are
+  // whole numbers, so nothing is rounded on the way and braking ends exactly where it was computed to end.
   std::int64_t position_ = 0;
   std::int64_t target_ = 0;
   std::int64_t speed_ = 0;  // a cycle

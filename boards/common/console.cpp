@@ -56,7 +56,9 @@ auto Console::receive(std::span<char> into) -> std::size_t {
 /// Who is there? A pty has a peer as long as somebody holds its device open; one that came, wrote and left counts too.
 void Console::watch_line() {
   if (kind_ == Kind::kTcp) {
-    if (events_now(listener_.get(), POLLIN) != 0) {
+    // A client that has just left makes room as soon as its last characters are read; until then the next one waits.
+    const bool leaving = attached_ && (events_now(line_.get(), POLLRDHUP) & (POLLRDHUP | POLLHUP)) != 0;
+    if (!leaving && events_now(listener_.get(), POLLIN) != 0) {
       attached_ ? turn_away() : accept_client();
     }
   } else if (kind_ == Kind::kPty && !attached_) {

@@ -56,9 +56,13 @@ class ConsoleFeed {
     shell_.poll();
     while (fetch() && (!shell_.busy() || waiting_ == kCancel)) {
       have_waiting_ = false;
+      in_line_ = waiting_ != '\r' && waiting_ != '\n';
       shell_.receive(waiting_);
     }
   }
+
+  /// True when a line is half typed or its answer is under way: nothing else should be printed now.
+  [[nodiscard]] auto in_use() const -> bool { return in_line_ || have_waiting_ || shell_.busy(); }
 
  private:
   static constexpr char kCancel = 0x03;
@@ -77,6 +81,7 @@ class ConsoleFeed {
   Shell& shell_;
   char waiting_ = 0;
   bool have_waiting_ = false;
+  bool in_line_ = false;
 };
 
 }  // namespace capstan::stm32f405

@@ -90,7 +90,7 @@ class Runtime {
     bool timing_printed = false;
     for (;;) {
       feed_.poll();
-      if (!timing_printed && tick_.count() >= kTimingAfterTicks && !shell_.busy()) {
+      if (!timing_printed && tick_.count() >= kTimingAfterTicks && !feed_.in_use()) {
         timing_printed = true;
         out << "\r\n";  // the prompt may stand there already
         print_timing(out, timing_, report.clock.core_hz);

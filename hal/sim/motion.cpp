@@ -61,6 +61,37 @@ Kinematics triangle(const Segment& g, double t) {
   return {sign * end * (g.amplitude_rad - drop), sign * bend * nearest, -sign * end * bend};
 }
 
+struct Leg {
+  double distance, speed, duration_s;
+};
+
+// Speeds up for one corner, slows down for another; a leg too short for that never reaches the speed.
+Leg leg(const Segment& g, std::size_t number) {
+  const double distance = g.points_rad[number + 1] - g.points_rad[number];
+  const double speed = std::min(g.speed_rad_per_s, std::fabs(distance) / g.corner_s);
+  const double cruise = speed > 0.0 ? std::fabs(distance) / speed : 0.0;
+  return {distance, distance < 0.0 ? -speed : speed, cruise + g.corner_s};
+}
+
+Kinematics polyline(const Segment& g, double t) {
+  std::size_t number = 0;
+  Leg now = leg(g, 0);
+  while (t > now.duration_s && number + 2 < g.points_rad.size()) {
+    t -= now.duration_s;
+    now = leg(g, ++number);
+  }
+  const double from = g.points_rad[number];
+  const double bend = now.speed / g.corner_s;
+  const double left = now.duration_s - t;
+  if (left <= 0.0)
+    return {from + now.distance, 0.0, 0.0};
+  if (t < g.corner_s)
+    return {from + 0.5 * bend * t * t, bend * t, bend};
+  if (left < g.corner_s)
+    return {from + now.distance - 0.5 * bend * left * left, bend * left, -bend};
+  return {from + now.speed * (t - 0.5 * g.corner_s), now.speed, 0.0};
+}
+
 Kinematics multisine(const Segment& g, double scale, double t) {
   Kinematics sum;
   const auto count = static_cast<double>(g.frequencies_hz.size());
@@ -86,6 +117,9 @@ Kinematics shape(const Segment& g, double scale, double t) {
       break;
     case SegmentKind::kTriangle:
       k = triangle(g, t);
+      break;
+    case SegmentKind::kPolyline:
+      k = polyline(g, t);
       break;
     case SegmentKind::kHold:
       break;
@@ -113,13 +147,24 @@ Kinematics fade(const Kinematics& start, double blend, double t) {
   return {angle, rate / blend, acceleration / (blend * blend)};
 }
 
+void check_polyline(const Segment& g) {
+  require(g.points_rad.size() >= 2, "a polyline needs two points or more; give points_rad = [...]");
+  require(g.speed_rad_per_s > 0.0 && g.speed_rad_per_s <= 1.0e3, "speed_rad_per_s must be above 0; give a speed");
+  require(g.corner_s > 0.0, "corner_s must be above 0; a motion cannot turn at once");
+  for (const double point : g.points_rad)
+    require(std::fabs(point) <= 100.0, "points_rad are beyond 100 rad; give angles in rad");
+}
+
 void check(const Segment& g, double blend_s) {
+  if (g.kind == SegmentKind::kPolyline)
+    check_polyline(g);
   require(g.duration_s > 0.0 && g.duration_s <= 1.0e6,
           "duration_s must be above 0; give the segment's length in seconds");
   require(g.duration_s >= blend_s, "a segment is shorter than blend_s; lengthen it or shorten the blend");
   require(std::fabs(g.amplitude_rad) <= 100.0, "amplitude_rad is beyond 100 rad; give an angle in rad");
   require(std::fabs(g.offset_rad) <= 100.0, "offset_rad is beyond 100 rad; give an angle in rad");
-  const bool periodic = g.kind != SegmentKind::kHold && g.kind != SegmentKind::kMultisine;
+  const bool periodic = g.kind != SegmentKind::kHold && g.kind != SegmentKind::kMultisine &&
+                        g.kind != SegmentKind::kPolyline;
   require(!periodic || (g.frequency_hz > 0.0 && g.frequency_hz <= kFastestHz),
           "frequency_hz must be above 0 and at most 200; give the segment's frequency");
   require(g.kind != SegmentKind::kMultisine || !g.frequencies_hz.empty(),
@@ -145,6 +190,13 @@ double scale_of(const Segment& g) {
 }
 
 }  // namespace
+
+double polyline_duration_s(const Segment& segment) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < segment.points_rad.size(); ++i)
+    sum += leg(segment, i).duration_s;
+  return sum;
+}
 
 Motion::Motion(std::vector<Segment> segments, int repeat, double blend_s)
     : segments_(std::move(segments)), blend_s_(blend_s), repeat_(repeat) {

@@ -6,7 +6,7 @@
 
 namespace capstan::sim {
 
-enum class SegmentKind { kSine, kMultisine, kDecayingSine, kTriangle, kHold };
+enum class SegmentKind { kSine, kMultisine, kDecayingSine, kTriangle, kHold, kPolyline };
 
 /// One piece of a reference motion; t below counts from the start of the segment.
 struct Segment {
@@ -17,9 +17,14 @@ struct Segment {
   double frequency_hz = 0.0;
   double phase_rad = 0.0;                   ///< of the (first) sine; triangle: same sense, starting upward through zero
   double decay_per_s = 0.0;                 ///< decaying sine: amplitude exp(-decay t)
-  double corner_s = 0.05;                   ///< triangle: each peak is rounded by a parabola of this duration
+  double corner_s = 0.05;                   ///< triangle, polyline: each peak is rounded by parabolas this long
+  double speed_rad_per_s = 0.0;             ///< polyline: between the points, but for `corner` at each end of a leg
+  std::vector<double> points_rad = {};      ///< polyline: from the first to the last, at rest at each
   std::vector<double> frequencies_hz = {};  ///< multisine: tone k has the phase phase - pi k (k - 1) / N (Schroeder)
 };
+
+/// How long a polyline takes.
+[[nodiscard]] double polyline_duration_s(const Segment& segment);
 
 struct Kinematics {
   double angle_rad = 0.0;

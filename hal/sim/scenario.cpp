@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hal/sim/scenario.hpp"
 
-#include <toml++/toml.h>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <fstream>
-#include <functional>
 #include <locale>
-#include <map>
 #include <optional>
 #include <sstream>
 #include <utility>
 
 #include "hal/sim/fields.hpp"
+#include "hal/sim/scenario_sections.hpp"
 
 namespace capstan::sim {
 namespace {
@@ -22,243 +17,38 @@ namespace fs = std::filesystem;
 
 constexpr int kDeepestBase = 8;
 
-/// A file being read: knows its name for errors.
-struct Source {
-  fs::path file;
-  fs::path instruments_folder;
-
-  [[noreturn]] void fail(const toml::source_region& where, const std::string& sentence) const {
-    throw ScenarioError(file.string() + ":" + std::to_string(where.begin.line) + ": " + sentence);
-  }
-
-  // Turns a checker's refusal into one with file and line.
-  template <class Action>
-  auto located(const toml::node& node, Action&& action) const {
-    try {
-      return action();
-    } catch (const std::invalid_argument& refusal) {
-      fail(node.source(), refusal.what());
-    }
-  }
-
-  [[nodiscard]] double number(const std::string& key, const toml::node& node) const {
-    const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;
-    if (!value || !std::isfinite(*value))
-      fail(node.source(), "`" + key + "` is not a number; write it like 0.5");
-    return *value;
-  }
-
-  [[nodiscard]] int integer(const std::string& key, const toml::node& node) const {
-    const std::optional<std::int64_t> value = node.is_integer() ? node.value<std::int64_t>() : std::nullopt;
-    if (!value || *value < -2147483647 || *value > 2147483647) {
-      fail(node.source(), "`" + key + "` is not a whole number; write it like 4");
-    }
-    return static_cast<int>(*value);
-  }
-
-  [[nodiscard]] std::string text(const std::string& key, const toml::node& node) const {
-    const std::optional<std::string> value = node.value_exact<std::string>();
-    if (!value)
-      fail(node.source(), "`" + key + "` is not a text; put it in double quotes");
-    return *value;
-  }
-
-  [[nodiscard]] const toml::table& table(const std::string& key, const toml::node& node) const {
-    if (!node.is_table())
-      fail(node.source(), "`" + key + "` is not a table; write it as [" + key + "]");
-    return *node.as_table();
-  }
-
-  [[nodiscard]] const toml::array& array(const std::string& key, const toml::node& node) const {
-    if (!node.is_array())
-      fail(node.source(), "`" + key + "` is not a list; put its items in [ ]");
-    return *node.as_array();
-  }
-};
-
-using Reader = std::function<void(const std::string& key, const toml::node& value)>;
-using Readers = std::map<std::string, Reader, std::less<>>;
-
-// Every key of the table must have a reader: this is where unknown keys are refused.
-void read_table(const Source& source, const std::string& what, const toml::table& table, const Readers& readers) {
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    const auto reader = readers.find(name);
-    if (reader == readers.end()) {
-      std::string known;
-      for (const auto& entry : readers)
-        known += (known.empty() ? "" : ", ") + entry.first;
-      source.fail(key.source(), what + " has no key `" + name + "`; known are: " + known);
-    }
-    reader->second(name, node);
-  }
-}
-
-toml::table parse(std::string_view text, const Source& source) {
-  try {
-    return toml::parse(text, source.file.string());
-  } catch (const toml::parse_error& error) {
-    source.fail(error.source(), std::string(error.description()) + "; correct the TOML syntax");
-  }
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || fs::is_directory(file) || !(text << stream.rdbuf())) {
-    throw ScenarioError(file.string() + ":1: the file cannot be read; check the path and that it is not empty");
-  }
-  return text.str();
-}
-
-void read_plant(const Source& source, const toml::table& table, PlantParameters& plant) {
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    source.located(node, [&] { set_parameter(plant, name, source.number(name, node)); });
-  }
-}
-
-void read_environment(const Source& source, const toml::table& table, Environment& environment) {
-  for (const auto& [key, node] : table) {
-    const std::string name(key.str());
-    source.located(node, [&] {
-      if (name == "kind") {
-        environment.kind = environment_kind(source.text(name, node));
-      } else {
-        set_environment(environment, name, source.number(name, node));
-      }
-    });
-  }
-}
-
-void read_effects(const Source& source, const toml::table& table, Effects& effects) {
-  for (const auto& [key, node] : table) {
-    const std::string effect(key.str());
-    if (!node.is_table()) {
-      source.located(node, [&] { set_effect(effects, effect, source.number(effect, node)); });
-      continue;
-    }
-    for (const auto& [detail, value] : *node.as_table()) {
-      const std::string name = effect + "." + std::string(detail.str());
-      source.located(value, [&] { set_effect(effects, name, source.number(name, value)); });
-    }
-  }
-}
-
-template <class Kind, std::size_t Count>
-Kind choose(const Source& source, const std::string& key, const toml::node& node,
-            const std::array<std::pair<const char*, Kind>, Count>& choices) {
-  const std::string name = source.text(key, node);
-  std::string known;
-  for (const auto& [choice, kind] : choices) {
-    if (name == choice)
-      return kind;
-    known += (known.empty() ? "" : ", ") + std::string(choice);
-  }
-  source.fail(node.source(), "`" + name + "` is no " + key + "; known are: " + known);
-}
-
-Fault read_fault(const Source& source, const toml::table& table) {
-  static const std::array<std::pair<const char*, FaultTarget>, 3> kTargets = {
-      {{"encoder", FaultTarget::kEncoder}, {"current", FaultTarget::kCurrent}, {"amplifier", FaultTarget::kAmplifier}}};
-  static const std::array<std::pair<const char*, FaultKind>, 7> kKinds = {{{"off", FaultKind::kOff},
-                                                                           {"stuck", FaultKind::kStuck},
-                                                                           {"garbage", FaultKind::kGarbage},
-                                                                           {"jump", FaultKind::kJump},
-                                                                           {"nan", FaultKind::kNan},
-                                                                           {"sign", FaultKind::kSign},
-                                                                           {"delayed", FaultKind::kDelayed}}};
-  Fault fault;
-  const auto set = [&source](double& member) {
-    return [&source, &member](const std::string& key, const toml::node& node) { member = source.number(key, node); };
-  };
-  read_table(
-      source, "a fault", table,
-      {{"time_s", set(fault.time_s)},
-       {"duration_s", set(fault.duration_s)},
-       {"amount", set(fault.amount)},
-       {"target", [&](const auto& key, const auto& node) { fault.target = choose(source, key, node, kTargets); }},
-       {"kind", [&](const auto& key, const auto& node) { fault.kind = choose(source, key, node, kKinds); }}});
-  for (const char* needed : {"time_s", "target", "kind"}) {
-    if (!table.contains(needed))
-      source.fail(table.source(), std::string("a fault lacks `") + needed + "`; add it");
-  }
-  source.located(table, [&] { FaultSchedule(0).add(fault); });
-  return fault;
-}
-
-Segment read_segment(const Source& source, const toml::table& table) {
-  static const std::array<std::pair<const char*, SegmentKind>, 5> kKinds = {
-      {{"sine", SegmentKind::kSine},
-       {"multisine", SegmentKind::kMultisine},
-       {"decaying_sine", SegmentKind::kDecayingSine},
-       {"triangle", SegmentKind::kTriangle},
-       {"hold", SegmentKind::kHold}}};
-  Segment segment;
-  const auto set = [&source](double& member) {
-    return [&source, &member](const std::string& key, const toml::node& node) { member = source.number(key, node); };
-  };
-  read_table(source, "a segment", table,
-             {{"kind", [&](const auto& key, const auto& node) { segment.kind = choose(source, key, node, kKinds); }},
-              {"duration_s", set(segment.duration_s)},
-              {"offset_rad", set(segment.offset_rad)},
-              {"amplitude_rad", set(segment.amplitude_rad)},
-              {"frequency_hz", set(segment.frequency_hz)},
-              {"phase_rad", set(segment.phase_rad)},
-              {"decay_per_s", set(segment.decay_per_s)},
-              {"corner_s", set(segment.corner_s)},
-              {"frequencies_hz", [&](const std::string& key, const toml::node& node) {
-                 for (const auto& tone : source.array(key, node)) {
-                   segment.frequencies_hz.push_back(source.number(key, tone));
-                 }
-               }}});
-  for (const char* needed : {"kind", "duration_s"}) {
-    if (!table.contains(needed))
-      source.fail(table.source(), std::string("a segment lacks `") + needed + "`; add it");
-  }
-  // Alone, a segment must already be a motion: so that what is wrong with it is reported at its own line.
-  source.located(table, [&] { Motion({segment}, 1, std::min(0.01, segment.duration_s)); });
-  return segment;
-}
-
-Motion read_motion(const Source& source, const toml::table& table) {
-  std::vector<Segment> segments;
-  int repeat = 1;
-  double blend_s = 0.5;
-  read_table(source, "motion", table,
-             {{"repeat", [&](const auto& key, const auto& node) { repeat = source.integer(key, node); }},
-              {"blend_s", [&](const auto& key, const auto& node) { blend_s = source.number(key, node); }},
-              {"segments", [&](const std::string& key, const toml::node& node) {
-                 for (const auto& item : source.array(key, node)) {
-                   segments.push_back(read_segment(source, source.table("segments", item)));
-                 }
-               }}});
-  return source.located(table, [&] { return Motion(std::move(segments), repeat, blend_s); });
-}
-
-void read_instrument_file(const Source& source, const std::string& text, PlantParameters& plant) {
-  const toml::table root = parse(text, source);
-  read_table(source, "an instrument", root,
-             {{"name", [&](const auto& key, const auto& node) { static_cast<void>(source.text(key, node)); }},
-              {"plant", [&](const auto& key, const auto& node) { read_plant(source, source.table(key, node), plant); }},
-              {"environment", [&](const auto& key, const auto& node) {
-                 read_environment(source, source.table(key, node), plant.environment);
-               }}});
-}
-
-void read_instrument(const Source& source, const toml::node& node, PlantParameters& plant) {
+Instrument find_instrument(const Source& source, const toml::node& node) {
   const std::string name = source.text("instrument", node);
   for (const fs::path& folder : {source.file.parent_path(), source.instruments_folder}) {
     const fs::path candidate = folder / name;
-    if (!fs::is_regular_file(candidate))
-      continue;
-    read_instrument_file(Source{candidate, {}}, contents(candidate), plant);
-    return;
+    if (fs::is_regular_file(candidate))
+      return parse_instrument(contents(candidate), candidate);
   }
-  // The defaults of PlantParameters are this instrument.
-  if (name == "micro_forceps" || name == "micro_forceps.toml")
-    return;
-  source.fail(node.source(), "there is no instrument `" + name + "` beside the scenario; give a file or micro_forceps");
+  const std::string_view text = built_in_instrument(name);
+  if (text.empty()) {
+    source.fail(node.source(), "there is no instrument `" + name +
+                                   "` beside the scenario; give a file, micro_forceps, da_vinci_wrist, raven2 or "
+                                   "robot_finger");
+  }
+  return parse_instrument(text, name);
+}
+
+void take_instrument(const Instrument& instrument, Scenario& scenario) {
+  const Effects kept = scenario.plant.effects;  // of a base
+  scenario.axis_name = instrument.axes.front().name;
+  scenario.plant = instrument.axes.front().plant;
+  scenario.plant.effects = kept;
+  scenario.carried_radius_m = instrument.axes.front().carried_radius_m;
+  scenario.other_axes.clear();
+  for (std::size_t i = 1; i < instrument.axes.size(); ++i)
+    scenario.other_axes.push_back({instrument.axes[i], {}});
+}
+
+std::vector<std::string> names_of(const Scenario& scenario) {
+  std::vector<std::string> names = {scenario.axis_name};
+  for (const OtherAxis& axis : scenario.other_axes)
+    names.push_back(axis.joint.name);
+  return names;
 }
 
 std::uint64_t read_seed(const Source& source, const toml::node& node) {
@@ -268,38 +58,59 @@ std::uint64_t read_seed(const Source& source, const toml::node& node) {
   return static_cast<std::uint64_t>(*value);
 }
 
+// The sections that every axis has.
+Readers axis_readers(const Source& source, PlantParameters& plant, Motion& motion) {
+  return {
+      {"plant", [&](const auto& key, const auto& node) { read_plant(source, source.table(key, node), plant); }},
+      {"environment",
+       [&](const auto& key, const auto& node) {
+         read_environment(source, source.table(key, node), plant.environment);
+       }},
+      {"effects",
+       [&](const auto& key, const auto& node) { read_effects(source, source.table(key, node), plant.effects); }},
+      {"motion", [&](const auto& key, const auto& node) { motion = read_motion(source, source.table(key, node)); }},
+  };
+}
+
+// [[axes]] changes what the instrument says of the axis that it names.
+void read_axis(const Source& source, const toml::table& table, Scenario& scenario) {
+  const toml::node* which = table.get("axis");
+  if (which == nullptr)
+    source.fail(table.source(), "an axis lacks `axis`; give its name");
+  const int number = axis_number(source, *which, names_of(scenario));
+  OtherAxis* other = number > 0 ? &scenario.other_axes[static_cast<std::size_t>(number) - 1] : nullptr;
+  PlantParameters& plant = other != nullptr ? other->joint.plant : scenario.plant;
+  Readers readers = axis_readers(source, plant, other != nullptr ? other->motion : scenario.motion);
+  readers.emplace("axis", [](const auto&, const auto&) {});
+  read_table(source, "an axis", table, readers);
+  source.located(table, [&] { validate(plant); });
+}
+
 Readers scenario_readers(const Source& source, Scenario& scenario) {
   const auto list = [&source](const std::string& key, const toml::node& node, const auto& each) {
     for (const auto& item : source.array(key, node))
       each(item);
   };
-  return {
-      {"name", [&](const auto& key, const auto& node) { scenario.name = source.text(key, node); }},
-      {"seed", [&](const auto&, const auto& node) { scenario.seed = read_seed(source, node); }},
-      {"duration_s", [&](const auto& key, const auto& node) { scenario.duration_s = source.number(key, node); }},
-      {"base", [](const auto&, const auto&) {}},  // both already read: the other keys change what they gave
-      {"instrument", [](const auto&, const auto&) {}},
-      {"plant",
-       [&](const auto& key, const auto& node) { read_plant(source, source.table(key, node), scenario.plant); }},
-      {"environment",
-       [&](const auto& key, const auto& node) {
-         read_environment(source, source.table(key, node), scenario.plant.environment);
-       }},
-      {"effects", [&](const auto& key,
-                      const auto& node) { read_effects(source, source.table(key, node), scenario.plant.effects); }},
-      {"motion",
-       [&](const auto& key, const auto& node) { scenario.motion = read_motion(source, source.table(key, node)); }},
-      {"shell",
-       [&, list](const std::string& key, const toml::node& node) {
-         list(key, node, [&](const toml::node& line) { scenario.shell.push_back(source.text(key, line)); });
-       }},
-      {"faults",
-       [&, list](const std::string& key, const toml::node& node) {
-         list(key, node, [&](const toml::node& fault) {
-           scenario.faults.push_back(read_fault(source, source.table(key, fault)));
-         });
-       }},
-  };
+  Readers readers = axis_readers(source, scenario.plant, scenario.motion);
+  readers.emplace("name", [&](const auto& key, const auto& node) { scenario.name = source.text(key, node); });
+  readers.emplace("seed", [&](const auto&, const auto& node) { scenario.seed = read_seed(source, node); });
+  readers.emplace("duration_s",
+                  [&](const auto& key, const auto& node) { scenario.duration_s = source.number(key, node); });
+  // Both are already read: the other keys change what they gave.
+  readers.emplace("base", [](const auto&, const auto&) {});
+  readers.emplace("instrument", [](const auto&, const auto&) {});
+  readers.emplace("axes", [&, list](const std::string& key, const toml::node& node) {
+    list(key, node, [&](const toml::node& axis) { read_axis(source, source.table(key, axis), scenario); });
+  });
+  readers.emplace("shell", [&, list](const std::string& key, const toml::node& node) {
+    list(key, node, [&](const toml::node& line) { scenario.shell.push_back(source.text(key, line)); });
+  });
+  readers.emplace("faults", [&, list](const std::string& key, const toml::node& node) {
+    list(key, node, [&](const toml::node& fault) {
+      scenario.faults.push_back(read_fault(source, source.table(key, fault), names_of(scenario)));
+    });
+  });
+  return readers;
 }
 
 Scenario parse_at_depth(std::string_view text, const Source& source, int depth);
@@ -314,8 +125,15 @@ Scenario read_base(const Source& source, const toml::node& node, int depth) {
   return parse_at_depth(contents(file), Source{file, source.instruments_folder}, depth + 1);
 }
 
+double longest_motion_s(const Scenario& scenario) {
+  double longest = scenario.motion.duration_s();
+  for (const OtherAxis& axis : scenario.other_axes)
+    longest = std::max(longest, axis.motion.duration_s());
+  return longest;
+}
+
 Scenario parse_at_depth(std::string_view text, const Source& source, int depth) {
-  const toml::table root = parse(text, source);
+  const toml::table root = parse_toml(text, source);
   Scenario scenario;
   if (const toml::node* base = root.get("base"))
     scenario = read_base(source, *base, depth);
@@ -325,20 +143,36 @@ Scenario parse_at_depth(std::string_view text, const Source& source, int depth) 
   if (root.contains("faults"))
     scenario.faults.clear();
   if (const toml::node* instrument = root.get("instrument"))
-    read_instrument(source, *instrument, scenario.plant);
+    take_instrument(find_instrument(source, *instrument), scenario);
   read_table(source, "a scenario", root, scenario_readers(source, scenario));
   source.located(root, [&] { validate(scenario.plant); });
   if (const toml::node* duration = root.get("duration_s")) {
     if (scenario.duration_s <= 0.0 || scenario.duration_s > 1.0e6) {
       source.fail(duration->source(), "`duration_s` must be above 0; give the run's length in seconds");
     }
-  } else if (root.contains("motion") || !root.contains("base")) {
-    scenario.duration_s = scenario.motion.duration_s();
+  } else if (root.contains("motion") || root.contains("axes") || !root.contains("base")) {
+    scenario.duration_s = longest_motion_s(scenario);
   }
   return scenario;
 }
 
+double value_of(const std::string& number, const std::string& what) {
+  std::istringstream stream(number);
+  stream.imbue(std::locale::classic());
+  double value = 0.0;
+  if (!(stream >> value) || !(stream >> std::ws).eof())
+    throw ScenarioError(what + " `" + number + "` is not a number; write it like play=0.03");
+  return value;
+}
+
 }  // namespace
+
+std::vector<InstrumentAxis> axes_of(const Scenario& scenario) {
+  std::vector<InstrumentAxis> axes = {{scenario.axis_name, scenario.plant, scenario.carried_radius_m}};
+  for (const OtherAxis& axis : scenario.other_axes)
+    axes.push_back(axis.joint);
+  return axes;
+}
 
 Scenario parse_scenario(std::string_view text, const fs::path& file, const fs::path& instruments_folder) {
   return parse_at_depth(text, Source{file, instruments_folder}, 0);
@@ -354,19 +188,43 @@ void override_effect(Scenario& scenario, std::string_view assignment) {
   if (equals == std::string_view::npos || equals == 0) {
     throw ScenarioError("the effect `" + text + "` has no value; write it like play=0.03");
   }
-  const std::string number = text.substr(equals + 1);
-  std::istringstream stream(number);
-  stream.imbue(std::locale::classic());
-  double value = 0.0;
-  if (!(stream >> value) || !(stream >> std::ws).eof()) {
-    throw ScenarioError("the effect's value `" + number + "` is not a number; write it like play=0.03");
-  }
+  const double value = value_of(text.substr(equals + 1), "the effect's value");
   try {
     set_effect(scenario.plant.effects, text.substr(0, equals), value);
     validate(scenario.plant);
   } catch (const std::invalid_argument& refusal) {
     throw ScenarioError(refusal.what());
   }
+}
+
+Fault parse_fault(std::string_view text) {
+  std::istringstream words{std::string(text)};
+  std::string target;
+  std::string kind;
+  words >> target >> kind;
+  Fault fault;
+  try {
+    fault.target = fault_target(target);
+    fault.kind = fault_kind(kind);
+    for (std::string key, number; words >> key;) {
+      if (!(words >> number))
+        throw ScenarioError("`" + key + "` in the fault has no value; write it like at 3");
+      const double value = value_of(number, "the fault's value");
+      if (key == "at") {
+        fault.time_s = value;
+      } else if (key == "for") {
+        fault.duration_s = value;
+      } else if (key == "amount") {
+        fault.amount = value;
+      } else {
+        throw ScenarioError("`" + key + "` says nothing about a fault; known are: at, for, amount");
+      }
+    }
+    FaultSchedule(0).add(fault);
+  } catch (const std::invalid_argument& refusal) {
+    throw ScenarioError(refusal.what());
+  }
+  return fault;
 }
 
 }  // namespace capstan::sim

@@ -42,12 +42,9 @@ inline constexpr std::uint32_t kCfgrStatusPll = 2U << 2;
 inline constexpr std::uint32_t kCfgrPrescalerMask = (0xFU << 4) | (7U << 10) | (7U << 13);
 inline constexpr std::uint32_t kCfgrApb1Div4 = 5U << 10;
 inline constexpr std::uint32_t kCfgrApb2Div2 = 4U << 13;
-inline constexpr std::uint32_t kCirSecurityFlag = 1U << 7;
-inline constexpr std::uint32_t kCirSecurityClear = 1U << 23;
 inline constexpr std::uint32_t kAhb1GpioA = 1U << 0;
 inline constexpr std::uint32_t kAhb1GpioB = 1U << 1;
 inline constexpr std::uint32_t kAhb1GpioC = 1U << 2;
-inline constexpr std::uint32_t kAhb1GpioD = 1U << 3;
 inline constexpr std::uint32_t kApb1Tim2 = 1U << 0;
 inline constexpr std::uint32_t kApb1Usart2 = 1U << 17;
 inline constexpr std::uint32_t kApb1Power = 1U << 28;
@@ -111,7 +108,6 @@ struct UsartRegisters {
   Cell sr, dr, brr, cr1, cr2, cr3, gtpr;
 };
 namespace usart {
-inline constexpr std::uint32_t kSrParity = 1U << 0;
 inline constexpr std::uint32_t kSrFraming = 1U << 1;
 inline constexpr std::uint32_t kSrNoise = 1U << 2;
 inline constexpr std::uint32_t kSrOverrun = 1U << 3;

@@ -20,7 +20,8 @@ struct Rig {
   }
   auto arm() -> bool { return request({.kind = Request::Kind::kArm}); }
   auto move(double target_rad) -> bool {
-    return request({.kind = Request::Kind::kMove, .position_rad = Q24::from_double(target_rad), .speed_rad_s = Q24::from_int(2)});
+    return request(
+        {.kind = Request::Kind::kMove, .position_rad = Q24::from_double(target_rad), .speed_rad_s = Q24::from_int(2)});
   }
   void ticks(int count) {
     for (int i = 0; i < count; ++i) {

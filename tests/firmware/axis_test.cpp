@@ -13,8 +13,12 @@ namespace {
 
 constexpr double kCountsPerRad = 40960.0 / 6.283185307179586;
 
-auto q(double value) -> Q24 { return Q24::from_double(value); }
-auto has(std::uint8_t limits, Limit limit) -> bool { return (limits & static_cast<std::uint8_t>(limit)) != 0; }
+auto q(double value) -> Q24 {
+  return Q24::from_double(value);
+}
+auto has(std::uint8_t limits, Limit limit) -> bool {
+  return (limits & static_cast<std::uint8_t>(limit)) != 0;
+}
 
 auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
   return {.encoder_counts = static_cast<std::int32_t>(std::lround(q1_rad * kCountsPerRad)),
@@ -23,7 +27,8 @@ auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
           .current = Quality::kOk};
 }
 
-/// One cycle at an angle with a measured current, in which a torque is asked for. The default torque constant is 0.1 Nm/A.
+/// One cycle at an angle with a measured current, in which a torque is asked for. The default torque constant is 0.1
+/// Nm/A.
 auto gated(Axis& axis, double q1_rad, double current_a, double wanted_a, bool energised = true) -> double {
   axis.rt_estimate(sensed_at(q1_rad, current_a));
   const AxisDrive drive = axis.rt_limit(q(0.1 * wanted_a), energised);

@@ -13,7 +13,9 @@ namespace {
 
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
 
-auto q(double value) -> Q24 { return Q24::from_double(value); }
+auto q(double value) -> Q24 {
+  return Q24::from_double(value);
+}
 
 using test::lossy_config;
 
@@ -232,7 +234,8 @@ TEST(Controller, FollowsAFastReferenceWithTheMotorsSpeed) {
   for (int i = 0; i < 200; ++i) {
     torque = rig.torque(q(0.001 * i), Q24{}).to_double();
   }
-  EXPECT_NEAR(torque, 0.01 * (1.0 / 0.5), 1e-4) << "1 rad/s of the joint is 2 rad/s of the motor, against a motor at rest";
+  EXPECT_NEAR(torque, 0.01 * (1.0 / 0.5), 1e-4)
+      << "1 rad/s of the joint is 2 rad/s of the motor, against a motor at rest";
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ TEST(Faults, NamesAreUniqueAndCausesAndCuresAreGiven) {
 
 // Numbers are in logs and on the wire: this list may grow, and no line of it may change.
 TEST(Faults, NumbersAreThoseThatWereGivenOut) {
-  const std::array<const char*, 12> given_out = {"none", "overrun", "sensor_missing", "sensor_invalid",
-                                                 "encoder_jump", "following_error", "over_current", "estimator_range",
-                                                 "link_lost", "emergency_stop", "model_invalid", "drive_failed"};
+  const std::array<const char*, 12> given_out = {"none",         "overrun",         "sensor_missing", "sensor_invalid",
+                                                 "encoder_jump", "following_error", "over_current",   "estimator_range",
+                                                 "link_lost",    "emergency_stop",  "model_invalid",  "drive_failed"};
   ASSERT_EQ(kFaultTable.size(), given_out.size());
   for (std::size_t i = 0; i < given_out.size(); ++i) {
     EXPECT_STREQ(info(static_cast<Fault>(i)).name, given_out[i]);
@@ -79,7 +79,8 @@ TEST(Faults, TheReadmeListsEveryTransition) {
     bool found = false;
     std::istringstream readme_lines(text);
     for (std::string line; std::getline(readme_lines, line);) {
-      found = found || (line.rfind(row, 0) == 0 && line.find(std::string("| ") + name(transition.to) + " |") != std::string::npos);
+      found = found || (line.rfind(row, 0) == 0 &&
+                        line.find(std::string("| ") + name(transition.to) + " |") != std::string::npos);
     }
     EXPECT_TRUE(found) << name(transition.from) << " to " << name(transition.to);
   }

@@ -10,10 +10,6 @@
 
 #include "tests/firmware/support.hpp"
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/allocator_interface.h>
-#endif
-
 namespace {
 std::atomic<bool> watching = false;
 std::atomic<long> allocations = 0;
@@ -26,17 +22,23 @@ void count_one() {
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
-// The sanitizer owns malloc; it tells of every call, those of operator new among them.
+// The sanitizer owns malloc; it tells of every call, those of operator new among them. Its header is not always
+// installed.
+extern "C" auto __sanitizer_install_malloc_and_free_hooks(void (*on_allocation)(const volatile void*,
+                                                                                std::size_t),  // NOLINT
+                                                          void (*on_release)(const volatile void*)) -> int;
 namespace {
-void on_allocation(const volatile void* /*memory*/, std::size_t /*size*/) { count_one(); }
+void on_allocation(const volatile void* /*memory*/, std::size_t /*size*/) {
+  count_one();
+}
 void on_release(const volatile void* /*memory*/) {}
 const bool hooked = __sanitizer_install_malloc_and_free_hooks(on_allocation, on_release) != 0;
 }  // namespace
 #else
 extern "C" {
-auto __libc_malloc(std::size_t size) -> void*;                       // NOLINT: glibc's name
-auto __libc_calloc(std::size_t count, std::size_t size) -> void*;    // NOLINT
-auto __libc_realloc(void* memory, std::size_t size) -> void*;        // NOLINT
+auto __libc_malloc(std::size_t size) -> void*;                     // NOLINT: glibc's name
+auto __libc_calloc(std::size_t count, std::size_t size) -> void*;  // NOLINT
+auto __libc_realloc(void* memory, std::size_t size) -> void*;      // NOLINT
 
 auto malloc(std::size_t size) noexcept -> void* {
   count_one();
@@ -113,8 +115,10 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
   EXPECT_EQ(rig.allocations_of(1000), 0) << "arming and holding";
   ASSERT_EQ(rig.application.telemetry().state, State::kHolding);
   for (std::size_t axis = 0; axis < 4; ++axis) {
-    ASSERT_TRUE(rig.application.post(
-        {.kind = Request::Kind::kMove, .axis = axis, .position_rad = Q24::from_int(1), .speed_rad_s = Q24::from_int(2)}));
+    ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kMove,
+                                      .axis = axis,
+                                      .position_rad = Q24::from_int(1),
+                                      .speed_rad_s = Q24::from_int(2)}));
     EXPECT_EQ(rig.allocations_of(100), 0) << "moving";
   }
   ASSERT_EQ(rig.application.telemetry().state, State::kArmed);
@@ -151,7 +155,8 @@ TEST(NoAllocation, NotInTheCyclesOfAnyFault) {
 TEST(NoAllocation, NotInTheCycleThatTakesANewModel) {
   Rig rig;
   rig.application.rt_tick();
-  const Config<4> config = {test::lossy_config(), test::distinct_config(1), test::distinct_config(2), test::distinct_config(3)};
+  const Config<4> config = {test::lossy_config(), test::distinct_config(1), test::distinct_config(2),
+                            test::distinct_config(3)};
   ASSERT_TRUE(rig.application.configure(config));
   EXPECT_EQ(rig.allocations_of(10), 0);
   EXPECT_TRUE(rig.application.settled());
@@ -167,9 +172,9 @@ TEST(NoAllocation, NotInTheShellOrTheStorageEither) {
   NullSink sink;
   Shell shell(rig.application, sink, "bench", true);
   const Watch watch;
-  for (const std::string_view line : {"help", "status", "faults", "list", "dump", "diff", "get joint3.control.kp", "begin",
-                                      "set joint0.control.kp 0.5", "commit", "arm", "move joint1 20 deg", "log joint0 5",
-                                      "disarm", "nonsense", "set joint0.control.kp 1e9", "version"}) {
+  for (const std::string_view line : {"help", "status", "faults", "list", "dump", "diff", "get joint3.control.kp",
+                                      "begin", "set joint0.control.kp 0.5", "commit", "arm", "move joint1 20 deg",
+                                      "log joint0 5", "disarm", "nonsense", "set joint0.control.kp 1e9", "version"}) {
     for (const char c : line) {
       shell.receive(c);
     }

@@ -51,7 +51,8 @@ TEST(Parameters, EveryOneIsFoundByItsNameAndNothingElseIs) {
   for (const ParameterInfo& parameter : parameters()) {
     EXPECT_EQ(find_parameter(full_name(parameter)), &parameter);
   }
-  for (const char* name : {"", ".", "control", "control.", ".kp", "control.kp ", "control.kp.x", "Control.kp", "control.k"}) {
+  for (const char* name :
+       {"", ".", "control", "control.", ".kp", "control.kp ", "control.kp.x", "Control.kp", "control.k"}) {
     EXPECT_EQ(find_parameter(name), nullptr) << name;
   }
 }
@@ -164,7 +165,9 @@ TEST(Parameters, OnlyGainsMayChangeUnderTorque) {
   EXPECT_FALSE(needs_rest(AxisConfig{}, AxisConfig{}));
 }
 
-TEST(Parameters, TheDefaultsAreConsistent) { EXPECT_EQ(check(AxisConfig{}), nullptr); }
+TEST(Parameters, TheDefaultsAreConsistent) {
+  EXPECT_EQ(check(AxisConfig{}), nullptr);
+}
 
 TEST(Parameters, EveryInconsistencyIsNamedWithItsParameterAndCure) {
   const auto complaint = [](auto&& spoil) -> std::string {
@@ -179,7 +182,8 @@ TEST(Parameters, EveryInconsistencyIsNamedWithItsParameterAndCure) {
       {"motor.encoder_sign", complaint([](AxisConfig& c) { c.motor.encoder_sign = 0; })},
       {"limits.motor_min", complaint([](AxisConfig& c) { c.limits.motor_min_rad = c.limits.motor_max_rad; })},
       {"limits.joint_min", complaint([](AxisConfig& c) { c.limits.joint_min_rad = Q24::from_int(3); })},
-      {"limits.continuous_current", complaint([](AxisConfig& c) { c.limits.continuous_current_a = Q24::from_double(3.1); })},
+      {"limits.continuous_current",
+       complaint([](AxisConfig& c) { c.limits.continuous_current_a = Q24::from_double(3.1); })},
   };
   for (const auto& [name, sentence] : complaints) {
     EXPECT_NE(sentence.find(name), std::string::npos) << name << ": " << sentence;

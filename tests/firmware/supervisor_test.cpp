@@ -68,9 +68,9 @@ TEST(Supervisor, EveryRowOfTheContractHolds) {
 
 TEST(Supervisor, EveryTransitionOfTheTableIsReachedByTheRows) {
   for (const Transition& transition : kTransitions) {
-    EXPECT_TRUE(std::any_of(kRows.begin(), kRows.end(), [&](const Row& row) {
-      return row.from == transition.from && row.to == transition.to;
-    })) << name(transition.from) << " to " << name(transition.to);
+    EXPECT_TRUE(std::any_of(kRows.begin(), kRows.end(),
+                            [&](const Row& row) { return row.from == transition.from && row.to == transition.to; }))
+        << name(transition.from) << " to " << name(transition.to);
   }
 }
 

@@ -16,8 +16,8 @@
 
 namespace capstan::test {
 
-/// A motor without a transmission: inertia and viscous drag, a perfect encoder and current sensor, and a switch for each way in
-/// which they may fail. Deterministic.
+/// A motor without a transmission: inertia and viscous drag, a perfect encoder and current sensor, and a switch for
+/// each way in which they may fail. Deterministic.
 template <std::size_t Axes>
 class FakeIo {
  public:
@@ -85,17 +85,17 @@ class FakeIo {
       Motor& motor = motors[i];
       motor.current_a = drive.axis[i].enabled ? drive.axis[i].current_a.to_double() : 0.0;
       const double torque = kTorqueNmPerA * motor.current_a;
-      motor.speed_rad_s = blocked ? 0.0
-                                  : (motor.speed_rad_s + torque * kPeriodS / kInertiaKgm2) /
-                                        (1.0 + kDragNms * kPeriodS / kInertiaKgm2);
+      motor.speed_rad_s =
+          blocked ? 0.0
+                  : (motor.speed_rad_s + torque * kPeriodS / kInertiaKgm2) / (1.0 + kDragNms * kPeriodS / kInertiaKgm2);
       motor.angle_rad += motor.speed_rad_s * kPeriodS;
     }
   }
 };
 static_assert(JointIo<FakeIo<1>>);
 
-/// Flash in RAM: erasing sets bits, programming only clears them, and power may fail between any two changed bytes, or in the
-/// middle of one.
+/// Flash in RAM: erasing sets bits, programming only clears them, and power may fail between any two changed bytes, or
+/// in the middle of one.
 class FlashBanks final : public Banks {
  public:
   static constexpr std::size_t kSize = 4096;
@@ -106,7 +106,7 @@ class FlashBanks final : public Banks {
   }
 
   std::array<std::array<std::uint8_t, kSize>, kBanks> memory{};
-  long power_left = -1;         ///< bytes that can still change; then nothing does. -1: no end
+  long power_left = -1;          ///< bytes that can still change; then nothing does. -1: no end
   bool tears_last_byte = false;  ///< when power fails, half the bits of one more byte change
   bool erases_backwards = false;
   long bytes_changed = 0;
@@ -160,7 +160,8 @@ class FlashBanks final : public Banks {
   }
 };
 
-/// Every parameter at a value of its own within its range, and the whole consistent. Sets of different seeds differ everywhere.
+/// Every parameter at a value of its own within its range, and the whole consistent. Sets of different seeds differ
+/// everywhere.
 inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   AxisConfig config;
   std::uint32_t next = seed * 2654435761U + 12345U;
@@ -201,7 +202,8 @@ inline auto lossy_config() -> AxisConfig {
 
 inline auto same(const AxisConfig& a, const AxisConfig& b) -> bool {
   const auto all = parameters();
-  return std::all_of(all.begin(), all.end(), [&](const ParameterInfo& p) { return raw_value(a, p) == raw_value(b, p); });
+  return std::all_of(all.begin(), all.end(),
+                     [&](const ParameterInfo& p) { return raw_value(a, p) == raw_value(b, p); });
 }
 
 class StringSink final : public TextSink {
@@ -227,7 +229,20 @@ inline auto lines_of(const std::string& text) -> std::vector<std::string> {
   return lines;
 }
 
-inline auto is_final(const std::string& line) -> bool { return line == "ok" || line.rfind("error ", 0) == 0; }
+inline auto is_final(const std::string& line) -> bool {
+  return line == "ok" || line.rfind("error ", 0) == 0;
+}
+
+/// The last line of an answer.
+inline auto verdict(const std::string& answer) -> std::string {
+  const auto lines = lines_of(answer);
+  return lines.empty() ? "" : lines.back();
+}
+
+inline auto has_line(const std::string& answer, const std::string& begin) -> bool {
+  const auto lines = lines_of(answer);
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.rfind(begin, 0) == 0; });
+}
 
 /// Firmware and operator: a machine on the fake motor, and a shell over an in-memory pipe.
 template <std::size_t Axes>

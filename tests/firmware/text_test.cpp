@@ -43,12 +43,15 @@ auto error_in_steps(const std::string& text) -> double {
 }
 
 TEST(Text, CornersOfTheFormatReadBackAsPrinted) {
-  for (const std::int32_t raw : {0, 1, -1, INT32_MAX, INT32_MIN, INT32_MAX - 1, INT32_MIN + 1, 1 << 23, -(1 << 23), 1 << 24}) {
+  for (const std::int32_t raw :
+       {0, 1, -1, INT32_MAX, INT32_MIN, INT32_MAX - 1, INT32_MIN + 1, 1 << 23, -(1 << 23), 1 << 24}) {
     EXPECT_TRUE(reads_back(raw)) << raw;
   }
 }
 
-RC_GTEST_PROP(Text, AnyQuantityReadsBackAsPrinted, (std::int32_t raw)) { RC_ASSERT(reads_back(raw)); }
+RC_GTEST_PROP(Text, AnyQuantityReadsBackAsPrinted, (std::int32_t raw)) {
+  RC_ASSERT(reads_back(raw));
+}
 
 TEST(Text, SmallQuantitiesReadBackAsPrinted) {
   for (std::int32_t raw = -3000; raw <= 3000; ++raw) {
@@ -82,7 +85,8 @@ RC_GTEST_PROP(Text, ADecimalReadsAsTheNearestQuantity, ()) {
 RC_GTEST_PROP(Text, AnExponentMovesTheDecimalPoint, ()) {
   const int exponent = *rc::gen::inRange(-12, 13);
   const int mantissa = *rc::gen::inRange(-999999, 1000000);
-  const std::string text = std::to_string(mantissa) + (*rc::gen::arbitrary<bool>() ? "e" : "E") + std::to_string(exponent);
+  const std::string text =
+      std::to_string(mantissa) + (*rc::gen::arbitrary<bool>() ? "e" : "E") + std::to_string(exponent);
   const double exact = std::strtod(text.c_str(), nullptr);
   ParseResult result{};
   const Q24 value = parsed(text, result);
@@ -95,15 +99,17 @@ RC_GTEST_PROP(Text, AnExponentMovesTheDecimalPoint, ()) {
 }
 
 TEST(Text, LongDigitStringsReadAsTheNearestQuantity) {
-  for (const char* text : {"3.14159265358979323846264338327950288419716939937510", "0000000000000000000000000000000000012.5",
-                           "0.000000000000000000000000000000000000000000000000001", "127.99999994039535522460937500",
-                           "99999999999999999999999999e-25", "1e-400", "0e999999", "0.1e+2", "00.50"}) {
+  for (const char* text :
+       {"3.14159265358979323846264338327950288419716939937510", "0000000000000000000000000000000000012.5",
+        "0.000000000000000000000000000000000000000000000000001", "127.99999994039535522460937500",
+        "99999999999999999999999999e-25", "1e-400", "0e999999", "0.1e+2", "00.50"}) {
     EXPECT_LE(error_in_steps(text), 0.5 + 1e-6) << text;
   }
 }
 
 TEST(Text, NumbersBeyondTheFormatAreOutOfRange) {
-  for (const char* text : {"128", "-128.1", "1e3", "1e9999", "99999999999999999999999999999999", "127.99999998", "1e99999999999"}) {
+  for (const char* text :
+       {"128", "-128.1", "1e3", "1e9999", "99999999999999999999999999999999", "127.99999998", "1e99999999999"}) {
     ParseResult result{};
     static_cast<void>(parsed(text, result));
     EXPECT_EQ(result, ParseResult::kOutOfRange) << text;
@@ -111,7 +117,8 @@ TEST(Text, NumbersBeyondTheFormatAreOutOfRange) {
 }
 
 TEST(Text, WordsAndEmptinessAreNotNumbers) {
-  for (const char* text : {"", "-", "+", ".", "-.", "nan", "NaN", "inf", "-inf", "infinity", "e5", ".e5", "x", " 1", "--1", "+-1"}) {
+  for (const char* text :
+       {"", "-", "+", ".", "-.", "nan", "NaN", "inf", "-inf", "infinity", "e5", ".e5", "x", " 1", "--1", "+-1"}) {
     ParseResult result{};
     static_cast<void>(parsed(text, result));
     EXPECT_EQ(result, ParseResult::kNotANumber) << text;
@@ -121,7 +128,8 @@ TEST(Text, WordsAndEmptinessAreNotNumbers) {
 TEST(Text, WhatFollowsTheNumberIsLeftToTheUnit) {
   Q24 value;
   std::size_t used = 0;
-  for (const auto& [text, length] : {std::pair{"30deg", 2U}, {"5e", 1U}, {"5e-", 1U}, {"1.5e2x", 5U}, {"2. rad", 2U}, {"0x10", 1U}}) {
+  for (const auto& [text, length] :
+       {std::pair{"30deg", 2U}, {"5e", 1U}, {"5e-", 1U}, {"1.5e2x", 5U}, {"2. rad", 2U}, {"0x10", 1U}}) {
     EXPECT_NE(parse_real(text, value, used), ParseResult::kNotANumber) << text;
     EXPECT_EQ(used, length) << text;
   }

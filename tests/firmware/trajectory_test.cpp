@@ -19,11 +19,12 @@ auto limits_of(Q24 acceleration) -> LimitConfig {
   return limits;
 }
 
-/// Runs a trajectory and watches its dynamics. Positions are rounded to 2^-24 rad, so a difference of two is off by at most one
-/// unit and a second difference by at most two.
+/// Runs a trajectory and watches its dynamics. Positions are rounded to 2^-24 rad, so a difference of two is off by at
+/// most one unit and a second difference by at most two.
 class Watched {
  public:
-  Watched(Q24 start, Q24 acceleration) : limits_(limits_of(acceleration)), last_(start.raw()), lowest_(last_), highest_(last_) {
+  Watched(Q24 start, Q24 acceleration)
+      : limits_(limits_of(acceleration)), last_(start.raw()), lowest_(last_), highest_(last_) {
     trajectory_.rt_reset(start);
   }
   void start(Q24 target, Q24 speed) {
@@ -154,8 +155,8 @@ RC_GTEST_PROP(Trajectory, EveryMoveEndsOnItsTargetInTimeWithinItsLimitsAndWithou
   const Move move = any_move();
   Watched watched(move.start, move.acceleration);
   watched.start(move.target, move.speed);
-  const double ideal_cycles = 1000.0 * ideal_time(std::fabs((move.target - move.start).to_double()), move.speed.to_double(),
-                                                  move.acceleration.to_double());
+  const double ideal_cycles = 1000.0 * ideal_time(std::fabs((move.target - move.start).to_double()),
+                                                  move.speed.to_double(), move.acceleration.to_double());
   RC_ASSERT(watched.run_to_end(static_cast<long>(ideal_cycles) + 10));
   RC_ASSERT(watched.position() == move.target.raw());
   RC_ASSERT(watched.lowest() >= std::min(move.start, move.target).raw());

@@ -64,16 +64,19 @@ auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> dou
   return std::sqrt(pure_error(error, cycles).squaredNorm() / static_cast<double>(cycles.count * cycles.length));
 }
 
-auto judge_adequacy(const Preparation& p, const Evidence& evidence) -> Adequacy {
+auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy {
   Adequacy result;
-  result.law_energy = cross_validated(evidence.raw(), evidence.learned, {});
-  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned, {});
+  const ColumnModel law = law_model(evidence.layout);
+  result.law_energy = cross_validated(evidence.raw(), evidence.learned, law);
+  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned);
   const Eigen::VectorXd white_gain =
-      cross_validated(evidence.white(), evidence.learned, {}) - flexible_ceiling(evidence.white(), evidence.learned, {});
+      cross_validated(evidence.white(), evidence.learned, law) - flexible_ceiling(evidence.white(), evidence.learned);
   result.ceiling_t = t_statistic(white_gain);
   result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
-  const bool above_ceiling = result.reducible_share > kMatters && result.ceiling_t > kCeilingWhite &&
-                             t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
+  result.ceiling_p = sieve.ceiling_p;
+  const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
+  const bool above_ceiling =
+      result.reducible_share > kMatters && certain && t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, evidence.error, result);
   }

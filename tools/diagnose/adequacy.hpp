@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/cross_validation.hpp"
+#include "tools/diagnose/sieve.hpp"
 
 namespace capstan::tools {
 
@@ -9,6 +9,7 @@ namespace capstan::tools {
 struct Adequacy {
   bool lacks_something = false;
   double lack_of_fit_p = 1.0;      ///< against the pure error of repeated cycles; 1 without repeats
+  double ceiling_p = 1.0;          ///< of what a flexible model gains, by the sieve bootstrap
   double ceiling_t = 0.0;          ///< t over blocks of what a flexible model gains, whitened
   double reducible_share = 0.0;    ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
   Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
@@ -16,7 +17,7 @@ struct Adequacy {
 };
 
 /// Judges the law of this round. "Something" must be both certain (1 %) and large enough to matter (a twentieth of the energy).
-auto judge_adequacy(const Preparation& p, const Evidence& evidence) -> Adequacy;
+auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy;
 
 /// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over resampled blocks.
 struct ExplainedShare {

@@ -54,22 +54,15 @@ auto fine_grid(const CatalogueTerm& term, const Shapes& best) -> std::vector<Sha
   return grid;
 }
 
-/// Residual energy on the rows that fit, once a variant is added and the law refitted beside it.
-auto energy_left(const Variant& variant, const Family& family, const LawResidual& residual, const Blocks& rows) -> double {
-  const Eigen::Index k = residual.base.cols();
-  const Eigen::Index own = family.unit_coefficient ? 0 : variant.columns.cols();
-  std::vector<Sign> signs(static_cast<std::size_t>(k), Sign::kAny);
-  signs.insert(signs.end(), family.signs.begin(), family.signs.begin() + own);
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(k + own, k + own);
-  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(k + own);
+/// Residual energy on some rows, once the free columns are fitted to the error less the fixed one.
+auto energy_left(const Eigen::MatrixXd& free, const std::vector<Sign>& signs, const Eigen::VectorXd& wanted, const Blocks& rows)
+    -> double {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(free.cols(), free.cols());
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(free.cols());
   double energy = 0.0;
   for (const auto& block : rows) {
-    Eigen::MatrixXd x(block.size(), k + own);
-    x << residual.base.middleRows(block.begin, block.size()), variant.columns.middleRows(block.begin, block.size()).leftCols(own);
-    Eigen::VectorXd y = residual.error.segment(block.begin, block.size());
-    if (family.unit_coefficient) {
-      y -= variant.columns.col(0).segment(block.begin, block.size());
-    }
+    const auto x = free.middleRows(block.begin, block.size());
+    const auto y = wanted.segment(block.begin, block.size());
     gram.noalias() += x.transpose() * x;
     rhs.noalias() += x.transpose() * y;
     energy += y.squaredNorm();
@@ -86,54 +79,78 @@ class Builder {
     Family family;
     family.name = term.name;
     family.in_catalogue = true;
-    family.unit_coefficient = term.acts_on_output;
+    family.acts_on_output = term.acts_on_output;
     for (const auto& coefficient : term.coefficients) {
       family.signs.push_back(coefficient.sign);
     }
     if (term.acts_on_output) {
       family.signs = {Sign::kNonNegative};
     }
-    add(term, shape_grid(term), family);
+    Best best;
+    add(term, shape_grid(term), family, best);
     if (!term.shapes.empty() && !family.variants.empty()) {
-      add(term, fine_grid(term, best_of(family)), family);
+      add(term, fine_grid(term, best.shapes), family, best);
+    }
+    if (term.acts_on_output) {
+      family.variants.insert(family.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});
     }
     return family;
   }
 
  private:
-  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, Family& family) const {
+  struct Best {
+    double energy = std::numeric_limits<double>::infinity();
+    Shapes shapes;
+  };
+
+  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, Family& family, Best& best) const {
     for (const auto& shapes : grid) {
-      Eigen::MatrixXd columns = decimated(full_rate_columns(term, shapes), p_.factor);
-      if (columns.cwiseAbs().maxCoeff() > 0.0) {
-        family.variants.push_back({shapes, std::move(columns)});
+      Eigen::MatrixXd columns = term.acts_on_output ? change_of_law(term, shapes) : sum_columns(term, shapes);
+      if (columns.cwiseAbs().maxCoeff() <= 0.0) {
+        continue;
       }
+      const double energy = term.acts_on_output ? energy_with_output(term, shapes) : energy_with(columns, family.signs);
+      if (energy < best.energy) {
+        best = {energy, shapes};
+      }
+      family.variants.push_back({shapes, std::move(columns)});
     }
   }
 
-  auto full_rate_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
-    if (term.acts_on_output) {
-      return p_.hindsight.apply(term, shapes, residual_.fitted) - residual_.fitted;
-    }
+  auto sum_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
     Eigen::MatrixXd columns = p_.hindsight.columns(term, shapes);
     for (const auto& other : term_catalogue()) {
       if (other.acts_on_output && law_.has(other.name)) {
         columns = p_.hindsight.apply(other, law_.shapes_of(other), columns);
       }
     }
+    return p_.coarse(columns);
+  }
+
+  auto change_of_law(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
+    return p_.coarse(p_.hindsight.apply(term, shapes, residual_.fitted) - residual_.fitted);
+  }
+
+  /// [change of the law | the law's columns through the term]
+  auto exact_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
+    const Eigen::MatrixXd law = p_.coarse(p_.hindsight.apply(term, shapes, residual_.full_base));
+    Eigen::MatrixXd columns(law.rows(), law.cols() + 1);
+    columns << change_of_law(term, shapes), law;
     return columns;
   }
 
-  auto best_of(const Family& family) const -> Shapes {
-    double least = std::numeric_limits<double>::infinity();
-    Shapes shapes;
-    for (const auto& variant : family.variants) {
-      const double energy = energy_left(variant, family, residual_, rows_);
-      if (energy < least) {
-        least = energy;
-        shapes = variant.shapes;
-      }
-    }
-    return shapes;
+  auto energy_with(const Eigen::MatrixXd& own, const std::vector<Sign>& own_signs) const -> double {
+    Eigen::MatrixXd free(own.rows(), residual_.base.cols() + own.cols());
+    free << residual_.base, own;
+    std::vector<Sign> signs(static_cast<std::size_t>(residual_.base.cols()), Sign::kAny);
+    signs.insert(signs.end(), own_signs.begin(), own_signs.end());
+    return energy_left(free, signs, residual_.error, rows_);
+  }
+
+  auto energy_with_output(const CatalogueTerm& term, const Shapes& shapes) const -> double {
+    const Eigen::MatrixXd exact = exact_columns(term, shapes);
+    const std::vector<Sign> signs(static_cast<std::size_t>(exact.cols() - 1), Sign::kAny);
+    return energy_left(exact.rightCols(exact.cols() - 1), signs, residual_.error - exact.col(0), rows_);
   }
 
   const Preparation& p_;
@@ -156,6 +173,14 @@ auto catalogue_families(const Preparation& p, const LawForm& law, const LawResid
     }
   }
   return families;
+}
+
+auto parameter_count(const Family& family) -> std::size_t {
+  if (!family.in_catalogue) {
+    return family.signs.size() + (family.variants.size() > 1 ? 1 : 0);
+  }
+  const CatalogueTerm& term = catalogue_term(family.name);
+  return term.coefficients.size() + term.shapes.size();
 }
 
 }  // namespace capstan::tools

@@ -11,6 +11,16 @@ namespace {
 
 constexpr std::size_t kFolds = 5;
 
+auto without_fold(const BlockList& blocks, std::size_t fold) -> BlockList {
+  BlockList others;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (i % kFolds != fold) {
+      others.push_back(blocks[i]);
+    }
+  }
+  return others;
+}
+
 /// Least squares of the last of the gram's columns on the others; those from `first_penalised` on pay a ridge relative to their
 /// own size.
 auto ridge_solution(const Eigen::MatrixXd& gram, Eigen::Index first_penalised, double ridge) -> Eigen::VectorXd {
@@ -22,61 +32,51 @@ auto ridge_solution(const Eigen::MatrixXd& gram, Eigen::Index first_penalised, d
   return scale.cwiseProduct(scaled.ldlt().solve(scale.cwiseProduct(gram.col(n).head(n))));
 }
 
-auto out_of_fold(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnList& columns,
-                 Eigen::Index first_penalised, double ridge) -> Eigen::VectorXd {
-  ColumnList with_error = columns;
-  with_error.push_back(grams.layout().error());
-  Eigen::VectorXd energies(static_cast<Eigen::Index>(blocks.size()));
-  for (std::size_t fold = 0; fold < kFolds; ++fold) {
-    std::vector<std::size_t> others;
-    for (std::size_t i = 0; i < blocks.size(); ++i) {
-      if (i % kFolds != fold) {
-        others.push_back(blocks[i]);
-      }
-    }
-    const ColumnModel model{columns, ridge_solution(grams.sum(others, with_error), first_penalised, ridge)};
-    for (std::size_t i = fold; i < blocks.size(); i += kFolds) {
-      energies[static_cast<Eigen::Index>(i)] = grams.energy(blocks[i], model.columns, model.theta);
-    }
-  }
-  return energies;
-}
-
 }  // namespace
 
-auto law_columns_of(const Layout& layout) -> ColumnList {
-  ColumnList columns(static_cast<std::size_t>(layout.law));
-  std::iota(columns.begin(), columns.end(), Eigen::Index{0});
-  return columns;
-}
-
-auto columns_of(const Family& family, std::size_t variant) -> ColumnList {
-  ColumnList columns(family.signs.size());
-  std::iota(columns.begin(), columns.end(), family.variants[variant].first);
-  return columns;
-}
-
-auto beside_law(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const Family& family, const FamilyFit& fit)
-    -> ColumnModel {
-  const ColumnList law = law_columns_of(grams.layout());
-  const ColumnList own = columns_of(family, fit.variant);
-  ColumnList all = law;
-  all.insert(all.end(), own.begin(), own.end());
-  ColumnList with_error = all;
-  with_error.push_back(grams.layout().error());
-  const Eigen::MatrixXd gram = grams.sum(blocks, with_error);
-  const auto k = static_cast<Eigen::Index>(law.size());
-  const auto n = static_cast<Eigen::Index>(own.size());
-  Eigen::MatrixXd reduced(k + 1, k + 1);
-  reduced.topLeftCorner(k, k) = gram.topLeftCorner(k, k);
-  reduced.col(k).head(k) = gram.col(k + n).head(k) - gram.block(0, k, k, n) * fit.theta;
-  reduced(k, k) = 1.0;
-  ColumnModel model{all, Eigen::VectorXd(k + n)};
-  model.theta << ridge_solution(reduced, k, 0.0), fit.theta;
+auto law_model(const Layout& layout) -> ColumnModel {
+  ColumnModel model;
+  model.free.resize(static_cast<std::size_t>(layout.law));
+  std::iota(model.free.begin(), model.free.end(), Eigen::Index{0});
+  model.signs.assign(model.free.size(), Sign::kAny);
   return model;
 }
 
-auto block_energies(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnModel& model) -> Eigen::VectorXd {
+auto model_of(const Layout& layout, const Family& family, std::size_t variant) -> ColumnModel {
+  ColumnModel model = law_model(layout);
+  const Eigen::Index first = family.variants[variant].first;
+  if (family.acts_on_output) {
+    model.fixed = first;
+    std::iota(model.free.begin(), model.free.end(), first + 1);
+    return model;
+  }
+  for (std::size_t i = 0; i < family.signs.size(); ++i) {
+    model.free.push_back(first + static_cast<Eigen::Index>(i));
+    model.signs.push_back(family.signs[i]);
+  }
+  return model;
+}
+
+auto fit_model(const BlockGrams& grams, const BlockList& blocks, const ColumnModel& model) -> FittedModel {
+  FittedModel fitted{model.free, {}};
+  ColumnList all = model.free;
+  all.push_back(grams.layout().error());
+  const auto n = static_cast<Eigen::Index>(model.free.size());
+  if (model.fixed >= 0) {
+    all.push_back(model.fixed);
+  }
+  const Eigen::MatrixXd gram = grams.sum(blocks, all);
+  Eigen::VectorXd rhs = gram.col(n).head(n);
+  if (model.fixed >= 0) {
+    rhs -= gram.col(n + 1).head(n);
+    fitted.columns.push_back(model.fixed);
+  }
+  fitted.theta = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(fitted.columns.size()));
+  fitted.theta.head(n) = solve_signed(gram.topLeftCorner(n, n), rhs, model.signs);
+  return fitted;
+}
+
+auto block_energies(const BlockGrams& grams, const BlockList& blocks, const FittedModel& model) -> Eigen::VectorXd {
   Eigen::VectorXd energies(static_cast<Eigen::Index>(blocks.size()));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     energies[static_cast<Eigen::Index>(i)] = grams.energy(blocks[i], model.columns, model.theta);
@@ -84,29 +84,44 @@ auto block_energies(const BlockGrams& grams, const std::vector<std::size_t>& blo
   return energies;
 }
 
-auto cross_validated(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnList& extra) -> Eigen::VectorXd {
-  ColumnList columns = law_columns_of(grams.layout());
-  columns.insert(columns.end(), extra.begin(), extra.end());
-  return out_of_fold(grams, blocks, columns, static_cast<Eigen::Index>(columns.size()), 0.0);
+auto cross_validated(const BlockGrams& grams, const BlockList& blocks, const ColumnModel& model) -> Eigen::VectorXd {
+  Eigen::VectorXd energies(static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    const FittedModel fitted = fit_model(grams, without_fold(blocks, fold), model);
+    for (std::size_t i = fold; i < blocks.size(); i += kFolds) {
+      energies[static_cast<Eigen::Index>(i)] = grams.energy(blocks[i], fitted.columns, fitted.theta);
+    }
+  }
+  return energies;
 }
 
-auto flexible_ceiling(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnList& own) -> Eigen::VectorXd {
-  ColumnList columns = law_columns_of(grams.layout());
-  columns.insert(columns.end(), own.begin(), own.end());
+auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd {
+  constexpr std::array<double, 4> kRidges = {1e-6, 1e-4, 1e-2, 1.0};
+  ColumnList columns = law_model(grams.layout()).free;
   const auto first_penalised = static_cast<Eigen::Index>(columns.size());
   for (Eigen::Index i = grams.layout().first_variant(); i < grams.layout().total; ++i) {
-    if (std::find(own.begin(), own.end(), i) == own.end()) {
-      columns.push_back(i);
+    columns.push_back(i);
+  }
+  ColumnList with_error = columns;
+  with_error.push_back(grams.layout().error());
+  const Eigen::MatrixXd all = grams.sum(blocks, with_error);
+  Eigen::MatrixXd energies(static_cast<Eigen::Index>(blocks.size()), static_cast<Eigen::Index>(kRidges.size()));
+  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+    BlockList held_out;
+    for (std::size_t i = fold; i < blocks.size(); i += kFolds) {
+      held_out.push_back(blocks[i]);
+    }
+    const Eigen::MatrixXd gram = all - grams.sum(held_out, with_error);
+    for (std::size_t r = 0; r < kRidges.size(); ++r) {
+      const Eigen::VectorXd theta = ridge_solution(gram, first_penalised, kRidges[r]);
+      for (std::size_t i = fold; i < blocks.size(); i += kFolds) {
+        energies(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(r)) = grams.energy(blocks[i], columns, theta);
+      }
     }
   }
-  Eigen::VectorXd best;
-  for (const double ridge : {1e-6, 1e-4, 1e-2, 1.0}) {
-    Eigen::VectorXd energies = out_of_fold(grams, blocks, columns, first_penalised, ridge);
-    if (best.size() == 0 || energies.sum() < best.sum()) {
-      best = std::move(energies);
-    }
-  }
-  return best;
+  Eigen::Index best = 0;
+  energies.colwise().sum().minCoeff(&best);
+  return energies.col(best);
 }
 
 auto t_statistic(const Eigen::VectorXd& values) -> double {
@@ -114,6 +129,18 @@ auto t_statistic(const Eigen::VectorXd& values) -> double {
   const double mean = values.mean();
   const double variance = (values.array() - mean).square().sum() / std::max(1.0, n - 1.0);
   return variance > 0.0 ? mean / std::sqrt(variance / n) : 0.0;
+}
+
+auto signed_rank_score(const Eigen::VectorXd& values) -> double {
+  std::vector<double> sorted(values.begin(), values.end());
+  std::sort(sorted.begin(), sorted.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+  double positive = 0.0;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    positive += sorted[i] > 0.0 ? static_cast<double>(i + 1) : 0.0;
+  }
+  const auto n = static_cast<double>(sorted.size());
+  const double mean = n * (n + 1.0) / 4.0;
+  return (positive - mean) / std::sqrt(n * (n + 1.0) * (2.0 * n + 1.0) / 24.0);
 }
 
 }  // namespace capstan::tools

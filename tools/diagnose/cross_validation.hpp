@@ -8,34 +8,41 @@
 namespace capstan::tools {
 
 using ColumnList = std::vector<Eigen::Index>;
+using BlockList = std::vector<std::size_t>;
 
-/// Columns with their coefficients: a law, perhaps with an effect beside it.
+/// A model of the error by columns of the layout: free ones with signs, and perhaps one whose factor is 1.
 struct ColumnModel {
+  ColumnList free;
+  std::vector<Sign> signs;
+  Eigen::Index fixed = -1;  ///< -1: none
+};
+
+/// The law alone.
+auto law_model(const Layout& layout) -> ColumnModel;
+/// The law refitted beside a family's variant. For an output term's exact variant, the law through the term.
+auto model_of(const Layout& layout, const Family& family, std::size_t variant) -> ColumnModel;
+
+/// A model's columns with their coefficients, the fixed one included.
+struct FittedModel {
   ColumnList columns;
   Eigen::VectorXd theta;
 };
+auto fit_model(const BlockGrams& grams, const BlockList& blocks, const ColumnModel& model) -> FittedModel;
 
-/// The law's own columns in a layout.
-auto law_columns_of(const Layout& layout) -> ColumnList;
-/// Columns of a family's variant in the layout.
-auto columns_of(const Family& family, std::size_t variant) -> ColumnList;
+/// Residual energy of a fitted model in each of some blocks.
+auto block_energies(const BlockGrams& grams, const BlockList& blocks, const FittedModel& model) -> Eigen::VectorXd;
 
-/// A family's fit with the law refitted beside it on the given blocks.
-auto beside_law(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const Family& family, const FamilyFit& fit)
-    -> ColumnModel;
+/// Out-of-fold residual energy per block: the model refitted without the block's fold.
+auto cross_validated(const BlockGrams& grams, const BlockList& blocks, const ColumnModel& model) -> Eigen::VectorXd;
 
-/// Residual energy of a model in each of some blocks.
-auto block_energies(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnModel& model) -> Eigen::VectorXd;
-
-/// Out-of-fold residual energy per block: the law plus some columns, refitted without the block's fold.
-/// `ridge` penalises the columns from index `law columns + free` on, relative to their size.
-auto cross_validated(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnList& extra) -> Eigen::VectorXd;
-
-/// The flexible ceiling: the law, some columns of its own (unpenalised), and everything else there is (ridge, strength chosen by
-/// the same cross-validation). Energy per block, out of fold.
-auto flexible_ceiling(const BlockGrams& grams, const std::vector<std::size_t>& blocks, const ColumnList& own) -> Eigen::VectorXd;
+/// The flexible ceiling: the law, and everything else there is by ridge regression, its strength chosen by the same
+/// cross-validation. Energy per block, out of fold.
+auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd;
 
 /// Student's t of the mean.
 auto t_statistic(const Eigen::VectorXd& values) -> double;
+/// Normal score of Wilcoxon's signed-rank test that the values tend to be positive: the same question, asked so that a few
+/// blocks with much motion do not decide alone.
+auto signed_rank_score(const Eigen::VectorXd& values) -> double;
 
 }  // namespace capstan::tools

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "tools/diagnose/free_run.hpp"
-#include "tools/diagnose/rounds.hpp"
+#include "tools/diagnose/search.hpp"
 #include "tools/support/statistics.hpp"
 #include "tools/support/text.hpp"
 
@@ -146,7 +146,6 @@ auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) 
   }
   const Search search = search_effects(p, base, options.progress);
   d.rounds = search.rounds;
-  d.trace = search.trace;
   d.explained_share = search.share.value;
   d.explained_share_lower = search.share.lower;
   d.noise_floor = search.noise_floor;

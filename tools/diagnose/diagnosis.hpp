@@ -23,16 +23,25 @@ struct RankedEffect {
   bool in_catalogue = false;
   double p_value = 1.0;
   double log_evidence = 0.0;     ///< nats on unseen rows
-  double explained = 0.0;        ///< share of the whitened residual's energy that it takes away
-  double raw_explained = 0.0;    ///< the same in the measured quantity, cross-validated
+  double explained = 0.0;        ///< share of the residual's energy that it takes away, out of fold
+  double log_likelihood = 0.0;   ///< above the law alone, nats
   std::string outcome;           ///< why it was taken or ruled out
+};
+
+/// One round of the search: what the law of that round left, and who could explain it.
+struct RoundSummary {
+  bool lacks_something = false;
+  double reducible_share = 0.0;  ///< share of the residual's energy that is no noise
+  double lack_of_fit_p = 1.0;    ///< against repeated cycles
+  double ceiling_p = 1.0;        ///< against a flexible model
+  std::vector<RankedEffect> ranking;
 };
 
 /// An effect that was added to the law.
 struct AddedEffect {
   std::string name;
   std::vector<std::string> alternatives;
-  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, likelihood_gain = 0.0, block_t = 0.0, absorbed = 0.0;
+  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, log_likelihood = 0.0, explained = 0.0, explained_t = 0.0, absorbed = 0.0;
 };
 
 /// Free-running error on the rows that took no part in choice or fit.
@@ -57,14 +66,13 @@ struct Diagnosis {
   std::vector<std::string> warnings;
   JointFile base, law;                    ///< the law before, and with the effects; equal if none was added
   std::vector<AddedEffect> effects;       ///< in the order added
-  std::vector<std::vector<RankedEffect>> rounds;
+  std::vector<RoundSummary> rounds;
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};
   double noise_floor = 0.0;
   bool floor_from_repeats = false;
   double explained_share = 0.0, explained_share_lower = 0.0;
   Traces traces;
-  std::vector<std::string> trace;  // debugging
 };
 
 struct DiagnoseOptions {

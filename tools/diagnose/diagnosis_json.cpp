@@ -43,8 +43,9 @@ auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
            {{"p_value", effect.p_value},
             {"log_evidence_nats", effect.log_evidence},
             {"log_evidence_needed_nats", effect.log_evidence_needed},
-            {"likelihood_gain", effect.likelihood_gain},
-            {"cross_validated_t", effect.block_t},
+            {"log_likelihood_gain", effect.log_likelihood},
+            {"explained_share", effect.explained},
+            {"explained_t", effect.explained_t},
             {"absorbed_by_base", effect.absorbed},
             {"share_of_explainable", d.explained_share},
             {"grade", d.floor_from_repeats ? "confirmed" : "indicated"}}}};

@@ -115,6 +115,12 @@ auto BlockGrams::projected(const std::vector<std::size_t>& blocks) const -> Proj
 auto BlockGrams::energy(std::size_t block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& theta) const
     -> double {
   const auto& gram = grams_[block];
+  if (static_cast<Eigen::Index>(columns.size()) > layout_.total / 4) {
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(layout_.total);
+    all[layout_.error()] = 1.0;
+    all(columns) -= theta;
+    return std::max(all.dot(gram * all), 0.0);
+  }
   const Eigen::Index error = layout_.error();
   double energy = gram(error, error);
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -132,7 +138,7 @@ auto fit_variant(const Projected& projected, const Layout& layout, const Family&
   const Eigen::Index first = family.variants[variant].first - layout.law;
   const auto n = static_cast<Eigen::Index>(family.signs.size());
   FamilyFit fit{variant, Eigen::VectorXd::Zero(n), 0.0};
-  if (family.unit_coefficient) {
+  if (family.acts_on_output) {
     fit.theta[0] = 1.0;
     fit.gain = std::max(0.0, 2.0 * gram(first, 0) - gram(first, first));
     return fit;
@@ -152,8 +158,9 @@ auto fit_variant(const Projected& projected, const Layout& layout, const Family&
 }
 
 auto fit_family(const Projected& projected, const Layout& layout, const Family& family) -> FamilyFit {
-  FamilyFit best = fit_variant(projected, layout, family, 0);
-  for (std::size_t i = 1; i < family.variants.size(); ++i) {
+  const std::size_t first = family.acts_on_output ? 1 : 0;  // the exact variant is no linear one
+  FamilyFit best = fit_variant(projected, layout, family, first);
+  for (std::size_t i = first + 1; i < family.variants.size(); ++i) {
     const FamilyFit fit = fit_variant(projected, layout, family, i);
     if (fit.gain > best.gain) {
       best = fit;
@@ -169,13 +176,13 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   for (auto& family : probe_families(p, residual)) {
     evidence.families.push_back(std::move(family));
   }
-  const Eigen::MatrixXd columns = lay_out(residual, flexible_features(p.signals), evidence.families, evidence.layout);
+  evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals)), evidence.families, evidence.layout);
   model_noise(p, residual, evidence);
   sort_blocks(p.split, evidence);
   const Blocks blocks = p.split.learned();
-  const Eigen::MatrixXd white = whitened(columns, p.coarse_logs, evidence.noise);
+  const Eigen::MatrixXd white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
   evidence.white_error = white.col(evidence.layout.error());
-  evidence.raw_white.emplace_back(columns, evidence.layout, blocks);
+  evidence.raw_white.emplace_back(evidence.columns, evidence.layout, blocks);
   evidence.raw_white.emplace_back(white, evidence.layout, blocks);
   const Projected all = evidence.white().projected(evidence.learned);
   const double dof = std::max(1.0, all.rows - static_cast<double>(evidence.layout.law));

@@ -49,7 +49,7 @@ class BlockGrams {
   std::vector<double> rows_;
 };
 
-/// A family's best variant on some rows.
+/// A family's best variant on some rows, by the projected products alone.
 struct FamilyFit {
   std::size_t variant = 0;
   Eigen::VectorXd theta;
@@ -69,6 +69,7 @@ struct Evidence {
   double innovation_variance = 0.0;       ///< per whitened row: pure error, or the law's own residual
   std::vector<std::size_t> fit, choose, learned;  ///< blocks by role
   std::vector<BlockGrams> raw_white;      ///< [0] raw, [1] white
+  Eigen::MatrixXd columns;                ///< all of the layout, coarse rows, in the measured quantity
   Eigen::VectorXd error, white_error;     ///< coarse rows
   [[nodiscard]] auto raw() const -> const BlockGrams& { return raw_white[0]; }
   [[nodiscard]] auto white() const -> const BlockGrams& { return raw_white[1]; }

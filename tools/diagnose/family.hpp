@@ -19,21 +19,28 @@ struct Variant {
 struct Family {
   std::string name;
   bool in_catalogue = false;      ///< false: a probe, which can be recognised but not added to the law
-  bool unit_coefficient = false;  ///< the column is the effect itself: its factor is 1, not fitted (output terms)
-  std::vector<Sign> signs;        ///< one per column
+  /// An output term: its column is the change of the fitted law itself, so its factor is 1. The first variant is exact and has,
+  /// after that column, the law's columns passed through the term, which replace the law's own; the others are there for the
+  /// null distribution only, where the law is right and need not be refitted through the term.
+  bool acts_on_output = false;
+  std::vector<Sign> signs;        ///< one per column of a variant that belongs to the effect
   std::vector<Variant> variants;
 };
 
 /// What the law so far leaves over.
 struct LawResidual {
-  Eigen::VectorXd fitted;  ///< the law's angle, every sample
-  Eigen::MatrixXd base;    ///< coarse columns of the law: coefficients, and sensitivities to its shapes
-  Eigen::VectorXd error;   ///< target less fitted, coarse
+  Eigen::VectorXd fitted;     ///< the law's angle, every sample
+  Eigen::MatrixXd full_base;  ///< columns of the law, every sample: coefficients, and sensitivities to its shapes
+  Eigen::MatrixXd base;       ///< the same, coarse
+  Eigen::VectorXd error;      ///< target less fitted, coarse
 };
 
 /// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around the one
 /// that fits the residual best on the rows that fit.
 auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family>;
+
+/// Free parameters of an effect: coefficients and shapes.
+auto parameter_count(const Family& family) -> std::size_t;
 
 /// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is not given
 /// the nearest catalogue name. They never enter a law.

@@ -9,19 +9,35 @@
 namespace capstan::tools {
 namespace {
 
-/// The last sample before a switch at which the motor still stood at the extreme of its stroke, within the noise.
-auto turning_point(const AxisLog& log, std::size_t stroke_begin, std::size_t noticed, bool was_forward, double noise_rad)
-    -> std::size_t {
+/// Where a reversal happened.
+struct Turn {
+  Eigen::Index start = 0;  ///< estimate of the first sample of the new direction
+  RowRange uncertain;
+};
+
+/// Finds a reversal between the begin of a stroke and the sample at which the causal switch noticed it. The motor leaves its
+/// extreme like x ~ t^2, so it takes as long from rest to the first distance that can be seen as from there to four times that.
+auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double visible_rad) -> Turn {
   const double sign = was_forward ? 1.0 : -1.0;
-  double extreme = sign * log.q1_rad[static_cast<Eigen::Index>(noticed)];
-  for (std::size_t i = stroke_begin; i < noticed; ++i) {
-    extreme = std::max(extreme, sign * log.q1_rad[static_cast<Eigen::Index>(i)]);
+  auto height = [&](Eigen::Index i) { return sign * log.q1_rad[i]; };
+  double extreme = height(stroke.end);
+  for (Eigen::Index i = stroke.begin; i < stroke.end; ++i) {
+    extreme = std::max(extreme, height(i));
   }
-  std::size_t turn = noticed;
-  while (turn > stroke_begin && sign * log.q1_rad[static_cast<Eigen::Index>(turn)] < extreme - noise_rad) {
-    --turn;
+  Eigen::Index last = stroke.end;  // sample still at the extreme
+  while (last > stroke.begin && height(last) < extreme - visible_rad) {
+    --last;
   }
-  return turn;
+  Eigen::Index away = last;
+  while (away + 1 < log.samples() && height(away) > extreme - 4.0 * visible_rad) {
+    ++away;
+  }
+  Eigen::Index first = last;
+  while (first > stroke.begin && height(first - 1) >= extreme - visible_rad) {
+    --first;
+  }
+  const Eigen::Index seeing = std::max<Eigen::Index>(away - last, 1);
+  return {std::max(last - seeing, first) + 1, {std::max(last - 2 * seeing, first), last + 1}};
 }
 
 }  // namespace
@@ -63,22 +79,28 @@ auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double
   return slope;
 }
 
-auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise) -> Samples {
-  Samples samples = causal_samples(log, conditioner);
+auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise) -> Hindsight {
+  Hindsight result{causal_samples(log, conditioner), {}};
+  const auto changes = direction_changes(result.samples);
   const Eigen::VectorXd rate = local_slope(log.q1_rad, rate_half_window(log, noise), log.period_s);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < result.samples.size(); ++i) {
+    result.samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
   }
-  const double at_rest = std::max(1.01 * noise.step_rad, 3.0 * (noise.step_rad > 0.0 ? 0.0 : noise.white_rad));
-  std::size_t stroke_begin = 0;
-  for (const std::size_t noticed : direction_changes(samples)) {
-    const bool was_forward = samples[noticed - 1].forward;
-    for (std::size_t i = turning_point(log, stroke_begin, noticed, was_forward, at_rest) + 1; i < noticed; ++i) {
-      samples[i].forward = !was_forward;
+  const double visible = noise.step_rad > 0.0 ? 1.01 * noise.step_rad : 3.0 * noise.white_rad;
+  Eigen::Index stroke_begin = 0;
+  for (const std::size_t change : changes) {
+    const auto noticed = static_cast<Eigen::Index>(change);
+    const bool was_forward = !result.samples[change].forward;
+    const Turn turn = find_turn(log, {stroke_begin, noticed}, was_forward, visible);
+    for (Eigen::Index i = turn.start; i < noticed; ++i) {
+      result.samples[static_cast<std::size_t>(i)].forward = !was_forward;
+    }
+    if (visible > 0.0) {
+      result.uncertain.push_back(turn.uncertain);
     }
     stroke_begin = noticed;
   }
-  return samples;
+  return result;
 }
 
 }  // namespace capstan::tools

@@ -95,11 +95,18 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
-    -> LawDesign {
+/// Hindsight for all logs; `uncertain` gets the coarse rows touched by uncertain samples.
+auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner, const AngleNoise& noise,
+                  Eigen::Index factor, Blocks& uncertain) -> LawDesign {
   std::vector<Samples> samples;
+  Eigen::Index begin = 0;
   for (const auto& log : logs) {
-    samples.push_back(hindsight_samples(log, conditioner, noise));
+    Hindsight hindsight = hindsight_samples(log, conditioner, noise);
+    for (const auto& rows : hindsight.uncertain) {
+      uncertain.push_back({begin + rows.begin / factor, begin + std::min(rows.end, log.samples() - 1) / factor + 1});
+    }
+    samples.push_back(std::move(hindsight.samples));
+    begin += log.samples() / factor;
   }
   return {logs, std::move(samples)};
 }
@@ -118,6 +125,24 @@ auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::Ma
   }
   return coarse;
 }
+
+auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
+  for (const auto& rows : uncertain) {
+    const Eigen::Index before = rows.begin - 1;
+    const Eigen::Index after = rows.end;
+    if (before < 0 || after >= columns.rows()) {
+      continue;
+    }
+    const Eigen::RowVectorXd from = columns.row(before);
+    const Eigen::RowVectorXd step = (columns.row(after) - from) / static_cast<double>(after - before);
+    for (Eigen::Index row = rows.begin; row < rows.end; ++row) {
+      columns.row(row) = from + step * static_cast<double>(row - before);
+    }
+  }
+  return columns;
+}
+
+auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd { return bridged(decimated(columns, factor)); }
 
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   constexpr Eigen::Index kFewestSamples = 400;
@@ -159,8 +184,17 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
   const AngleNoise noise = motor_angle_noise(logs);
-  Preparation p{logs, conditioner, noise, LawDesign(logs, conditioner), hindsight_of(logs, conditioner, noise), stacked_target(logs),
-                factor, static_cast<double>(factor) * logs.front().period_s, {}, {}, {}, {}, std::move(notes)};
+  Blocks uncertain;
+  Preparation p{logs,
+                conditioner,
+                noise,
+                LawDesign(logs, conditioner),
+                hindsight_of(logs, conditioner, noise, factor, uncertain),
+                stacked_target(logs),
+                factor,
+                static_cast<double>(factor) * logs.front().period_s,
+                {}, {}, {}, {}, {}, std::move(notes)};
+  p.uncertain = std::move(uncertain);
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const Eigen::Index rows = logs[i].samples() / factor;

@@ -29,7 +29,14 @@ struct Preparation {
   std::optional<Repeats> repeats;     ///< in coarse rows
   Split split;                        ///< in coarse rows
   CoarseSignals signals;
+  Blocks uncertain;                   ///< coarse rows whose direction is not known
   std::vector<std::string> notes;
+
+  /// Columns of every sample on the coarse grid, bridged.
+  [[nodiscard]] auto coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd;
+  /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the target, so
+  /// a law that holds on the other rows holds on these.
+  [[nodiscard]] auto bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
 };
 
 /// Mean of every `factor` rows. @pre the number of rows is a multiple of it

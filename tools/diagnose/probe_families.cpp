@@ -34,7 +34,10 @@ class Probes {
  private:
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
 
-  void add(const std::string& name, std::vector<std::vector<Column>> variants) {
+  void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny) {
+    if (in_catalogue(name)) {
+      return;  // the catalogue has it by now, and better
+    }
     Family family;
     family.name = name;
     for (auto& columns : variants) {
@@ -44,7 +47,8 @@ class Probes {
         variant.columns.col(static_cast<Eigen::Index>(i)) = columns[i];
       }
       if (variant.columns.cwiseAbs().maxCoeff() > 0.0 && variant.columns.allFinite()) {
-        family.signs.assign(columns.size(), Sign::kAny);
+        variant.columns = p_.bridged(std::move(variant.columns));
+        family.signs.assign(columns.size(), sign);
         family.variants.push_back(std::move(variant));
       }
     }
@@ -87,10 +91,8 @@ class Probes {
     for (const double share : {0.003, 0.01, 0.02, 0.04, 0.08, 0.16}) {
       bristles.push_back({bristle(share * q1_range_)});
     }
-    add("presliding", std::move(bristles));
-    families_.back().signs = {Sign::kNonPositive};  // the joint lags
-    add("coulomb_friction", {{direction_}});
-    families_.back().signs = {Sign::kNonPositive};  // the other sign is pretension_offset
+    add("presliding", std::move(bristles), Sign::kNonPositive);   // the joint lags
+    add("coulomb_friction", {{direction_}}, Sign::kNonPositive);  // the other sign is pretension_offset
     std::vector<std::vector<Column>> stribeck;
     const double fastest = s_.dq1.cwiseAbs().maxCoeff();
     for (const double share : {0.02, 0.06, 0.2}) {
@@ -163,11 +165,9 @@ class Probes {
 
   /// The motor's own measurement is late: the opposite of transport_delay.
   void of_timing() {
-    std::vector<std::vector<Column>> early;
     const Column fitted = decimated(residual_.fitted, p_.factor);
     const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
-    add("motor_delay", {{slope}});
-    families_.back().signs = {Sign::kNonNegative};
+    add("motor_delay", {{slope}}, Sign::kNonNegative);
   }
 
   void of_other_axes() {

@@ -49,119 +49,155 @@ auto p_value_of(double statistic, const std::vector<double>& sorted) -> double {
   return (static_cast<double>(above) + 1.0) / (static_cast<double>(sorted.size()) + 1.0);
 }
 
-/// log E of Wasserman, Ramdas and Balakrishnan: the law with the effect as fitted elsewhere, against the best that the law alone
-/// can do with hindsight on the choosing rows.
-auto split_likelihood(const Evidence& evidence, const Projected& choose, const Family& family, const FamilyFit& fit) -> double {
-  const BlockGrams& white = evidence.white();
-  const double with_effect = block_energies(white, evidence.choose, beside_law(white, evidence.fit, family, fit)).sum();
-  const double law_alone = choose.error_energy();
-  if (evidence.noise_from_repeats) {
-    return (law_alone - with_effect) / (2.0 * evidence.innovation_variance);
+/// Every other of the blocks.
+auto half_of(const Blocks& blocks, std::size_t which) -> Blocks {
+  Blocks half;
+  for (std::size_t i = which; i < blocks.size(); i += 2) {
+    half.push_back(blocks[i]);
   }
-  return 0.5 * choose.rows * std::log(law_alone / with_effect);
+  return half;
 }
 
-auto likelihood_gain_of(const Evidence& evidence, const Projected& rows, double gain) -> double {
-  if (evidence.noise_from_repeats) {
-    return gain / evidence.innovation_variance;
+/// Tries families one after the other on the same evidence.
+class Court {
+ public:
+  Court(const Preparation& p, const Evidence& evidence)
+      : evidence_(evidence),
+        known_(evidence.noise_from_repeats ? &evidence.noise : nullptr),
+        learned_rows_(p.split.learned()),
+        fit_products_(evidence.white().projected(evidence.fit)),
+        learned_products_(evidence.white().projected(evidence.learned)),
+        lucky_(luckiest_gains(evidence, fit_products_)),
+        law_(law_model(evidence.layout)) {
+    law_energies_ = cross_validated(evidence.raw(), evidence.learned, law_);
+    law_likelihood_ = likelihoods(law_).sum();
+    for (std::size_t half = 0; half < 2; ++half) {
+      const Blocks rows = half_of(learned_rows_, half);
+      law_halves_[half] = judged(law_, profile(law_, rows), rows).sum();
+    }
   }
-  const double left = std::max(rows.error_energy() - gain, 1e-12 * rows.error_energy());
-  return rows.rows * std::log(rows.error_energy() / left);
-}
 
-/// Share of a variant's columns that the law takes up, and the smallest contribution that would still have been confirmed.
-void judge_visibility(const Evidence& evidence, const Projected& learned, const Family& family, FamilyTrial& trial) {
-  const ColumnList columns = columns_of(family, trial.learned.variant);
-  const Eigen::MatrixXd white = evidence.white().sum(evidence.learned, columns);
-  const Eigen::MatrixXd raw = evidence.raw().sum(evidence.learned, columns);
-  double seen = 0.0;
-  for (const Eigen::Index column : columns) {
-    seen += learned.gram(column - evidence.layout.law, column - evidence.layout.law);
+  auto try_family(std::size_t index) const -> FamilyTrial {
+    const Family& family = evidence_.families[index];
+    FamilyTrial trial;
+    trial.family = index;
+    const FamilyFit linear = fit_family(fit_products_, evidence_.layout, family);
+    trial.variant = family.acts_on_output ? 0 : linear.variant;
+    const ColumnModel model = model_of(evidence_.layout, family, trial.variant);
+    const double gain = family.acts_on_output ? exact_gain(model) : linear.gain;
+    trial.possible = gain > 0.0;
+    trial.p_value = p_value_of(gain / evidence_.innovation_variance, lucky_);
+    judge_visibility(model, trial);
+    if (trial.possible) {
+      trial.energies = cross_validated(evidence_.raw(), evidence_.learned, model);
+      trial.explained = 1.0 - trial.energies.sum() / law_energies_.sum();
+      trial.explained_t = t_statistic(law_energies_ - trial.energies);
+      trial.likelihoods = likelihoods(model);
+      trial.log_likelihood = trial.likelihoods.sum() - law_likelihood_;
+      trial.log_evidence = cross_fitted_evidence(model);
+    }
+    return trial;
   }
-  trial.absorbed = white.trace() > 0.0 ? std::clamp(1.0 - seen / white.trace(), 0.0, 1.0) : 1.0;
-  double choosing = 0.0;
-  for (const std::size_t block : evidence.choose) {
-    choosing += evidence.white().rows(block);
-  }
-  const double share = std::max(choosing / learned.rows, 1e-3);
-  const double lambda = 2.0 * evidence_needed(evidence) / share;
-  trial.detectable = seen > 0.0 ? std::sqrt(lambda * evidence.innovation_variance / seen * raw.trace() / learned.rows) : std::numeric_limits<double>::infinity();
-}
 
-/// Largest share of the direction x (given by its products with all columns and its energy) that a family can copy.
-auto copied_share(const Projected& rows, const Layout& layout, const Family& family, const Eigen::VectorXd& products, double energy)
-    -> double {
-  double largest = 0.0;
-  const auto n = static_cast<Eigen::Index>(family.signs.size());
-  const std::vector<Sign> any(family.signs.size(), Sign::kAny);
-  for (const auto& variant : family.variants) {
-    const Eigen::Index first = variant.first - layout.law;
-    const Eigen::VectorXd rhs = products.segment(first, n);
-    const Eigen::VectorXd theta = solve_signed(rows.gram.block(first, first, n, n), rhs, any);
-    largest = std::max(largest, theta.dot(rhs) / energy);
+ private:
+  auto profile(const ColumnModel& model, const Blocks& rows) const -> Profile {
+    return fit_profile(evidence_.columns, evidence_.layout, model, rows, known_);
   }
-  return std::min(largest, 1.0);
-}
+  auto judged(const ColumnModel& model, const Profile& fitted, const Blocks& rows) const -> Eigen::VectorXd {
+    return log_likelihood(evidence_.columns, evidence_.layout, model, fitted, rows);
+  }
+  auto likelihoods(const ColumnModel& model) const -> Eigen::VectorXd {
+    const Profile fitted = fit_profile(evidence_.columns, evidence_.layout, model, learned_rows_, nullptr);
+    return judged(model, fitted, learned_rows_);
+  }
+
+  /// Wasserman, Ramdas and Balakrishnan: each half judges the model as the other half taught it, against the best that the law
+  /// alone can do with hindsight. The mean of the two ratios is again a valid one.
+  auto cross_fitted_evidence(const ColumnModel& model) const -> double {
+    double log_ratio[2];
+    for (std::size_t half = 0; half < 2; ++half) {
+      const Profile taught = profile(model, half_of(learned_rows_, 1 - half));
+      log_ratio[half] = judged(model, taught, half_of(learned_rows_, half)).sum() - law_halves_[half];
+    }
+    const double larger = std::max(log_ratio[0], log_ratio[1]);
+    const double smaller = std::min(log_ratio[0], log_ratio[1]);
+    return larger + std::log(0.5 * (1.0 + std::exp(smaller - larger)));
+  }
+
+  auto exact_gain(const ColumnModel& model) const -> double {
+    const auto& white = evidence_.white();
+    const double with_effect = block_energies(white, evidence_.fit, fit_model(white, evidence_.fit, model)).sum();
+    return std::max(0.0, fit_products_.error_energy() - with_effect);
+  }
+
+  /// Share of a variant's columns that the law takes up, and the smallest contribution that would still have been confirmed.
+  void judge_visibility(const ColumnModel& model, FamilyTrial& trial) const {
+    ColumnList own = model.fixed >= 0 ? ColumnList{model.fixed} : model.free;
+    own.erase(own.begin(), model.fixed >= 0 ? own.begin() : own.begin() + evidence_.layout.law);
+    const double white = evidence_.white().sum(evidence_.learned, own).trace();
+    const double raw = evidence_.raw().sum(evidence_.learned, own).trace();
+    double seen = 0.0;
+    for (const Eigen::Index column : own) {
+      seen += learned_products_.gram(column - evidence_.layout.law, column - evidence_.layout.law);
+    }
+    trial.absorbed = white > 0.0 ? std::clamp(1.0 - seen / white, 0.0, 1.0) : 1.0;
+    const double lambda = 4.0 * evidence_needed(evidence_);  // half of the rows judge
+    trial.detectable = seen > 0.0 ? std::sqrt(lambda * evidence_.innovation_variance / seen * raw / learned_products_.rows)
+                                  : std::numeric_limits<double>::infinity();
+  }
+
+  const Evidence& evidence_;
+  const AutoregressiveNoise* known_;
+  Blocks learned_rows_;
+  Projected fit_products_, learned_products_;
+  std::vector<double> lucky_;
+  ColumnModel law_;
+  Eigen::VectorXd law_energies_;
+  double law_likelihood_ = 0.0;
+  double law_halves_[2] = {};
+};
 
 }  // namespace
+
+auto clearly_positive(const Eigen::VectorXd& margin) -> bool {
+  return margin.sum() > 0.0 && std::max(t_statistic(margin), signed_rank_score(margin)) > kVuong;
+}
 
 auto evidence_needed(const Evidence& evidence) -> double {
   return std::log(static_cast<double>(evidence.families.size()) / kAlpha);
 }
 
-auto try_families(const Evidence& evidence) -> std::vector<FamilyTrial> {
-  const Projected fit_rows = evidence.white().projected(evidence.fit);
-  const Projected choose_rows = evidence.white().projected(evidence.choose);
-  const Projected learned_rows = evidence.white().projected(evidence.learned);
-  const auto lucky = luckiest_gains(evidence, fit_rows);
-  const Eigen::VectorXd alone = cross_validated(evidence.raw(), evidence.learned, {});
+auto try_families(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> std::vector<FamilyTrial> {
+  const Court court(p, evidence);
   std::vector<FamilyTrial> trials;
   for (std::size_t i = 0; i < evidence.families.size(); ++i) {
-    const Family& family = evidence.families[i];
-    FamilyTrial trial;
-    trial.family = i;
-    trial.fit = fit_family(fit_rows, evidence.layout, family);
-    trial.learned = fit_family(learned_rows, evidence.layout, family);
-    trial.p_value = p_value_of(trial.fit.gain / evidence.innovation_variance, lucky);
-    if (trial.fit.gain > 0.0) {
-      trial.log_evidence = split_likelihood(evidence, choose_rows, family, trial.fit);
-      const auto with_effect = cross_validated(evidence.raw(), evidence.learned, columns_of(family, trial.fit.variant));
-      trial.block_t = t_statistic(alone - with_effect);
-      trial.raw_explained = 1.0 - with_effect.sum() / alone.sum();
-    }
-    trial.likelihood_gain = likelihood_gain_of(evidence, learned_rows, trial.learned.gain);
-    judge_visibility(evidence, learned_rows, family, trial);
-    trials.push_back(std::move(trial));
+    trials.push_back(court.try_family(i));
+    trials.back().p_sieve = sieve.family_p[i];
   }
   return trials;
 }
 
 auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool {
-  return trial.p_value <= kAlpha && trial.log_evidence >= evidence_needed(evidence);
+  const bool whitened = trial.p_value <= 0.5 * kAlpha && trial.log_evidence >= evidence_needed(evidence);
+  const bool across_halves = trial.p_sieve <= 0.5 * kAlpha;
+  return trial.possible && trial.explained > 0.0 && (whitened || across_halves);
 }
 
-auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best)
+auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best, double floor_energy)
     -> std::vector<std::size_t> {
-  const Projected rows = evidence.white().projected(evidence.learned);
-  const Family& own = evidence.families[best];
-  const FamilyFit& fit = trials[best].learned;
-  const Eigen::Index first = own.variants[fit.variant].first - evidence.layout.law;
-  const Eigen::VectorXd products = rows.gram.middleCols(first, fit.theta.size()) * fit.theta;
-  const double energy = fit.theta.dot(products.segment(first, fit.theta.size()));
-  const Eigen::VectorXd own_energies =
-      block_energies(evidence.white(), evidence.learned, beside_law(evidence.white(), evidence.learned, own, fit));
+  const FamilyTrial& own = trials[best];
+  const double left_by_best = std::max(0.0, own.energies.sum() - floor_energy);
   std::vector<std::size_t> confusable;
   for (const auto& other : trials) {
-    const Family& family = evidence.families[other.family];
-    if (other.family == best || other.learned.gain <= 0.0) {
+    if (other.family == best || !other.possible) {
       continue;
     }
-    const double copied = copied_share(rows, evidence.layout, family, products, energy);
-    const bool would_have_shown = trials[best].likelihood_gain * (1.0 - copied) >= 2.0 * evidence_needed(evidence);
-    const auto other_energies = block_energies(evidence.white(), evidence.learned,
-                                               beside_law(evidence.white(), evidence.learned, family, other.learned));
-    const bool worse = t_statistic(other_energies - own_energies) > kVuong;
-    if (!would_have_shown || !worse) {
+    const Eigen::VectorXd margin = own.likelihoods - other.likelihoods;
+    const Eigen::VectorXd raw_margin = other.energies - own.energies;
+    const bool worse = margin.sum() > evidence_needed(evidence) && (clearly_positive(margin) || clearly_positive(raw_margin));
+    const bool simpler = parameter_count(evidence.families[other.family]) <= parameter_count(evidence.families[best]);
+    const bool beyond_doubt = !simpler || other.energies.sum() - own.energies.sum() > left_by_best;
+    if (!worse || !beyond_doubt) {
       confusable.push_back(other.family);
     }
   }

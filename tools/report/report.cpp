@@ -1,2 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "tools/report/report.hpp"
-namespace capstan::tools { auto write_report(const std::string& folder, const Diagnosis&) -> std::string { return folder; } }
+
+#include <filesystem>
+#include <numbers>
+
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/report/svg_plot.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr const char* kMeasuredColour = "#444";
+constexpr const char* kBeforeColour = "#c2410c";
+constexpr const char* kAfterColour = "#0f766e";
+
+constexpr const char* kStyle = R"(
+body { font: 15px/1.5 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
+h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem }
+table { border-collapse: collapse } th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #ddd }
+td.n { text-align: right; font-variant-numeric: tabular-nums } .verdict { background: #f1f5f9; padding: 1rem; font-size: 1.1rem }
+svg { max-width: 100%; height: auto; display: block; margin: .5rem 0 } .dim { color: #777 }
+)";
+
+struct Picture {
+  std::string file;
+  Plot plot;
+};
+
+auto degrees(double rad, int digits = 3) -> std::string { return rounded(rad * kDegrees, digits); }
+
+auto cell(const std::string& text, bool numeric = false) -> std::string {
+  return std::string(numeric ? "<td class=\"n\">" : "<td>") + escaped(text) + "</td>";
+}
+
+/// Time that keeps rising where one log ends and the next begins.
+auto running_time(const Eigen::VectorXd& time_s) -> Eigen::VectorXd {
+  Eigen::VectorXd running = time_s;
+  for (Eigen::Index i = 1; i < running.size(); ++i) {
+    const double step = time_s[i] - time_s[i - 1];
+    running[i] = running[i - 1] + (step > 0.0 ? step : 0.0);
+  }
+  return running;
+}
+
+auto loop_plot(const Traces& t, const Eigen::VectorXd& estimate, double beta, const std::string& which, const char* colour) -> Plot {
+  Plot plot;
+  plot.title = "Loop " + which;
+  plot.x_label = "motor angle q1 [deg]";
+  plot.y_label = "q2 less beta q1 [deg]";
+  plot.series = {{"measured", kMeasuredColour, t.q1 * kDegrees, (t.measured - beta * t.q1) * kDegrees},
+                 {"law " + which, colour, t.q1 * kDegrees, (estimate - beta * t.q1) * kDegrees}};
+  return plot;
+}
+
+auto residual_plot(const Traces& t, const Eigen::VectorXd& estimate, const std::string& which, const char* colour) -> Plot {
+  Plot plot;
+  plot.title = "Residual " + which;
+  plot.x_label = "time [s]";
+  plot.y_label = "measured less estimated [deg]";
+  plot.series = {{"law " + which, colour, running_time(t.time_s), (t.measured - estimate) * kDegrees}};
+  return plot;
+}
+
+auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
+  if (d.traces.measured.size() == 0) {
+    return {};
+  }
+  const double beta = d.base.parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
+  std::vector<Plot> loops = {loop_plot(d.traces, d.traces.before, beta, "before", kBeforeColour)};
+  std::vector<Plot> residuals = {residual_plot(d.traces, d.traces.before, "before", kBeforeColour)};
+  if (!d.effects.empty()) {
+    loops.push_back(loop_plot(d.traces, d.traces.after, beta, "after", kAfterColour));
+    residuals.push_back(residual_plot(d.traces, d.traces.after, "after", kAfterColour));
+  }
+  std::vector<Picture> pictures;
+  const auto loop_range = common_range(loops);
+  const auto residual_range = common_range(residuals);
+  const char* names[] = {"before", "after"};
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    loops[i].y_range = loop_range;
+    residuals[i].y_range = residual_range;
+    pictures.push_back({std::string("loop_") + names[i] + ".svg", loops[i]});
+    pictures.push_back({std::string("residual_") + names[i] + ".svg", residuals[i]});
+  }
+  return pictures;
+}
+
+auto error_table(const Diagnosis& d) -> std::string {
+  std::string html = "<h2>Error on rows that took no part in fit or choice</h2>\n<table><tr><th></th><th>RMSE [rad]</th>"
+                     "<th>RMSE [deg]</th><th>goodness of fit [%]</th></tr>\n";
+  auto row = [&](const std::string& name, const ErrorSummary& e) {
+    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) + cell(degrees(e.rmse), true) + cell(rounded(e.gof_percent), true) +
+            "</tr>\n";
+  };
+  row("before: " + d.base_model, d.before);
+  if (!d.effects.empty()) {
+    row("after: with the effects below", d.after);
+  }
+  html += "<tr>" + cell(std::string("noise floor (") + (d.floor_from_repeats ? "from repeated cycles" : "of a flexible model") + ")") +
+          cell(rounded(d.noise_floor), true) + cell(degrees(d.noise_floor), true) + cell("") + "</tr>\n</table>\n";
+  if (!d.effects.empty()) {
+    html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " + rounded(d.ratio_ci95[1], 3) +
+            ". The effects explain " + rounded(100.0 * d.explained_share, 3) + " % of what can be explained (at least " +
+            rounded(100.0 * d.explained_share_lower, 3) + " %).</p>\n";
+  }
+  return html;
+}
+
+auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::optional<Interval>& ci95, const char* unit,
+                   const char* doc) -> std::string {
+  const std::string interval = ci95 ? rounded((*ci95)[0], 4) + " to " + rounded((*ci95)[1], 4) : "held at its bound";
+  return "<tr>" + cell(term.name + "." + name) + cell(rounded(value, 5), true) + cell(interval) + cell(unit) + cell(doc) + "</tr>\n";
+}
+
+auto parameter_table(const JointFile& joint) -> std::string {
+  std::string html = "<h2>Parameters of the law</h2>\n<table><tr><th>parameter</th><th>value</th><th>95 % interval</th>"
+                     "<th>unit</th><th>meaning</th></tr>\n";
+  for (const auto& term : term_catalogue()) {
+    if (!joint.has(term.name)) {
+      continue;
+    }
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      const auto& info = term.coefficients[i];
+      const std::size_t at = term.first_coefficient + i;
+      html += parameter_row(term, info.name, joint.parameters.coefficients[at], joint.coefficient_ci95[at], info.unit, info.doc);
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const auto& info = term.shapes[i];
+      const std::size_t at = term.first_shape + i;
+      html += parameter_row(term, info.name, joint.parameters.shapes[at], joint.shape_ci95[at], info.unit, info.doc);
+    }
+  }
+  return html + "</table>\n";
+}
+
+auto ranking_tables(const Diagnosis& d) -> std::string {
+  std::string html = "<h2>Who else could it be?</h2>\n<p>Every possible effect was fitted beside the law. Those in grey are not in "
+                     "the catalogue: they are in the line-up so that something foreign is not given the nearest catalogue name.</p>\n";
+  for (std::size_t i = 0; i < d.rounds.size(); ++i) {
+    html += "<h3>Round " + std::to_string(i + 1) + "</h3>\n<p>" + rounded(100.0 * d.rounds[i].reducible_share, 3) +
+            " % of the residual's energy is no noise" + (d.rounds[i].lacks_something ? "" : " (not certain, or too little to matter)") +
+            ".</p>\n<table><tr><th>effect</th><th>explains [%]</th><th>p, family-wise</th>"
+            "<th>evidence [nats]</th><th>outcome</th></tr>\n";
+    for (const auto& ranked : d.rounds[i].ranking) {
+      html += std::string("<tr") + (ranked.in_catalogue ? "" : " class=\"dim\"") + ">" + cell(ranked.name) +
+              cell(rounded(100.0 * ranked.explained, 3), true) + cell(rounded(ranked.p_value, 2), true) +
+              cell(rounded(ranked.log_evidence, 3), true) + cell(ranked.outcome) + "</tr>\n";
+    }
+    html += "</table>\n";
+  }
+  return html;
+}
+
+auto what_would_change(const Diagnosis& d) -> std::string {
+  std::string html = "<h2>What would change the verdict</h2>\n<ul>\n";
+  auto item = [&](const std::string& text) { html += "<li>" + escaped(text) + "</li>\n"; };
+  if (d.next_experiment) {
+    item(*d.next_experiment);
+  }
+  for (const auto& effect : d.effects) {
+    const CatalogueTerm& term = catalogue_term(effect.name);
+    item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with + "; a log of this motion tells them apart: " +
+         term.exciting_motion + ".");
+  }
+  if (d.repeats < 2) {
+    item("Four equal cycles in one log: the noise is then measured instead of judged from the residual.");
+  }
+  if (d.verdict == Verdict::kUnknown || d.verdict == Verdict::kEffectPlusUnlisted) {
+    item("A new effect in the catalogue that explains what is left; the ranking shows what it looks like.");
+  }
+  if (d.verdict == Verdict::kNothingMissing) {
+    item("More data, less noise or a richer motion, if an effect smaller than those listed under warnings matters.");
+  }
+  return html + "</ul>\n";
+}
+
+auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::string {
+  std::string html = std::string("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis of ") +
+                     escaped(d.target) + "</title><style>" + kStyle + "</style></head><body>\n<h1>Diagnosis of " + escaped(d.target) +
+                     "</h1>\n<p class=\"verdict\"><b>" + verdict_word(d.verdict) + "</b>: " + escaped(d.reason) + "</p>\n<p>" +
+                     std::to_string(d.samples) + " samples at " + rounded(d.rate_hz) + " Hz, " +
+                     (d.repeats > 1 ? std::to_string(d.repeats) + " repeated cycles" : std::string("no repeated cycles")) +
+                     ", base law " + escaped(d.base_model) + ".</p>\n";
+  if (!pictures.empty()) {
+    html += error_table(d);
+    html += "<h2>Pictures</h2>\n";
+    for (const auto& picture : pictures) {
+      html += svg_of(picture.plot);
+    }
+    html += ranking_tables(d) + parameter_table(d.law);
+  }
+  html += what_would_change(d);
+  if (!d.warnings.empty()) {
+    html += "<h2>Notes and warnings</h2>\n<ul>\n";
+    for (const auto& warning : d.warnings) {
+      html += "<li>" + escaped(warning) + "</li>\n";
+    }
+    html += "</ul>\n";
+  }
+  return html + "</body></html>\n";
+}
+
+}  // namespace
+
+auto write_report(const std::string& folder, const Diagnosis& diagnosis) -> std::string {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_directory(folder)) {
+    throw BadInput(folder + ": the folder can not be made (" + error.message() + "); choose another name");
+  }
+  const auto pictures = pictures_of(diagnosis);
+  for (const auto& picture : pictures) {
+    write_text_file(folder + "/" + picture.file, svg_of(picture.plot));
+  }
+  const std::string path = folder + "/index.html";
+  write_text_file(path, page(diagnosis, pictures));
+  return path;
+}
+
+}  // namespace capstan::tools

@@ -189,6 +189,20 @@ TEST(Frames, FramesOfAnotherKindSizeOrVersionAreRefused) {
   EXPECT_FALSE(decode(other_version, frame));
 }
 
+TEST(Frames, BridgeGoesOnOnlyIfThatIsPlainlyAskedFor) {
+  auto packet = packets_in<kDriveSize<1>>(bytes_of(encode(DriveFrame<1>{}))).at(0);
+  const std::size_t enabled_at = packet.size() - kCrcSize - 1;
+  for (int value = 0; value < 256; ++value) {
+    packet[enabled_at] = static_cast<std::uint8_t>(value);
+    const std::uint16_t crc = crc16(std::span(packet).first(packet.size() - kCrcSize));
+    packet[packet.size() - 2] = static_cast<std::uint8_t>(crc & 0xFFU);
+    packet[packet.size() - 1] = static_cast<std::uint8_t>(crc >> 8U);
+    DriveFrame<1> frame;
+    ASSERT_TRUE(decode(packet, frame));
+    EXPECT_EQ(frame.drive.axis[0].enabled, value == 1) << value;
+  }
+}
+
 TEST(FrameReader, IsInStepAgainAtTheNextFrameAfterALoss) {
   const Bytes frame = bytes_of(encode(example_sensed()));
   Bytes stream(frame.begin() + 7, frame.end());  // joined in the middle
@@ -211,6 +225,11 @@ TEST(FrameReader, OverlongRubbishIsOneDamagedFrame) {
   EXPECT_EQ(reader.damaged(), 1U);
   EXPECT_FALSE(reader.take(kFrameEnd));
   EXPECT_EQ(reader.damaged(), 1U) << "an end mark alone is no error";
+  bool complete = false;
+  for (const std::uint8_t byte : bytes_of(encode(SensedFrame<1>{}))) {
+    complete = reader.take(byte);
+  }
+  EXPECT_TRUE(complete) << "the rubbish spoils only itself";
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace {
 class Clocks : public testing::Test {
  protected:
   Clocks() {
-    rcc.cr.value = rcc::kCrHsiOn;
     rcc.cr.on_read = [this](std::uint32_t value) { return value | ready_flags(value); };
     rcc.cfgr.on_write = [this](std::uint32_t, std::uint32_t written) {
       switched_with_latency = flash.acr.value & flash::kAcrLatencyMask;
@@ -31,7 +30,8 @@ class Clocks : public testing::Test {
     const bool crystal = crystal_starts && (enables & rcc::kCrHseOn) != 0;
     const bool source = (rcc.pllcfgr.value & rcc::kPllSourceHse) == 0 || crystal;
     const bool pll = pll_locks && source && (enables & rcc::kCrPllOn) != 0;
-    return rcc::kCrHsiReady | (crystal ? rcc::kCrHseReady : 0U) | (pll ? rcc::kCrPllReady : 0U);
+    return ((enables & rcc::kCrHsiOn) != 0 ? rcc::kCrHsiReady : 0U) | (crystal ? rcc::kCrHseReady : 0U) |
+           (pll ? rcc::kCrPllReady : 0U);
   }
 
   auto start() -> ClockStatus { return start_clocks(rcc, power, flash); }
@@ -59,6 +59,12 @@ TEST_F(Clocks, HealthyBoardRunsAt168MHzFromTheCrystal) {
   EXPECT_NE(rcc.pllcfgr.value & rcc::kPllSourceHse, 0U);
   EXPECT_EQ((rcc.cfgr.value >> 10U) & 7U, 5U);
   EXPECT_EQ((rcc.cfgr.value >> 13U) & 7U, 4U);
+}
+
+TEST_F(Clocks, InternalOscillatorThatABootLoaderSwitchedOffIsSwitchedOn) {
+  rcc.cr.value = rcc::kCrHseOn;
+  EXPECT_EQ(start().source, ClockSource::kCrystalPll);
+  EXPECT_NE(rcc.cr.value & rcc::kCrHsiOn, 0U);
 }
 
 TEST_F(Clocks, WaitStatesAndVoltageAreSetBeforeTheClockIsRaised) {

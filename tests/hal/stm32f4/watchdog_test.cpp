@@ -31,6 +31,13 @@ TEST(WatchdogArithmetic, SettingIsTheLongestThatKeepsTheLimit) {
   }
 }
 
+TEST(WatchdogArithmetic, FinestDividerIsTakenUpToItsLastCount) {
+  const WatchdogSetting full = watchdog_setting_within(963'765);  // 4 * 4096 periods at 17 kHz, rounded up
+  EXPECT_EQ(full.code, 0U);
+  EXPECT_EQ(full.reload, 0xFFFU);
+  EXPECT_EQ(watchdog_setting_within(964'100).code, 1U);
+}
+
 TEST(WatchdogArithmetic, LimitBeyondTheHardwareGivesTheLongestThereIs) {
   const WatchdogSetting setting = watchdog_setting_within(4'000'000'000U);
   EXPECT_EQ(setting.code, 6U);

@@ -3,6 +3,7 @@
 // which shares no code with the laws.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "tools/apply/model_lines.hpp"
@@ -17,37 +18,37 @@ namespace {
 constexpr double kDegree = 0.017453292519943295;
 const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
 
-struct Run {
+struct Recorded {
   RunSummary summary;
   std::vector<AxisLog> logs;
 };
 
-auto run(const std::string& scenario, const std::vector<std::string>& model) -> Run {
+auto record(const std::string& scenario, const std::vector<std::string>& model) -> Recorded {
   std::ostringstream text;
   MemoryBanks banks;
-  Run result;
+  Recorded result;
   result.summary = run_scenario(sim::load_scenario(kScenarios + scenario), model, banks, &text);
   result.logs.push_back(read_axis(CsvLog::parse(text.str(), scenario), {.needs_torque = true}));
   return result;
 }
 
-auto identified(const Run& run, const std::string& model) -> JointFile {
+auto identified(const Recorded& recording, const std::string& model) -> JointFile {
   LawForm form;
   form.terms = terms_of_model(model);
-  return identify(run.logs, form).joint;
+  return identify(recording.logs, form).joint;
 }
 
 TEST(Circle, IdentifiedLawHalvesAndBetterTheErrorOfTheRatioAloneOnUnseenMotion) {
-  const Run recorded = run("identify.toml", {});
+  const Recorded recorded = record("identify.toml", {});
   ASSERT_EQ(recorded.summary.fault, "");
-  const Run by_ratio = run("validate.toml", model_lines(identified(recorded, "kinematic"), 0));
-  const Run by_law = run("validate.toml", model_lines(identified(recorded, "pseudo_kinematic"), 0));
+  const Recorded by_ratio = record("validate.toml", model_lines(identified(recorded, "kinematic"), 0));
+  const Recorded by_law = record("validate.toml", model_lines(identified(recorded, "pseudo_kinematic"), 0));
   EXPECT_GT(by_ratio.summary.estimation_rmse_rad, 1.5 * kDegree);  // there is a hysteresis to speak of
   EXPECT_LT(by_law.summary.estimation_rmse_rad, 0.4 * by_ratio.summary.estimation_rmse_rad);
 }
 
 TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
-  const Run recorded = run("identify_play.toml", {});
+  const Recorded recorded = record("identify_play.toml", {});
   const JointFile base = identified(recorded, "pseudo_kinematic");
   const Diagnosis diagnosis = diagnose(recorded.logs, {});
   ASSERT_FALSE(diagnosis.effects.empty()) << diagnosis.reason;
@@ -56,18 +57,17 @@ TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
   named.insert(named.end(), alternatives.begin(), alternatives.end());
   EXPECT_NE(std::find(named.begin(), named.end(), "play"), named.end());
 
-  const Run before = run("validate_play.toml", model_lines(base, 0));
-  const Run after = run("validate_play.toml", model_lines(diagnosis.law, 0));
+  const Recorded before = record("validate_play.toml", model_lines(base, 0));
+  const Recorded after = record("validate_play.toml", model_lines(diagnosis.law, 0));
   ASSERT_EQ(after.summary.fault, "");
   EXPECT_LT(after.summary.estimation_rmse_rad, 0.25 * before.summary.estimation_rmse_rad);
   EXPECT_LT(after.summary.tracking_rmse_rad, 0.5 * before.summary.tracking_rmse_rad);
 
-  const Run again = run("identify_play.toml", model_lines(diagnosis.law, 0));
+  const Recorded again = record("identify_play.toml", model_lines(diagnosis.law, 0));
   EXPECT_LT(again.summary.estimation_rmse_rad, 0.25 * recorded.summary.estimation_rmse_rad);
 }
 
 TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
-  const Run recorded = run("validate.toml", {});
   std::ostringstream text;
   MemoryBanks banks;
   JointFile law;

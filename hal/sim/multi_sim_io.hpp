@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include "hal/joint_io.hpp"
+#include "hal/sim/multi_plant.hpp"
+
+namespace capstan {
+
+/// What the firmware sees of a plant's readings.
+[[nodiscard]] inline auto sensed_of(const sim::Readings& readings) -> AxisSensed {
+  AxisSensed axis;
+  axis.encoder_counts = readings.encoder_counts;
+  axis.encoder = readings.encoder_ok ? Quality::kOk : Quality::kMissing;
+  if (std::isfinite(readings.current_a)) {
+    axis.current_a = Q24::from_double(readings.current_a);
+    axis.current = readings.current_ok ? Quality::kOk : Quality::kMissing;
+  } else {
+    axis.current = Quality::kInvalid;
+  }
+  return axis;
+}
+
+/// Joint I/O of an instrument of several axes, in lock-step: writing the drive advances the plant by one cycle. A board
+/// may have more axes than the instrument: their sensors are missing.
+template <std::size_t Axes>
+class MultiSimIo {
+ public:
+  static constexpr std::size_t kAxes = Axes;
+
+  /// @param plant  outlives this object. Throws std::invalid_argument if it has more axes than the board.
+  explicit MultiSimIo(sim::MultiPlant& plant) : plant_(plant) {
+    if (plant.axis_count() > Axes)
+      throw std::invalid_argument("the instrument has more axes than the board; choose another instrument");
+  }
+
+  auto read(Sensed<Axes>& sensed) noexcept -> Status {
+    for (std::size_t i = 0; i < Axes; ++i)
+      sensed.axis[i] = i < plant_.axis_count() ? sensed_of(plant_.readings(i)) : AxisSensed{};
+    return Status::kOk;
+  }
+
+  /// kFailed once the plant has diverged; `failure` then says why.
+  auto write(const Drive<Axes>& drive) noexcept -> Status {
+    if (!failure_.empty())
+      return Status::kFailed;
+    try {
+      std::array<sim::MotorCommand, Axes> commands;
+      for (std::size_t i = 0; i < Axes; ++i)
+        commands[i] = {drive.axis[i].current_a.to_double(), drive.axis[i].enabled};
+      plant_.step(std::span(commands).first(plant_.axis_count()));
+      return Status::kOk;
+    } catch (const std::exception& problem) {
+      failure_ = problem.what();
+      return Status::kFailed;
+    }
+  }
+
+  void release() noexcept {}  // a plant that failed stands still, and without a write no current flows
+
+  /// Empty while all is well.
+  [[nodiscard]] auto failure() const -> const std::string& { return failure_; }
+
+ private:
+  sim::MultiPlant& plant_;
+  std::string failure_;
+};
+static_assert(JointIo<MultiSimIo<1>>);
+static_assert(JointIo<MultiSimIo<4>>);
+
+}  // namespace capstan

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/pairs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capstan::tools {
+namespace {
+
+/// Both models' columns beside the law. An output term's columns replace the law's; the other effect is then taken as it is.
+auto together(const Layout& layout, const Family& a, std::size_t variant_a, const Family& b, std::size_t variant_b) -> ColumnModel {
+  ColumnModel model = model_of(layout, a.acts_on_output ? a : b, a.acts_on_output ? variant_a : variant_b);
+  const Family& added = a.acts_on_output ? b : a;
+  const ColumnModel other = model_of(layout, added, a.acts_on_output ? variant_b : variant_a);
+  model.free.insert(model.free.end(), other.free.begin() + layout.law, other.free.end());
+  model.signs.insert(model.signs.end(), other.signs.begin() + layout.law, other.signs.end());
+  return model;
+}
+
+/// Variants to be tried in a pair: an output term has one exact variant.
+auto variants_of(const Family& family) -> std::size_t { return family.acts_on_output ? 1 : family.variants.size(); }
+
+/// Energy left on a sum of products by the best fit of a model; infinite if a sign forbids a part of it.
+auto energy_left(const Eigen::MatrixXd& gram, const Layout& layout, const ColumnModel& model) -> double {
+  const Eigen::Index error = layout.error();
+  Eigen::VectorXd rhs = gram.col(error)(model.free);
+  double energy = gram(error, error);
+  if (model.fixed >= 0) {
+    rhs -= gram.col(model.fixed)(model.free);
+    energy += gram(model.fixed, model.fixed) - 2.0 * gram(error, model.fixed);
+  }
+  const Eigen::MatrixXd products = gram(model.free, model.free);
+  return energy - solve_signed(products, rhs, model.signs).dot(rhs);
+}
+
+auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std::size_t a, std::size_t b) -> EffectPair {
+  const Family& first = evidence.families[a];
+  const Family& second = evidence.families[b];
+  EffectPair pair{{a, b}, {0, 0}, {}};
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < variants_of(first); ++i) {
+    for (std::size_t j = 0; j < variants_of(second); ++j) {
+      const double energy = energy_left(fit_products, evidence.layout, together(evidence.layout, first, i, second, j));
+      if (energy < least) {
+        least = energy;
+        pair.variant[0] = i;
+        pair.variant[1] = j;
+      }
+    }
+  }
+  pair.energies = cross_validated(evidence.raw(), evidence.learned,
+                                  together(evidence.layout, first, pair.variant[0], second, pair.variant[1]));
+  return pair;
+}
+
+auto contains(const EffectPair& pair, std::size_t family) -> bool { return pair.family[0] == family || pair.family[1] == family; }
+
+}  // namespace
+
+auto best_pair(const Evidence& evidence) -> std::optional<EffectPair> {
+  const Eigen::MatrixXd fit_products = evidence.raw().sum(evidence.fit);
+  std::vector<EffectPair> pairs;
+  for (std::size_t a = 0; a < evidence.families.size(); ++a) {
+    for (std::size_t b = a + 1; b < evidence.families.size(); ++b) {
+      const bool both_listed = evidence.families[a].in_catalogue && evidence.families[b].in_catalogue;
+      const bool both_output = evidence.families[a].acts_on_output && evidence.families[b].acts_on_output;
+      if (both_listed && !both_output) {
+        pairs.push_back(fit_pair(evidence, fit_products, a, b));
+      }
+    }
+  }
+  const auto best = std::min_element(pairs.begin(), pairs.end(),
+                                     [](const auto& x, const auto& y) { return x.energies.sum() < y.energies.sum(); });
+  if (best == pairs.end()) {
+    return std::nullopt;
+  }
+  for (const auto& other : pairs) {
+    const bool rival = !contains(other, best->family[0]) || !contains(other, best->family[1]);
+    if (rival && !clearly_positive(other.energies - best->energies)) {
+      return std::nullopt;
+    }
+  }
+  return *best;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "tools/diagnose/trials.hpp"
+
+namespace capstan::tools {
+
+/// Two effects of the catalogue that together explain what neither explains alone.
+struct EffectPair {
+  std::size_t family[2] = {};
+  std::size_t variant[2] = {};
+  Eigen::VectorXd energies;  ///< out of fold per learned block, in the measured quantity
+};
+
+/// The best pair, when every pair without one or the other of its two is clearly worse over blocks; nothing otherwise. Two
+/// strong effects can hide each other from a search that adds one at a time.
+auto best_pair(const Evidence& evidence) -> std::optional<EffectPair>;
+
+}  // namespace capstan::tools

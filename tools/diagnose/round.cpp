@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/round.hpp"
+
+#include <algorithm>
+
+namespace capstan::tools {
+namespace {
+
+auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
+    -> std::string {
+  if (&trial == chosen) {
+    return "explains the residual best";
+  }
+  if (!trial.possible) {
+    return "ruled out: the data ask for a sign that physics forbids";
+  }
+  if (chosen != nullptr && std::find(confusable.begin(), confusable.end(), trial.family) != confusable.end()) {
+    return "this log can not tell it from the best";
+  }
+  if (!passes(trial, round.evidence) && trial.absorbed > 0.99) {
+    return "not identifiable beside the law on this motion";
+  }
+  if (!passes(trial, round.evidence)) {
+    return trial.p_value > 0.5 * kAlpha ? "not detected" : "not confirmed on unseen rows";
+  }
+  return "ruled out: the best explains significantly more";
+}
+
+}  // namespace
+
+auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
+  const Eigen::MatrixXd columns = law_columns(p.hindsight, law);
+  const LinearFit fit = fit_columns(columns, p.target, refined(p.split, p.factor).learned(), law_signs(law));
+  LawResidual residual;
+  residual.fitted = columns * fit.theta;
+  residual.error = p.coarse(p.target - residual.fitted);
+  Eigen::MatrixXd base = columns;
+  for (const auto& term : term_catalogue()) {
+    for (std::size_t i = 0; law.has(term.name) && i < term.shapes.size(); ++i) {
+      LawForm moved = law;
+      const double step = 1e-3 * (term.shapes[i].maximum - term.shapes[i].minimum);
+      moved.shapes[term.first_shape + i] += step;
+      base.conservativeResize(Eigen::NoChange, base.cols() + 1);
+      base.rightCols(1) = (law_columns(p.hindsight, moved) * fit.theta - residual.fitted) / step;
+    }
+  }
+  residual.base = p.coarse(base);
+  residual.full_base = std::move(base);
+  return residual;
+}
+
+auto hold_round(const Preparation& p, const LawForm& law) -> Round {
+  Round round;
+  round.residual = residual_of(p, law);
+  round.evidence = gather_evidence(p, law, round.residual);
+  const SieveResult luck = sieve(p, round.evidence);
+  round.adequacy = judge_adequacy(p, round.evidence, luck);
+  round.trials = try_families(p, round.evidence, luck);
+  return round;
+}
+
+auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
+  const FamilyTrial* best = nullptr;
+  for (const auto& trial : round.trials) {
+    const bool eligible = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
+    if (eligible && passes(trial, round.evidence) && (best == nullptr || trial.log_likelihood > best->log_likelihood)) {
+      best = &trial;
+    }
+  }
+  return best;
+}
+
+auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable) -> RoundSummary {
+  RoundSummary summary;
+  summary.reducible_share = round.adequacy.reducible_share;
+  summary.lack_of_fit_p = round.adequacy.lack_of_fit_p;
+  summary.ceiling_p = round.adequacy.ceiling_p;
+  summary.lacks_something = round.adequacy.lacks_something;
+  for (const auto& trial : round.trials) {
+    const auto& family = round.evidence.families[trial.family];
+    summary.ranking.push_back({family.name, family.in_catalogue, std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_evidence,
+                      trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
+  }
+  std::sort(summary.ranking.begin(), summary.ranking.end(),
+            [](const auto& a, const auto& b) { return a.log_likelihood > b.log_likelihood; });
+  return summary;
+}
+
+auto names_of(const Round& round, const std::vector<std::size_t>& families) -> std::vector<std::string> {
+  std::vector<std::string> names;
+  for (const std::size_t family : families) {
+    names.push_back(round.evidence.families[family].name);
+  }
+  return names;
+}
+
+auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial* {
+  for (const auto& trial : round.trials) {
+    if (round.evidence.families[trial.family].name == name) {
+      return &trial;
+    }
+  }
+  return nullptr;
+}
+
+}  // namespace capstan::tools

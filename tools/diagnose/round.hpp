@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/diagnose/adequacy.hpp"
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/trials.hpp"
+
+namespace capstan::tools {
+
+/// The law so far, what it leaves, and how every family does on that.
+struct Round {
+  LawResidual residual;
+  Evidence evidence;
+  Adequacy adequacy;
+  std::vector<FamilyTrial> trials;
+};
+
+auto hold_round(const Preparation& p, const LawForm& law) -> Round;
+
+/// What a law leaves over, in hindsight, its coefficients fitted to the rows that may be learned from.
+auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual;
+
+/// The most likely of those that pass; nullptr if none does.
+auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*;
+/// The trial of a family by name; nullptr if it does not take part.
+auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial*;
+
+/// The round for the report. `chosen` is the trial that won, or nullptr.
+auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable) -> RoundSummary;
+auto names_of(const Round& round, const std::vector<std::size_t>& families) -> std::vector<std::string>;
+
+}  // namespace capstan::tools

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/diagnose/pairs.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr std::size_t kMostEffects = 4;
+/// A further effect must explain more than this share of what is still to be explained.
+constexpr double kShareOfRest = 0.5;
+/// A first effect that explains less than this may be half of a pair; a pair has to explain more.
+constexpr double kShareAlone = 0.8;
+
+/// An effect on its way into the law.
+struct Proposal {
+  std::string name;
+  Shapes shapes;
+};
+
+auto proposal(const Round& round, std::size_t family, std::size_t variant) -> Proposal {
+  return {round.evidence.families[family].name, round.evidence.families[family].variants[variant].shapes};
+}
+
+/// Whether every term of the law has a coefficient other than zero in the joint fit.
+auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned, const std::vector<Proposal>& added) -> bool {
+  const LinearFit fit = fit_law(p.hindsight, p.target, learned, law);
+  Eigen::Index column = 0;
+  for (const auto& term : term_catalogue()) {
+    if (!law.has(term.name)) {
+      continue;
+    }
+    bool present = term.acts_on_output;
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i, ++column) {
+      present = present || fit.theta[column] != 0.0;
+    }
+    const bool is_new = std::any_of(added.begin(), added.end(), [&](const auto& one) { return one.name == term.name; });
+    if (is_new && !present) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The law with the proposals added, shapes refined on the measured quantity; empty if one of them does not hold in the joint
+/// fit: its shape runs to the end of its range, or its coefficients to the bound of their signs.
+auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& added) -> std::optional<LawForm> {
+  const Blocks learned = refined(p.split, p.factor).learned();
+  for (const auto& one : added) {
+    law.terms.push_back(one.name);
+    law.set_shapes(catalogue_term(one.name), one.shapes);
+  }
+  law = refine_shapes(p.hindsight, p.target, learned, law);
+  return shapes_at_limits(law).empty() && all_present(p, law, learned, added) ? std::optional(law) : std::nullopt;
+}
+
+auto law_without(LawForm law, const std::string& name) -> LawForm {
+  law.terms.erase(std::find(law.terms.begin(), law.terms.end(), name));
+  return law;
+}
+
+auto added_effect(const Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable) -> AddedEffect {
+  return {round.evidence.families[trial.family].name,
+          names_of(round, confusable),
+          std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)),
+          trial.log_evidence,
+          evidence_needed(round.evidence),
+          trial.log_likelihood,
+          trial.explained,
+          trial.explained_t,
+          trial.absorbed};
+}
+
+class Searcher {
+ public:
+  Searcher(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress)
+      : p_(p), progress_(progress) {
+    search_.law = base;
+  }
+
+  auto run() -> Search {
+    progress_("looking at what " + joined(search_.law.terms, " + ") + " leaves");
+    Round round = hold_round(p_, search_.law);
+    base_energy_ = round.adequacy.law_energy;
+    search_.base_reducible = round.adequacy.reducible_share;
+    while (search_.effects.size() < kMostEffects && take_step(round)) {
+    }
+    check_backward(round);
+    conclude(round);
+    return std::move(search_);
+  }
+
+ private:
+  /// Adds what a round finds and holds the next one. False when nothing further is to be added.
+  auto take_step(Round& round) -> bool {
+    const FamilyTrial* best = best_passing(round, false);
+    const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
+    if (search_.effects.empty() && round.adequacy.lacks_something && too_little && add_pair(round)) {
+      return true;
+    }
+    if (best == nullptr) {
+      search_.rounds.push_back(summary_of(round, nullptr, {}));
+      return false;
+    }
+    auto confusable = confusable_with(round.evidence, round.trials, best->family, round.adequacy.ceiling_energy.sum());
+    const FamilyTrial* chosen = best;
+    if (!round.evidence.families[best->family].in_catalogue) {
+      chosen = best_passing(round, true);
+      const auto at = chosen == nullptr ? confusable.end() : std::find(confusable.begin(), confusable.end(), chosen->family);
+      if (at == confusable.end()) {
+        search_.rounds.push_back(summary_of(round, best, confusable));
+        search_.unlisted = round.evidence.families[best->family].name;
+        return false;
+      }
+      confusable.erase(at);
+      confusable.insert(confusable.begin(), best->family);
+    }
+    search_.rounds.push_back(summary_of(round, chosen, confusable));
+    return add(round, *chosen, confusable);
+  }
+
+  auto add(Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable) -> bool {
+    const bool further = !search_.effects.empty();
+    if (further && !confusable.empty()) {
+      return false;  // what remains is not one thing: it stays unlisted
+    }
+    const Proposal one = proposal(round, trial.family, trial.variant);
+    const auto law = law_with(p_, search_.law, {one});
+    if (!law) {
+      refuse(one.name, "refused: its shape runs to the end of its range, or its sign is impossible");
+      return false;
+    }
+    progress_("trying " + one.name);
+    Round next = hold_round(p_, *law);
+    const auto share = explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.ceiling_energy);
+    if (further && share.lower < kShareOfRest) {
+      refuse(one.name, "refused: it explains less than half of what is left to explain");
+      return false;
+    }
+    search_.effects.push_back(added_effect(round, trial, confusable));
+    search_.law = *law;
+    round = std::move(next);
+    return confusable.empty();
+  }
+
+  /// Two effects at once, each of which has to pass where the other is already in the law.
+  auto add_pair(Round& round) -> bool {
+    const auto pair = best_pair(round.evidence);
+    if (!pair || explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
+      return false;
+    }
+    const Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]), proposal(round, pair->family[1], pair->variant[1])};
+    const auto law = law_with(p_, search_.law, {both[0], both[1]});
+    if (!law) {
+      return false;
+    }
+    progress_("trying " + both[0].name + " and " + both[1].name);
+    std::vector<AddedEffect> effects;
+    std::vector<RoundSummary> summaries = {summary_of(round, nullptr, {})};
+    for (const auto& one : both) {
+      const Round without = hold_round(p_, law_without(*law, one.name));
+      const FamilyTrial* trial = trial_of(without, one.name);
+      if (trial == nullptr || !passes(*trial, without.evidence)) {
+        return false;
+      }
+      effects.push_back(added_effect(without, *trial, {}));
+      summaries.push_back(summary_of(without, trial, {}));
+    }
+    if (effects[1].explained > effects[0].explained) {
+      std::swap(effects[0], effects[1]);
+    }
+    search_.effects = effects;
+    search_.rounds.insert(search_.rounds.end(), summaries.begin(), summaries.end());
+    search_.law = *law;
+    round = hold_round(p_, *law);
+    return true;
+  }
+
+  void refuse(const std::string& name, const std::string& why) {
+    for (auto& ranked : search_.rounds.back().ranking) {
+      if (ranked.name == name) {
+        ranked.outcome = why;
+      }
+    }
+  }
+
+  /// An effect added early may be superfluous beside the later ones: it has to pass again where all the others are in the law.
+  void check_backward(Round& round) {
+    for (std::size_t i = 0; search_.effects.size() > 1 && i + 1 < search_.effects.size();) {
+      const std::string name = search_.effects[i].name;
+      progress_("checking " + name + " again");
+      Round without = hold_round(p_, law_without(search_.law, name));
+      const FamilyTrial* trial = trial_of(without, name);
+      if (trial != nullptr && passes(*trial, without.evidence)) {
+        ++i;
+        continue;
+      }
+      search_.law = law_without(search_.law, name);
+      search_.effects.erase(search_.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      round = std::move(without);
+    }
+  }
+
+  void conclude(const Round& round) {
+    search_.lacks_something = round.adequacy.lacks_something;
+    if (!search_.effects.empty()) {
+      search_.share = explained_share(base_energy_, round.adequacy.law_energy, round.adequacy.ceiling_energy);
+    }
+    if (p_.repeats) {
+      search_.noise_floor = pure_error_level(p_, p_.target - round.residual.fitted);
+    } else {
+      const auto rows = static_cast<double>(rows_in(p_.split.learned()));
+      search_.noise_floor = std::sqrt(std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum()) / rows);
+    }
+    for (const auto& trial : round.trials) {
+      const auto& family = round.evidence.families[trial.family];
+      if (family.in_catalogue) {
+        search_.detectable.push_back(family.name + " " + rounded(trial.detectable, 2));
+      }
+    }
+  }
+
+  const Preparation& p_;
+  const std::function<void(const std::string&)>& progress_;
+  Search search_;
+  Eigen::VectorXd base_energy_;
+};
+
+}  // namespace
+
+auto search_effects(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress) -> Search {
+  return Searcher(p, base, progress).run();
+}
+
+}  // namespace capstan::tools

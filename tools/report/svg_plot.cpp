@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/report/svg_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kWidth = 760.0;
+constexpr double kHeight = 340.0;
+constexpr double kLeft = 74.0;
+constexpr double kRight = 16.0;
+constexpr double kTop = 34.0;
+constexpr double kBottom = 48.0;
+constexpr Eigen::Index kMostPoints = 4000;
+
+/// One axis: data range on a stretch of pixels.
+struct Scale {
+  double low, high, pixel_low, pixel_high;
+  [[nodiscard]] auto at(double value) const -> double {
+    return pixel_low + (value - low) / (high - low) * (pixel_high - pixel_low);
+  }
+};
+
+auto number(double value) -> std::string {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f", value);
+  return text;
+}
+
+/// Round steps of 1, 2 or 5 times a power of ten, about `count` of them.
+auto ticks_of(double low, double high, int count) -> std::vector<double> {
+  const double raw = (high - low) / count;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  const double share = raw / power;
+  const double step = (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0) * power;
+  std::vector<double> ticks;
+  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step) {
+    ticks.push_back(std::abs(tick) < 1e-9 * step ? 0.0 : tick);
+  }
+  return ticks;
+}
+
+auto widened(double low, double high) -> std::pair<double, double> {
+  const double room = high > low ? 0.04 * (high - low) : std::max(1e-6, 0.1 * std::abs(high));
+  return {low - room, high + room};
+}
+
+auto x_range(const Plot& plot) -> std::pair<double, double> {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const auto& series : plot.series) {
+    if (series.x.size() > 0) {
+      low = std::min(low, series.x.minCoeff());
+      high = std::max(high, series.x.maxCoeff());
+    }
+  }
+  return low <= high ? widened(low, high) : std::pair(0.0, 1.0);
+}
+
+auto is_rising(const Eigen::VectorXd& x) -> bool {
+  return x.size() < 2 || ((x.tail(x.size() - 1) - x.head(x.size() - 1)).array() >= 0.0).all();
+}
+
+/// Rows worth drawing: for a rising x the first, lowest, highest and last of every pixel column.
+auto drawn_rows(const Series& series, const Scale& x) -> std::vector<Eigen::Index> {
+  std::vector<Eigen::Index> rows;
+  const Eigen::Index n = series.x.size();
+  if (n <= kMostPoints || !is_rising(series.x)) {
+    for (Eigen::Index i = 0; i < n; i += std::max<Eigen::Index>(1, n / kMostPoints)) {
+      rows.push_back(i);
+    }
+    return rows;
+  }
+  for (Eigen::Index begin = 0; begin < n;) {
+    const double column = std::floor(x.at(series.x[begin]));
+    Eigen::Index end = begin;
+    Eigen::Index lowest = begin;
+    Eigen::Index highest = begin;
+    for (; end < n && std::floor(x.at(series.x[end])) == column; ++end) {
+      lowest = series.y[end] < series.y[lowest] ? end : lowest;
+      highest = series.y[end] > series.y[highest] ? end : highest;
+    }
+    std::vector<Eigen::Index> picked = {begin, std::min(lowest, highest), std::max(lowest, highest), end - 1};
+    picked.erase(std::unique(picked.begin(), picked.end()), picked.end());
+    rows.insert(rows.end(), picked.begin(), picked.end());
+    begin = end;
+  }
+  return rows;
+}
+
+auto line(double x1, double y1, double x2, double y2, const char* colour) -> std::string {
+  return "<line x1=\"" + number(x1) + "\" y1=\"" + number(y1) + "\" x2=\"" + number(x2) + "\" y2=\"" + number(y2) +
+         "\" stroke=\"" + colour + "\"/>\n";
+}
+
+auto label(double x, double y, const char* anchor, const std::string& text, const std::string& extra = "") -> std::string {
+  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" + escaped(text) +
+         "</text>\n";
+}
+
+auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
+  std::string svg;
+  for (const double tick : ticks_of(x.low, x.high, 8)) {
+    svg += line(x.at(tick), kTop, x.at(tick), kHeight - kBottom, "#ddd");
+    svg += label(x.at(tick), kHeight - kBottom + 16.0, "middle", rounded(tick, 6));
+  }
+  for (const double tick : ticks_of(y.low, y.high, 6)) {
+    svg += line(kLeft, y.at(tick), kWidth - kRight, y.at(tick), tick == 0.0 ? "#888" : "#ddd");
+    svg += label(kLeft - 6.0, y.at(tick) + 4.0, "end", rounded(tick, 6));
+  }
+  svg += label((kLeft + kWidth - kRight) / 2.0, kHeight - 10.0, "middle", plot.x_label);
+  const double middle = (kTop + kHeight - kBottom) / 2.0;
+  svg += label(16.0, middle, "middle", plot.y_label, " transform=\"rotate(-90 16 " + number(middle) + ")\"");
+  svg += label(kLeft, 20.0, "start", plot.title, " font-weight=\"bold\"");
+  return svg;
+}
+
+auto trace(const Series& series, const Scale& x, const Scale& y) -> std::string {
+  std::string points;
+  for (const Eigen::Index row : drawn_rows(series, x)) {
+    points += number(x.at(series.x[row])) + "," + number(y.at(series.y[row])) + " ";
+  }
+  return "<polyline fill=\"none\" stroke=\"" + series.colour + "\" stroke-width=\"1.2\" points=\"" + points + "\"/>\n";
+}
+
+auto legend(const Plot& plot) -> std::string {
+  std::string svg;
+  double right = kWidth - kRight;
+  for (auto series = plot.series.rbegin(); series != plot.series.rend(); ++series) {
+    svg += label(right, 20.0, "end", series->label, " fill=\"" + series->colour + "\"");
+    right -= 12.0 + 7.0 * static_cast<double>(series->label.size());
+  }
+  return svg;
+}
+
+}  // namespace
+
+auto escaped(const std::string& text) -> std::string {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+auto common_range(const std::vector<Plot>& plots) -> std::pair<double, double> {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const auto& plot : plots) {
+    for (const auto& series : plot.series) {
+      if (series.y.size() > 0) {
+        low = std::min(low, series.y.minCoeff());
+        high = std::max(high, series.y.maxCoeff());
+      }
+    }
+  }
+  return low <= high ? widened(low, high) : std::pair(0.0, 1.0);
+}
+
+auto svg_of(const Plot& plot) -> std::string {
+  const auto [x_low, x_high] = x_range(plot);
+  const auto [y_low, y_high] = plot.y_range ? *plot.y_range : common_range({plot});
+  const Scale x{x_low, x_high, kLeft, kWidth - kRight};
+  const Scale y{y_low, y_high, kHeight - kBottom, kTop};
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) + " " + number(kHeight) +
+                    "\" width=\"" + number(kWidth) + "\" height=\"" + number(kHeight) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"" + escaped(plot.title) + "\">\n";
+  svg += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  svg += grid(plot, x, y);
+  for (const auto& series : plot.series) {
+    svg += trace(series, x, y);
+  }
+  return svg + legend(plot) + "</svg>\n";
+}
+
+}  // namespace capstan::tools
