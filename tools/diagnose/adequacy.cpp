@@ -10,8 +10,9 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kCertain = 0.005;       // two such tests are made, together 1 %
-constexpr double kMatters = 0.05;        // of the energy: 2.5 % of the rms error
+constexpr double kCertain = 0.005;
+constexpr double kRepeatsItself = 0.001; // stricter: small errors of the hindsight direction repeat as well
+constexpr double kMatters = 0.08;        // of the energy: 4 % of the rms error
 constexpr double kCeilingWhite = 2.7;    // t over some 40 blocks at kCertain
 constexpr double kCeilingRaw = 2.0;
 
@@ -80,7 +81,7 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, evidence.error, result);
   }
-  const bool repeats_itself = result.lack_of_fit_p < kCertain && result.reducible_share > kMatters;
+  const bool repeats_itself = result.lack_of_fit_p < kRepeatsItself && result.reducible_share > kMatters;
   result.lacks_something = above_ceiling || repeats_itself;
   return result;
 }

@@ -16,7 +16,7 @@ struct Adequacy {
   Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added
 };
 
-/// Judges the law of this round. "Something" must be both certain (1 %) and large enough to matter (a twentieth of the energy).
+/// Judges the law of this round. "Something" must be both certain and large enough to matter (8 % of the energy).
 auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy;
 
 /// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over resampled blocks.

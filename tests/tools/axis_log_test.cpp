@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/log/axis_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto text_with(const std::string& header, int rows, const std::string& (*line)(int)) -> std::string {
+  std::string text = header + "\n";
+  for (int i = 0; i < rows; ++i) {
+    text += line(i);
+  }
+  return text;
+}
+
+auto moving_line(int i) -> const std::string& {
+  static std::string line;
+  line = std::to_string(0.01 * i) + "," + std::to_string(0.1 * (i % 7)) + "," + std::to_string(0.05 * (i % 7)) + "\n";
+  return line;
+}
+
+TEST(AxisLog, TorqueIsZeroWhereItIsNotLogged) {
+  const CsvLog csv = CsvLog::parse(text_with("time_s,axis0/q1_rad,axis0/q2_rad", 50, moving_line), "x.csv");
+  const AxisLog axis = read_axis(csv, {});
+  EXPECT_FALSE(axis.has_torque);
+  EXPECT_EQ(axis.tau_nm.cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_NEAR(axis.period_s, 0.01, 1e-9);
+  EXPECT_THROW(read_axis(csv, {.axis = 0, .target = {}, .needs_target = true, .needs_torque = true}), BadInput);
+}
+
+TEST(AxisLog, AnotherAxisAndTargetCanBeAskedFor) {
+  const CsvLog csv = CsvLog::parse(text_with("time_s,axis3/q1_rad,camera", 50, moving_line), "x.csv");
+  const AxisLog axis = read_axis(csv, {.axis = 3, .target = "camera", .needs_target = true, .needs_torque = false});
+  EXPECT_EQ(axis.target, "camera");
+  EXPECT_THROW(read_axis(csv, {}), BadInput);
+}
+
+TEST(AxisLog, AJointThatNeverMovesIsRefusedWithFileLinesAndCure) {
+  const CsvLog csv = CsvLog::parse("time_s,axis0/q1_rad,axis0/q2_rad\n0,1,1\n0.1,1,2\n0.2,1,3\n0.3,1,4\n", "x.csv");
+  try {
+    read_axis(csv, {});
+    FAIL();
+  } catch (const BadInput& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("x.csv:2: axis0/q1_rad stands at 1 from here to line 5"), std::string::npos) << message;
+    EXPECT_NE(message.find("; record the joint while it moves"), std::string::npos) << message;
+  }
+}
+
+TEST(AxisLog, SmallJitterIsQuietLargeJitterAndGapsAreTold) {
+  auto log_with = [](double shake, double gap) {
+    std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";
+    double time = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      text += std::to_string(time) + "," + std::to_string(i % 9) + "," + std::to_string(i % 9) + "\n";
+      time += 0.01 * (1.0 + (i % 2 == 0 ? shake : -shake)) + (i == 100 ? gap : 0.0);
+    }
+    return read_axis(CsvLog::parse(text, "x.csv"), {}).warnings;
+  };
+  EXPECT_TRUE(log_with(0.02, 0.0).empty());
+  EXPECT_EQ(log_with(0.4, 0.0).size(), 1U);
+  const auto gaps = log_with(0.0, 0.5);
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_NE(gaps[0].find("x.csv:103:"), std::string::npos) << gaps[0];
+}
+
+TEST(AxisLog, MotionOfOtherAxesIsKeptAsASideSignal) {
+  const CsvLog csv = CsvLog::parse("time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad\n0,1,1,5,0\n0.1,2,2,6,0\n0.2,3,3,7,0\n",
+                                   "x.csv");
+  const AxisLog axis = read_axis(csv, {});
+  ASSERT_EQ(axis.side.size(), 1U);  // axis 2 rests
+  EXPECT_EQ(axis.side[0].name, "axis1/q1_rad");
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/log/column_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+TEST(ColumnMap, AMappingNamesWantedAndSource) {
+  const ColumnMapping mapping = parse_mapping("axis0/q1_rad=q1_motor_rad");
+  EXPECT_EQ(mapping.wanted, "axis0/q1_rad");
+  EXPECT_EQ(mapping.source, "q1_motor_rad");
+  EXPECT_EQ(mapping.factor, 1.0);
+}
+
+TEST(ColumnMap, AFactorMayBeNegativeAndSurroundedByBlanks) {
+  const ColumnMapping mapping = parse_mapping(" axis0/tau_Nm = current * -0.0369 ");
+  EXPECT_EQ(mapping.wanted, "axis0/tau_Nm");
+  EXPECT_EQ(mapping.source, "current");
+  EXPECT_EQ(mapping.factor, -0.0369);
+}
+
+TEST(ColumnMap, EveryBadMappingIsRefusedWithTheFormExpected) {
+  for (const char* bad : {"axis0/q1_rad", "=x", "axis0/q1_rad=", "a=b*", "a=b*x", "a=b*0", "a=b*nan"}) {
+    try {
+      parse_mapping(bad);
+      FAIL() << bad;
+    } catch (const BadInput& error) {
+      EXPECT_NE(std::string(error.what()).find("--map axis0/q1_rad=q1_motor_rad"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(ColumnMap, TheSameColumnIsNotMappedTwice) {
+  EXPECT_THROW(parse_mappings({"a=b", "a=c"}), BadInput);
+  EXPECT_EQ(parse_mappings({"a=b", "c=b"}).size(), 2U);
+}
+
+}  // namespace
+}  // namespace capstan::tools

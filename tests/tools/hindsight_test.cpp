@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/diagnose/hindsight.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kStep = 2.0 * std::numbers::pi / 8192.0;
+constexpr double kPeriod = 0.001;
+
+/// A cosine, read through an encoder: reversals every half period of 2 s, at known samples.
+auto swinging() -> AxisLog {
+  AxisLog log;
+  log.period_s = kPeriod;
+  log.time_s = Eigen::VectorXd::LinSpaced(8000, 0.0, 7.999);
+  log.q1_rad = (log.time_s.array() * std::numbers::pi).cos();
+  log.q1_rad = (log.q1_rad.array() / kStep).floor() * kStep;
+  log.tau_nm = Eigen::VectorXd::Zero(8000);
+  return log;
+}
+
+TEST(Hindsight, TheDirectionTurnsWhereTheMotorDidWhileTheCausalSwitchIsLate) {
+  const AxisLog log = swinging();
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = 2.5 * kStep;
+  const Hindsight hindsight = hindsight_samples(log, shape, {kStep, 0.0});
+  const auto known = direction_changes(hindsight.samples);
+  const auto noticed = direction_changes(causal_samples(log, shape));
+  ASSERT_EQ(known.size(), noticed.size());
+  for (std::size_t i = 1; i < known.size(); ++i) {
+    const double truth = 1000.0 * static_cast<double>(i);
+    EXPECT_NEAR(static_cast<double>(known[i]), truth, 8.0);
+    EXPECT_GT(static_cast<double>(noticed[i]) - truth, 15.0);
+  }
+}
+
+TEST(Hindsight, SamplesOfUncertainDirectionSurroundEveryReversal) {
+  const AxisLog log = swinging();
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = 2.5 * kStep;
+  const Hindsight hindsight = hindsight_samples(log, shape, {kStep, 0.0});
+  ASSERT_GE(hindsight.uncertain.size(), 7U);
+  for (std::size_t i = 1; i < hindsight.uncertain.size(); ++i) {
+    const auto truth = static_cast<Eigen::Index>(1000 * i);
+    EXPECT_LE(hindsight.uncertain[i].begin, truth + 2);
+    EXPECT_GE(hindsight.uncertain[i].end, truth - 2);
+    EXPECT_LT(hindsight.uncertain[i].size(), 80);
+  }
+}
+
+TEST(Hindsight, TheRateHasNoLag) {
+  AxisLog log = swinging();
+  log.q1_rad = (log.time_s.array() * std::numbers::pi).cos();
+  const Eigen::VectorXd slope = local_slope(log.q1_rad, 10, kPeriod);
+  const Eigen::VectorXd truth = -std::numbers::pi * (log.time_s.array() * std::numbers::pi).sin();
+  EXPECT_LT((slope - truth).segment(20, 7950).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+}  // namespace
+}  // namespace capstan::tools

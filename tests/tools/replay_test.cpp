@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/replay/replay.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/tools/synthetic_joint.hpp"
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto some_law() -> LawParameters<double> {
+  LawParameters<double> law = rigid_law();
+  law.coefficients[catalogue_term("tendon_elongation").first_coefficient] = -0.9;
+  law.coefficients[catalogue_term("tendon_elongation").first_coefficient + 1] = -0.6;
+  law.coefficients[catalogue_term("play").first_coefficient] = 1.0;
+  law.shapes[catalogue_term("play").first_shape] = 0.01;
+  law.shapes[catalogue_term("transport_delay").first_shape] = 0.0035;
+  return law;
+}
+
+auto log_at(double rate_hz) -> AxisLog {
+  test::SyntheticRequest request;
+  request.rate_hz = rate_hz;
+  request.cycle_s = 5.0;
+  request.cycles = 1;
+  return test::synthetic_log(request);
+}
+
+TEST(Replay, FixedPointFollowsDoubleWithinTheFirmwaresTolerance) {
+  const AxisLog log = log_at(1000.0);
+  const Replayed fixed = replay(log, some_law(), Arithmetic::kFixed);
+  const Replayed exact = replay(log, some_law(), Arithmetic::kDouble);
+  EXPECT_LT((fixed.q2 - exact.q2).cwiseAbs().maxCoeff(), 2e-5);
+  EXPECT_GT((fixed.q2 - exact.q2).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_EQ(fixed.saturated, 0);
+}
+
+TEST(Replay, ThePrintedLogReplaysToTheSameBits) {
+  const AxisLog log = log_at(1000.0);
+  const CsvLog csv = CsvLog::parse(test::log_text(log), "x.csv");
+  const Replayed first = replay(read_axis(csv, {}), some_law(), Arithmetic::kFixed);
+  const CsvLog written = CsvLog::parse(replay_text(csv, 0, first), "y.csv");
+  const Eigen::VectorXd read_back = written.column("axis0/q2_est_rad");
+  for (Eigen::Index i = 0; i < read_back.size(); ++i) {
+    ASSERT_EQ(Q24::from_double(read_back[i]), Q24::from_double(first.q2[i])) << i;
+  }
+  const Replayed again = replay(read_axis(written, {}), some_law(), Arithmetic::kFixed);
+  EXPECT_EQ(first.q2, again.q2);
+}
+
+TEST(Replay, OtherRatesAreRefusedInFixedPointAndServedInDouble) {
+  const AxisLog log = log_at(250.0);
+  try {
+    replay(log, some_law(), Arithmetic::kFixed);
+    FAIL();
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("--arithmetic double"), std::string::npos) << refusal.what();
+  }
+  EXPECT_EQ(replay(log, some_law(), Arithmetic::kDouble).q2.size(), log.samples());
+}
+
+TEST(Replay, TheSensorsDelayIsInTheReportedAngleOnly) {
+  const AxisLog log = log_at(1000.0);
+  LawParameters<double> law = some_law();
+  const Replayed late = replay(log, law, Arithmetic::kDouble);
+  law.shapes[catalogue_term("transport_delay").first_shape] = 0.0;
+  const Replayed prompt = replay(log, law, Arithmetic::kDouble);
+  EXPECT_EQ(late.q2, prompt.q2);
+  EXPECT_NE(late.reported, prompt.reported);
+  EXPECT_EQ(prompt.reported, prompt.q2);
+}
+
+TEST(Replay, NumbersAtTheEndOfTheRangeAreCounted) {
+  AxisLog log = log_at(1000.0);
+  log.q1_rad[100] = 1000.0;
+  EXPECT_GT(replay(log, some_law(), Arithmetic::kFixed).saturated, 0);
+}
+
+}  // namespace
+}  // namespace capstan::tools
