@@ -38,10 +38,19 @@ class MotionLaw {
 
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
   constexpr auto update(Scalar q1, Scalar tau) -> Estimate<Scalar> {
-    sample_ = conditioner_.update(q1, tau);
+    return update(Measured<Scalar>{.q1 = q1, .tau = tau});
+  }
+
+  /// With what the machine knows beside motor angle and torque. `now.q2` is not read: the law runs free, on its own
+  /// last estimate, and on beta q1 + offset in the first cycle.
+  constexpr auto update(Measured<Scalar> now) -> Estimate<Scalar> {
+    now.q2 = started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset];
+    started_ = true;
+    sample_ = conditioner_.update(now);
     Estimate<Scalar> estimate{.saturated = sample_.saturated};
     estimate.q2 = sum(
         terms_, [this](auto& term) { return term.update(sample_); }, estimate.saturated);
+    q2_ = estimate.q2;
     estimate.q2_reported = estimate.q2;
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
                output_terms_);
@@ -54,20 +63,23 @@ class MotionLaw {
   [[nodiscard]] constexpr auto beta() const -> Scalar { return coefficients_[kBeta]; }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
-  /// `motion` (its direction, speed and torque; q1 is not read) has settled. From (5.28): q1 = (q2 - rest) / beta.
+  /// `motion` (its direction, speed and torque) has settled. From (5.28): q1 = (q2 - rest) / beta. `motion.q1` is where
+  /// the motor is about to be, for what is periodic in it; its q2 is not read.
   /// @pre beta is not zero; if it is, the result saturates.
   [[nodiscard]] constexpr auto invert(Scalar q2, Sample<Scalar> motion) const -> Scalar {
-    motion.q1 = Scalar{};
+    motion.q2 = q2;
     bool saturated = false;
-    const Scalar rest = sum(
+    const Scalar all = sum(
         terms_, [&motion](const auto& term) { return term.settled(motion); }, saturated);
-    return (q2 - rest) / beta();
+    return (q2 - (all - beta() * motion.q1)) / beta();
   }
 
  private:
   using Traits = ScalarTraits<Scalar>;
-  static constexpr std::size_t kBeta = 0;  // MotorAngle leads the catalogue
+  static constexpr std::size_t kBeta = 0;    // MotorAngle leads the catalogue
+  static constexpr std::size_t kOffset = 1;  // JointOffset follows
   static_assert(std::is_same_v<std::tuple_element_t<0, SumTerms::Tuple<Scalar>>, MotorAngle<Scalar>>);
+  static_assert(std::is_same_v<std::tuple_element_t<1, SumTerms::Tuple<Scalar>>, JointOffset<Scalar>>);
 
   /// Builds the terms of a list, each from its slice of the flat shapes.
   template <typename List, std::size_t FirstShape>
@@ -92,10 +104,13 @@ class MotionLaw {
     std::size_t next = 0;
     auto add = [&](auto& term) {
       for (const Scalar regressor : regressors_of(term)) {
-        const Scalar product = coefficients_[next++] * regressor;
+        const Scalar coefficient = coefficients_[next++];
+        const Scalar product = coefficient * regressor;
         total += product;
         // Each partial sum counts: a later term could lead the total back from the end of the range and hide the cut.
-        saturated |= Traits::is_saturated(regressor) || Traits::is_saturated(product) || Traits::is_saturated(total);
+        // Only the regressor of an effect that is off does not: nothing of it gets through.
+        saturated |= (Traits::is_saturated(regressor) && coefficient != Scalar{}) || Traits::is_saturated(product) ||
+                     Traits::is_saturated(total);
       }
     };
     std::apply([&](auto&... term) { (add(term), ...); }, terms);
@@ -107,6 +122,8 @@ class MotionLaw {
   typename SumTerms::Tuple<Scalar> terms_;
   typename OutputTerms::Tuple<Scalar> output_terms_;
   Sample<Scalar> sample_{};
+  Scalar q2_{};  ///< last estimate
+  bool started_ = false;
 };
 
 }  // namespace capstan

@@ -5,14 +5,37 @@
 
 namespace capstan {
 
+/// What a law is given: one instant as it was measured. Whoever has only motor angle and torque leaves the rest as it
+/// is.
+template <typename Scalar>
+struct Measured {
+  Scalar q1{};   ///< motor angle at the input pulley, rad
+  Scalar tau{};  ///< motor-side torque, N m
+  /// Joint angle of the last cycle, rad. A running law puts its own last estimate here, a fit the joint's measured
+  /// angle. Missing: q1 stands for it.
+  Scalar q2 = ScalarTraits<Scalar>::missing();
+  Scalar other_q1{};                                     ///< motor angle of the axis this one is coupled to, rad
+  Scalar other_tau{};                                    ///< its torque, N m
+  bool other_forward = true;                             ///< its direction switch
+  Scalar temperature = ScalarTraits<Scalar>::missing();  ///< of the transmission, degrees Celsius
+};
+
 /// What every term sees: one instant of one axis, with what many terms need worked out once.
 template <typename Scalar>
 struct Sample {
-  Scalar q1{};             ///< motor angle at the input pulley, rad
-  Scalar dq1{};            ///< its filtered rate, rad/s
-  Scalar tau{};            ///< motor-side torque, N m
-  bool forward = true;     ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
-  bool saturated = false;  ///< this sample's angle, torque or rate met the end of its range
+  Scalar q1{};                ///< motor angle at the input pulley, rad
+  Scalar dq1{};               ///< its filtered rate, rad/s
+  Scalar tau{};               ///< motor-side torque, N m
+  bool forward = true;        ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
+  bool saturated = false;     ///< this sample's angle, torque or rate met the end of its range
+  Scalar ddq1{};              ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
+  Scalar q1_reversal{};       ///< motor angle where the present direction began (at first: where it all began), rad
+  Scalar tau_reversal{};      ///< torque there, N m
+  Scalar q2{};                ///< joint angle of the last cycle, rad
+  Scalar other_q1{};          ///< motor angle of the axis this one is coupled to, rad
+  Scalar other_tau{};         ///< its torque, N m
+  bool other_forward = true;  ///< its direction switch
+  Scalar warmth{};            ///< temperature above 25 degrees Celsius, K; 0 where nobody measures it
 };
 
 /// Shapes of the conditioner, part of every law.
@@ -30,45 +53,72 @@ template <typename Scalar>
 class SampleConditioner {
  public:
   constexpr SampleConditioner(SamplePeriod<Scalar> dt, const ConditionerShape<Scalar>& shape)
-      : dt_(dt), threshold_(shape.direction_threshold_rad), gain_(dt.filter_gain(shape.rate_time_constant_s)) {}
+      : dt_(dt),
+        threshold_(shape.direction_threshold_rad),
+        gain_(dt.filter_gain(shape.rate_time_constant_s)),
+        acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)),
+        per_millisecond_(dt.samples_per_millisecond()) {}
 
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
   constexpr auto update(Scalar q1, Scalar tau) -> Sample<Scalar> {
+    return update(Measured<Scalar>{.q1 = q1, .tau = tau});
+  }
+
+  constexpr auto update(const Measured<Scalar>& now) -> Sample<Scalar> {
     if (!started_) {
       started_ = true;
-      extreme_ = q1;
-      sample_.q1 = q1;
+      extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
+      torque_at_extreme_ = sample_.tau_reversal = now.tau;
     }
-    const Scalar rate = dt_.rate_of(q1 - sample_.q1);
+    const Scalar rate = dt_.rate_of(now.q1 - sample_.q1);
     const Scalar rate_error = rate - sample_.dq1;
-    sample_.dq1 += rate_error * gain_;
-    sample_.saturated = Traits::is_saturated(q1) || Traits::is_saturated(tau) || Traits::is_saturated(rate) ||
+    const Scalar step = rate_error * gain_;
+    sample_.dq1 += step;
+    sample_.ddq1 += (step * per_millisecond_ - sample_.ddq1) * acceleration_gain_;
+    sample_.saturated = Traits::is_saturated(now.q1) || Traits::is_saturated(now.tau) || Traits::is_saturated(rate) ||
                         Traits::is_saturated(rate_error);
-    sample_.q1 = q1;
-    sample_.tau = tau;
-    update_direction(q1);
+    sample_.q1 = now.q1;
+    sample_.tau = now.tau;
+    update_direction(now);
+    sample_.q2 = Traits::is_missing(now.q2) ? now.q1 : now.q2;
+    sample_.other_q1 = now.other_q1;
+    sample_.other_tau = now.other_tau;
+    sample_.other_forward = now.other_forward;
+    sample_.warmth = Traits::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
     return sample_;
   }
 
  private:
   using Traits = ScalarTraits<Scalar>;
+  /// The acceleration's filter has this many times the time constant of the rate's. One count of a 40960-count encoder
+  /// then shows as 6 rad/s2 with the default 2 ms, and 8 ms more of delay are 3 degrees of phase at 1 Hz.
+  static constexpr Scalar kAccelerationFilter = Traits::from(4.0);
+  static constexpr Scalar kReferenceTemperature = Traits::from(25.0);
 
   /// A play operator on q1: the switch changes only after a return of more than the threshold from the last extreme, so
   /// noise smaller than that can not make it chatter, however long the joint rests.
-  constexpr void update_direction(Scalar q1) {
-    const Scalar beyond = sample_.forward ? q1 - extreme_ : extreme_ - q1;
-    if (beyond > Scalar{}) {
-      extreme_ = q1;
-    } else if (-beyond > threshold_) {
+  /// The switch is late by the threshold; what it remembers is of the extreme itself, where the motor turned.
+  constexpr void update_direction(const Measured<Scalar>& now) {
+    const Scalar beyond = sample_.forward ? now.q1 - extreme_ : extreme_ - now.q1;
+    const bool turned = -beyond > threshold_;
+    if (turned) {
       sample_.forward = !sample_.forward;
-      extreme_ = q1;
+      sample_.q1_reversal = extreme_;
+      sample_.tau_reversal = torque_at_extreme_;
+    }
+    if (turned || beyond > Scalar{}) {
+      extreme_ = now.q1;
+      torque_at_extreme_ = now.tau;
     }
   }
 
   SamplePeriod<Scalar> dt_;
   Scalar threshold_;
   typename ScalarTraits<Scalar>::Gain gain_;
+  typename ScalarTraits<Scalar>::Gain acceleration_gain_;
+  Scalar per_millisecond_;
   Scalar extreme_{};
+  Scalar torque_at_extreme_{};
   Sample<Scalar> sample_{};
   bool started_ = false;
 };

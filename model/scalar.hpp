@@ -59,6 +59,7 @@ class SamplePeriod<double> {
  public:
   constexpr explicit SamplePeriod(double seconds) : seconds_(seconds) {}
   [[nodiscard]] constexpr auto rate_of(double difference) const -> double { return difference / seconds_; }
+  [[nodiscard]] constexpr auto samples_per_millisecond() const -> double { return 0.001 / seconds_; }
   /// Gain g of the first-order filter x += g (u - x) with the given time constant, s: g = dt / (T + dt). A time
   /// constant below zero counts as zero: the gain is then one, and the filter lets everything through.
   [[nodiscard]] constexpr auto filter_gain(double time_constant_s) const -> double {
@@ -86,6 +87,10 @@ class SamplePeriod<Q24> {
   [[nodiscard]] constexpr auto rate_of(Q24 difference) const -> Q24 {
     return Q24::from_wide(static_cast<std::int64_t>(difference.raw()) * rate_hz_);
   }
+  [[nodiscard]] constexpr auto samples_per_millisecond() const -> Q24 {
+    return Q24::from_wide((rate_hz_ * kOne + 500) / 1000);
+  }
+  [[nodiscard]] constexpr auto rate_hz() const -> std::int32_t { return rate_hz_; }
   [[nodiscard]] constexpr auto filter_gain(Q24 time_constant_s) const -> Q30 {
     // dt / (T + dt) = 1 / (T rate + 1), exact in integers up to the final rounding.
     const std::int64_t denominator = not_negative(time_constant_s) * rate_hz_ + kOne;

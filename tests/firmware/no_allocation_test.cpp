@@ -32,7 +32,7 @@ void on_allocation(const volatile void* /*memory*/, std::size_t /*size*/) {
   count_one();
 }
 void on_release(const volatile void* /*memory*/) {}
-const bool hooked = __sanitizer_install_malloc_and_free_hooks(on_allocation, on_release) != 0;
+const bool kHooked = __sanitizer_install_malloc_and_free_hooks(on_allocation, on_release) != 0;
 }  // namespace
 #else
 extern "C" {
@@ -54,7 +54,7 @@ auto realloc(void* memory, std::size_t size) noexcept -> void* {
 }
 }
 namespace {
-const bool hooked = true;
+const bool kHooked = true;
 }  // namespace
 #endif
 
@@ -92,7 +92,7 @@ struct Rig {
 };
 
 TEST(NoAllocation, TheWatchItselfSeesNewMallocAndTheStandardLibrary) {
-  ASSERT_TRUE(hooked);
+  ASSERT_TRUE(kHooked);
   const Watch watch;
   long before = watch.count();
   auto* number = new int(3);

@@ -68,6 +68,13 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
                " % of what can be explained, so it is not named.";
     return Verdict::kUnknown;
   }
+  constexpr std::size_t kMostAlternatives = 3;  // more is no answer
+  if (search.effects.front().alternatives.size() > kMostAlternatives) {
+    d.reason = "Something is missing from the law, but this log can not tell " + found + " from " +
+               joined(search.effects.front().alternatives, ", ") + ".";
+    d.next_experiment = "Record reversals under several loads and speeds, with holds: " + next_motion(search.effects.front().name) + ".";
+    return Verdict::kUnknown;
+  }
   if (!search.effects.front().alternatives.empty()) {
     d.reason = "The law lacks " + found + " or " + joined(search.effects.front().alternatives, " or ") +
                "; this log can not tell them apart.";

@@ -29,6 +29,23 @@ auto choose_factor(const std::vector<AxisLog>& logs) -> Eigen::Index {
   return std::clamp<Eigen::Index>(total_samples(logs) / kEnoughRows, 1, longest);
 }
 
+/// Noise in the torque is noise in a regressor, and a law that happens to average it, as a fractional delay does, would look
+/// better for that alone. So everything is averaged alike, until the torque's noise is small against the torque.
+auto choose_smoothing(const std::vector<AxisLog>& logs) -> Eigen::Index {
+  constexpr double kNoiseShare = 0.002;
+  constexpr double kLongestS = 0.015;
+  Eigen::Index smoothing = 0;
+  for (const auto& log : logs) {
+    const double noise = white_noise_level(log.tau_nm);
+    const double wanted = kNoiseShare * rms(log.tau_nm);
+    if (noise > wanted && wanted > 0.0) {
+      const double neighbours = 0.5 * (noise / wanted) * (noise / wanted);
+      smoothing = std::max(smoothing, static_cast<Eigen::Index>(std::min(neighbours, kLongestS / log.period_s)));
+    }
+  }
+  return smoothing;
+}
+
 void trim(AxisLog& log, Eigen::Index factor) {
   const Eigen::Index rows = log.samples() / factor * factor;
   for (Eigen::VectorXd* signal : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad}) {
@@ -84,7 +101,7 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
     row += log.samples();
     start_s += static_cast<double>(log.samples()) * log.period_s;
   }
-  const Eigen::MatrixXd coarse = decimated(all, p.factor);
+  const Eigen::MatrixXd coarse = decimated(moving_mean(all, p.hindsight.log_rows(), p.smoothing), p.factor);
   CoarseSignals s{coarse.col(7), coarse.col(0), coarse.col(1), coarse.col(2), coarse.col(3),
                   coarse.col(4), coarse.col(5), coarse.col(6), {}};
   if (p.logs.size() == 1) {
@@ -97,13 +114,15 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
 
 /// Hindsight for all logs; `uncertain` gets the coarse rows touched by uncertain samples.
 auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner, const AngleNoise& noise,
-                  Eigen::Index factor, Blocks& uncertain) -> LawDesign {
+                  Eigen::Index factor, Eigen::Index smoothing, Blocks& uncertain) -> LawDesign {
   std::vector<Samples> samples;
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
     Hindsight hindsight = hindsight_samples(log, conditioner, noise);
     for (const auto& rows : hindsight.uncertain) {
-      uncertain.push_back({begin + rows.begin / factor, begin + std::min(rows.end, log.samples() - 1) / factor + 1});
+      const Eigen::Index first = std::max<Eigen::Index>(0, rows.begin - smoothing);
+      const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
+      uncertain.push_back({begin + first / factor, begin + last / factor + 1});
     }
     samples.push_back(std::move(hindsight.samples));
     begin += log.samples() / factor;
@@ -126,6 +145,30 @@ auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::Ma
   return coarse;
 }
 
+auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
+    -> Eigen::MatrixXd {
+  if (half_width == 0) {
+    return columns;
+  }
+  Eigen::MatrixXd means(columns.rows(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    Eigen::Index begin = 0;
+    for (const Eigen::Index rows : log_rows) {
+      Eigen::VectorXd sums(rows + 1);
+      sums[0] = 0.0;
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        sums[i + 1] = sums[i] + columns(begin + i, c);
+      }
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const Eigen::Index h = std::min({half_width, i, rows - 1 - i});
+        means(begin + i, c) = (sums[i + h + 1] - sums[i - h]) / static_cast<double>(2 * h + 1);
+      }
+      begin += rows;
+    }
+  }
+  return means;
+}
+
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
   for (const auto& rows : uncertain) {
     const Eigen::Index before = rows.begin - 1;
@@ -142,7 +185,9 @@ auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
   return columns;
 }
 
-auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd { return bridged(decimated(columns, factor)); }
+auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd {
+  return bridged(decimated(moving_mean(columns, hindsight.log_rows(), smoothing), factor));
+}
 
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   constexpr Eigen::Index kFewestSamples = 400;
@@ -184,14 +229,16 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
   const AngleNoise noise = motor_angle_noise(logs);
+  const Eigen::Index smoothing = choose_smoothing(logs);
   Blocks uncertain;
   Preparation p{logs,
                 conditioner,
                 noise,
                 LawDesign(logs, conditioner),
-                hindsight_of(logs, conditioner, noise, factor, uncertain),
+                hindsight_of(logs, conditioner, noise, factor, smoothing, uncertain),
                 stacked_target(logs),
                 factor,
+                smoothing,
                 static_cast<double>(factor) * logs.front().period_s,
                 {}, {}, {}, {}, {}, std::move(notes)};
   p.uncertain = std::move(uncertain);

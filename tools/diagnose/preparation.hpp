@@ -24,6 +24,7 @@ struct Preparation {
   LawDesign causal, hindsight;
   Eigen::VectorXd target;             ///< q2, every sample
   Eigen::Index factor = 1;            ///< samples per coarse row
+  Eigen::Index smoothing = 0;         ///< half width of the moving mean before that, samples
   double coarse_period_s = 0.0;
   Blocks coarse_logs;                 ///< rows of each log, warm-up left out
   std::optional<Repeats> repeats;     ///< in coarse rows
@@ -32,7 +33,7 @@ struct Preparation {
   Blocks uncertain;                   ///< coarse rows whose direction is not known
   std::vector<std::string> notes;
 
-  /// Columns of every sample on the coarse grid, bridged.
+  /// Columns of every sample on the coarse grid: moving mean, mean of each row's samples, bridged.
   [[nodiscard]] auto coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd;
   /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the target, so
   /// a law that holds on the other rows holds on these.
@@ -41,6 +42,9 @@ struct Preparation {
 
 /// Mean of every `factor` rows. @pre the number of rows is a multiple of it
 auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
+
+/// Mean over 2 h + 1 neighbours within each log; fewer at its ends.
+auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width) -> Eigen::MatrixXd;
 
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;

@@ -165,7 +165,7 @@ class Probes {
 
   /// The motor's own measurement is late: the opposite of transport_delay.
   void of_timing() {
-    const Column fitted = decimated(residual_.fitted, p_.factor);
+    const Column fitted = decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
     const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
   }

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/term.hpp"
+
+namespace capstan {
+
+/// Tendons that pass another joint are moved and stretched with it: a row of Theta = B Q + A S tau outside the
+/// diagonal,                                                                                       (6.8)
+///   b q1o + J_o a_t tau_o + (1 - J_o) a_b tau_o,  o the other axis.
+/// In the da Vinci wrist the grasps have it from the pitch, one way: b of (6.14), a = K times the pitch's pair (6.16).
+template <typename Scalar>
+class AxisCoupling {
+ public:
+  static constexpr TermInfo<3, 0> kInfo = {
+      .name = "axis_coupling",
+      .equation = "b q1o + J_o a_t tau_o + (1 - J_o) a_b tau_o, o the other axis",
+      .source = "(6.8), (6.14), (6.16)",
+      .confusable_with = "the base law where both axes move in step, transport_delay",
+      .exciting_motion = "the other axis alone, then both at frequencies without a common multiple",
+      .coefficients = {{{"angle", "1", Sign::kAny, "joint angle per motor angle of the other axis"},
+                        {"top", "rad/Nm", Sign::kAny, "joint angle per torque of the other axis on its way forward"},
+                        {"bottom", "rad/Nm", Sign::kAny, "joint angle per torque of the other axis on its way back"}}},
+      .shapes = {},
+  };
+
+  constexpr AxisCoupling(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
+    return {s.other_q1, s.other_forward ? s.other_tau : Scalar{}, s.other_forward ? Scalar{} : s.other_tau};
+  }
+};
+
+}  // namespace capstan

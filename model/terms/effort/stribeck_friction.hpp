@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/exponential.hpp"
+#include "model/term.hpp"
+
+namespace capstan::effort {
+
+/// Friction that is larger at low speed, where the lubricant does not carry yet: the excess over coulomb_friction,
+///   F_s (2J - 1) e^-(q1'/v_s)^2
+template <typename Scalar>
+class StribeckFriction {
+ public:
+  static constexpr TermInfo<1, 1> kInfo = {
+      .name = "stribeck_friction",
+      .equation = "F_s (2J - 1) exp(-(q1'/v_s)^2)",
+      .source = "Stribeck, with the Gaussian of Armstrong-Helouvry",
+      .confusable_with = "coulomb_friction, play_friction",
+      .exciting_motion = "six constant speeds or more, from v_s/10 to 10 v_s, both ways",
+      .coefficients = {{{"excess", "Nm", Sign::kNonNegative, "static friction beyond that of fast motion"}}},
+      .shapes = {{{"speed", "rad/s", 0.001, 10.0, 0.1, "v_s: speed at which 37 % of the excess are left"}}},
+  };
+
+  constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : speed_(shape[0]) {}
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+    const Scalar left = speed_ > Scalar{} ? bell(s.dq1 / speed_) : Scalar{};
+    return {s.forward ? left : -left};
+  }
+
+ private:
+  Scalar speed_;
+};
+
+}  // namespace capstan::effort

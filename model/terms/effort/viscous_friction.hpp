@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/term.hpp"
+
+namespace capstan::effort {
+
+/// Drag in proportion to the speed.
+template <typename Scalar>
+class ViscousFriction {
+ public:
+  static constexpr TermInfo<1, 0> kInfo = {
+      .name = "viscous_friction",
+      .equation = "b q1'",
+      .source = "linear damping",
+      .confusable_with = "offset and coulomb_friction at one speed, transport_delay",
+      .exciting_motion = "constant speeds over a decade, both ways",
+      .coefficients = {{{"drag", "Nms/rad", Sign::kNonNegative, "effort per speed"}}},
+      .shapes = {},
+  };
+
+  constexpr ViscousFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> { return {s.dq1}; }
+};
+
+}  // namespace capstan::effort

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "model/exponential.hpp"
+#include "model/low_pass.hpp"
+#include "model/term.hpp"
+
+namespace capstan {
+
+/// Friction gives before it slips: a bristle bends with the motor, at most by z0, and the joint lags by it.
+///   dz = dq1 - |dq1| z / z0                                                                       (Dahl 1968)
+/// Over a step of one sign this is solved exactly by z <- l + (z - l) e^-(|step|/z0), l = +-z0, so |z| <= z0 for any
+/// step, and the path alone counts, not how it was sampled. Regressor -z.
+template <typename Scalar>
+class Presliding {
+ public:
+  static constexpr TermInfo<1, 1> kInfo = {
+      .name = "presliding",
+      .equation = "-k z, dz = dq1 - |dq1| z / z0",
+      .source = "Dahl's friction; thesis 8.2 names pre-sliding as open, with shear theory as a way",
+      .confusable_with = "play, slip_propagation",
+      .exciting_motion =
+          "reversals with amplitudes below and above z0, under several loads: this one stays where no "
+          "tendon goes slack",
+      .coefficients = {{{"gain", "1", Sign::kNonNegative, "joint angle per deflection of the bristle"}}},
+      .shapes = {{{"width", "rad", 0.0005, 1.0, 0.02, "z0: deflection at which it slips, at the motor"}}},
+  };
+
+  constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : width_(shape[0]) {}
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
+    if (!started_) {
+      started_ = true;
+      q1_ = s.q1;
+    }
+    const Scalar step = s.q1 - q1_;
+    q1_ = s.q1;
+    if (step != Scalar{}) {
+      deflection_.approach(step > Scalar{} ? width_ : -width_, share_gone(step, width_));
+    }
+    return {-deflection_.value()};
+  }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+    return {s.forward ? -width_ : width_};
+  }
+
+ private:
+  Scalar width_;
+  Scalar q1_{};
+  WideState<Scalar> deflection_{};
+  bool started_ = false;
+};
+
+}  // namespace capstan

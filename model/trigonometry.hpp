@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+
+#include "model/scalar.hpp"
+
+namespace capstan {
+
+/// An angle without its whole turns. Sine and cosine of the fixed-point form are within kSineError of the true ones of
+/// the same phase (tests/model/trigonometry_test.cpp).
+template <typename Scalar>
+class Phase {
+ public:
+  explicit Phase(Scalar angle) : angle_(angle) {}
+  [[nodiscard]] auto sine() const -> Scalar { return std::sin(angle_); }
+  [[nodiscard]] auto cosine() const -> Scalar { return std::cos(angle_); }
+
+ private:
+  Scalar angle_;
+};
+
+template <>
+class Phase<Q24> {
+ public:
+  /// Half a unit of rounding, the polynomial's 3.4e-9 and what its steps round.
+  static constexpr double kSineError = 4.0e-8;
+
+  /// @param turns  in units of 2^-32 turn, so that it wraps as angles do
+  constexpr explicit Phase(std::uint32_t turns) : turns_(turns) {}
+  [[nodiscard]] constexpr auto sine() const -> Q24 { return sine_of(turns_); }
+  [[nodiscard]] constexpr auto cosine() const -> Q24 { return sine_of(turns_ + kQuarter); }
+
+ private:
+  static constexpr std::uint32_t kQuarter = 0x4000'0000U;
+
+  /// x in quarters of a turn, folded to [-1, 1]; sin(pi/2 x) = x p(x^2) with the minimax p of degree 4, which is off by
+  /// 3.4e-9.
+  static constexpr auto sine_of(std::uint32_t turns) -> Q24 {
+    const std::uint32_t folded = turns + kQuarter > 2 * kQuarter ? 2 * kQuarter - turns : turns;
+    const Q30 x = Q30::from_raw(static_cast<std::int32_t>(folded));
+    const Q30 u = x * x;
+    Q30 p = kP4;
+    p = kP3 + p * u;
+    p = kP2 + p * u;
+    p = kP1 + p * u;
+    p = kP0 + p * u;
+    return Q24::from_wide(shift_right_rounded<Q30::kFrac - Q24::kFrac>((p * x).raw()));
+  }
+
+  static constexpr Q30 kP0 = Q30::from_double(1.570796290022);
+  static constexpr Q30 kP1 = Q30::from_double(-0.645963359866);
+  static constexpr Q30 kP2 = Q30::from_double(0.079688480540);
+  static constexpr Q30 kP3 = Q30::from_double(-0.004672227923);
+  static constexpr Q30 kP4 = Q30::from_double(0.000150820565);
+
+  std::uint32_t turns_;
+};
+
+/// Turns a quantity into the phase `factor` x, whole turns dropped. In fixed point nothing overflows over the whole
+/// range of both numbers (16384 rad), and the phase is within kPhaseError.
+template <typename Scalar>
+class PhaseScale {
+ public:
+  constexpr explicit PhaseScale(Scalar factor) : factor_(factor) {}
+  [[nodiscard]] auto operator()(Scalar x) const -> Phase<Scalar> { return Phase<Scalar>(factor_ * x); }
+
+ private:
+  Scalar factor_;
+};
+
+template <>
+class PhaseScale<Q24> {
+ public:
+  static constexpr double kPhaseError = 3.0e-9;  ///< rad
+
+  constexpr explicit PhaseScale(Q24 factor) {
+    // 2^60 / (2 pi) in two halves, so that both products fit; then to 2^-40 turns per unit.
+    constexpr std::int64_t kHigh = 0x28BE60D;
+    constexpr std::int64_t kLow = 0xB9391055;
+    turns_per_unit_ = (factor.raw() * kHigh + ((factor.raw() * kLow) >> 32)) >> 12;
+  }
+  [[nodiscard]] constexpr auto operator()(Q24 x) const -> Phase<Q24> {
+    // 2^-24 times 2^-40: the product modulo 2^64 is the fraction of a turn, and its upper half is the phase.
+    const auto product =
+        static_cast<std::uint64_t>(std::int64_t{x.raw()}) * static_cast<std::uint64_t>(turns_per_unit_);
+    return Phase<Q24>(static_cast<std::uint32_t>(product >> 32));
+  }
+
+ private:
+  std::int64_t turns_per_unit_;
+};
+
+}  // namespace capstan

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The host program as a user calls it: exit statuses and messages of the contract.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "tests/tools/synthetic_joint.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct Outcome {
+  int status = -1;
+  std::string output;  ///< stdout and stderr
+};
+
+class Command : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("capstan_command_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
+
+  auto run(const std::string& arguments) const -> Outcome {
+    const std::string command = std::string("\"") + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") + "\" 2>&1";
+    Outcome outcome;
+    const int result = std::system(command.c_str());
+    outcome.status = WIFEXITED(result) ? WEXITSTATUS(result) : -1;
+    outcome.output = read_text_file(path("output"));
+    return outcome;
+  }
+
+  auto write_log(const test::SyntheticRequest& request) const -> std::string {
+    write_text_file(path("log.csv"), test::log_text(test::synthetic_log(request)));
+    return "\"" + path("log.csv") + "\"";
+  }
+  auto exists(const std::string& name) const -> bool { return std::filesystem::exists(folder_ / name); }
+
+  std::filesystem::path folder_;
+};
+
+auto short_log(double rate_hz) -> test::SyntheticRequest {
+  test::SyntheticRequest request;
+  request.rate_hz = rate_hz;
+  request.cycle_s = 12.0;
+  request.cycles = 1;
+  return request;
+}
+
+TEST_F(Command, IdentifyThenReplayInTheFirmwaresArithmetic) {
+  const std::string log = write_log(short_log(1000.0));
+  const Outcome identified = run("identify " + log + " --model pseudo_kinematic -o \"" + path("joint.toml") + "\"");
+  EXPECT_EQ(identified.status, 0) << identified.output;
+  EXPECT_NE(identified.output.find("motor_angle.beta"), std::string::npos);
+  const Outcome replayed = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
+  EXPECT_EQ(replayed.status, 0) << replayed.output;
+  EXPECT_NE(read_text_file(path("out.csv")).substr(0, 100).find("axis0/q2_est_rad"), std::string::npos);
+}
+
+TEST_F(Command, DiagnoseWritesJsonReportAndLaw) {
+  test::SyntheticRequest request = short_log(100.0);
+  request.truth = test::Truth::kPlay;
+  request.cycles = 4;
+  request.cycle_s = 25.0;
+  const Outcome outcome = run("diagnose " + write_log(request) + " --json \"" + path("d.json") + "\" --report \"" + path("report") +
+                              "\" -o \"" + path("law.toml") + "\"");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("verdict: effect"), std::string::npos) << outcome.output;
+  EXPECT_TRUE(exists("d.json") && exists("report/index.html") && exists("law.toml"));
+  EXPECT_NE(read_text_file(path("law.toml")).find("[terms.play]"), std::string::npos);
+}
+
+TEST_F(Command, AnUnknownEffectIsARefusal) {
+  test::SyntheticRequest request = short_log(100.0);
+  request.truth = test::Truth::kHardening;
+  request.cycles = 4;
+  request.cycle_s = 25.0;
+  const Outcome outcome = run("diagnose " + write_log(request));
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find("verdict: unknown"), std::string::npos) << outcome.output;
+}
+
+TEST_F(Command, BadLogsEndWithStatusTwoAndOneSentence) {
+  const std::string good = "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad\n";
+  const std::string cases[][2] = {
+      {"time_s,axis0/q1_rad,axis0/q2_rad\n0,0,0\n1,1,1\n2,0,0\n", "there is no column axis0/tau_Nm"},
+      {good + "0,0,0,0\n1,1,nan,1\n2,2,0,2\n", ":3: column axis0/tau_Nm holds 'nan'"},
+      {good + "0,0,0,0\n1,1,1,1\n1,2,0,2\n", ":4: time_s repeats 1"},
+      {good + "0,0,0,0\n1,1,1,1\n0.5,2,0,2\n", ":4: time_s runs backward"},
+      {good + "0,0,0,0\n1,0,1,1\n2,0,0,2\n", "axis0/q1_rad stands at 0"},
+  };
+  for (const auto& [text, expected] : cases) {
+    write_text_file(path("bad.csv"), text);
+    for (const char* command : {"identify", "diagnose --base pseudo_kinematic"}) {
+      const Outcome outcome = run(std::string(command) + " \"" + path("bad.csv") + "\"");
+      EXPECT_EQ(outcome.status, 2) << outcome.output;
+      EXPECT_NE(outcome.output.find(expected), std::string::npos) << outcome.output;
+      EXPECT_NE(outcome.output.find(";"), std::string::npos) << "no cure: " << outcome.output;
+    }
+  }
+}
+
+TEST_F(Command, ATruncatedLogIsUsedWithAWarning) {
+  std::string text = test::log_text(test::synthetic_log(short_log(200.0)));
+  write_text_file(path("cut.csv"), text.substr(0, text.size() - 20));
+  const Outcome outcome = run("identify \"" + path("cut.csv") + "\"");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_NE(outcome.output.find("the last line is cut off"), std::string::npos) << outcome.output;
+}
+
+TEST_F(Command, RefusalsEndWithStatusOne) {
+  const std::string log = write_log(short_log(200.0));
+  const Outcome model = run("identify " + log + " --model preisach");
+  EXPECT_EQ(model.status, 1);
+  EXPECT_NE(model.output.find("available in this version are kinematic and pseudo_kinematic"), std::string::npos) << model.output;
+  run("identify " + log + " -o \"" + path("joint.toml") + "\"");
+  const Outcome rate = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
+  EXPECT_EQ(rate.status, 1);
+  EXPECT_NE(rate.output.find("--arithmetic double"), std::string::npos) << rate.output;
+  EXPECT_FALSE(exists("out.csv"));
+}
+
+TEST_F(Command, UnknownWordsAndMissingFilesAreBadInput) {
+  EXPECT_EQ(run("").status, 2);
+  EXPECT_EQ(run("frobnicate").status, 2);
+  EXPECT_EQ(run("identify").status, 2);
+  EXPECT_EQ(run("identify no_such_file.csv").status, 2);
+  EXPECT_EQ(run("identify no_such_file.csv --model nonsense").status, 2);
+  EXPECT_EQ(run("--help").status, 0);
+  EXPECT_EQ(run("diagnose --help").status, 0);
+}
+
+TEST_F(Command, ForeignColumnsAreReadThroughMaps) {
+  std::string text = test::log_text(test::synthetic_log(short_log(200.0)));
+  text.replace(0, text.find('\n'), "t,motor,milli_nm,joint");
+  write_text_file(path("foreign.csv"), text);
+  const Outcome outcome = run("identify \"" + path("foreign.csv") +
+                              "\" --map time_s=t --map axis0/q1_rad=motor --map \"axis0/tau_Nm=milli_nm*1.0\" --map axis0/q2_rad=joint");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+}
+
+}  // namespace
+}  // namespace capstan::tools

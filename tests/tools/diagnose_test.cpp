@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/synthetic_joint.hpp"
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/identify/term_catalogue.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using test::Motion;
+using test::SyntheticRequest;
+using test::Truth;
+
+auto small_request(Truth truth) -> SyntheticRequest {
+  SyntheticRequest request;
+  request.truth = truth;
+  request.rate_hz = 100.0;
+  request.cycle_s = 25.0;
+  return request;
+}
+
+auto diagnosis_of(const SyntheticRequest& request, const std::string& base = {}) -> Diagnosis {
+  DiagnoseOptions options;
+  options.base_model = base;
+  return diagnose({test::synthetic_log(request)}, options);
+}
+
+auto shape_of(const Diagnosis& d, const std::string& term) -> double {
+  return d.law.parameters.shapes[catalogue_term(term).first_shape];
+}
+
+auto coefficient_of(const Diagnosis& d, const std::string& term, std::size_t i = 0) -> double {
+  return d.law.parameters.coefficients[catalogue_term(term).first_coefficient + i];
+}
+
+void expect_named(const Diagnosis& d, const std::string& name) {
+  EXPECT_EQ(d.verdict, Verdict::kEffect) << d.reason;
+  ASSERT_EQ(d.effects.size(), 1U) << d.reason;
+  EXPECT_EQ(d.effects[0].name, name);
+  EXPECT_TRUE(d.effects[0].alternatives.empty());
+  EXPECT_LT(d.ratio_ci95[1], 1.0);
+  EXPECT_LT(d.after.rmse, d.before.rmse);
+  EXPECT_EQ(d.repeats, 4);
+}
+
+TEST(Diagnose, NothingIsNamedWhereNothingIsMissing) {
+  for (const Motion motion : {Motion::kLadder, Motion::kSine}) {
+    SyntheticRequest request = small_request(Truth::kNone);
+    request.motion = motion;
+    const Diagnosis d = diagnosis_of(request);
+    EXPECT_EQ(d.verdict, Verdict::kNothingMissing) << d.reason;
+    EXPECT_TRUE(d.effects.empty());
+    EXPECT_EQ(d.before.rmse, d.after.rmse);
+  }
+}
+
+TEST(Diagnose, ViscousDragIsNamedWithItsCoefficients) {
+  const Diagnosis d = diagnosis_of(small_request(Truth::kViscous));
+  expect_named(d, "transmission_viscous");
+  EXPECT_NEAR(coefficient_of(d, "transmission_viscous", 0), -0.006, 0.001);
+  EXPECT_NEAR(coefficient_of(d, "transmission_viscous", 1), -0.009, 0.001);
+}
+
+TEST(Diagnose, PretensionIsNamedWithItsContrast) {
+  const Diagnosis d = diagnosis_of(small_request(Truth::kPretension));
+  expect_named(d, "pretension_offset");
+  EXPECT_NEAR(coefficient_of(d, "pretension_offset"), 0.006, 0.001);
+}
+
+TEST(Diagnose, PlayIsNamedWithItsWidth) {
+  const Diagnosis d = diagnosis_of(small_request(Truth::kPlay));
+  expect_named(d, "play");
+  EXPECT_NEAR(shape_of(d, "play"), 0.008, 0.001);
+  EXPECT_NEAR(coefficient_of(d, "play"), 1.08, 0.15);
+}
+
+TEST(Diagnose, ALateJointSensorIsNamedWithItsDelay) {
+  SyntheticRequest request = small_request(Truth::kDelay);
+  request.strength = 1.5;
+  const Diagnosis d = diagnosis_of(request);
+  expect_named(d, "transport_delay");
+  EXPECT_NEAR(shape_of(d, "transport_delay"), 0.009, 0.0007);
+}
+
+TEST(Diagnose, TheMissingElongationIsNamedWhenTheBaseHasNone) {
+  const Diagnosis d = diagnosis_of(small_request(Truth::kNone), "kinematic");
+  ASSERT_FALSE(d.effects.empty()) << d.reason;
+  EXPECT_EQ(d.effects[0].name, "tendon_elongation");
+  EXPECT_NEAR(coefficient_of(d, "tendon_elongation", 0), -0.9, 0.1);
+  EXPECT_NEAR(coefficient_of(d, "tendon_elongation", 1), -0.6, 0.1);
+}
+
+TEST(Diagnose, AnEffectThatIsInNoListIsUnknown) {
+  for (const Truth truth : {Truth::kAngleRipple, Truth::kCreep, Truth::kHardening, Truth::kStickySpot, Truth::kCoulomb}) {
+    const Diagnosis d = diagnosis_of(small_request(truth));
+    EXPECT_EQ(d.verdict, Verdict::kUnknown) << test::truth_name(truth) << ": " << d.reason;
+    EXPECT_TRUE(d.effects.empty());
+    EXPECT_EQ(d.after.rmse, d.before.rmse);
+    EXPECT_EQ(d.law.terms, d.base.terms);
+  }
+}
+
+TEST(Diagnose, TheSameLogAlwaysGetsTheSameAnswer) {
+  const SyntheticRequest request = small_request(Truth::kPlay);
+  EXPECT_EQ(diagnosis_json(diagnosis_of(request)), diagnosis_json(diagnosis_of(request)));
+}
+
+TEST(Diagnose, AShortOrOneWayLogIsUnfitAndSaysWhatToRecord) {
+  SyntheticRequest request = small_request(Truth::kNone);
+  request.cycle_s = 3.0;
+  request.cycles = 1;
+  Diagnosis d = diagnosis_of(request);
+  EXPECT_EQ(d.verdict, Verdict::kDataUnfit);
+  ASSERT_TRUE(d.next_experiment.has_value());
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  log.q1_rad = Eigen::VectorXd::LinSpaced(log.samples(), 0.0, 1.0);
+  log.q2_rad = 1.1 * log.q1_rad;
+  d = diagnose({log}, {});
+  EXPECT_EQ(d.verdict, Verdict::kDataUnfit);
+  EXPECT_NE(d.reason.find("never reverses"), std::string::npos);
+}
+
+TEST(Diagnose, ALawThatTheLogCanNotDetermineIsNotIdentifiable) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  log.tau_nm.setZero();
+  DiagnoseOptions options;
+  options.base_model = "pseudo_kinematic";
+  const Diagnosis d = diagnose({log}, options);
+  EXPECT_EQ(d.verdict, Verdict::kNotIdentifiable);
+  EXPECT_NE(d.reason.find("tendon_elongation.top"), std::string::npos) << d.reason;
+}
+
+TEST(Diagnose, WithoutTorqueTheBaseIsKinematic) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  log.has_torque = false;
+  log.tau_nm.setZero();
+  EXPECT_EQ(diagnose({log}, {}).base_model, "kinematic");
+}
+
+TEST(Diagnose, BasesOfLaterVersionsAreRefused) {
+  EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "preisach"), Refusal);
+}
+
+TEST(DiagnosisJson, HasEveryFieldOfTheContract) {
+  const Diagnosis d = diagnosis_of(small_request(Truth::kPlay));
+  const auto json = nlohmann::json::parse(diagnosis_json(d));
+  EXPECT_EQ(json.at("schema"), "capstan.diagnosis/1");
+  EXPECT_EQ(json.at("log").at("samples"), 10000);
+  EXPECT_NEAR(json.at("log").at("rate_hz").get<double>(), 100.0, 1e-6);
+  EXPECT_EQ(json.at("log").at("repeats"), 4);
+  EXPECT_TRUE(json.at("log").at("warnings").is_array());
+  EXPECT_EQ(json.at("target"), "axis0/q2_rad");
+  EXPECT_EQ(json.at("base").at("model"), "pseudo_kinematic");
+  const auto& beta = json.at("base").at("parameters").at("beta");
+  EXPECT_EQ(beta.at("unit"), "1");
+  EXPECT_LT(beta.at("ci95").at(0).get<double>(), beta.at("value").get<double>());
+  EXPECT_GT(beta.at("ci95").at(1).get<double>(), beta.at("value").get<double>());
+  EXPECT_EQ(json.at("verdict"), "effect");
+  const auto& effect = json.at("effects").at(0);
+  EXPECT_EQ(effect.at("name"), "play");
+  EXPECT_TRUE(effect.at("alternatives").empty());
+  EXPECT_EQ(effect.at("parameters").at("half_width").at("unit"), "rad");
+  EXPECT_TRUE(effect.at("evidence").is_object());
+  EXPECT_GT(json.at("before").at("rmse").get<double>(), json.at("after").at("rmse").get<double>());
+  EXPECT_LT(json.at("before").at("gof_percent").get<double>(), json.at("after").at("gof_percent").get<double>());
+  EXPECT_LT(json.at("ratio_ci95").at(0).get<double>(), json.at("ratio_ci95").at(1).get<double>());
+  // The noise that the log was made with.
+  EXPECT_NEAR(json.at("noise_floor").get<double>(), 0.001, 0.00015);
+  EXPECT_TRUE(json.at("next_experiment").is_null());
+}
+
+}  // namespace
+}  // namespace capstan::tools

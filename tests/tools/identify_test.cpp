@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/identify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/tools/synthetic_joint.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using test::Motion;
+using test::SyntheticRequest;
+using test::Truth;
+
+auto form_of(const std::string& model) -> LawForm {
+  LawForm form;
+  form.terms = terms_of_model(model);
+  return form;
+}
+
+auto interval_of(const JointFile& joint, const std::string& term, std::size_t i) -> Interval {
+  return joint.coefficient_ci95[catalogue_term(term).first_coefficient + i].value_or(Interval{0.0, 0.0});
+}
+
+auto inside(double truth, const Interval& interval) -> bool { return interval[0] <= truth && truth <= interval[1]; }
+
+TEST(Identify, RecoversTheRatioTheOffsetAndBothElongations) {
+  SyntheticRequest request;
+  request.counts_per_turn = 4e6;  // so that the causal switch is not late
+  request.cycles = 2;
+  const Identification result = identify({test::synthetic_log(request)}, form_of("pseudo_kinematic"));
+  const auto& c = result.joint.parameters.coefficients;
+  EXPECT_NEAR(c[catalogue_term("motor_angle").first_coefficient], 1.08, 0.002);
+  EXPECT_NEAR(c[catalogue_term("joint_offset").first_coefficient], 0.03, 0.001);
+  EXPECT_NEAR(c[catalogue_term("tendon_elongation").first_coefficient], -0.9, 0.03);
+  EXPECT_NEAR(c[catalogue_term("tendon_elongation").first_coefficient + 1], -0.6, 0.03);
+  EXPECT_TRUE(result.undetermined.empty());
+  EXPECT_LT(result.joint.fit->rmse_rad, 0.0013);
+}
+
+TEST(Identify, IntervalsHoldTheTruthUnderColouredNoise) {
+  constexpr int kRuns = 30;
+  int inside_count = 0;
+  for (int run = 0; run < kRuns; ++run) {
+    SyntheticRequest request;
+    request.seed = static_cast<std::uint64_t>(run) + 50;
+    request.rate_hz = 100.0;
+    request.counts_per_turn = 4e6;
+    request.noise_memory = 0.95;
+    const Identification result = identify({test::synthetic_log(request)}, form_of("pseudo_kinematic"));
+    inside_count += inside(1.08, interval_of(result.joint, "motor_angle", 0)) ? 1 : 0;
+    inside_count += inside(-0.9, interval_of(result.joint, "tendon_elongation", 0)) ? 1 : 0;
+    inside_count += inside(-0.6, interval_of(result.joint, "tendon_elongation", 1)) ? 1 : 0;
+  }
+  EXPECT_GE(inside_count, 3 * kRuns * 85 / 100);
+}
+
+TEST(Identify, TheReportedErrorIsThatOfTheCausalLaw) {
+  const std::vector<AxisLog> logs = {test::synthetic_log({})};
+  const Identification result = identify(logs, form_of("pseudo_kinematic"));
+  const Eigen::VectorXd estimate = simulate(logs, result.joint.parameters);
+  EXPECT_DOUBLE_EQ(result.joint.fit->rmse_rad, rms(logs[0].q2_rad - estimate));
+  EXPECT_DOUBLE_EQ(result.joint.fit->gof_percent, goodness_of_fit_percent(logs[0].q2_rad, estimate));
+}
+
+TEST(Identify, ElongationsAreUndeterminedWithoutTorqueAndNamed) {
+  AxisLog log = test::synthetic_log({});
+  log.tau_nm.setZero();
+  const Identification result = identify({log}, form_of("pseudo_kinematic"));
+  EXPECT_EQ(result.undetermined, (std::vector<std::string>{"tendon_elongation.top", "tendon_elongation.bottom"}));
+}
+
+TEST(Identify, ColumnsThatCopyEachOtherAreUndetermined) {
+  AxisLog log = test::synthetic_log({});
+  // Torque that follows the angle exactly in both directions: the two elongations together copy the ratio.
+  log.tau_nm = 0.02 * log.q1_rad;
+  const Identification result = identify({log}, form_of("pseudo_kinematic"));
+  EXPECT_EQ(result.undetermined.size(), 3U);
+}
+
+TEST(Identify, AForbiddenSignIsHeldAtZeroAndSaidSo) {
+  AxisLog log = test::synthetic_log({});
+  log.tau_nm = -log.tau_nm;
+  const Identification result = identify({log}, form_of("pseudo_kinematic"));
+  const std::size_t at = catalogue_term("tendon_elongation").first_coefficient;
+  EXPECT_EQ(result.joint.parameters.coefficients[at], 0.0);
+  const bool said = std::any_of(result.notes.begin(), result.notes.end(),
+                                [](const auto& note) { return note.find("tau_Nm=COLUMN*-1") != std::string::npos; });
+  EXPECT_TRUE(said);
+}
+
+TEST(Identify, TheDirectionThresholdIsAboveTheEncodersStep) {
+  SyntheticRequest request;
+  request.counts_per_turn = 8192.0;
+  std::vector<std::string> notes;
+  const auto shape = choose_conditioner({test::synthetic_log(request)}, form_of("pseudo_kinematic"), notes);
+  EXPECT_GT(shape.direction_threshold_rad, 6.2832 / 8192.0);
+  EXPECT_LT(shape.direction_threshold_rad, 0.05);
+  EXPECT_NE(notes.at(0).find("direction threshold"), std::string::npos);
+}
+
+TEST(Identify, SteadyTorqueIsFrictionPlusDragAwayFromReversals) {
+  SyntheticRequest request;
+  request.motion = Motion::kSine;
+  const AxisLog log = test::synthetic_log(request);
+  const LawDesign design({log}, ConditionerShape<double>{});
+  const auto torque = steady_torque({log}, design);
+  ASSERT_TRUE(torque.has_value());
+  // Friction 0.025 and drag 0.004 per rad/s at about 1 rad/s; spring and load average out over a whole stroke's middle.
+  EXPECT_NEAR(0.5 * (torque->forward_nm - torque->backward_nm), 0.029, 0.008);
+}
+
+TEST(Identify, ModelsOfLaterVersionsAreRefusedAndUnknownOnesAreBadInput) {
+  EXPECT_THROW(terms_of_model("preisach"), Refusal);
+  EXPECT_THROW(terms_of_model("nonsense"), BadInput);
+  try {
+    terms_of_model("dynamic");
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("kinematic and pseudo_kinematic"), std::string::npos);
+  }
+}
+
+TEST(RefineShapes, FindsAWidthFromANeighbourOfIt) {
+  SyntheticRequest request;
+  request.truth = Truth::kPlay;
+  request.strength = 2.0;
+  request.counts_per_turn = 4e6;
+  const std::vector<AxisLog> logs = {test::synthetic_log(request)};
+  LawForm form = form_of("pseudo_kinematic");
+  form.terms.push_back("play");
+  form.set_shapes(catalogue_term("play"), {0.024});
+  const LawDesign design(logs, ConditionerShape<double>{});
+  const LawForm refined = refine_shapes(design, stacked_target(logs), even_blocks(design.log_rows(), 10), form);
+  EXPECT_NEAR(refined.shapes_of(catalogue_term("play"))[0], 0.016, 0.0006);
+}
+
+}  // namespace
+}  // namespace capstan::tools
