@@ -73,9 +73,6 @@ auto Trajectory::rt_step(const LimitConfig& limits) -> Q24 {
   const std::int64_t sign = to_go < 0 ? -1 : 1;
   speed_ = sign * next_speed(sign * speed_, sign * to_go, speed_limit_, step);
   position_ += speed_;
-  if (position_ == target_ && std::abs(speed_) <= step) {
-    speed_ = 0;
-  }
   return angle_of(position_);
 }
 

@@ -18,6 +18,7 @@ class Trajectory {
   void rt_stop(const LimitConfig& limits);
   /// Advances by one cycle and returns the reference, rad.
   auto rt_step(const LimitConfig& limits) -> Q24;
+  /// True from the cycle after the one that landed on the target: the landing itself still had speed.
   [[nodiscard]] auto finished() const -> bool { return position_ == target_ && speed_ == 0; }
 
  private:

@@ -8,7 +8,7 @@
 namespace capstan {
 
 /// 1 - e^-|a/b|, the share of the way that something goes which fades with a over the scale b. b <= 0 counts as
-/// nothing: all the way. In fixed point within 4e-9, and within 1e-6 of itself plus 2e-9 where it is small.
+/// nothing: all the way. In fixed point within 5e-9, and within 1e-6 of itself plus 2e-9 where it is small.
 inline auto share_gone(double a, double b) -> double {
   return b > 0.0 ? -std::expm1(-abs(a) / b) : 1.0;
 }

@@ -43,13 +43,18 @@ class MotionLaw {
 
   /// With what the machine knows beside motor angle and torque. `now.q2` is not read: the law runs free, on its own
   /// last estimate, and on beta q1 + offset in the first cycle.
-  constexpr auto update(Measured<Scalar> now) -> Estimate<Scalar> {
-    now.q2 = started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset];
+  constexpr auto update(const Measured<Scalar>& now) -> Estimate<Scalar> {
+    const Sample<Scalar>& sample = conditioner_.update(now, started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset]);
     started_ = true;
-    sample_ = conditioner_.update(now);
-    Estimate<Scalar> estimate{.saturated = sample_.saturated};
+    Estimate<Scalar> estimate{.saturated = sample.saturated};
+    // Each partial sum counts: a later term could lead the total back from the end of the range and hide the cut. Only
+    // the regressor of an effect that is off does not: nothing of it gets through.
+    const auto watch = [&estimate](Scalar coefficient, Scalar regressor, Scalar product, Scalar total) {
+      estimate.saturated |= (Traits::is_saturated(regressor) && coefficient != Scalar{}) ||
+                            Traits::is_saturated(product) || Traits::is_saturated(total);
+    };
     estimate.q2 = sum(
-        terms_, [this](auto& term) { return term.update(sample_); }, estimate.saturated);
+        terms_, [&sample](auto& term) { return term.update(sample); }, watch);
     q2_ = estimate.q2;
     estimate.q2_reported = estimate.q2;
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
@@ -59,7 +64,7 @@ class MotionLaw {
   }
 
   /// The conditioned form of the last sample.
-  [[nodiscard]] constexpr auto sample() const -> const Sample<Scalar>& { return sample_; }
+  [[nodiscard]] constexpr auto sample() const -> const Sample<Scalar>& { return conditioner_.sample(); }
   [[nodiscard]] constexpr auto beta() const -> Scalar { return coefficients_[kBeta]; }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
@@ -68,9 +73,8 @@ class MotionLaw {
   /// @pre beta is not zero; if it is, the result saturates.
   [[nodiscard]] constexpr auto invert(Scalar q2, Sample<Scalar> motion) const -> Scalar {
     motion.q2 = q2;
-    bool saturated = false;
     const Scalar all = sum(
-        terms_, [&motion](const auto& term) { return term.settled(motion); }, saturated);
+        terms_, [&motion](const auto& term) { return term.settled(motion); }, [](auto...) {});
     return (q2 - (all - beta() * motion.q1)) / beta();
   }
 
@@ -98,8 +102,9 @@ class MotionLaw {
     }(std::type_identity<typename List::template Tuple<Scalar>>{});
   }
 
-  template <typename Terms, typename Regressors>
-  constexpr auto sum(Terms& terms, Regressors&& regressors_of, bool& saturated) const -> Scalar {
+  /// @param watch  told of each coefficient, regressor, product and partial sum
+  template <typename Terms, typename Regressors, typename Watch>
+  constexpr auto sum(Terms& terms, Regressors&& regressors_of, Watch&& watch) const -> Scalar {
     Scalar total{};
     std::size_t next = 0;
     auto add = [&](auto& term) {
@@ -107,10 +112,7 @@ class MotionLaw {
         const Scalar coefficient = coefficients_[next++];
         const Scalar product = coefficient * regressor;
         total += product;
-        // Each partial sum counts: a later term could lead the total back from the end of the range and hide the cut.
-        // Only the regressor of an effect that is off does not: nothing of it gets through.
-        saturated |= (Traits::is_saturated(regressor) && coefficient != Scalar{}) || Traits::is_saturated(product) ||
-                     Traits::is_saturated(total);
+        watch(coefficient, regressor, product, total);
       }
     };
     std::apply([&](auto&... term) { (add(term), ...); }, terms);
@@ -121,7 +123,6 @@ class MotionLaw {
   SampleConditioner<Scalar> conditioner_;
   typename SumTerms::Tuple<Scalar> terms_;
   typename OutputTerms::Tuple<Scalar> output_terms_;
-  Sample<Scalar> sample_{};
   Scalar q2_{};  ///< last estimate
   bool started_ = false;
 };

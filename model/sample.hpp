@@ -60,11 +60,17 @@ class SampleConditioner {
         per_millisecond_(dt.samples_per_millisecond()) {}
 
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
-  constexpr auto update(Scalar q1, Scalar tau) -> Sample<Scalar> {
+  constexpr auto update(Scalar q1, Scalar tau) -> const Sample<Scalar>& {
     return update(Measured<Scalar>{.q1 = q1, .tau = tau});
   }
 
-  constexpr auto update(const Measured<Scalar>& now) -> Sample<Scalar> {
+  /// The sample is the conditioner's own and good until the next update.
+  constexpr auto update(const Measured<Scalar>& now) -> const Sample<Scalar>& {
+    return update(now, Traits::is_missing(now.q2) ? now.q1 : now.q2);
+  }
+
+  /// The same with another joint angle of the last cycle than `now` has.
+  constexpr auto update(const Measured<Scalar>& now, Scalar q2) -> const Sample<Scalar>& {
     if (!started_) {
       started_ = true;
       extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
@@ -80,13 +86,16 @@ class SampleConditioner {
     sample_.q1 = now.q1;
     sample_.tau = now.tau;
     update_direction(now);
-    sample_.q2 = Traits::is_missing(now.q2) ? now.q1 : now.q2;
+    sample_.q2 = q2;
     sample_.other_q1 = now.other_q1;
     sample_.other_tau = now.other_tau;
     sample_.other_forward = now.other_forward;
     sample_.warmth = Traits::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
     return sample_;
   }
+
+  /// The last sample.
+  [[nodiscard]] constexpr auto sample() const -> const Sample<Scalar>& { return sample_; }
 
  private:
   using Traits = ScalarTraits<Scalar>;

@@ -12,6 +12,8 @@
 namespace capstan::sim {
 
 constexpr double kBalanceToleranceNm = 1.0e-10;
+// Where the first attempt at a balance fails, rounding may be why: see balance_tolerance().
+constexpr double kRoundingShare = 1.0e-11;
 
 /// What acts on the drivetrain from outside during one step.
 struct Loads {
@@ -37,7 +39,8 @@ struct DrivetrainState {
 struct Balance {
   double residual, slope, coulomb;  // torque balance without Coulomb friction, N m and N m/rad
   bool prescribed;
-  double target;  // increment if prescribed
+  double target;      // increment if prescribed
+  double size = 0.0;  // of the torques that cancel in the residual, beyond slope and tendons, N m
 };
 
 struct Row {
@@ -47,13 +50,18 @@ struct Row {
   double residual;  // otherwise, Coulomb friction included
 };
 
+// How small a residual must be. `rounding_share` of what adds up to it is good enough too: the rest may be rounding.
+inline double balance_tolerance(const Balance& b, double slope, double move, double torque, double rounding_share) {
+  return std::max(kBalanceToleranceNm, rounding_share * (std::fabs(slope * move) + std::fabs(torque) + b.size));
+}
+
 // Which branch of residual in -coulomb sgn(move) the projection picks.
-inline Row pick_row(double residual, double slope, double coulomb, double move) {
+inline Row pick_row(double residual, double slope, double coulomb, double move, double tolerance) {
   const double push = slope * move - residual;
   if (std::fabs(push) <= coulomb)
-    return {true, std::fabs(slope * move) <= kBalanceToleranceNm, -move, 0.0};
+    return {true, std::fabs(slope * move) <= tolerance, -move, 0.0};
   const double total = residual + (push > 0.0 ? coulomb : -coulomb);
-  return {false, std::fabs(total) <= kBalanceToleranceNm, 0.0, total};
+  return {false, std::fabs(total) <= tolerance, 0.0, total};
 }
 
 struct Torque {
@@ -126,8 +134,12 @@ inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s,
     viscous *= move > 0.0 ? 1.0 + e.friction_asymmetry : 1.0 - e.friction_asymmetry;
     extra = e.friction_asymmetry * coulomb;
   }
-  Balance b{inertia * (move - h * s.q1_rate_rad_per_s) + viscous * move - loads.motor_torque_nm, inertia + viscous,
-            coulomb, false, 0.0};
+  Balance b{inertia * (move - h * s.q1_rate_rad_per_s) + viscous * move - loads.motor_torque_nm,
+            inertia + viscous,
+            coulomb,
+            false,
+            0.0,
+            0.0};
   if (e.play_friction_nm > 0.0) {
     const Torque t = bristle(e.play_friction_nm, e.play_friction_width_rad, s.motor_bristle_rad, move);
     extra += t.value;
@@ -150,10 +162,12 @@ inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s,
     gravity = e.gravity_torque_nm * det_sin(angle + e.gravity_angle_rad);
     gravity_slope = e.gravity_torque_nm * det_cos(angle + e.gravity_angle_rad);
   }
-  Balance b{
-      inertia * (move - h * s.q2_rate_rad_per_s) + viscous * move + env.value + gravity - loads.tip_torque_nm,
-      inertia + viscous + env.slope_angle + env.slope_rate / h + gravity_slope,
-      p.joint_coulomb_nm + loads.extra_joint_coulomb_nm, p.environment.kind == EnvironmentKind::kLocked, 0.0};
+  Balance b{inertia * (move - h * s.q2_rate_rad_per_s) + viscous * move + env.value + gravity - loads.tip_torque_nm,
+            inertia + viscous + env.slope_angle + env.slope_rate / h + gravity_slope,
+            p.joint_coulomb_nm + loads.extra_joint_coulomb_nm,
+            p.environment.kind == EnvironmentKind::kLocked,
+            0.0,
+            std::fabs(env.value)};
   if (e.presliding_nm > 0.0) {
     const Torque t = bristle(e.presliding_nm, e.presliding_width_rad, s.joint_bristle_rad, move);
     b.residual += t.value;
@@ -162,7 +176,8 @@ inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s,
   return b;
 }
 
-/// With play the output pulley has a bearing of its own: a share of the joint's viscous friction, and a floor. N m s/rad
+/// With play the output pulley has a bearing of its own: a share of the joint's viscous friction, and a floor. N m
+/// s/rad
 inline double pulley_viscous(const PlantParameters& p) {
   return 1.0e-7 + 0.05 * p.joint_viscous_nms_per_rad;
 }

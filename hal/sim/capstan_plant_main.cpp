@@ -15,7 +15,8 @@ namespace {
 constexpr const char* kUsage =
     "Usage: capstan_plant [OPTION]... LINE\n"
     "\n"
-    "Serves a simulated instrument to a board over LINE, in lock-step: one drive frame, one millisecond, one sensed frame.\n"
+    "Serves a simulated instrument to a board over LINE, in lock-step: one drive frame, one millisecond, one sensed "
+    "frame.\n"
     "\n"
     "LINE: connect:PATH  a Unix socket that the board's emulator opens (tools/qemu_stm32f405 --plant PATH)\n"
     "      listen:PATH   a Unix socket opened here\n"
@@ -28,7 +29,8 @@ constexpr const char* kUsage =
     "  --cycles N        leave after that many cycles\n"
     "  --help            this text\n"
     "\n"
-    "Exit status: 0 the board closed the line or the cycles are done; 1 the plant diverged; 2 wrong usage or bad input.\n";
+    "Exit status: 0 the board closed the line or the cycles are done; 1 the plant diverged; 2 wrong usage or bad "
+    "input.\n";
 
 struct Options {
   std::string line;

@@ -13,7 +13,8 @@ namespace capstan::sim {
 namespace {
 
 constexpr int kMaxRounds = 40;
-constexpr int kMaxRelaxations = 2000;
+constexpr int kMaxRelaxations = 40;
+constexpr int kFullRounds = 12;  // a Newton iteration not at rest by then goes half way, lest it cycle
 constexpr int kSweepsPerNewton = 4;
 constexpr double kLargestAngleRad = 1.0e4;
 
@@ -104,7 +105,7 @@ void CoupledDrivetrain::solve(const Step& step) {
   for (Axis& axis : axes_)
     axis.tried = false;
   start();
-  if (newton(step))
+  if (newton(step) || newton(step, kRoundingShare))
     return;
   ++relaxations_;
   start();
@@ -176,9 +177,8 @@ Balance CoupledDrivetrain::balance(const Step& step, std::size_t number) const {
   if (kind == Kind::kJoint || a.contact == Contact::kJoined)
     return joint_balance(a.parameters, a.state, loads, step.dt_s, moves_[number]);
   const double viscous = pulley_viscous(a.parameters) / step.dt_s;
-  Balance b = a.contact == Contact::kGap
-                  ? Balance{0.0, 0.0, 0.0, false, 0.0}
-                  : joint_balance(a.parameters, a.state, loads, step.dt_s, moves_[number]);
+  Balance b = a.contact == Contact::kGap ? Balance{0.0, 0.0, 0.0, false, 0.0, 0.0}
+                                         : joint_balance(a.parameters, a.state, loads, step.dt_s, moves_[number]);
   b.residual += viscous * pulley_move(axis);
   b.slope += viscous;
   return b;
@@ -214,7 +214,7 @@ void CoupledDrivetrain::fill_system(const std::vector<Balance>& balances) {
     system_[k * count + k] += balances[k].slope;
 }
 
-bool CoupledDrivetrain::pick_rows(const std::vector<Balance>& balances) {
+bool CoupledDrivetrain::pick_rows(const std::vector<Balance>& balances, double rounding_share) {
   const std::size_t count = coordinates_.size();
   bool satisfied = true;
   for (std::size_t k = 0; k < count; ++k) {
@@ -222,7 +222,10 @@ bool CoupledDrivetrain::pick_rows(const std::vector<Balance>& balances) {
     if (b.prescribed) {
       rows_[k] = {true, moves_[k] == b.target, b.target - moves_[k], 0.0};
     } else {
-      rows_[k] = pick_row(b.residual + tendon_torque(k), system_[k * count + k], b.coulomb, moves_[k]);
+      const double torque = tendon_torque(k);
+      const double slope = system_[k * count + k];
+      rows_[k] = pick_row(b.residual + torque, slope, b.coulomb, moves_[k],
+                          balance_tolerance(b, slope, moves_[k], torque, rounding_share));
     }
     satisfied = satisfied && rows_[k].satisfied;
   }
@@ -265,21 +268,22 @@ bool CoupledDrivetrain::eliminate() {
   return true;
 }
 
-bool CoupledDrivetrain::newton(const Step& step) {
+bool CoupledDrivetrain::newton(const Step& step, double rounding_share) {
   const std::size_t count = coordinates_.size();
   for (int round = 0; round < kMaxRounds; ++round) {
     ++rounds_;
+    const double damping = round < kFullRounds ? 1.0 : 0.5;
     pull(step);
     for (std::size_t k = 0; k < count; ++k)
       balances_[k] = balance(step, k);
     fill_system(balances_);
-    if (pick_rows(balances_))
+    if (pick_rows(balances_, rounding_share))
       return true;
     if (!eliminate())
       return false;
     for (std::size_t k = 0; k < count; ++k) {
       const double fixed = balances_[k].prescribed ? balances_[k].target : 0.0;
-      moves_[k] = rows_[k].fixed ? fixed : moves_[k] + change_[k];
+      moves_[k] = rows_[k].fixed ? fixed : moves_[k] + damping * change_[k];
       if (!std::isfinite(moves_[k]))
         return false;
     }
@@ -294,7 +298,7 @@ void CoupledDrivetrain::relax(const Step& step) {
     if (sweep % kSweepsPerNewton != 0)
       continue;
     const std::vector<double> before = moves_;
-    if (newton(step))
+    if (newton(step, kRoundingShare))
       return;
     moves_ = before;
   }

@@ -42,7 +42,11 @@ class CoupledDrivetrain {
 
  private:
   enum class Contact { kBackward = -1, kGap = 0, kForward = 1, kJoined = 2 };
-  enum class Kind { kMotor, kOutput, kJoint };  // kOutput: the joint, but in the gap the pulley; kJoint: only in the gap
+  enum class Kind {
+    kMotor,
+    kOutput,
+    kJoint
+  };  // kOutput: the joint, but in the gap the pulley; kJoint: only in the gap
 
   struct Axis {
     PlantParameters parameters;
@@ -70,14 +74,14 @@ class CoupledDrivetrain {
   void advance(const Step& step);
   void lay_out();
   void solve(const Step& step);
-  bool newton(const Step& step);
+  bool newton(const Step& step, double rounding_share = 0.0);
   void relax(const Step& step);
   void relax_one(const Step& step, std::size_t number);
   void pull(const Step& step);
   [[nodiscard]] Balance balance(const Step& step, std::size_t number) const;
   [[nodiscard]] double tendon_torque(std::size_t number) const;
   void fill_system(const std::vector<Balance>& balances);
-  bool pick_rows(const std::vector<Balance>& balances);
+  bool pick_rows(const std::vector<Balance>& balances, double rounding_share);
   bool eliminate();
   [[nodiscard]] double move_of(std::size_t axis, Kind kind) const;
   [[nodiscard]] double pulley_move(std::size_t axis) const;

@@ -9,7 +9,8 @@ namespace capstan::sim {
 namespace {
 
 constexpr int kMaxRounds = 40;
-constexpr int kMaxRelaxations = 2000;
+constexpr int kMaxRelaxations = 40;
+constexpr int kFullRounds = 12;  // a Newton iteration not at rest by then goes half way, lest it cycle
 constexpr int kSweepsPerNewton = 4;
 constexpr double kToleranceNm = kBalanceToleranceNm;
 constexpr double kLargestAngleRad = 1.0e4;
@@ -87,7 +88,7 @@ bool Drivetrain::try_contact(Step& step, Contact contact) {
 
 Drivetrain::Moves Drivetrain::solve(const Step& step, Moves guess) {
   Moves moves = guess;
-  if (!newton(step, moves)) {
+  if (!newton(step, moves) && !newton(step, moves, kRoundingShare)) {
     ++relaxations_;
     moves = guess;
     relax(step, moves);
@@ -95,16 +96,19 @@ Drivetrain::Moves Drivetrain::solve(const Step& step, Moves guess) {
   return moves;
 }
 
-bool Drivetrain::newton(const Step& step, Moves& moves) {
+bool Drivetrain::newton(const Step& step, Moves& moves, double rounding_share) {
   for (int round = 0; round < kMaxRounds; ++round) {
     ++rounds_;
+    const double damping = round < kFullRounds ? 1.0 : 0.5;
     const Torques t = torques(step, moves);
     const Balance m = balance_motor(step, moves.q1);
     const Balance o = balance_output(step, moves.output);
     const double a11 = m.slope + t.in_by_q1;
     const double a22 = o.slope - t.out_by_q2;
-    Row r1 = pick_row(m.residual + t.in, a11, m.coulomb, moves.q1);
-    Row r2 = pick_row(o.residual - t.out, a22, o.coulomb, moves.output);
+    Row r1 = pick_row(m.residual + t.in, a11, m.coulomb, moves.q1,
+                      balance_tolerance(m, a11, moves.q1, t.in, rounding_share));
+    Row r2 = pick_row(o.residual - t.out, a22, o.coulomb, moves.output,
+                      balance_tolerance(o, a22, moves.output, t.out, rounding_share));
     if (m.prescribed)
       r1 = {true, moves.q1 == m.target, m.target - moves.q1, 0.0};
     if (o.prescribed)
@@ -122,8 +126,8 @@ bool Drivetrain::newton(const Step& step, Moves& moves) {
       step1 = (-r1.residual * a22 + t.in_by_q2 * r2.residual) / determinant;
       step2 = (-a11 * r2.residual - t.out_by_q1 * r1.residual) / determinant;
     }
-    moves.q1 = r1.fixed && m.prescribed ? m.target : (r1.fixed ? 0.0 : moves.q1 + step1);
-    moves.output = r2.fixed && o.prescribed ? o.target : (r2.fixed ? 0.0 : moves.output + step2);
+    moves.q1 = r1.fixed && m.prescribed ? m.target : (r1.fixed ? 0.0 : moves.q1 + damping * step1);
+    moves.output = r2.fixed && o.prescribed ? o.target : (r2.fixed ? 0.0 : moves.output + damping * step2);
     if (!std::isfinite(moves.q1) || !std::isfinite(moves.output))
       return false;
   }
@@ -139,7 +143,7 @@ void Drivetrain::relax(const Step& step, Moves& moves) {
     if (sweep % kSweepsPerNewton != 0)
       continue;
     Moves trial = moves;
-    if (newton(step, trial)) {
+    if (newton(step, trial, kRoundingShare)) {
       moves = trial;
       return;
     }
@@ -216,7 +220,7 @@ Balance Drivetrain::balance_output(const Step& step, double move) const {
   if (step.contact == Contact::kJoined)
     return balance_joint(step, move);
   const double viscous = pulley_viscous(parameters_) / step.dt_s;
-  Balance balance = step.contact == Contact::kGap ? Balance{0.0, 0.0, 0.0, false, 0.0} : balance_joint(step, move);
+  Balance balance = step.contact == Contact::kGap ? Balance{0.0, 0.0, 0.0, false, 0.0, 0.0} : balance_joint(step, move);
   balance.residual += viscous * pulley_move(step, move);
   balance.slope += viscous;
   return balance;
@@ -228,7 +232,8 @@ double Drivetrain::free_joint_move(const Step& step) const {
     const Balance b = balance_joint(step, move);
     if (b.prescribed)
       return b.target;
-    const Row row = pick_row(b.residual, b.slope, b.coulomb, move);
+    const Row row =
+        pick_row(b.residual, b.slope, b.coulomb, move, balance_tolerance(b, b.slope, move, 0.0, kRoundingShare));
     if (row.satisfied)
       break;
     move = row.fixed ? 0.0 : move - row.residual / b.slope;

@@ -68,7 +68,7 @@ class Drivetrain {
   void advance(Step step);
   bool try_contact(Step& step, Contact contact);
   Moves solve(const Step& step, Moves guess);
-  bool newton(const Step& step, Moves& moves);
+  bool newton(const Step& step, Moves& moves, double rounding_share = 0.0);
   void relax(const Step& step, Moves& moves);
   double relax_one(const Step& step, Moves moves, bool output);
   Torques torques(const Step& step, const Moves& moves);

@@ -141,9 +141,8 @@ bool set_field(std::span<const Field<Owner>> fields, Owner& owner, std::string_v
 
 // The part of a name before its unit.
 std::string_view stem(std::string_view name) {
-  for (const std::string_view unit :
-       {"_nms_per_rad", "_n_per_m", "_nm_per_a", "_counts_per_turn", "_kgm2", "_counts", "_nm", "_rad", "_hz", "_a", "_m",
-        "_n", "_s"}) {
+  for (const std::string_view unit : {"_nms_per_rad", "_n_per_m", "_nm_per_a", "_counts_per_turn", "_kgm2", "_counts",
+                                      "_nm", "_rad", "_hz", "_a", "_m", "_n", "_s"}) {
     if (name.ends_with(unit))
       return name.substr(0, name.size() - unit.size());
   }

@@ -82,11 +82,10 @@ Instrument parse_instrument(std::string_view text, const std::filesystem::path& 
   const toml::table root = parse_toml(text, source);
   Instrument instrument;
   if (root.contains("axes")) {
-    read_table(source, "an instrument of several axes", root,
-               {{"name", [&](const auto& key, const auto& node) { instrument.name = source.text(key, node); }},
-                {"axes", [&](const auto& key, const auto& node) {
-                   read_axes(source, source.array(key, node), instrument);
-                 }}});
+    read_table(
+        source, "an instrument of several axes", root,
+        {{"name", [&](const auto& key, const auto& node) { instrument.name = source.text(key, node); }},
+         {"axes", [&](const auto& key, const auto& node) { read_axes(source, source.array(key, node), instrument); }}});
     return instrument;
   }
   InstrumentAxis only{"joint0", {}, {}};

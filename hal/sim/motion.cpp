@@ -163,8 +163,8 @@ void check(const Segment& g, double blend_s) {
   require(g.duration_s >= blend_s, "a segment is shorter than blend_s; lengthen it or shorten the blend");
   require(std::fabs(g.amplitude_rad) <= 100.0, "amplitude_rad is beyond 100 rad; give an angle in rad");
   require(std::fabs(g.offset_rad) <= 100.0, "offset_rad is beyond 100 rad; give an angle in rad");
-  const bool periodic = g.kind != SegmentKind::kHold && g.kind != SegmentKind::kMultisine &&
-                        g.kind != SegmentKind::kPolyline;
+  const bool periodic =
+      g.kind != SegmentKind::kHold && g.kind != SegmentKind::kMultisine && g.kind != SegmentKind::kPolyline;
   require(!periodic || (g.frequency_hz > 0.0 && g.frequency_hz <= kFastestHz),
           "frequency_hz must be above 0 and at most 200; give the segment's frequency");
   require(g.kind != SegmentKind::kMultisine || !g.frequencies_hz.empty(),

@@ -56,14 +56,18 @@ void MultiPlant::observe() {
 void MultiPlant::step(std::span<const MotorCommand> commands) {
   if (commands.size() != axis_count())
     throw std::invalid_argument("there must be one command per axis; give as many as the instrument has");
-  begin(commands);
-  const int substeps = parameters(0).substeps;
-  const double dt = kStepS / static_cast<double>(substeps);
-  for (int step = 1; step <= substeps; ++step) {
-    for (std::size_t i = 0; i < axis_count(); ++i)
-      loads_[i] = peripheries_[i].powered(step, drivetrain_.state(i));
-    drivetrain_.advance(loads_, dt);
-  }
+  for (const MotorCommand& command : commands)
+    require_number(command.current_a);
+  divergence_.guard([&] {
+    begin(commands);
+    const int substeps = parameters(0).substeps;
+    const double dt = kStepS / static_cast<double>(substeps);
+    for (int step = 1; step <= substeps; ++step) {
+      for (std::size_t i = 0; i < axis_count(); ++i)
+        loads_[i] = peripheries_[i].powered(step, drivetrain_.state(i));
+      drivetrain_.advance(loads_, dt);
+    }
+  });
   observe();
 }
 
@@ -75,17 +79,19 @@ void MultiPlant::step_kinematic(std::span<const double> q1_rad) {
       throw std::runtime_error("an input angle is not a number; give angles in rad");
     starts_[i] = drivetrain_.state(i).q1_rad;
   }
-  begin(std::vector<MotorCommand>(axis_count()));
-  const int substeps = parameters(0).substeps;
-  const double dt = kStepS / static_cast<double>(substeps);
-  for (int step = 1; step <= substeps; ++step) {
-    const double share = static_cast<double>(step) / static_cast<double>(substeps);
-    for (std::size_t i = 0; i < axis_count(); ++i) {
-      targets_[i] = starts_[i] + share * (q1_rad[i] - starts_[i]);
-      loads_[i] = peripheries_[i].unpowered(step, drivetrain_.state(i));
+  divergence_.guard([&] {
+    begin(std::vector<MotorCommand>(axis_count()));
+    const int substeps = parameters(0).substeps;
+    const double dt = kStepS / static_cast<double>(substeps);
+    for (int step = 1; step <= substeps; ++step) {
+      const double share = static_cast<double>(step) / static_cast<double>(substeps);
+      for (std::size_t i = 0; i < axis_count(); ++i) {
+        targets_[i] = starts_[i] + share * (q1_rad[i] - starts_[i]);
+        loads_[i] = peripheries_[i].unpowered(step, drivetrain_.state(i));
+      }
+      drivetrain_.advance_to(targets_, loads_, dt);
     }
-    drivetrain_.advance_to(targets_, loads_, dt);
-  }
+  });
   observe();
 }
 

@@ -49,6 +49,7 @@ class MultiPlant {
 
   std::vector<Periphery> peripheries_;
   CoupledDrivetrain drivetrain_;
+  Divergence divergence_;
   std::vector<Loads> loads_;
   std::vector<double> targets_, starts_;
 };

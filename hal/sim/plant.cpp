@@ -36,9 +36,6 @@ Periphery::Periphery(const PlantParameters& parameters, std::uint64_t seed)
       substep_s_(kStepS / static_cast<double>(parameters.substeps)) {}
 
 void Periphery::begin(double current_command_a, bool enabled, Tendon& top, Tendon& bottom) {
-  if (!std::isfinite(current_command_a)) {
-    throw std::runtime_error("the current command is not a number; the controller must limit its output");
-  }
   command_a_ = faults_.filter_command(truth_.time_s, current_command_a, enabled);
   enabled_ = enabled;
   if (faults_.snapped(truth_.time_s, true))
@@ -158,31 +155,41 @@ void Periphery::observe(const DrivetrainState& s) {
   faults_.apply(truth_.time_s, readings_);
 }
 
+void require_number(double current_command_a) {
+  if (!std::isfinite(current_command_a))
+    throw std::runtime_error("the current command is not a number; the controller must limit its output");
+}
+
 Plant::Plant(const PlantParameters& parameters, std::uint64_t seed)
     : periphery_(parameters, seed), drivetrain_(parameters) {
   periphery_.observe(drivetrain_.state());
 }
 
 void Plant::step(double current_command_a, bool enabled) {
-  periphery_.begin(current_command_a, enabled, drivetrain_.top(), drivetrain_.bottom());
-  drivetrain_.set_site(periphery_.site_m());
-  const double dt = kStepS / static_cast<double>(parameters().substeps);
-  for (int i = 1; i <= parameters().substeps; ++i)
-    drivetrain_.advance(periphery_.powered(i, drivetrain_.state()), dt);
+  require_number(current_command_a);
+  divergence_.guard([&] {
+    periphery_.begin(current_command_a, enabled, drivetrain_.top(), drivetrain_.bottom());
+    drivetrain_.set_site(periphery_.site_m());
+    const double dt = kStepS / static_cast<double>(parameters().substeps);
+    for (int i = 1; i <= parameters().substeps; ++i)
+      drivetrain_.advance(periphery_.powered(i, drivetrain_.state()), dt);
+  });
   periphery_.observe(drivetrain_.state());
 }
 
 void Plant::step_kinematic(double q1_rad) {
   if (!std::isfinite(q1_rad))
     throw std::runtime_error("the input angle is not a number; give an angle in rad");
-  periphery_.begin(0.0, false, drivetrain_.top(), drivetrain_.bottom());
-  drivetrain_.set_site(periphery_.site_m());
-  const double dt = kStepS / static_cast<double>(parameters().substeps);
-  const double start = drivetrain_.state().q1_rad;
-  for (int i = 1; i <= parameters().substeps; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(parameters().substeps);
-    drivetrain_.advance_to(start + share * (q1_rad - start), periphery_.unpowered(i, drivetrain_.state()), dt);
-  }
+  divergence_.guard([&] {
+    periphery_.begin(0.0, false, drivetrain_.top(), drivetrain_.bottom());
+    drivetrain_.set_site(periphery_.site_m());
+    const double dt = kStepS / static_cast<double>(parameters().substeps);
+    const double start = drivetrain_.state().q1_rad;
+    for (int i = 1; i <= parameters().substeps; ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(parameters().substeps);
+      drivetrain_.advance_to(start + share * (q1_rad - start), periphery_.unpowered(i, drivetrain_.state()), dt);
+    }
+  });
   periphery_.observe(drivetrain_.state());
 }
 

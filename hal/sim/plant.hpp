@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 
 #include "hal/sim/drivetrain.hpp"
 #include "hal/sim/parameters.hpp"
@@ -33,7 +35,7 @@ class Periphery {
  public:
   Periphery(const PlantParameters& parameters, std::uint64_t seed);
 
-  /// Begins a step of 1 ms: faults and slow effects. Throws std::runtime_error if the command is not a number.
+  /// Begins a step of 1 ms: faults and slow effects.
   void begin(double current_command_a, bool enabled, Tendon& top, Tendon& bottom);
 
   /// The loads of one sub-step, number 1..substeps, amplifier included.
@@ -75,6 +77,29 @@ class Periphery {
   double travelled_rad_ = 0.0;
 };
 
+/// Keeps the sentence of a plant that diverged: what comes after is refused.
+class Divergence {
+ public:
+  /// Does `action`, unless one before failed. Throws std::runtime_error.
+  template <class Action>
+  void guard(Action&& action) {
+    if (!sentence_.empty())
+      throw std::runtime_error(sentence_);
+    try {
+      action();
+    } catch (const std::runtime_error& failure) {
+      sentence_ = failure.what();
+      throw;
+    }
+  }
+
+ private:
+  std::string sentence_;
+};
+
+/// Throws std::runtime_error if it is not.
+void require_number(double current_command_a);
+
 /// One motor, two tendons with distributed friction, one joint. Advances in steps of 1 ms.
 /// Two plants with equal parameters, seed and input sequence agree bit for bit, on any machine with IEEE doubles.
 class Plant {
@@ -85,7 +110,8 @@ class Plant {
   Plant(const PlantParameters& parameters, std::uint64_t seed);
 
   /// One millisecond. `enabled` false: the amplifier is open, no current flows.
-  /// Throws std::runtime_error with a sentence if the command is not a number or the state diverges.
+  /// Throws std::runtime_error with a sentence if the command is not a number or the state diverges. A plant that has
+  /// diverged stays where it was last sane and answers every further step with the same sentence.
   void step(double current_command_a, bool enabled);
 
   /// One millisecond with the input pulley moved to `q1_rad` by hand, as on a test bench; the motor takes no part.
@@ -104,6 +130,7 @@ class Plant {
  private:
   Periphery periphery_;
   Drivetrain drivetrain_;
+  Divergence divergence_;
 };
 
 }  // namespace capstan::sim

@@ -40,7 +40,8 @@ FileDescriptor connect_unix(const std::string& path) {
   throw std::runtime_error(path + ": nobody answers there; start the board with this socket");
 }
 
-FileDescriptor accept_one(const FileDescriptor& door, const sockaddr* address, socklen_t size, const std::string& name) {
+FileDescriptor accept_one(const FileDescriptor& door, const sockaddr* address, socklen_t size,
+                          const std::string& name) {
   const bool open = door && ::bind(door.get(), address, size) == 0 && ::listen(door.get(), 1) == 0;
   FileDescriptor line(open ? ::accept4(door.get(), nullptr, nullptr, SOCK_CLOEXEC) : -1);
   if (!line)
@@ -75,7 +76,8 @@ FileDescriptor listen_tcp(std::string_view port_text) {
 FileDescriptor make_terminal() {
   FileDescriptor line(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
   termios settings{};
-  const char* name = line && ::grantpt(line.get()) == 0 && ::unlockpt(line.get()) == 0 ? ::ptsname(line.get()) : nullptr;
+  const char* name =
+      line && ::grantpt(line.get()) == 0 && ::unlockpt(line.get()) == 0 ? ::ptsname(line.get()) : nullptr;
   if (name == nullptr || ::tcgetattr(line.get(), &settings) != 0)
     throw std::runtime_error("no terminal can be made; use tcp:PORT instead");
   ::cfmakeraw(&settings);

@@ -62,10 +62,8 @@ std::uint64_t read_seed(const Source& source, const toml::node& node) {
 Readers axis_readers(const Source& source, PlantParameters& plant, Motion& motion) {
   return {
       {"plant", [&](const auto& key, const auto& node) { read_plant(source, source.table(key, node), plant); }},
-      {"environment",
-       [&](const auto& key, const auto& node) {
-         read_environment(source, source.table(key, node), plant.environment);
-       }},
+      {"environment", [&](const auto& key,
+                          const auto& node) { read_environment(source, source.table(key, node), plant.environment); }},
       {"effects",
        [&](const auto& key, const auto& node) { read_effects(source, source.table(key, node), plant.effects); }},
       {"motion", [&](const auto& key, const auto& node) { motion = read_motion(source, source.table(key, node)); }},

@@ -43,13 +43,12 @@ void demand(const Source& source, const toml::table& table, const std::string& w
 }
 
 SegmentKind plain_kind(const std::string& name) {
-  static const std::vector<std::pair<std::string, SegmentKind>> kKinds = {
-      {"sine", SegmentKind::kSine},
-      {"multisine", SegmentKind::kMultisine},
-      {"decaying_sine", SegmentKind::kDecayingSine},
-      {"triangle", SegmentKind::kTriangle},
-      {"hold", SegmentKind::kHold},
-      {"polyline", SegmentKind::kPolyline}};
+  static const std::vector<std::pair<std::string, SegmentKind>> kKinds = {{"sine", SegmentKind::kSine},
+                                                                          {"multisine", SegmentKind::kMultisine},
+                                                                          {"decaying_sine", SegmentKind::kDecayingSine},
+                                                                          {"triangle", SegmentKind::kTriangle},
+                                                                          {"hold", SegmentKind::kHold},
+                                                                          {"polyline", SegmentKind::kPolyline}};
   std::string known;
   for (const auto& [choice, kind] : kKinds) {
     if (name == choice)
@@ -110,37 +109,41 @@ std::vector<Segment> read_segment(const Source& source, const toml::table& table
 
 }  // namespace
 
+// Lambdas may not capture structured bindings, as one of the compilers in use sees it: hence the plain names.
 void read_plant(const Source& source, const toml::table& table, PlantParameters& plant) {
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
-    source.located(node, [&] { set_parameter(plant, name, source.number(name, node)); });
+    const double value = source.number(name, node);
+    source.located(node, [&] { set_parameter(plant, name, value); });
   }
 }
 
 void read_environment(const Source& source, const toml::table& table, Environment& environment) {
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
+    const toml::node& value = node;
     source.located(node, [&] {
       if (name == "kind") {
-        environment.kind = environment_kind(source.text(name, node));
+        environment.kind = environment_kind(source.text(name, value));
       } else {
-        set_environment(environment, name, source.number(name, node));
+        set_environment(environment, name, source.number(name, value));
       }
     });
   }
 }
 
 void read_effects(const Source& source, const toml::table& table, Effects& effects) {
+  const auto set = [&](const std::string& name, const toml::node& node) {
+    source.located(node, [&] { set_effect(effects, name, source.number(name, node)); });
+  };
   for (const auto& [key, node] : table) {
     const std::string effect(key.str());
     if (!node.is_table()) {
-      source.located(node, [&] { set_effect(effects, effect, source.number(effect, node)); });
+      set(effect, node);
       continue;
     }
-    for (const auto& [detail, value] : *node.as_table()) {
-      const std::string name = effect + "." + std::string(detail.str());
-      source.located(value, [&] { set_effect(effects, name, source.number(name, value)); });
-    }
+    for (const auto& [detail, value] : *node.as_table())
+      set(effect + "." + std::string(detail.str()), value);
   }
 }
 

@@ -84,9 +84,11 @@ void FaultSchedule::add(const Fault& fault) {
           "fault: a delay is 0 to 0.5 s; shorten `amount`");
   const bool share = fault.kind == FaultKind::kIntermittent || fault.kind == FaultKind::kDip;
   require(!share || (fault.amount >= 0.0 && fault.amount <= 1.0), "fault: a share is 0 to 1; correct `amount`");
-  require(fault.kind != FaultKind::kSlow || fault.amount > 0.0, "fault: slow needs its time constant, s; give `amount`");
+  require(fault.kind != FaultKind::kSlow || fault.amount > 0.0,
+          "fault: slow needs its time constant, s; give `amount`");
   const bool tendon = fault.target == FaultTarget::kTendonTop || fault.target == FaultTarget::kTendonBottom;
-  require(tendon == (fault.kind == FaultKind::kSnap), "fault: a tendon can only snap, and nothing else can; choose one");
+  require(tendon == (fault.kind == FaultKind::kSnap),
+          "fault: a tendon can only snap, and nothing else can; choose one");
   require((fault.target == FaultTarget::kSupply) == (fault.kind == FaultKind::kDip),
           "fault: the supply can only dip, and nothing else can; choose one");
   require(fault.target == FaultTarget::kAmplifier || fault.kind != FaultKind::kTrip,

@@ -30,13 +30,13 @@ enum class FaultTarget {
 };
 
 enum class FaultKind {
-  kOff,      ///< sensor: reports itself dead, its value is 0; amplifier: drives no current; bus: silent, see below
-  kStuck,    ///< holds the last good value (amplifier: the last good command) and looks healthy
-  kGarbage,  ///< random values over the whole range
-  kJump,     ///< `amount` (counts or A) is added
-  kNan,      ///< current: not a number; encoder: no valid word, lowest integer and not ok; not for the amplifier
-  kSign,     ///< the value's sign is reversed
-  kDelayed,  ///< the value is `amount` seconds old
+  kOff,           ///< sensor: reports itself dead, its value is 0; amplifier: drives no current; bus: silent, see below
+  kStuck,         ///< holds the last good value (amplifier: the last good command) and looks healthy
+  kGarbage,       ///< random values over the whole range
+  kJump,          ///< `amount` (counts or A) is added
+  kNan,           ///< current: not a number; encoder: no valid word, lowest integer and not ok; not for the amplifier
+  kSign,          ///< the value's sign is reversed
+  kDelayed,       ///< the value is `amount` seconds old
   kIntermittent,  ///< every ms with the probability `amount` there is no value (amplifier: no current)
   kSlow,          ///< the value follows with the time constant `amount`, s
   kTrip,          ///< amplifier: off until the command's enable has been withdrawn; the duration plays no part

@@ -16,9 +16,12 @@ namespace {
 // Measured over random walks of both ends: nearly always 1 to 4 rounds. Beyond this the rows cycle.
 constexpr int kMaxRounds = 20;
 // Nested rounds end by themselves after at most one change per node; elements that turn slack or harden add some.
-constexpr int kMaxNestedRoundsPerNode = 10;
-// Gauss-Seidel needs about N^2 sweeps per decade; 512 elements to 12 digits fit.
+constexpr int kMaxNestedRoundsPerNode = 100;
+// Gauss-Seidel needs about N^2 sweeps per decade; this is enough for 12 digits several times over.
+constexpr int kMaxSweepsPerSquare = 32;
 constexpr int kMaxSweeps = 4000000;
+// Where the first attempt fails, rounding may be why: then so much of the largest tension is good enough.
+constexpr double kRoundingShare = 1.0e-12;
 
 std::size_t index(int i) {
   return static_cast<std::size_t>(i);
@@ -111,7 +114,7 @@ bool Tendon::pick_rows() {
     row_[j] = static_cast<std::int8_t>(to_output <= lower ? 1 : (to_input > still ? -1 : 0));
     worst = std::max(worst, std::fabs(std::min(to_output, lower)));
   }
-  return worst <= tolerance_n_;
+  return worst <= tolerance_now_n_;
 }
 
 // Tridiagonal elimination of the picked rows, linearised at the current displacements. Each node is kept as
@@ -159,9 +162,10 @@ void Tendon::solve_rows() {
 // held, the outer rounds then revise the R rows. Both go monotonically for M-matrix rows, so this cannot cycle.
 bool Tendon::solve_nested() {
   const int most = kMaxNestedRoundsPerNode * count_;
-  for (int outer = 0; outer < most; ++outer) {
+  int rounds = 0;
+  while (rounds < most) {
     bool settled = false;
-    for (int inner = 0; inner < most && !settled; ++inner) {
+    for (; rounds < most && !settled; ++rounds) {
       ++nested_rounds_;
       solve_rows();
       evaluate_elements();
@@ -188,7 +192,7 @@ bool Tendon::revise_rows(bool outer) {
       continue;
     const double current = held ? to_output : (row_[j] < 0 ? to_input : still);
     const double wanted = outer ? std::min(to_output, lower) : lower;
-    if (std::fabs(current - wanted) <= tolerance_n_)
+    if (std::fabs(current - wanted) <= tolerance_now_n_)
       continue;
     row_[j] = static_cast<std::int8_t>(wanted == to_output && outer ? 1 : (to_input > still ? -1 : 0));
     unchanged = false;
@@ -197,7 +201,8 @@ bool Tendon::revise_rows(bool outer) {
 }
 
 void Tendon::sweep_until_balanced() {
-  for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+  const int most = std::min(kMaxSweeps, kMaxSweepsPerSquare * count_ * count_);
+  for (int sweep = 0; sweep < most; ++sweep) {
     ++sweeps_;
     for (int i = 1; i < count_; ++i) {
       const auto j = index(i);
@@ -219,6 +224,7 @@ void Tendon::sweep_until_balanced() {
 }
 
 void Tendon::solve() {
+  tolerance_now_n_ = tolerance_n_;
   evaluate_elements();
   for (int round = 0; round < kMaxRounds; ++round) {
     ++rounds_;
@@ -227,6 +233,11 @@ void Tendon::solve() {
     if (pick_rows())
       return;
   }
+  double largest = 0.0;
+  for (const double tension : tension_)
+    largest = std::max(largest, std::fabs(tension));
+  if (std::isfinite(largest))
+    tolerance_now_n_ = std::max(tolerance_n_, kRoundingShare * largest);
   if (!solve_nested())
     sweep_until_balanced();
 }

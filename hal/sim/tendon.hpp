@@ -91,7 +91,7 @@ class Tendon {
   double ratio_ = 1.0;                     // c
   double drag_in_ = 0.0, drag_out_ = 0.0;  // per node and step, N/m
   double scale_ = 1.0;                     // N/m, makes v comparable with R and M
-  double tolerance_n_ = 1.0e-9;
+  double tolerance_n_ = 1.0e-9, tolerance_now_n_ = 1.0e-9;
   bool slack_ = false;  // state of the last trial
   bool snapped_ = false;
 

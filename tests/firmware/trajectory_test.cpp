@@ -115,14 +115,31 @@ TEST(Trajectory, AMoveToWhereItStandsIsFinishedAtOnce) {
   EXPECT_TRUE(watched.finished());
 }
 
-TEST(Trajectory, FinishesOnlyWithTheLastStep) {
+TEST(Trajectory, IsFinishedOnceItStandsOnTheTargetAndNotBefore) {
   Watched watched(Q24{}, Q24::from_int(10));
   watched.start(Q24::from_int(1), Q24::from_int(2));
+  int cycles_on_target = 0;
   while (!watched.finished()) {
-    ASSERT_LT(watched.position(), Q24::from_int(1).raw());
     ASSERT_TRUE(watched.step());
+    cycles_on_target += watched.position() == Q24::from_int(1).raw() ? 1 : 0;
   }
-  EXPECT_EQ(watched.position(), Q24::from_int(1).raw());
+  EXPECT_EQ(cycles_on_target, 2) << "the one that lands and the one that stands";
+}
+
+TEST(Trajectory, ANewTargetInTheCycleOfLandingKeepsTheAcceleration) {
+  // Every phase of landing: the last step may be anything up to a cycle's change of speed.
+  for (int phase = 0; phase < 200; ++phase) {
+    Watched watched(Q24{}, Q24::from_double(1.5));
+    const Q24 target = Q24::from_double(0.01) + Q24::from_raw(phase);
+    watched.start(target, Q24::from_double(0.01));
+    while (watched.position() != target.raw()) {
+      ASSERT_TRUE(watched.step()) << "phase " << phase;
+    }
+    watched.start(Q24::from_int(-1), Q24::from_double(0.01));
+    for (int i = 0; i < 20; ++i) {
+      ASSERT_TRUE(watched.step()) << "phase " << phase << " cycle " << i << " after landing";
+    }
+  }
 }
 
 TEST(Trajectory, MayCrossTheWholeRangeOfQuantities) {

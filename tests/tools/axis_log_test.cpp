@@ -67,9 +67,23 @@ TEST(AxisLog, SmallJitterIsQuietLargeJitterAndGapsAreTold) {
   EXPECT_NE(gaps[0].find("x.csv:103:"), std::string::npos) << gaps[0];
 }
 
+TEST(AxisLog, AJointSensorSlowerThanTheLogIsTold) {
+  auto log_held_for = [](int samples) {
+    std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";
+    for (int i = 0; i < 400; ++i) {
+      text += std::to_string(0.01 * i) + "," + std::to_string(i % 97) + "," + std::to_string((i / samples) % 89) + "\n";
+    }
+    return read_axis(CsvLog::parse(text, "x.csv"), {}).warnings;
+  };
+  EXPECT_TRUE(log_held_for(1).empty());
+  const auto warnings = log_held_for(5);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("only every 5 samples"), std::string::npos) << warnings[0];
+}
+
 TEST(AxisLog, MotionOfOtherAxesIsKeptAsASideSignal) {
-  const CsvLog csv = CsvLog::parse("time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad\n0,1,1,5,0\n0.1,2,2,6,0\n0.2,3,3,7,0\n",
-                                   "x.csv");
+  const CsvLog csv = CsvLog::parse(
+      "time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad\n0,1,1,5,0\n0.1,2,2,6,0\n0.2,3,3,7,0\n", "x.csv");
   const AxisLog axis = read_axis(csv, {});
   ASSERT_EQ(axis.side.size(), 1U);  // axis 2 rests
   EXPECT_EQ(axis.side[0].name, "axis1/q1_rad");

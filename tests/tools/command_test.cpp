@@ -31,7 +31,8 @@ class Command : public testing::Test {
   auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
 
   auto run(const std::string& arguments) const -> Outcome {
-    const std::string command = std::string("\"") + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") + "\" 2>&1";
+    const std::string command =
+        std::string("\"") + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") + "\" 2>&1";
     Outcome outcome;
     const int result = std::system(command.c_str());
     outcome.status = WIFEXITED(result) ? WEXITSTATUS(result) : -1;
@@ -61,7 +62,8 @@ TEST_F(Command, IdentifyThenReplayInTheFirmwaresArithmetic) {
   const Outcome identified = run("identify " + log + " --model pseudo_kinematic -o \"" + path("joint.toml") + "\"");
   EXPECT_EQ(identified.status, 0) << identified.output;
   EXPECT_NE(identified.output.find("motor_angle.beta"), std::string::npos);
-  const Outcome replayed = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
+  const Outcome replayed =
+      run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
   EXPECT_EQ(replayed.status, 0) << replayed.output;
   EXPECT_NE(read_text_file(path("out.csv")).substr(0, 100).find("axis0/q2_est_rad"), std::string::npos);
 }
@@ -71,8 +73,8 @@ TEST_F(Command, DiagnoseWritesJsonReportAndLaw) {
   request.truth = test::Truth::kPlay;
   request.cycles = 4;
   request.cycle_s = 25.0;
-  const Outcome outcome = run("diagnose " + write_log(request) + " --json \"" + path("d.json") + "\" --report \"" + path("report") +
-                              "\" -o \"" + path("law.toml") + "\"");
+  const Outcome outcome = run("diagnose " + write_log(request) + " --json \"" + path("d.json") + "\" --report \"" +
+                              path("report") + "\" -o \"" + path("law.toml") + "\"");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
   EXPECT_NE(outcome.output.find("verdict: effect"), std::string::npos) << outcome.output;
   EXPECT_TRUE(exists("d.json") && exists("report/index.html") && exists("law.toml"));
@@ -121,7 +123,8 @@ TEST_F(Command, RefusalsEndWithStatusOne) {
   const std::string log = write_log(short_log(200.0));
   const Outcome model = run("identify " + log + " --model preisach");
   EXPECT_EQ(model.status, 1);
-  EXPECT_NE(model.output.find("available in this version are kinematic and pseudo_kinematic"), std::string::npos) << model.output;
+  EXPECT_NE(model.output.find("available in this version are kinematic and pseudo_kinematic"), std::string::npos)
+      << model.output;
   run("identify " + log + " -o \"" + path("joint.toml") + "\"");
   const Outcome rate = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
   EXPECT_EQ(rate.status, 1);
@@ -143,8 +146,9 @@ TEST_F(Command, ForeignColumnsAreReadThroughMaps) {
   std::string text = test::log_text(test::synthetic_log(short_log(200.0)));
   text.replace(0, text.find('\n'), "t,motor,milli_nm,joint");
   write_text_file(path("foreign.csv"), text);
-  const Outcome outcome = run("identify \"" + path("foreign.csv") +
-                              "\" --map time_s=t --map axis0/q1_rad=motor --map \"axis0/tau_Nm=milli_nm*1.0\" --map axis0/q2_rad=joint");
+  const Outcome outcome =
+      run("identify \"" + path("foreign.csv") +
+          "\" --map time_s=t --map axis0/q1_rad=motor --map \"axis0/tau_Nm=milli_nm*1.0\" --map axis0/q2_rad=joint");
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 

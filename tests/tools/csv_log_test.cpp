@@ -67,7 +67,8 @@ TEST(CsvLog, WhatIsNotAskedForIsNotJudged) {
 
 TEST(CsvLog, RepeatedAndBackwardTimeAreToldApartWithTheirLine) {
   const CsvLog repeated = CsvLog::parse("time_s\n0\n1\n1\n", "x.csv");
-  EXPECT_NE(message_of([&] { static_cast<void>(repeated.time()); }).find("x.csv:4: time_s repeats 1"), std::string::npos);
+  EXPECT_NE(message_of([&] { static_cast<void>(repeated.time()); }).find("x.csv:4: time_s repeats 1"),
+            std::string::npos);
   const CsvLog backward = CsvLog::parse("time_s\n0\n1\n0.5\n", "x.csv");
   EXPECT_NE(message_of([&] { static_cast<void>(backward.time()); }).find("x.csv:4: time_s runs backward to 0.5"),
             std::string::npos);

@@ -95,7 +95,8 @@ TEST(Diagnose, TheMissingElongationIsNamedWhenTheBaseHasNone) {
 }
 
 TEST(Diagnose, AnEffectThatIsInNoListIsUnknown) {
-  for (const Truth truth : {Truth::kAngleRipple, Truth::kCreep, Truth::kHardening, Truth::kStickySpot, Truth::kCoulomb}) {
+  for (const Truth truth :
+       {Truth::kAngleRipple, Truth::kCreep, Truth::kHardening, Truth::kStickySpot, Truth::kCoulomb}) {
     const Diagnosis d = diagnosis_of(small_request(truth));
     EXPECT_EQ(d.verdict, Verdict::kUnknown) << test::truth_name(truth) << ": " << d.reason;
     EXPECT_TRUE(d.effects.empty());

@@ -26,7 +26,9 @@ auto interval_of(const JointFile& joint, const std::string& term, std::size_t i)
   return joint.coefficient_ci95[catalogue_term(term).first_coefficient + i].value_or(Interval{0.0, 0.0});
 }
 
-auto inside(double truth, const Interval& interval) -> bool { return interval[0] <= truth && truth <= interval[1]; }
+auto inside(double truth, const Interval& interval) -> bool {
+  return interval[0] <= truth && truth <= interval[1];
+}
 
 TEST(Identify, RecoversTheRatioTheOffsetAndBothElongations) {
   SyntheticRequest request;

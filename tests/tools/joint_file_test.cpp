@@ -44,11 +44,13 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
     joint.terms.push_back(term.name);
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const double size = 0.1 + 0.01 * static_cast<double>(term.first_coefficient + i) + 1.0 / 3.0;
-      joint.parameters.coefficients[term.first_coefficient + i] = term.coefficients[i].sign == Sign::kNonPositive ? -size : size;
+      joint.parameters.coefficients[term.first_coefficient + i] =
+          term.coefficients[i].sign == Sign::kNonPositive ? -size : size;
       joint.coefficient_ci95[term.first_coefficient + i] = Interval{-1.0 / 7.0, 2.0 / 3.0};
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
-      joint.parameters.shapes[term.first_shape + i] = term.shapes[i].minimum + (term.shapes[i].maximum - term.shapes[i].minimum) / 3.0;
+      joint.parameters.shapes[term.first_shape + i] =
+          term.shapes[i].minimum + (term.shapes[i].maximum - term.shapes[i].minimum) / 3.0;
     }
   }
   joint.parameters.conditioner.direction_threshold_rad = 1.0 / 3000.0;
@@ -78,10 +80,14 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
       {kHead + kRatio + "[extra]\n", "joint.toml:7: unknown key extra in the file"},
       {kHead + "[terms.motor_angle]\nbeta = 1.08\n", "joint.toml:6: beta has no unit; write beta = { value"},
       {kHead + "[terms.motor_angle]\nbeta = { unit = \"1\" }\n", "joint.toml:6: beta has no value"},
-      {kHead + "[terms.motor_angle]\nbeta = { value = nan, unit = \"1\" }\n", "joint.toml:6: beta is not a finite number"},
-      {kHead + "[terms.motor_angle]\nbeta = { value = \"1\", unit = \"1\" }\n", "joint.toml:6: beta is not a finite number"},
-      {kHead + "[terms.motor_angle]\nbeta = { value = 1.0, unit = \"rad\" }\n", "joint.toml:6: beta must be given in \"1\""},
-      {kHead + "[terms.motor_angle]\nbeta = { value = 200, unit = \"1\" }\n", "joint.toml:6: beta = 200 1 is out of range"},
+      {kHead + "[terms.motor_angle]\nbeta = { value = nan, unit = \"1\" }\n",
+       "joint.toml:6: beta is not a finite number"},
+      {kHead + "[terms.motor_angle]\nbeta = { value = \"1\", unit = \"1\" }\n",
+       "joint.toml:6: beta is not a finite number"},
+      {kHead + "[terms.motor_angle]\nbeta = { value = 1.0, unit = \"rad\" }\n",
+       "joint.toml:6: beta must be given in \"1\""},
+      {kHead + "[terms.motor_angle]\nbeta = { value = 200, unit = \"1\" }\n",
+       "joint.toml:6: beta = 200 1 is out of range"},
       {kHead + "[terms.motor_angle]\nbeta = { value = 0.0, unit = \"1\" }\n", "too near zero"},
       {kHead + kRatio + "[terms.tendon_elongation]\ntop = { value = -1, unit = \"rad/Nm\" }\n", "bottom is missing"},
       {kHead + kRatio + "[terms.pretension_offset]\ncontrast = { value = -0.1, unit = \"rad\" }\n",
@@ -93,7 +99,8 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
   };
   for (const auto& one : cases) {
     const std::string message = refusal_of(one.text);
-    EXPECT_NE(message.find(one.expected), std::string::npos) << "expected: " << one.expected << "\n     got: " << message;
+    EXPECT_NE(message.find(one.expected), std::string::npos)
+        << "expected: " << one.expected << "\n     got: " << message;
   }
 }
 

@@ -60,7 +60,8 @@ TEST(SignedLeastSquares, AColumnOfZerosGetsZero) {
 TEST(FitColumns, TheToleranceOfACopiedColumnIsNearZero) {
   Eigen::MatrixXd x = random_matrix(400, 3, 4);
   x.col(2) = x.col(0) - 0.5 * x.col(1);
-  const LinearFit fit = fit_columns(x, random_matrix(400, 1, 9), even_blocks({400}, 10), {Sign::kAny, Sign::kAny, Sign::kAny});
+  const LinearFit fit =
+      fit_columns(x, random_matrix(400, 1, 9), even_blocks({400}, 10), {Sign::kAny, Sign::kAny, Sign::kAny});
   EXPECT_LT(fit.tolerance.maxCoeff(), 1e-9);
 }
 

@@ -29,8 +29,8 @@ TEST_P(KukaAxis, TheJointSensorIsLateAndNothingIsTakenForPlay) {
     GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
   }
   const std::string n = std::to_string(GetParam());
-  const auto maps = parse_mappings({"time_s=t_s", "axis0/q1_rad=q" + n + "_motor_rad", "axis0/q2_rad=q" + n + "_joint_rad",
-                                    "axis0/tau_Nm=tau" + n + "_motor_Nm"});
+  const auto maps = parse_mappings({"time_s=t_s", "axis0/q1_rad=q" + n + "_motor_rad",
+                                    "axis0/q2_rad=q" + n + "_joint_rad", "axis0/tau_Nm=tau" + n + "_motor_Nm"});
   const Diagnosis d = diagnose({read_axis(CsvLog::read(file.string(), maps), {})}, {});
   ASSERT_FALSE(d.effects.empty()) << d.reason;
   EXPECT_EQ(d.effects[0].name, "transport_delay");

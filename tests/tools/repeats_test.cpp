@@ -10,7 +10,9 @@ namespace capstan::tools {
 namespace {
 
 /// A motion that does not repeat itself within a cycle.
-auto cycle_at(double share) -> double { return std::sin(6.2832 * share) + 0.6 * std::sin(3.0 * 6.2832 * share + 1.0) + 0.3 * std::cos(7.0 * 6.2832 * share); }
+auto cycle_at(double share) -> double {
+  return std::sin(6.2832 * share) + 0.6 * std::sin(3.0 * 6.2832 * share + 1.0) + 0.3 * std::cos(7.0 * 6.2832 * share);
+}
 
 auto cycles(Eigen::Index length, Eigen::Index count, Eigen::Index lead_in, double noise) -> Eigen::VectorXd {
   std::mt19937_64 random(3);

@@ -35,7 +35,8 @@ class Report : public testing::Test {
 
 TEST_F(Report, IsOnePageThatNeedsNoNetworkWithPicturesBeforeAndAfter) {
   const std::string page = page_of(test::Truth::kPlay);
-  for (const char* name : {"index.html", "loop_before.svg", "loop_after.svg", "residual_before.svg", "residual_after.svg"}) {
+  for (const char* name :
+       {"index.html", "loop_before.svg", "loop_after.svg", "residual_before.svg", "residual_after.svg"}) {
     EXPECT_TRUE(exists(name)) << name;
   }
   std::string without_namespace = page;

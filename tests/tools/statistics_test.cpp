@@ -23,7 +23,8 @@ TEST(Statistics, NormalTailAndItsInverseAgree) {
 
 TEST(Statistics, GoodnessOfFitIsThatOfTheThesis) {
   // |q - q^| = 1, |q^ - mean| = sqrt(2): 100 (1 - 1 / sqrt(2)).
-  EXPECT_NEAR(goodness_of_fit_percent(Eigen::Vector3d(0.0, 1.0, 3.0), Eigen::Vector3d(0.0, 1.0, 2.0)), 100.0 * (1.0 - std::sqrt(0.5)), 1e-9);
+  EXPECT_NEAR(goodness_of_fit_percent(Eigen::Vector3d(0.0, 1.0, 3.0), Eigen::Vector3d(0.0, 1.0, 2.0)),
+              100.0 * (1.0 - std::sqrt(0.5)), 1e-9);
   EXPECT_EQ(goodness_of_fit_percent(Eigen::Vector3d(1, 2, 3), Eigen::Vector3d(1, 2, 3)), 100.0);
 }
 

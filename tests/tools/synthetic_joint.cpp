@@ -37,9 +37,16 @@ auto multisine(double time, double cycle_s, std::mt19937_64& random) -> Moving {
 
 /// Swings of several sizes and speeds about several centres, with short holds: nested loops.
 auto ladder(double time, double cycle_s) -> Moving {
-  constexpr std::array<std::array<double, 3>, 10> kSwings = {{{0.0, 1.2, 1.0}, {1.2, -1.2, 2.0}, {-1.2, 0.6, 0.8}, {0.6, -0.2, 0.5},
-                                                             {-0.2, 1.0, 1.5}, {1.0, -0.6, 0.6}, {-0.6, 0.1, 0.4}, {0.1, -0.9, 1.2},
-                                                             {-0.9, 0.4, 0.7}, {0.4, 0.0, 0.5}}};
+  constexpr std::array<std::array<double, 3>, 10> kSwings = {{{0.0, 1.2, 1.0},
+                                                              {1.2, -1.2, 2.0},
+                                                              {-1.2, 0.6, 0.8},
+                                                              {0.6, -0.2, 0.5},
+                                                              {-0.2, 1.0, 1.5},
+                                                              {1.0, -0.6, 0.6},
+                                                              {-0.6, 0.1, 0.4},
+                                                              {0.1, -0.9, 1.2},
+                                                              {-0.9, 0.4, 0.7},
+                                                              {0.4, 0.0, 0.5}}};
   double total = 0.0;
   for (const auto& swing : kSwings) {
     total += swing[2] * 1.15;
@@ -90,7 +97,8 @@ class Joint {
     }
     // Friction that has to be wound up, on top of a spring, a drag and a load that comes and goes.
     friction_ += travel / 0.01 - friction_ * std::abs(travel) / 0.01;
-    const double load = 0.02 * std::sin(2.0 * kPi * 3.0 * time / r_.cycle_s + 0.4) + 0.015 * std::sin(2.0 * kPi * 7.0 * time / r_.cycle_s);
+    const double load = 0.02 * std::sin(2.0 * kPi * 3.0 * time / r_.cycle_s + 0.4) +
+                        0.015 * std::sin(2.0 * kPi * 7.0 * time / r_.cycle_s);
     torque_ = 0.035 * motor.angle + 0.025 * friction_ + 0.004 * motor.speed + load;
     play_ = std::clamp(play_, motor.angle - width(), motor.angle + width());
     creep_ += (torque_ - creep_) * dt / 2.0;
@@ -164,9 +172,19 @@ void spoil(const SyntheticRequest& r, AxisLog& log) {
 }  // namespace
 
 auto truth_name(Truth truth) -> std::string {
-  constexpr std::array<const char*, 13> kNames = {
-      "none",  "transmission_viscous", "pretension_offset", "play",         "transport_delay", "angle_ripple", "torque_ripple",
-      "creep", "hardening",            "presliding",        "sticky_spot", "drift",           "coulomb"};
+  constexpr std::array<const char*, 13> kNames = {"none",
+                                                  "transmission_viscous",
+                                                  "pretension_offset",
+                                                  "play",
+                                                  "transport_delay",
+                                                  "angle_ripple",
+                                                  "torque_ripple",
+                                                  "creep",
+                                                  "hardening",
+                                                  "presliding",
+                                                  "sticky_spot",
+                                                  "drift",
+                                                  "coulomb"};
   return kNames[static_cast<std::size_t>(truth)];
 }
 

@@ -46,7 +46,8 @@ TEST(TermCatalogue, ColumnsTimesCoefficientsAreTheLawItself) {
   law.shapes[catalogue_term("transport_delay").first_shape] = 0.0123;
   form.shapes = law.shapes;
   const LawDesign design(logs, conditioner);
-  const Eigen::VectorXd theta = Eigen::Map<const Eigen::VectorXd>(law.coefficients.data(), static_cast<Eigen::Index>(law.coefficients.size()));
+  const Eigen::VectorXd theta =
+      Eigen::Map<const Eigen::VectorXd>(law.coefficients.data(), static_cast<Eigen::Index>(law.coefficients.size()));
   const Eigen::VectorXd by_columns = law_columns(design, form) * theta;
   EXPECT_LT((by_columns - simulate(logs, law)).cwiseAbs().maxCoeff(), 1e-12);
 }

@@ -21,15 +21,17 @@ struct CommandOptions {
   std::string base, target, json, report, output;
 };
 
-auto degrees(double rad) -> std::string { return rounded(rad * 180.0 / std::numbers::pi, 3); }
+auto degrees(double rad) -> std::string {
+  return rounded(rad * 180.0 / std::numbers::pi, 3);
+}
 
 void print_diagnosis(const Diagnosis& d) {
   std::cout << "verdict: " << verdict_word(d.verdict) << "\n  " << d.reason << "\n";
   if (d.traces.measured.size() == 0) {
     return;
   }
-  std::cout << "  error on rows set aside (RMSE): before " << rounded(d.before.rmse) << " rad (" << degrees(d.before.rmse)
-            << " deg)";
+  std::cout << "  error on rows set aside (RMSE): before " << rounded(d.before.rmse) << " rad ("
+            << degrees(d.before.rmse) << " deg)";
   if (!d.effects.empty()) {
     std::cout << ", after " << rounded(d.after.rmse) << " rad (" << degrees(d.after.rmse) << " deg), ratio 95 % ["
               << rounded(d.ratio_ci95[0], 3) << ", " << rounded(d.ratio_ci95[1], 3) << "]";
@@ -41,9 +43,11 @@ void print_diagnosis(const Diagnosis& d) {
 }
 
 void check_target(const std::string& target) {
-  const bool angle = target.empty() || target.find("q2") != std::string::npos || target.find("_rad") != std::string::npos;
-  if (!angle) {
-    throw Refusal("the target " + target + " is not a joint angle; this version diagnoses joint angles (axis0/q2_rad)");
+  for (const char* unit : {"_Nm", "_N", "_A", "_V"}) {
+    if (target.ends_with(unit)) {
+      throw Refusal("the target " + target +
+                    " is an effort; this version diagnoses joint angles, such as axis0/q2_rad");
+    }
   }
 }
 
@@ -68,7 +72,8 @@ auto run_diagnose(const CommandOptions& options) -> int {
   }
   if (!options.output.empty() && !diagnosis.law.terms.empty()) {
     write_joint_file(options.output, diagnosis.law);
-    std::cerr << "wrote " << options.output << (diagnosis.effects.empty() ? " (the base law: no effect was added)" : "") << "\n";
+    std::cerr << "wrote " << options.output << (diagnosis.effects.empty() ? " (the base law: no effect was added)" : "")
+              << "\n";
   }
   return is_refusal(diagnosis.verdict) ? kExitRefused : kExitDone;
 }
@@ -77,9 +82,11 @@ auto run_diagnose(const CommandOptions& options) -> int {
 
 void add_diagnose(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<CommandOptions>();
-  CLI::App* command = app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
+  CLI::App* command =
+      app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
   options->logs.add_to(*command, true);
-  command->add_option("--base", options->base, "law to start from: kinematic or pseudo_kinematic (default where torque is logged)");
+  command->add_option("--base", options->base,
+                      "law to start from: kinematic or pseudo_kinematic (default where torque is logged)");
   command->add_option("--target", options->target, "column with the measured joint angle (default axis<N>/q2_rad)");
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");

@@ -14,21 +14,25 @@ namespace {
 
 auto table_row(const std::string& name, double value, const std::optional<Interval>& ci95, const std::string& unit)
     -> std::string {
-  const std::string interval = ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : "held at its bound";
+  const std::string interval =
+      ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : "held at its bound";
   char line[160];
-  std::snprintf(line, sizeof(line), "  %-34s %12s  %-26s %s\n", name.c_str(), rounded(value, 6).c_str(), interval.c_str(),
-                unit.c_str());
+  std::snprintf(line, sizeof(line), "  %-34s %12s  %-26s %s\n", name.c_str(), rounded(value, 6).c_str(),
+                interval.c_str(), unit.c_str());
   return line;
 }
 
 }  // namespace
 
 void LogOptions::add_to(CLI::App& command, bool many) {
-  auto* files_option = command.add_option("LOG", files, many ? "log files (CSV) of one joint" : "log file (CSV)")->required();
+  auto* files_option =
+      command.add_option("LOG", files, many ? "log files (CSV) of one joint" : "log file (CSV)")->required();
   if (!many) {
     files_option->expected(1);
   }
-  command.add_option("--map", maps, "WANTED=COLUMN or \"WANTED=COLUMN*FACTOR\", for logs with other names or units; repeatable")
+  command
+      .add_option("--map", maps,
+                  "WANTED=COLUMN or \"WANTED=COLUMN*FACTOR\", for logs with other names or units; repeatable")
       ->allow_extra_args(false);
   command.add_option("--axis", axis, "axis to look at")->capture_default_str()->check(CLI::Range(0, 999));
 }
@@ -65,7 +69,8 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const std::size_t at = term.first_shape + i;
-      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at], joint.shape_ci95[at], term.shapes[i].unit);
+      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at], joint.shape_ci95[at],
+          term.shapes[i].unit);
     }
   }
   return table;

@@ -34,10 +34,11 @@ auto run_replay(const ReplayOptions& options) -> int {
   const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
   const Replayed replayed = replay(log, joint.parameters, arithmetic);
   write_text_file(options.output, replay_text(csv, options.logs.axis, replayed));
-  std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote " << options.output
-            << "\n";
+  std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote "
+            << options.output << "\n";
   if (log.q2_rad.size() > 0) {
-    std::cout << "  error (RMSE) against " << log.target << " " << rounded(rms(log.q2_rad - replayed.reported)) << " rad\n";
+    std::cout << "  error (RMSE) against " << log.target << " " << rounded(rms(log.q2_rad - replayed.reported))
+              << " rad\n";
   }
   if (replayed.saturated > 0) {
     throw Refusal(std::to_string(replayed.saturated) + " samples met the end of the range of numbers (+-128); " +

@@ -11,9 +11,9 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kCertain = 0.005;
-constexpr double kRepeatsItself = 0.001; // stricter: small errors of the hindsight direction repeat as well
-constexpr double kMatters = 0.08;        // of the energy: 4 % of the rms error
-constexpr double kCeilingWhite = 2.7;    // t over some 40 blocks at kCertain
+constexpr double kRepeatsItself = 0.001;  // stricter: small errors of the hindsight direction repeat as well
+constexpr double kMatters = 0.08;         // of the energy: 4 % of the rms error
+constexpr double kCeilingWhite = 2.7;     // t over some 40 blocks at kCertain
 constexpr double kCeilingRaw = 2.0;
 
 /// Energy of the cycles' mean against that of their differences, both whitened; and in the measured quantity.
@@ -76,8 +76,8 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
   result.ceiling_p = sieve.ceiling_p;
   const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
-  const bool above_ceiling =
-      result.reducible_share > kMatters && certain && t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
+  const bool above_ceiling = result.reducible_share > kMatters && certain &&
+                             t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, evidence.error, result);
   }

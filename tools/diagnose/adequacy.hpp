@@ -8,10 +8,11 @@ namespace capstan::tools {
 /// Whether a law leaves something that is not noise.
 struct Adequacy {
   bool lacks_something = false;
-  double lack_of_fit_p = 1.0;      ///< against the pure error of repeated cycles; 1 without repeats
-  double ceiling_p = 1.0;          ///< of what a flexible model gains, by the sieve bootstrap
-  double ceiling_t = 0.0;          ///< t over blocks of what a flexible model gains, whitened
-  double reducible_share = 0.0;    ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
+  double lack_of_fit_p = 1.0;  ///< against the pure error of repeated cycles; 1 without repeats
+  double ceiling_p = 1.0;      ///< of what a flexible model gains, by the sieve bootstrap
+  double ceiling_t = 0.0;      ///< t over blocks of what a flexible model gains, whitened
+  double reducible_share =
+      0.0;  ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
   Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
   Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added
 };
@@ -19,12 +20,14 @@ struct Adequacy {
 /// Judges the law of this round. "Something" must be both certain and large enough to matter (8 % of the energy).
 auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy;
 
-/// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over resampled blocks.
+/// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over
+/// resampled blocks.
 struct ExplainedShare {
   double value = 0.0;
   double lower = 0.0;
 };
-auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling) -> ExplainedShare;
+auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling)
+    -> ExplainedShare;
 
 /// rms of pure error over the cycles that take part in learning, in the measured quantity. `error` has every sample.
 auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double;

@@ -28,7 +28,8 @@ auto shape_grid(const CatalogueTerm& term) -> std::vector<Shapes> {
   for (const auto& info : term.shapes) {
     std::vector<Shapes> next;
     for (const auto& start : grid) {
-      for (const double value : geometric(std::max(info.minimum, kSmallestShare * info.maximum), info.maximum, points)) {
+      for (const double value :
+           geometric(std::max(info.minimum, kSmallestShare * info.maximum), info.maximum, points)) {
         next.push_back(start);
         next.back().push_back(value);
       }
@@ -42,8 +43,9 @@ auto shape_grid(const CatalogueTerm& term) -> std::vector<Shapes> {
 auto fine_grid(const CatalogueTerm& term, const Shapes& best) -> std::vector<Shapes> {
   std::vector<Shapes> grid;
   for (std::size_t s = 0; s < best.size(); ++s) {
-    const double reach = std::pow(term.shapes[s].maximum / std::max(term.shapes[s].minimum, term.shapes[s].maximum / 400.0),
-                                  1.0 / static_cast<double>(kGridPoints - 1));
+    const double reach =
+        std::pow(term.shapes[s].maximum / std::max(term.shapes[s].minimum, term.shapes[s].maximum / 400.0),
+                 1.0 / static_cast<double>(kGridPoints - 1));
     for (const double value : geometric(best[s] / reach, best[s] * reach, kFinePoints + 2)) {
       if (value > term.shapes[s].minimum && value < term.shapes[s].maximum) {
         grid.push_back(best);
@@ -55,8 +57,8 @@ auto fine_grid(const CatalogueTerm& term, const Shapes& best) -> std::vector<Sha
 }
 
 /// Residual energy on some rows, once the free columns are fitted to the error less the fixed one.
-auto energy_left(const Eigen::MatrixXd& free, const std::vector<Sign>& signs, const Eigen::VectorXd& wanted, const Blocks& rows)
-    -> double {
+auto energy_left(const Eigen::MatrixXd& free, const std::vector<Sign>& signs, const Eigen::VectorXd& wanted,
+                 const Blocks& rows) -> double {
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(free.cols(), free.cols());
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(free.cols());
   double energy = 0.0;

@@ -21,8 +21,8 @@ auto without_fold(const BlockList& blocks, std::size_t fold) -> BlockList {
   return others;
 }
 
-/// Least squares of the last of the gram's columns on the others; those from `first_penalised` on pay a ridge relative to their
-/// own size.
+/// Least squares of the last of the gram's columns on the others; those from `first_penalised` on pay a ridge relative
+/// to their own size.
 auto ridge_solution(const Eigen::MatrixXd& gram, Eigen::Index first_penalised, double ridge) -> Eigen::VectorXd {
   const Eigen::Index n = gram.cols() - 1;
   const Eigen::VectorXd scale = gram.diagonal().head(n).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();

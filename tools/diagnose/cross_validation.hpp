@@ -41,8 +41,8 @@ auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen
 
 /// Student's t of the mean.
 auto t_statistic(const Eigen::VectorXd& values) -> double;
-/// Normal score of Wilcoxon's signed-rank test that the values tend to be positive: the same question, asked so that a few
-/// blocks with much motion do not decide alone.
+/// Normal score of Wilcoxon's signed-rank test that the values tend to be positive: the same question, asked so that a
+/// few blocks with much motion do not decide alone.
 auto signed_rank_score(const Eigen::VectorXd& values) -> double;
 
 }  // namespace capstan::tools

@@ -39,24 +39,50 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
 }
 
 auto next_motion(const std::string& name) -> std::string {
-  return in_catalogue(name) ? catalogue_term(name).exciting_motion : "reversals under several loads and speeds, with holds";
+  return in_catalogue(name) ? catalogue_term(name).exciting_motion
+                            : "reversals under several loads and speeds, with holds";
+}
+
+/// The verdict where no effect was found.
+auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict {
+  if (search.lacks_something) {
+    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
+    d.reason +=
+        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
+    return Verdict::kUnknown;
+  }
+  d.reason = "What the law leaves can not be told from noise.";
+  d.warnings.push_back("smallest contributions that this log would have shown, rms in rad: " +
+                       joined(search.detectable));
+  if (!p.repeats) {
+    d.warnings.push_back(
+        "the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; "
+        "record the same cycle four times");
+  }
+  return Verdict::kNothingMissing;
+}
+
+/// The verdict where `found` can not be told from other effects.
+auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
+  constexpr std::size_t kMostAlternatives = 3;  // more is no answer
+  if (effect.alternatives.size() > kMostAlternatives) {
+    d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
+               joined(effect.alternatives) + ".";
+    d.next_experiment =
+        "Record reversals under several loads and speeds, with holds: " + next_motion(effect.name) + ".";
+    return Verdict::kUnknown;
+  }
+  d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
+             "; this log can not tell them apart.";
+  d.next_experiment = "Record this motion, it separates them: " + next_motion(effect.name) + "; " +
+                      next_motion(effect.alternatives.front()) + ".";
+  return Verdict::kAmbiguous;
 }
 
 /// Puts the search into words and decides what may be named.
 auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict {
   if (search.effects.empty()) {
-    if (!search.lacks_something) {
-      d.reason = "The law leaves nothing but noise.";
-      d.warnings.push_back("smallest contributions that this log would have shown, rms in rad: " + joined(search.detectable));
-      if (!p.repeats) {
-        d.warnings.push_back("the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; " +
-                             std::string("record the same cycle four times"));
-      }
-      return Verdict::kNothingMissing;
-    }
-    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
-    d.reason += search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
-    return Verdict::kUnknown;
+    return judge_empty(search, p, d);
   }
   std::vector<std::string> names;
   for (const auto& effect : search.effects) {
@@ -64,30 +90,19 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
   }
   const std::string found = joined(names, " and ");
   if (search.share.lower < kNamedShare) {
-    d.reason = "Something is missing from the law; " + found + " explains only " + rounded(100.0 * search.share.value, 2) +
-               " % of what can be explained, so it is not named.";
-    return Verdict::kUnknown;
-  }
-  constexpr std::size_t kMostAlternatives = 3;  // more is no answer
-  if (search.effects.front().alternatives.size() > kMostAlternatives) {
-    d.reason = "Something is missing from the law, but this log can not tell " + found + " from " +
-               joined(search.effects.front().alternatives, ", ") + ".";
-    d.next_experiment = "Record reversals under several loads and speeds, with holds: " + next_motion(search.effects.front().name) + ".";
+    d.reason = "Something is missing from the law; " + found + " explains only " +
+               rounded(100.0 * search.share.value, 2) + " % of what can be explained, so it is not named.";
     return Verdict::kUnknown;
   }
   if (!search.effects.front().alternatives.empty()) {
-    d.reason = "The law lacks " + found + " or " + joined(search.effects.front().alternatives, " or ") +
-               "; this log can not tell them apart.";
-    d.next_experiment = "Record this motion, it separates them: " + next_motion(search.effects.front().name) + "; " +
-                        next_motion(search.effects.front().alternatives.front()) + ".";
-    return Verdict::kAmbiguous;
+    return judge_ambiguous(search.effects.front(), d);
   }
   if (search.lacks_something) {
     d.reason = "The law lacks " + found + ", and something beyond it that is not in the catalogue";
     d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
     return Verdict::kEffectPlusUnlisted;
   }
-  d.reason = "The law lacks " + found + "; with it, nothing but noise is left.";
+  d.reason = "The law lacks " + found + "; what is left then can not be told from noise.";
   return Verdict::kEffect;
 }
 
@@ -164,8 +179,9 @@ auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) 
   d.traces.measured = p.target;
   report(p, search, base, d);
   if (!d.effects.empty() && !p.repeats) {
-    d.warnings.push_back("the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +
-                         std::string("and confirm it with a log of four equal cycles"));
+    d.warnings.push_back(
+        "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +
+        std::string("and confirm it with a log of four equal cycles"));
   }
   return d;
 }

@@ -11,7 +11,15 @@
 
 namespace capstan::tools {
 
-enum class Verdict { kNothingMissing, kEffect, kAmbiguous, kEffectPlusUnlisted, kUnknown, kNotIdentifiable, kDataUnfit };
+enum class Verdict {
+  kNothingMissing,
+  kEffect,
+  kAmbiguous,
+  kEffectPlusUnlisted,
+  kUnknown,
+  kNotIdentifiable,
+  kDataUnfit
+};
 /// The contract's word.
 auto verdict_word(Verdict verdict) -> const char*;
 /// Whether the answer is a refusal (exit status 1): unknown, not_identifiable, data_unfit.
@@ -22,10 +30,10 @@ struct RankedEffect {
   std::string name;
   bool in_catalogue = false;
   double p_value = 1.0;
-  double log_evidence = 0.0;     ///< nats on unseen rows
-  double explained = 0.0;        ///< share of the residual's energy that it takes away, out of fold
-  double log_likelihood = 0.0;   ///< above the law alone, nats
-  std::string outcome;           ///< why it was taken or ruled out
+  double log_evidence = 0.0;    ///< nats on unseen rows
+  double explained = 0.0;       ///< share of the residual's energy that it takes away, out of fold
+  double log_likelihood = 0.0;  ///< above the law alone, nats
+  std::string outcome;          ///< why it was taken or ruled out
 };
 
 /// One round of the search: what the law of that round left, and who could explain it.
@@ -41,7 +49,8 @@ struct RoundSummary {
 struct AddedEffect {
   std::string name;
   std::vector<std::string> alternatives;
-  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, log_likelihood = 0.0, explained = 0.0, explained_t = 0.0, absorbed = 0.0;
+  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, log_likelihood = 0.0, explained = 0.0,
+         explained_t = 0.0, absorbed = 0.0;
 };
 
 /// Free-running error on the rows that took no part in choice or fit.
@@ -57,15 +66,15 @@ struct Traces {
 
 struct Diagnosis {
   Verdict verdict = Verdict::kDataUnfit;
-  std::string reason;                     ///< one sentence
+  std::string reason;  ///< one sentence
   std::optional<std::string> next_experiment;
   std::string target, base_model;
   long samples = 0;
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
-  JointFile base, law;                    ///< the law before, and with the effects; equal if none was added
-  std::vector<AddedEffect> effects;       ///< in the order added
+  JointFile base, law;               ///< the law before, and with the effects; equal if none was added
+  std::vector<AddedEffect> effects;  ///< in the order added
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};

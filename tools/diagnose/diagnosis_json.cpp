@@ -15,13 +15,15 @@ auto parameter_json(double value, const char* unit, const std::optional<Interval
   return json;
 }
 
-/// Parameters of the named terms. Names are those of the coefficients and shapes; the catalogue keeps them distinct enough by
-/// prefixing the term where two terms share one.
+/// Parameters of the named terms. Names are those of the coefficients and shapes; the catalogue keeps them distinct
+/// enough by prefixing the term where two terms share one.
 auto parameters_json(const JointFile& joint, const std::vector<std::string>& terms) -> Json {
   Json json = Json::object();
   for (const auto& name : terms) {
     const CatalogueTerm& term = catalogue_term(name);
-    auto key = [&](const char* parameter) { return json.contains(parameter) ? name + "." + parameter : std::string(parameter); };
+    auto key = [&](const char* parameter) {
+      return json.contains(parameter) ? name + "." + parameter : std::string(parameter);
+    };
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const std::size_t at = term.first_coefficient + i;
       json[key(term.coefficients[i].name)] =
@@ -29,7 +31,8 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const std::size_t at = term.first_shape + i;
-      json[key(term.shapes[i].name)] = parameter_json(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
+      json[key(term.shapes[i].name)] =
+          parameter_json(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
     }
   }
   return json;

@@ -16,8 +16,8 @@ auto sign_allows(double value, Sign sign) -> bool {
 }
 
 /// Lays the columns of all parts side by side; the families' variants learn where theirs begin.
-auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Family>& families, Layout& layout)
-    -> Eigen::MatrixXd {
+auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Family>& families,
+             Layout& layout) -> Eigen::MatrixXd {
   layout.law = residual.base.cols();
   layout.flexible = layout.first_variant();
   for (const auto& family : families) {
@@ -68,8 +68,7 @@ void sort_blocks(const Split& split, Evidence& evidence) {
 
 }  // namespace
 
-BlockGrams::BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, const Blocks& blocks)
-    : layout_(layout) {
+BlockGrams::BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, const Blocks& blocks) : layout_(layout) {
   for (const auto& block : blocks) {
     const auto x = columns.middleRows(block.begin, block.size());
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout.total, layout.total);
@@ -87,7 +86,8 @@ auto BlockGrams::sum(const std::vector<std::size_t>& blocks) const -> Eigen::Mat
   return total;
 }
 
-auto BlockGrams::sum(const std::vector<std::size_t>& blocks, const std::vector<Eigen::Index>& columns) const -> Eigen::MatrixXd {
+auto BlockGrams::sum(const std::vector<std::size_t>& blocks, const std::vector<Eigen::Index>& columns) const
+    -> Eigen::MatrixXd {
   const auto n = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd total = Eigen::MatrixXd::Zero(n, n);
   for (const std::size_t block : blocks) {
@@ -133,7 +133,8 @@ auto BlockGrams::energy(std::size_t block, const std::vector<Eigen::Index>& colu
   return std::max(energy, 0.0);
 }
 
-auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant) -> FamilyFit {
+auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant)
+    -> FamilyFit {
   const auto& gram = projected.gram;
   const Eigen::Index first = family.variants[variant].first - layout.law;
   const auto n = static_cast<Eigen::Index>(family.signs.size());
@@ -186,7 +187,8 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   evidence.raw_white.emplace_back(white, evidence.layout, blocks);
   const Projected all = evidence.white().projected(evidence.learned);
   const double dof = std::max(1.0, all.rows - static_cast<double>(evidence.layout.law));
-  evidence.innovation_variance = evidence.noise_from_repeats ? evidence.noise.innovation_variance : all.error_energy() / dof;
+  evidence.innovation_variance =
+      evidence.noise_from_repeats ? evidence.noise.innovation_variance : all.error_energy() / dof;
   return evidence;
 }
 

@@ -11,22 +11,23 @@ namespace capstan::tools {
 
 /// Columns of one round laid side by side: [law | error | variants of all families | flexible features].
 struct Layout {
-  Eigen::Index law = 0;      ///< number of the law's columns, from 0
-  Eigen::Index flexible = 0; ///< first flexible feature
+  Eigen::Index law = 0;       ///< number of the law's columns, from 0
+  Eigen::Index flexible = 0;  ///< first flexible feature
   Eigen::Index total = 0;
   [[nodiscard]] auto error() const -> Eigen::Index { return law; }
   [[nodiscard]] auto first_variant() const -> Eigen::Index { return law + 1; }
 };
 
-/// Scalar products of all columns over some rows, the law's columns projected out (Frisch, Waugh, Lovell): whatever is compared
-/// here has the law refitted beside it. Index 0 is the error, index i the column law + i of the layout.
+/// Scalar products of all columns over some rows, the law's columns projected out (Frisch, Waugh, Lovell): whatever is
+/// compared here has the law refitted beside it. Index 0 is the error, index i the column law + i of the layout.
 struct Projected {
   Eigen::MatrixXd gram;
   double rows = 0.0;
   [[nodiscard]] auto error_energy() const -> double { return gram(0, 0); }
 };
 
-/// Scalar products of all columns, block by block: every fit, split, cross-validation and resampling below is sums of these.
+/// Scalar products of all columns, block by block: every fit, split, cross-validation and resampling below is sums of
+/// these.
 class BlockGrams {
  public:
   BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, const Blocks& blocks);
@@ -40,8 +41,8 @@ class BlockGrams {
       -> Eigen::MatrixXd;
   [[nodiscard]] auto projected(const std::vector<std::size_t>& blocks) const -> Projected;
   /// Residual energy in one block of error - columns . theta.
-  [[nodiscard]] auto energy(std::size_t block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& theta) const
-      -> double;
+  [[nodiscard]] auto energy(std::size_t block, const std::vector<Eigen::Index>& columns,
+                            const Eigen::VectorXd& theta) const -> double;
 
  private:
   Layout layout_;
@@ -57,7 +58,8 @@ struct FamilyFit {
 };
 
 /// Best coefficients of one variant under its family's signs.
-auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant) -> FamilyFit;
+auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant)
+    -> FamilyFit;
 auto fit_family(const Projected& projected, const Layout& layout, const Family& family) -> FamilyFit;
 
 /// One round's evidence. `raw` is in the measured quantity, `white` is whitened by the noise model.
@@ -66,11 +68,11 @@ struct Evidence {
   Layout layout;
   AutoregressiveNoise noise;
   bool noise_from_repeats = false;
-  double innovation_variance = 0.0;       ///< per whitened row: pure error, or the law's own residual
+  double innovation_variance = 0.0;               ///< per whitened row: pure error, or the law's own residual
   std::vector<std::size_t> fit, choose, learned;  ///< blocks by role
-  std::vector<BlockGrams> raw_white;      ///< [0] raw, [1] white
-  Eigen::MatrixXd columns;                ///< all of the layout, coarse rows, in the measured quantity
-  Eigen::VectorXd error, white_error;     ///< coarse rows
+  std::vector<BlockGrams> raw_white;              ///< [0] raw, [1] white
+  Eigen::MatrixXd columns;                        ///< all of the layout, coarse rows, in the measured quantity
+  Eigen::VectorXd error, white_error;             ///< coarse rows
   [[nodiscard]] auto raw() const -> const BlockGrams& { return raw_white[0]; }
   [[nodiscard]] auto white() const -> const BlockGrams& { return raw_white[1]; }
 };

@@ -18,12 +18,12 @@ struct Variant {
 /// One possible effect with the grid of its shapes.
 struct Family {
   std::string name;
-  bool in_catalogue = false;      ///< false: a probe, which can be recognised but not added to the law
-  /// An output term: its column is the change of the fitted law itself, so its factor is 1. The first variant is exact and has,
-  /// after that column, the law's columns passed through the term, which replace the law's own; the others are there for the
-  /// null distribution only, where the law is right and need not be refitted through the term.
+  bool in_catalogue = false;  ///< false: a probe, which can be recognised but not added to the law
+  /// An output term: its column is the change of the fitted law itself, so its factor is 1. The first variant is exact
+  /// and has, after that column, the law's columns passed through the term, which replace the law's own; the others are
+  /// there for the null distribution only, where the law is right and need not be refitted through the term.
   bool acts_on_output = false;
-  std::vector<Sign> signs;        ///< one per column of a variant that belongs to the effect
+  std::vector<Sign> signs;  ///< one per column of a variant that belongs to the effect
   std::vector<Variant> variants;
 };
 
@@ -35,18 +35,19 @@ struct LawResidual {
   Eigen::VectorXd error;      ///< target less fitted, coarse
 };
 
-/// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around the one
-/// that fits the residual best on the rows that fit.
+/// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around
+/// the one that fits the residual best on the rows that fit.
 auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family>;
 
 /// Free parameters of an effect: coefficients and shapes.
 auto parameter_count(const Family& family) -> std::size_t;
 
-/// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is not given
-/// the nearest catalogue name. They never enter a law.
+/// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is
+/// not given the nearest catalogue name. They never enter a law.
 auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family>;
 
-/// Smooth bumps over (q1, dq1, tau) and time: with all families together, the flexible model that no law can be expected to beat.
+/// Smooth bumps over (q1, dq1, tau) and time: with all families together, the flexible model that no law can be
+/// expected to beat.
 auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd;
 
 }  // namespace capstan::tools

@@ -6,7 +6,8 @@
 
 namespace capstan::tools {
 
-/// The causal law that the firmware will run, fitted on the rows that may be learned from; shapes start from those of the form.
+/// The causal law that the firmware will run, fitted on the rows that may be learned from; shapes start from those of
+/// the form.
 auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
 
 /// Free-running error of an estimate on the rows set aside.

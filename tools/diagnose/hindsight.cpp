@@ -15,8 +15,9 @@ struct Turn {
   RowRange uncertain;
 };
 
-/// Finds a reversal between the begin of a stroke and the sample at which the causal switch noticed it. The motor leaves its
-/// extreme like x ~ t^2, so it takes as long from rest to the first distance that can be seen as from there to four times that.
+/// Finds a reversal between the begin of a stroke and the sample at which the causal switch noticed it. The motor
+/// leaves its extreme like x ~ t^2, so it takes as long from rest to the first distance that can be seen as from there
+/// to four times that.
 auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double visible_rad) -> Turn {
   const double sign = was_forward ? 1.0 : -1.0;
   auto height = [&](Eigen::Index i) { return sign * log.q1_rad[i]; };
@@ -46,7 +47,8 @@ auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Ind
   constexpr double kNoiseShare = 0.02;
   constexpr double kLongestS = 0.025;
   const double sigma = std::hypot(noise.white_rad, noise.step_rad / std::sqrt(12.0));
-  const double speed = rms(local_slope(log.q1_rad, std::max<Eigen::Index>(1, std::lround(0.02 / log.period_s)), log.period_s));
+  const double speed =
+      rms(local_slope(log.q1_rad, std::max<Eigen::Index>(1, std::lround(0.02 / log.period_s)), log.period_s));
   const auto longest = std::max<Eigen::Index>(1, std::lround(kLongestS / log.period_s));
   Eigen::Index half = 1;
   // Variance of the slope of 2h + 1 equally spaced points: 3 sigma^2 / (h (h + 1) (2 h + 1) dt^2).
@@ -79,7 +81,8 @@ auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double
   return slope;
 }
 
-auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise) -> Hindsight {
+auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> Hindsight {
   Hindsight result{causal_samples(log, conditioner), {}};
   const auto changes = direction_changes(result.samples);
   const Eigen::VectorXd rate = local_slope(log.q1_rad, rate_half_window(log, noise), log.period_s);

@@ -6,13 +6,16 @@
 
 namespace capstan::tools {
 
-/// Samples as they are known afterwards, for deciding which effect it is: the direction turns when the motor did instead of when
-/// the causal switch notices it, and the rate has no lag. What is reported in the end is the causal law's error.
+/// Samples as they are known afterwards, for deciding which effect it is: the direction turns when the motor did
+/// instead of when the causal switch notices it, and the rate has no lag. What is reported in the end is the causal
+/// law's error.
 struct Hindsight {
   Samples samples;
-  Blocks uncertain;  ///< rows around reversals where even hindsight can not tell the direction, for the encoder's resolution
+  Blocks uncertain;  ///< rows around reversals where even hindsight can not tell the direction, for the encoder's
+                     ///< resolution
 };
-auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise) -> Hindsight;
+auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> Hindsight;
 
 /// Half width, in samples, of the window for the rate: as short as keeps the rate's noise below 2 % of the motion's.
 auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index;

@@ -14,9 +14,30 @@ struct PredictionErrors {
   Eigen::VectorXd forward, backward;
 };
 
+/// One step of Burg's recursion: the reflection coefficient of the next order, and the errors carried over to it.
+auto next_reflection(std::vector<PredictionErrors>& errors, Eigen::Index order) -> double {
+  double cross = 0.0;
+  double power = 0.0;
+  for (const auto& e : errors) {
+    const Eigen::Index n = e.forward.size() - order;
+    cross += e.forward.tail(n).dot(e.backward.segment(order - 1, n));
+    power += e.forward.tail(n).squaredNorm() + e.backward.segment(order - 1, n).squaredNorm();
+  }
+  const double reflection = power > 0.0 ? 2.0 * cross / power : 0.0;
+  for (auto& e : errors) {
+    const Eigen::Index n = e.forward.size() - order;
+    const Eigen::VectorXd forward = e.forward.tail(n);
+    const Eigen::VectorXd backward = e.backward.segment(order - 1, n);
+    e.forward.tail(n) = forward - reflection * backward;
+    e.backward.tail(n) = backward - reflection * forward;
+  }
+  return reflection;
+}
+
 }  // namespace
 
 auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise {
+  constexpr double kSmallest = std::numeric_limits<double>::min();
   std::vector<PredictionErrors> errors;
   double rows = 0.0;
   double variance = 0.0;
@@ -28,38 +49,18 @@ auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index
       variance += x.squaredNorm();
     }
   }
-  AutoregressiveNoise best;
-  if (rows == 0.0 || variance == 0.0) {
-    best.innovation_variance = std::max(variance, std::numeric_limits<double>::min());
-    return best;
-  }
-  variance /= rows;
-  best.innovation_variance = variance;
+  variance = std::max(variance / std::max(rows, 1.0), kSmallest);
+  AutoregressiveNoise best{Eigen::VectorXd(0), variance};
   double best_bic = rows * std::log(variance);
   Eigen::VectorXd a(0);
   for (Eigen::Index order = 1; order <= largest_order; ++order) {
-    double cross = 0.0;
-    double power = 0.0;
-    for (const auto& e : errors) {
-      const Eigen::Index n = e.forward.size() - order;
-      cross += e.forward.tail(n).dot(e.backward.segment(order - 1, n));
-      power += e.forward.tail(n).squaredNorm() + e.backward.segment(order - 1, n).squaredNorm();
-    }
-    const double reflection = power > 0.0 ? 2.0 * cross / power : 0.0;
-    for (auto& e : errors) {
-      const Eigen::Index n = e.forward.size() - order;
-      const Eigen::VectorXd forward = e.forward.tail(n);
-      const Eigen::VectorXd backward = e.backward.segment(order - 1, n);
-      e.forward.tail(n) = forward - reflection * backward;
-      e.backward.tail(n) = backward - reflection * forward;
-    }
+    const double reflection = next_reflection(errors, order);
     Eigen::VectorXd next(order);
     next.head(order - 1) = a - reflection * a.reverse();
     next[order - 1] = reflection;
     a = next;
-    variance *= 1.0 - reflection * reflection;
-    const double bic = rows * std::log(std::max(variance, std::numeric_limits<double>::min())) +
-                       static_cast<double>(order) * std::log(rows);
+    variance = std::max(variance * (1.0 - reflection * reflection), kSmallest);
+    const double bic = rows * std::log(variance) + static_cast<double>(order) * std::log(rows);
     if (bic < best_bic) {
       best_bic = bic;
       best = {a, variance};
@@ -68,7 +69,8 @@ auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index
   return best;
 }
 
-auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise) -> Eigen::MatrixXd {
+auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise)
+    -> Eigen::MatrixXd {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
   const Eigen::Index p = noise.order();
   for (const auto& piece : pieces) {

@@ -18,6 +18,7 @@ struct AutoregressiveNoise {
 auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise;
 
 /// x_i - sum a_k x_(i-k) column by column within each piece; the first `order` rows of a piece become 0.
-auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise) -> Eigen::MatrixXd;
+auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise)
+    -> Eigen::MatrixXd;
 
 }  // namespace capstan::tools

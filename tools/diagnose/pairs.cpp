@@ -7,8 +7,10 @@
 namespace capstan::tools {
 namespace {
 
-/// Both models' columns beside the law. An output term's columns replace the law's; the other effect is then taken as it is.
-auto together(const Layout& layout, const Family& a, std::size_t variant_a, const Family& b, std::size_t variant_b) -> ColumnModel {
+/// Both models' columns beside the law. An output term's columns replace the law's; the other effect is then taken as
+/// it is.
+auto together(const Layout& layout, const Family& a, std::size_t variant_a, const Family& b, std::size_t variant_b)
+    -> ColumnModel {
   ColumnModel model = model_of(layout, a.acts_on_output ? a : b, a.acts_on_output ? variant_a : variant_b);
   const Family& added = a.acts_on_output ? b : a;
   const ColumnModel other = model_of(layout, added, a.acts_on_output ? variant_b : variant_a);
@@ -18,7 +20,9 @@ auto together(const Layout& layout, const Family& a, std::size_t variant_a, cons
 }
 
 /// Variants to be tried in a pair: an output term has one exact variant.
-auto variants_of(const Family& family) -> std::size_t { return family.acts_on_output ? 1 : family.variants.size(); }
+auto variants_of(const Family& family) -> std::size_t {
+  return family.acts_on_output ? 1 : family.variants.size();
+}
 
 /// Energy left on a sum of products by the best fit of a model; infinite if a sign forbids a part of it.
 auto energy_left(const Eigen::MatrixXd& gram, const Layout& layout, const ColumnModel& model) -> double {
@@ -33,7 +37,8 @@ auto energy_left(const Eigen::MatrixXd& gram, const Layout& layout, const Column
   return energy - solve_signed(products, rhs, model.signs).dot(rhs);
 }
 
-auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std::size_t a, std::size_t b) -> EffectPair {
+auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std::size_t a, std::size_t b)
+    -> EffectPair {
   const Family& first = evidence.families[a];
   const Family& second = evidence.families[b];
   EffectPair pair{{a, b}, {0, 0}, {}};
@@ -53,7 +58,9 @@ auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std
   return pair;
 }
 
-auto contains(const EffectPair& pair, std::size_t family) -> bool { return pair.family[0] == family || pair.family[1] == family; }
+auto contains(const EffectPair& pair, std::size_t family) -> bool {
+  return pair.family[0] == family || pair.family[1] == family;
+}
 
 }  // namespace
 

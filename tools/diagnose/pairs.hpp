@@ -14,8 +14,8 @@ struct EffectPair {
   Eigen::VectorXd energies;  ///< out of fold per learned block, in the measured quantity
 };
 
-/// The best pair, when every pair without one or the other of its two is clearly worse over blocks; nothing otherwise. Two
-/// strong effects can hide each other from a search that adds one at a time.
+/// The best pair, when every pair without one or the other of its two is clearly worse over blocks; nothing otherwise.
+/// Two strong effects can hide each other from a search that adds one at a time.
 auto best_pair(const Evidence& evidence) -> std::optional<EffectPair>;
 
 }  // namespace capstan::tools

@@ -29,8 +29,8 @@ auto choose_factor(const std::vector<AxisLog>& logs) -> Eigen::Index {
   return std::clamp<Eigen::Index>(total_samples(logs) / kEnoughRows, 1, longest);
 }
 
-/// Noise in the torque is noise in a regressor, and a law that happens to average it, as a fractional delay does, would look
-/// better for that alone. So everything is averaged alike, until the torque's noise is small against the torque.
+/// Noise in the torque is noise in a regressor, and a law that happens to average it, as a fractional delay does, would
+/// look better for that alone. So everything is averaged alike, until the torque's noise is small against the torque.
 auto choose_smoothing(const std::vector<AxisLog>& logs) -> Eigen::Index {
   constexpr double kNoiseShare = 0.002;
   constexpr double kLongestS = 0.015;
@@ -56,7 +56,8 @@ void trim(AxisLog& log, Eigen::Index factor) {
   }
 }
 
-/// Rows before the second reversal, where terms with memory still depend on a past that was not logged; a twentieth at most.
+/// Rows before the second reversal, where terms with memory still depend on a past that was not logged; a twentieth at
+/// most.
 auto warm_up(const Samples& samples) -> Eigen::Index {
   const auto changes = direction_changes(samples);
   const auto rows = static_cast<Eigen::Index>(samples.size());
@@ -73,7 +74,8 @@ auto torque_near(const AxisLog& log, std::size_t at) -> double {
 }
 
 /// Columns q1, dq1, ddq1, tau, forward, tau_rev, q1_rev, time of one log at full rate.
-auto signal_columns(const AxisLog& log, const Samples& samples, Eigen::Index half_window, double start_s) -> Eigen::MatrixXd {
+auto signal_columns(const AxisLog& log, const Samples& samples, Eigen::Index half_window, double start_s)
+    -> Eigen::MatrixXd {
   Eigen::MatrixXd columns(log.samples(), 8);
   double tau_rev = torque_near(log, 0);
   double q1_rev = log.q1_rad[0];
@@ -102,8 +104,9 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
     start_s += static_cast<double>(log.samples()) * log.period_s;
   }
   const Eigen::MatrixXd coarse = decimated(moving_mean(all, p.hindsight.log_rows(), p.smoothing), p.factor);
-  CoarseSignals s{coarse.col(7), coarse.col(0), coarse.col(1), coarse.col(2), coarse.col(3),
-                  coarse.col(4), coarse.col(5), coarse.col(6), {}};
+  CoarseSignals s{coarse.col(7), coarse.col(0), coarse.col(1),
+                  coarse.col(2), coarse.col(3), coarse.col(4),
+                  coarse.col(5), coarse.col(6), {}};
   if (p.logs.size() == 1) {
     for (const auto& side : p.logs.front().side) {
       s.side.push_back({side.name, decimated(side.values, p.factor)});
@@ -113,8 +116,9 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
 }
 
 /// Hindsight for all logs; `uncertain` gets the coarse rows touched by uncertain samples.
-auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner, const AngleNoise& noise,
-                  Eigen::Index factor, Eigen::Index smoothing, Blocks& uncertain) -> LawDesign {
+auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner,
+                  const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing, Blocks& uncertain)
+    -> LawDesign {
   std::vector<Samples> samples;
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
@@ -209,7 +213,8 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
     q2_noise = std::max({q2_noise, white_noise_level(log.q2_rad), quantisation_step(log.q2_rad)});
   }
   if (q1_range < kFewestNoises * std::max(noise.step_rad, noise.white_rad)) {
-    return "the motor moves by " + rounded(q1_range, 2) + " rad only, hardly more than its sensor's noise; record a larger motion";
+    return "the motor moves by " + rounded(q1_range, 2) +
+           " rad only, hardly more than its sensor's noise; record a larger motion";
   }
   if (q2_range < kFewestNoises * q2_noise) {
     return "the joint moves by " + rounded(q2_range, 2) + " rad only, hardly more than its sensor's noise of " +
@@ -240,7 +245,12 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 factor,
                 smoothing,
                 static_cast<double>(factor) * logs.front().period_s,
-                {}, {}, {}, {}, {}, std::move(notes)};
+                {},
+                {},
+                {},
+                {},
+                {},
+                std::move(notes)};
   p.uncertain = std::move(uncertain);
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < logs.size(); ++i) {

@@ -7,11 +7,12 @@
 
 namespace capstan::tools {
 
-/// The logs on the coarse grid on which decisions are taken: each row is the mean of `factor` samples of every signal alike.
+/// The logs on the coarse grid on which decisions are taken: each row is the mean of `factor` samples of every signal
+/// alike.
 struct CoarseSignals {
-  Eigen::VectorXd time_s;     ///< since the start of the first log, logs one after the other
+  Eigen::VectorXd time_s;  ///< since the start of the first log, logs one after the other
   Eigen::VectorXd q1, dq1, ddq1, tau;
-  Eigen::VectorXd forward;    ///< share of the row's samples that move forward, 0 to 1
+  Eigen::VectorXd forward;          ///< share of the row's samples that move forward, 0 to 1
   Eigen::VectorXd tau_rev, q1_rev;  ///< torque and angle at the last reversal
   std::vector<SideSignal> side;
 };
@@ -22,21 +23,21 @@ struct Preparation {
   ConditionerShape<double> conditioner;
   AngleNoise noise;
   LawDesign causal, hindsight;
-  Eigen::VectorXd target;             ///< q2, every sample
-  Eigen::Index factor = 1;            ///< samples per coarse row
-  Eigen::Index smoothing = 0;         ///< half width of the moving mean before that, samples
+  Eigen::VectorXd target;      ///< q2, every sample
+  Eigen::Index factor = 1;     ///< samples per coarse row
+  Eigen::Index smoothing = 0;  ///< half width of the moving mean before that, samples
   double coarse_period_s = 0.0;
-  Blocks coarse_logs;                 ///< rows of each log, warm-up left out
-  std::optional<Repeats> repeats;     ///< in coarse rows
-  Split split;                        ///< in coarse rows
+  Blocks coarse_logs;              ///< rows of each log, warm-up left out
+  std::optional<Repeats> repeats;  ///< in coarse rows
+  Split split;                     ///< in coarse rows
   CoarseSignals signals;
-  Blocks uncertain;                   ///< coarse rows whose direction is not known
+  Blocks uncertain;  ///< coarse rows whose direction is not known
   std::vector<std::string> notes;
 
   /// Columns of every sample on the coarse grid: moving mean, mean of each row's samples, bridged.
   [[nodiscard]] auto coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd;
-  /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the target, so
-  /// a law that holds on the other rows holds on these.
+  /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the
+  /// target, so a law that holds on the other rows holds on these.
   [[nodiscard]] auto bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
 };
 
@@ -44,7 +45,8 @@ struct Preparation {
 auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
 
 /// Mean over 2 h + 1 neighbours within each log; fewer at its ends.
-auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width) -> Eigen::MatrixXd;
+auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
+    -> Eigen::MatrixXd;
 
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;

@@ -111,7 +111,8 @@ class Probes {
     std::vector<std::vector<Column>> slip;
     for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
       slip.push_back(by_direction((s_.tau.array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
-      slip.push_back(by_direction(((s_.tau - s_.tau_rev).array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
+      slip.push_back(
+          by_direction(((s_.tau - s_.tau_rev).array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
     }
     add("slip_propagation", std::move(slip));
     add("reversal_memory", {by_direction(s_.tau_rev)});
@@ -122,8 +123,10 @@ class Probes {
       }
     }
     add("viscoelastic_creep", std::move(creep));
-    add("stiffness_hardening", {by_direction((s_.tau.array() * s_.tau.array().abs()).matrix()), by_direction(s_.tau.array().cube().matrix())});
-    add("angle_dependent_friction", {by_direction(s_.tau.cwiseProduct(s_.q1)), by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs()))});
+    add("stiffness_hardening",
+        {by_direction((s_.tau.array() * s_.tau.array().abs()).matrix()), by_direction(s_.tau.array().cube().matrix())});
+    add("angle_dependent_friction",
+        {by_direction(s_.tau.cwiseProduct(s_.q1)), by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs()))});
     const Column share_of_time = s_.time_s / span_s_;
     add("wear", {by_direction(s_.tau.cwiseProduct(share_of_time))});
   }
@@ -190,12 +193,15 @@ class Probes {
 
 auto unit_range(const Eigen::VectorXd& x) -> Eigen::VectorXd {
   const double range = x.maxCoeff() - x.minCoeff();
-  return range > 0.0 ? Eigen::VectorXd((x.array() - x.minCoeff()) / range) : Eigen::VectorXd(Eigen::VectorXd::Zero(x.size()));
+  return range > 0.0 ? Eigen::VectorXd((x.array() - x.minCoeff()) / range)
+                     : Eigen::VectorXd(Eigen::VectorXd::Zero(x.size()));
 }
 
 }  // namespace
 
-auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family> { return Probes(p, residual).all(); }
+auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family> {
+  return Probes(p, residual).all();
+}
 
 auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd {
   constexpr Eigen::Index kBumps = 32;

@@ -10,15 +10,17 @@ namespace {
 
 constexpr Eigen::Index kLargestOrder = 8;
 
-/// The model's free columns with what they have to explain behind them, rows stacked; `local` are the blocks' places there.
-auto gathered(const Eigen::MatrixXd& columns, const Layout& layout, const ColumnModel& model, const Blocks& rows, Blocks& local)
-    -> Eigen::MatrixXd {
+/// The model's free columns with what they have to explain behind them, rows stacked; `local` are the blocks' places
+/// there.
+auto gathered(const Eigen::MatrixXd& columns, const Layout& layout, const ColumnModel& model, const Blocks& rows,
+              Blocks& local) -> Eigen::MatrixXd {
   const auto n = static_cast<Eigen::Index>(model.free.size());
   Eigen::MatrixXd result(rows_in(rows), n + 1);
   Eigen::Index row = 0;
   for (const auto& block : rows) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      result.col(i).segment(row, block.size()) = columns.col(model.free[static_cast<std::size_t>(i)]).segment(block.begin, block.size());
+      result.col(i).segment(row, block.size()) =
+          columns.col(model.free[static_cast<std::size_t>(i)]).segment(block.begin, block.size());
     }
     auto wanted = result.col(n).segment(row, block.size());
     wanted = columns.col(layout.error()).segment(block.begin, block.size());
@@ -58,8 +60,8 @@ auto fit_profile(const Eigen::MatrixXd& columns, const Layout& layout, const Col
   return profile;
 }
 
-auto log_likelihood(const Eigen::MatrixXd& columns, const Layout& layout, const ColumnModel& model, const Profile& profile,
-                    const Blocks& rows) -> Eigen::VectorXd {
+auto log_likelihood(const Eigen::MatrixXd& columns, const Layout& layout, const ColumnModel& model,
+                    const Profile& profile, const Blocks& rows) -> Eigen::VectorXd {
   Blocks local;
   const Eigen::MatrixXd x = gathered(columns, layout, model, rows, local);
   const Eigen::Index n = x.cols() - 1;
@@ -71,7 +73,8 @@ auto log_likelihood(const Eigen::MatrixXd& columns, const Layout& layout, const 
     const Eigen::Index judged = std::max<Eigen::Index>(0, rows[i].size() - kLargestOrder);
     const auto count = static_cast<double>(judged);
     const double energy = innovations.segment(local[i].end - judged, judged).squaredNorm();
-    result[static_cast<Eigen::Index>(i)] = -0.5 * count * std::log(2.0 * std::numbers::pi * variance) - 0.5 * energy / variance;
+    result[static_cast<Eigen::Index>(i)] =
+        -0.5 * count * std::log(2.0 * std::numbers::pi * variance) - 0.5 * energy / variance;
   }
   return result;
 }

@@ -3,16 +3,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace capstan::tools {
 namespace {
 
-constexpr double kCloseShare = 0.03;   // of the motion's range
-constexpr double kAgreeing = 0.9;      // of the samples
+constexpr double kCloseShare = 0.03;  // of the motion's range
+constexpr double kAgreeing = 0.9;     // of the samples
 constexpr Eigen::Index kCoarseRows = 2000;
 
 /// Share of rows at which the signal agrees with itself `lag` rows later.
-auto agreement(const Eigen::VectorXd& motion, Eigen::Index lag, double close, Eigen::Index begin, Eigen::Index rows) -> double {
+auto agreement(const Eigen::VectorXd& motion, Eigen::Index lag, double close, Eigen::Index begin, Eigen::Index rows)
+    -> double {
   const auto difference = motion.segment(begin + lag, rows) - motion.segment(begin, rows);
   return static_cast<double>((difference.array().abs() < close).count()) / static_cast<double>(rows);
 }
@@ -31,21 +33,28 @@ auto moves_within(const Eigen::VectorXd& motion, Eigen::Index begin, Eigen::Inde
   return part.maxCoeff() - part.minCoeff() > 0.5 * range;
 }
 
+/// The first lag at which the motion agrees with itself after having gone away; of the lags around it the one that
+/// agrees best.
 auto coarse_period(const Eigen::VectorXd& motion, double close, double range) -> Eigen::Index {
   const Eigen::Index n = motion.size();
-  double best = kAgreeing;
+  double least = std::numeric_limits<double>::infinity();
   Eigen::Index period = 0;
-  bool left_zero = false;  // small lags agree trivially until the motion has gone away
+  bool gone_away = false;  // small lags agree trivially
   for (Eigen::Index lag = 1; lag <= n / 2; ++lag) {
-    // The last half or more of what overlaps: a lead-in before the first cycle does not count against it.
+    // The later part of what overlaps: a lead-in before the first cycle does not count against it.
     const Eigen::Index rows = std::min(n - lag, std::max(lag, (n - lag) * 3 / 4));
-    const double share = agreement(motion, lag, close, n - lag - rows, rows);
-    left_zero = left_zero || share < 0.5;
-    if (left_zero && share > best && moves_within(motion, n - lag - rows, std::min(rows, lag), range)) {
-      best = share;
+    const Eigen::Index begin = n - lag - rows;
+    const double share = agreement(motion, lag, close, begin, rows);
+    gone_away = gone_away || share < 0.5;
+    const bool agrees = gone_away && share > kAgreeing && moves_within(motion, begin, std::min(rows, lag), range);
+    if (!agrees && period != 0) {
+      break;  // the multiples of a period agree as well, but it is the first that counts
+    }
+    const double difference =
+        (motion.segment(begin + lag, rows) - motion.segment(begin, rows)).squaredNorm() / static_cast<double>(rows);
+    if (agrees && difference < least) {
+      least = difference;
       period = lag;
-    } else if (period != 0 && lag > period + period / 10 + 2) {
-      break;  // the first period; its multiples would agree as well
     }
   }
   return period;
@@ -69,7 +78,8 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
       break;
     }
     const Eigen::Index used = std::max(lag, rows * 3 / 4);
-    const auto difference = motion.segment(motion.size() - used, used) - motion.segment(motion.size() - used - lag, used);
+    const auto difference =
+        motion.segment(motion.size() - used, used) - motion.segment(motion.size() - used - lag, used);
     const double mean_square = difference.squaredNorm() / static_cast<double>(used);
     if (least < 0.0 || mean_square < least) {
       least = mean_square;

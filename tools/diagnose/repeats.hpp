@@ -16,12 +16,13 @@ struct Repeats {
   [[nodiscard]] auto cycle(Eigen::Index i) const -> RowRange { return {first + i * length, first + (i + 1) * length}; }
 };
 
-/// Looks for repeated cycles in a motion (motor angle, any sampling). Two stretches repeat each other when they differ by less
-/// than 3 % of the motion's range in nine tenths of their samples. Nothing is found in a log with fewer than two cycles.
+/// Looks for repeated cycles in a motion (motor angle, any sampling). Two stretches repeat each other when they differ
+/// by less than 3 % of the motion's range in nine tenths of their samples. Nothing is found in a log with fewer than
+/// two cycles.
 auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optional<Repeats>;
 
-/// Each cycle less the mean of all, scaled so that its variance is that of the noise: what is left is not the model's doing.
-/// Rows outside the cycles are 0.
+/// Each cycle less the mean of all, scaled so that its variance is that of the noise: what is left is not the model's
+/// doing. Rows outside the cycles are 0.
 auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd;
 
 }  // namespace capstan::tools

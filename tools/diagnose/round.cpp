@@ -6,8 +6,8 @@
 namespace capstan::tools {
 namespace {
 
-auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
-    -> std::string {
+auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial* chosen,
+                const std::vector<std::size_t>& confusable) -> std::string {
   if (&trial == chosen) {
     return "explains the residual best";
   }
@@ -70,7 +70,8 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   return best;
 }
 
-auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable) -> RoundSummary {
+auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
+    -> RoundSummary {
   RoundSummary summary;
   summary.reducible_share = round.adequacy.reducible_share;
   summary.lack_of_fit_p = round.adequacy.lack_of_fit_p;
@@ -78,8 +79,9 @@ auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector
   summary.lacks_something = round.adequacy.lacks_something;
   for (const auto& trial : round.trials) {
     const auto& family = round.evidence.families[trial.family];
-    summary.ranking.push_back({family.name, family.in_catalogue, std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_evidence,
-                      trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
+    summary.ranking.push_back({family.name, family.in_catalogue,
+                               std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_evidence,
+                               trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
   }
   std::sort(summary.ranking.begin(), summary.ranking.end(),
             [](const auto& a, const auto& b) { return a.log_likelihood > b.log_likelihood; });

@@ -29,7 +29,8 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
 auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial*;
 
 /// The round for the report. `chosen` is the trial that won, or nullptr.
-auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable) -> RoundSummary;
+auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
+    -> RoundSummary;
 auto names_of(const Round& round, const std::vector<std::size_t>& families) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

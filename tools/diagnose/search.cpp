@@ -27,7 +27,8 @@ auto proposal(const Round& round, std::size_t family, std::size_t variant) -> Pr
 }
 
 /// Whether every term of the law has a coefficient other than zero in the joint fit.
-auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned, const std::vector<Proposal>& added) -> bool {
+auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned, const std::vector<Proposal>& added)
+    -> bool {
   const LinearFit fit = fit_law(p.hindsight, p.target, learned, law);
   Eigen::Index column = 0;
   for (const auto& term : term_catalogue()) {
@@ -46,8 +47,8 @@ auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned
   return true;
 }
 
-/// The law with the proposals added, shapes refined on the measured quantity; empty if one of them does not hold in the joint
-/// fit: its shape runs to the end of its range, or its coefficients to the bound of their signs.
+/// The law with the proposals added, shapes refined on the measured quantity; empty if one of them does not hold in the
+/// joint fit: its shape runs to the end of its range, or its coefficients to the bound of their signs.
 auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& added) -> std::optional<LawForm> {
   const Blocks learned = refined(p.split, p.factor).learned();
   for (const auto& one : added) {
@@ -63,7 +64,8 @@ auto law_without(LawForm law, const std::string& name) -> LawForm {
   return law;
 }
 
-auto added_effect(const Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable) -> AddedEffect {
+auto added_effect(const Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable)
+    -> AddedEffect {
   return {round.evidence.families[trial.family].name,
           names_of(round, confusable),
           std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)),
@@ -110,7 +112,8 @@ class Searcher {
     const FamilyTrial* chosen = best;
     if (!round.evidence.families[best->family].in_catalogue) {
       chosen = best_passing(round, true);
-      const auto at = chosen == nullptr ? confusable.end() : std::find(confusable.begin(), confusable.end(), chosen->family);
+      const auto at =
+          chosen == nullptr ? confusable.end() : std::find(confusable.begin(), confusable.end(), chosen->family);
       if (at == confusable.end()) {
         search_.rounds.push_back(summary_of(round, best, confusable));
         search_.unlisted = round.evidence.families[best->family].name;
@@ -136,7 +139,8 @@ class Searcher {
     }
     progress_("trying " + one.name);
     Round next = hold_round(p_, *law);
-    const auto share = explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.ceiling_energy);
+    const auto share =
+        explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.ceiling_energy);
     if (further && share.lower < kShareOfRest) {
       refuse(one.name, "refused: it explains less than half of what is left to explain");
       return false;
@@ -150,10 +154,12 @@ class Searcher {
   /// Two effects at once, each of which has to pass where the other is already in the law.
   auto add_pair(Round& round) -> bool {
     const auto pair = best_pair(round.evidence);
-    if (!pair || explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
+    if (!pair ||
+        explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
       return false;
     }
-    const Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]), proposal(round, pair->family[1], pair->variant[1])};
+    const Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]),
+                              proposal(round, pair->family[1], pair->variant[1])};
     const auto law = law_with(p_, search_.law, {both[0], both[1]});
     if (!law) {
       return false;
@@ -188,7 +194,8 @@ class Searcher {
     }
   }
 
-  /// An effect added early may be superfluous beside the later ones: it has to pass again where all the others are in the law.
+  /// An effect added early may be superfluous beside the later ones: it has to pass again where all the others are in
+  /// the law.
   void check_backward(Round& round) {
     for (std::size_t i = 0; search_.effects.size() > 1 && i + 1 < search_.effects.size();) {
       const std::string name = search_.effects[i].name;
@@ -214,7 +221,8 @@ class Searcher {
       search_.noise_floor = pure_error_level(p_, p_.target - round.residual.fitted);
     } else {
       const auto rows = static_cast<double>(rows_in(p_.split.learned()));
-      search_.noise_floor = std::sqrt(std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum()) / rows);
+      search_.noise_floor =
+          std::sqrt(std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum()) / rows);
     }
     for (const auto& trial : round.trials) {
       const auto& family = round.evidence.families[trial.family];
@@ -232,7 +240,8 @@ class Searcher {
 
 }  // namespace
 
-auto search_effects(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress) -> Search {
+auto search_effects(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress)
+    -> Search {
   return Searcher(p, base, progress).run();
 }
 

@@ -7,19 +7,20 @@ namespace capstan::tools {
 
 /// What the search for effects came to, before anything is reported.
 struct Search {
-  LawForm law;                       ///< the base with the effects found
+  LawForm law;  ///< the base with the effects found
   std::vector<AddedEffect> effects;
   std::vector<RoundSummary> rounds;
-  bool lacks_something = false;      ///< the law found still leaves more than noise
-  std::string unlisted;              ///< the probe that fits best what is left; empty if none does
-  ExplainedShare share;              ///< of all that can be explained, by the effects found
+  bool lacks_something = false;  ///< the law found still leaves more than noise
+  std::string unlisted;          ///< the probe that fits best what is left; empty if none does
+  ExplainedShare share;          ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
-  double base_reducible = 0.0;       ///< share of the base law's residual energy that is no noise
+  double base_reducible = 0.0;          ///< share of the base law's residual energy that is no noise
   std::vector<std::string> detectable;  ///< smallest effects that would have shown in the last round
 };
 
-/// Adds effects to the base law one by one, or two where only two explain anything, until the first refusal; then checks
-/// backward that none has become superfluous.
-auto search_effects(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress) -> Search;
+/// Adds effects to the base law one by one, or two where only two explain anything, until the first refusal; then
+/// checks backward that none has become superfluous.
+auto search_effects(const Preparation& p, const LawForm& base, const std::function<void(const std::string&)>& progress)
+    -> Search;
 
 }  // namespace capstan::tools

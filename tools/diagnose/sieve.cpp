@@ -27,7 +27,8 @@ auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd
   Eigen::VectorXd series(rows + kBurnIn);
   for (Eigen::Index draw = 0; draw < kDraws; ++draw) {
     for (Eigen::Index i = 0; i < series.size(); ++i) {
-      const auto at = std::min(pool.size() - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(pool.size())));
+      const auto at =
+          std::min(pool.size() - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(pool.size())));
       series[i] = pool[at];
       for (Eigen::Index k = 1; k <= std::min(order, i); ++k) {
         series[i] += evidence.noise.coefficients[k - 1] * series[i - k];
@@ -39,7 +40,8 @@ auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd
 }
 
 /// Rows of every other learned block, thinned by taking means.
-auto half_rows(const Eigen::MatrixXd& columns, const Blocks& blocks, std::size_t half, Eigen::Index step) -> Eigen::MatrixXd {
+auto half_rows(const Eigen::MatrixXd& columns, const Blocks& blocks, std::size_t half, Eigen::Index step)
+    -> Eigen::MatrixXd {
   Eigen::Index rows = 0;
   for (std::size_t i = half; i < blocks.size(); i += 2) {
     rows += blocks[i].size() / step;
@@ -54,7 +56,8 @@ auto half_rows(const Eigen::MatrixXd& columns, const Blocks& blocks, std::size_t
   return result;
 }
 
-/// One half: products of law and variants with each other, and with every residual (the real one first, then the draws).
+/// One half: products of law and variants with each other, and with every residual (the real one first, then the
+/// draws).
 struct Half {
   Eigen::MatrixXd gram, products;
   Eigen::VectorXd energies;
@@ -128,9 +131,10 @@ auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<H
   return halves;
 }
 
-/// -log of the energy left, relative to the law alone, of a family's best variant: the real residual first, then the draws.
-auto family_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Family& family, const Eigen::VectorXd& law)
-    -> Eigen::VectorXd {
+/// -log of the energy left, relative to the law alone, of a family's best variant: the real residual first, then the
+/// draws.
+auto family_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Family& family,
+                       const Eigen::VectorXd& law) -> Eigen::VectorXd {
   Eigen::VectorXd best = Eigen::VectorXd::Zero(1 + kDraws);
   for (std::size_t v = 0; v < family.variants.size(); ++v) {
     ColumnModel model = model_of(layout, family, v);
@@ -151,7 +155,8 @@ auto family_statistics(const std::array<Half, 2>& halves, const Layout& layout, 
 }
 
 /// The same statistic for the flexible ceiling: everything at once, by ridge regression.
-auto ceiling_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Eigen::VectorXd& law) -> Eigen::VectorXd {
+auto ceiling_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Eigen::VectorXd& law)
+    -> Eigen::VectorXd {
   constexpr double kRidge = 1e-2;
   ColumnList columns = law_model(layout).free;
   for (Eigen::Index i = layout.first_variant(); i < layout.total; ++i) {
@@ -168,7 +173,8 @@ auto ceiling_statistics(const std::array<Half, 2>& halves, const Layout& layout,
         scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * halves[h].products(columns, Eigen::all));
     const Half& other = halves[1 - h];
     const Eigen::MatrixXd predicted = other.gram(columns, columns) * theta;
-    left += other.energies - 2.0 * (theta.cwiseProduct(other.products(columns, Eigen::all))).colwise().sum().transpose() +
+    left += other.energies -
+            2.0 * (theta.cwiseProduct(other.products(columns, Eigen::all))).colwise().sum().transpose() +
             theta.cwiseProduct(predicted).colwise().sum().transpose();
   }
   return -(left.array().max(1e-12 * law.array()) / law.array()).log();
@@ -191,7 +197,8 @@ auto sieve(const Preparation& p, const Evidence& evidence) -> SieveResult {
   // Standardised per family: a family that luck favours must show more.
   Eigen::MatrixXd scores(1 + kDraws, static_cast<Eigen::Index>(evidence.families.size()));
   for (Eigen::Index f = 0; f < scores.cols(); ++f) {
-    const Eigen::VectorXd statistics = family_statistics(halves, evidence.layout, evidence.families[static_cast<std::size_t>(f)], law);
+    const Eigen::VectorXd statistics =
+        family_statistics(halves, evidence.layout, evidence.families[static_cast<std::size_t>(f)], law);
     const auto draws = statistics.tail(kDraws).array();
     const double spread = std::sqrt((draws - draws.mean()).square().mean()) + 1e-12;
     scores.col(f) = (statistics.array() - draws.mean()) / spread;

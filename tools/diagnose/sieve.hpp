@@ -12,11 +12,11 @@ struct SieveResult {
   double ceiling_p = 1.0;        ///< of the flexible ceiling
 };
 
-/// p-values by the AR sieve bootstrap, in the measured quantity. A family's statistic is the share of the residual's energy that
-/// its best shape takes away across two halves of the learned rows, each half predicted from the other; residuals with the same
-/// autocorrelation but no effect in them, made from resampled innovations, show what share luck alone brings the luckiest
-/// family. Whitened statistics are the sharper where noise is strong; this one where noise is weak and smooth, because there an
-/// autoregression mistakes the effect itself for noise.
+/// p-values by the AR sieve bootstrap, in the measured quantity. A family's statistic is the share of the residual's
+/// energy that its best shape takes away across two halves of the learned rows, each half predicted from the other;
+/// residuals with the same autocorrelation but no effect in them, made from resampled innovations, show what share luck
+/// alone brings the luckiest family. Whitened statistics are the sharper where noise is strong; this one where noise is
+/// weak and smooth, because there an autoregression mistakes the effect itself for noise.
 auto sieve(const Preparation& p, const Evidence& evidence) -> SieveResult;
 
 }  // namespace capstan::tools

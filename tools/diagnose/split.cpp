@@ -52,7 +52,8 @@ void open_gaps(std::vector<RoleBlock>& blocks, Eigen::Index gap) {
 
 auto by_cycles(const Repeats& repeats) -> std::vector<RoleBlock> {
   std::vector<RoleBlock> blocks;
-  const Eigen::Index per_cycle = std::clamp<Eigen::Index>(std::min(repeats.length / kFewestRowsPerBlock, 60 / repeats.count), 1, 15);
+  const Eigen::Index per_cycle =
+      std::clamp<Eigen::Index>(std::min(repeats.length / kFewestRowsPerBlock, 60 / repeats.count), 1, 15);
   for (Eigen::Index i = 0; i < repeats.count; ++i) {
     add_blocks(blocks, repeats.cycle(i), per_cycle, role_of_cycle(i, repeats.count));
   }

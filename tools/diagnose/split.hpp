@@ -15,8 +15,8 @@ struct RoleBlock {
   Role role = Role::kFit;
 };
 
-/// The log cut into blocks with gaps between different roles, so that no noise is shared across. With repeats the roles go by
-/// whole cycles; otherwise they take turns, half of the blocks to fit, a fifth to choose, three tenths to report.
+/// The log cut into blocks with gaps between different roles, so that no noise is shared across. With repeats the roles
+/// go by whole cycles; otherwise they take turns, half of the blocks to fit, a fifth to choose, three tenths to report.
 struct Split {
   std::vector<RoleBlock> blocks;
   [[nodiscard]] auto of(Role role) const -> Blocks;
@@ -25,9 +25,9 @@ struct Split {
 };
 
 struct SplitRequest {
-  Blocks pieces;                   ///< evenly sampled stretches (logs), warm-up left out
+  Blocks pieces;  ///< evenly sampled stretches (logs), warm-up left out
   std::optional<Repeats> repeats;
-  Eigen::Index gap = 0;            ///< rows
+  Eigen::Index gap = 0;  ///< rows
 };
 
 auto split_rows(const SplitRequest& request) -> Split;

@@ -13,6 +13,8 @@ namespace {
 constexpr int kDraws = 499;
 /// One-sided 5 % point of the normal: the worse of two laws is called worse no sooner.
 constexpr double kVuong = 1.645;
+/// Times the evidence that any confirmation needs: beyond this no doubt about what neither law explains is left.
+constexpr double kOverwhelming = 3.0;
 
 /// Square root of a positive semidefinite matrix, for drawing normal vectors.
 auto square_root(const Eigen::MatrixXd& covariance) -> Eigen::MatrixXd {
@@ -111,8 +113,8 @@ class Court {
     return judged(model, fitted, learned_rows_);
   }
 
-  /// Wasserman, Ramdas and Balakrishnan: each half judges the model as the other half taught it, against the best that the law
-  /// alone can do with hindsight. The mean of the two ratios is again a valid one.
+  /// Wasserman, Ramdas and Balakrishnan: each half judges the model as the other half taught it, against the best that
+  /// the law alone can do with hindsight. The mean of the two ratios is again a valid one.
   auto cross_fitted_evidence(const ColumnModel& model) const -> double {
     double log_ratio[2];
     for (std::size_t half = 0; half < 2; ++half) {
@@ -130,7 +132,8 @@ class Court {
     return std::max(0.0, fit_products_.error_energy() - with_effect);
   }
 
-  /// Share of a variant's columns that the law takes up, and the smallest contribution that would still have been confirmed.
+  /// Share of a variant's columns that the law takes up, and the smallest contribution that would still have been
+  /// confirmed.
   void judge_visibility(const ColumnModel& model, FamilyTrial& trial) const {
     ColumnList own = model.fixed >= 0 ? ColumnList{model.fixed} : model.free;
     own.erase(own.begin(), model.fixed >= 0 ? own.begin() : own.begin() + evidence_.layout.law);
@@ -142,8 +145,9 @@ class Court {
     }
     trial.absorbed = white > 0.0 ? std::clamp(1.0 - seen / white, 0.0, 1.0) : 1.0;
     const double lambda = 4.0 * evidence_needed(evidence_);  // half of the rows judge
-    trial.detectable = seen > 0.0 ? std::sqrt(lambda * evidence_.innovation_variance / seen * raw / learned_products_.rows)
-                                  : std::numeric_limits<double>::infinity();
+    trial.detectable = seen > 0.0
+                           ? std::sqrt(lambda * evidence_.innovation_variance / seen * raw / learned_products_.rows)
+                           : std::numeric_limits<double>::infinity();
   }
 
   const Evidence& evidence_;
@@ -167,7 +171,8 @@ auto evidence_needed(const Evidence& evidence) -> double {
   return std::log(static_cast<double>(evidence.families.size()) / kAlpha);
 }
 
-auto try_families(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> std::vector<FamilyTrial> {
+auto try_families(const Preparation& p, const Evidence& evidence, const SieveResult& sieve)
+    -> std::vector<FamilyTrial> {
   const Court court(p, evidence);
   std::vector<FamilyTrial> trials;
   for (std::size_t i = 0; i < evidence.families.size(); ++i) {
@@ -183,8 +188,8 @@ auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool {
   return trial.possible && trial.explained > 0.0 && (whitened || across_halves);
 }
 
-auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best, double floor_energy)
-    -> std::vector<std::size_t> {
+auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best,
+                     double floor_energy) -> std::vector<std::size_t> {
   const FamilyTrial& own = trials[best];
   const double left_by_best = std::max(0.0, own.energies.sum() - floor_energy);
   std::vector<std::size_t> confusable;
@@ -194,9 +199,11 @@ auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& t
     }
     const Eigen::VectorXd margin = own.likelihoods - other.likelihoods;
     const Eigen::VectorXd raw_margin = other.energies - own.energies;
-    const bool worse = margin.sum() > evidence_needed(evidence) && (clearly_positive(margin) || clearly_positive(raw_margin));
+    const bool worse =
+        margin.sum() > evidence_needed(evidence) && (clearly_positive(margin) || clearly_positive(raw_margin));
     const bool simpler = parameter_count(evidence.families[other.family]) <= parameter_count(evidence.families[best]);
-    const bool beyond_doubt = !simpler || other.energies.sum() - own.energies.sum() > left_by_best;
+    const bool beyond_doubt =
+        !simpler || margin.sum() > kOverwhelming * evidence_needed(evidence) || raw_margin.sum() > left_by_best;
     if (!worse || !beyond_doubt) {
       confusable.push_back(other.family);
     }

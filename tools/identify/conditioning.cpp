@@ -44,7 +44,8 @@ auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& no
   const double largest = kLargestShareOfMotion * range;
   // A quantised signal's third difference shows its steps as noise: count them once.
   const double white = noise.step_rad > 0.0 && noise.white_rad < noise.step_rad ? 0.0 : noise.white_rad;
-  double threshold = std::max({kStepsAboveResolution * noise.step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
+  double threshold =
+      std::max({kStepsAboveResolution * noise.step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
   std::vector<double> thresholds;
   for (; threshold < largest && thresholds.size() < 8; threshold *= 2.0) {
     thresholds.push_back(threshold);

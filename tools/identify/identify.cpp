@@ -44,7 +44,8 @@ void note_bounds(const LinearFit& fit, const LawForm& form, std::vector<std::str
   const auto names = column_names(form);
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (fit.at_bound[i]) {
-      notes.push_back(names[i] + " is held at 0: the logs ask for the sign that physics forbids; check the sign of tau_Nm " +
+      notes.push_back(names[i] +
+                      " is held at 0: the logs ask for the sign that physics forbids; check the sign of tau_Nm " +
                       "(--map \"axis0/tau_Nm=COLUMN*-1\" turns it)");
     }
   }
@@ -59,7 +60,8 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == "pseudo_kinematic") {
     return {"motor_angle", "joint_offset", "tendon_elongation"};
   }
-  const std::vector<std::string> planned = {"pretensioned", "dynamic", "multi_dof", "pull_push", "preisach", "rigid_dynamics"};
+  const std::vector<std::string> planned = {"pretensioned", "dynamic",  "multi_dof",
+                                            "pull_push",    "preisach", "rigid_dynamics"};
   const std::string available = "available in this version are kinematic and pseudo_kinematic";
   if (std::find(planned.begin(), planned.end(), model) != planned.end()) {
     throw Refusal("the model " + model + " can not be fitted yet; " + available);
@@ -87,10 +89,12 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
         shape.direction_threshold_rad = threshold;
       }
     }
-    how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) + " rad up";
+    how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) +
+          " rad up";
   }
-  notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + " rad: " + how + " (resolution " +
-                  rounded(noise.step_rad, 3) + " rad, noise " + rounded(noise.white_rad, 2) + " rad)");
+  notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + " rad: " + how +
+                  " (resolution " + rounded(noise.step_rad, 3) + " rad, noise " + rounded(noise.white_rad, 2) +
+                  " rad)");
   return shape;
 }
 
@@ -103,7 +107,9 @@ auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::Vec
 }
 
 auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque> {
-  constexpr double kAwayFromReversal = 0.2;  // of the stroke: by then the friction has turned round
+  // Of the stroke, at either end: by then the friction has turned round, and what the torque owes to the angle averages
+  // out.
+  constexpr double kAwayFromReversal = 0.2;
   std::vector<double> forward;
   std::vector<double> backward;
   for (std::size_t log = 0; log < logs.size(); ++log) {
@@ -119,8 +125,9 @@ auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) ->
     for (const std::size_t end : changes) {
       const double stroke = samples[end - 1].q1 - samples[begin].q1;
       for (std::size_t i = begin; i < end; ++i) {
-        const double travelled = samples[i].q1 - samples[begin].q1;
-        const bool steady = std::abs(travelled) > kAwayFromReversal * std::abs(stroke) && std::abs(samples[i].dq1) > slowest;
+        const double share = stroke != 0.0 ? (samples[i].q1 - samples[begin].q1) / stroke : 0.0;
+        const bool away = share > kAwayFromReversal && share < 1.0 - kAwayFromReversal;
+        const bool steady = away && std::abs(samples[i].dq1) > slowest;
         if (steady && (samples[i].dq1 > 0.0) == samples[i].forward) {
           (samples[i].forward ? forward : backward).push_back(samples[i].tau);
         }
@@ -145,7 +152,7 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
   std::vector<std::string> undetermined;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     const double size = rms(columns.col(i));
-    const bool copy = !fit.at_bound[static_cast<std::size_t>(i)] && fit.tolerance[i] < kTellApart;
+    const bool copy = fit.tolerance[i] < kTellApart;
     // An interval within which this term alone could make half of all motion says nothing.
     const bool loose = half_interval(fit, i) * size > 0.5 * motion;
     if (size <= 0.0 || copy || loose) {

@@ -8,8 +8,8 @@
 
 namespace capstan::tools {
 
-/// Terms of a base law by its name in the command line. Throws Refusal for a model that this version does not have and BadInput
-/// for one that nobody has.
+/// Terms of a base law by its name in the command line. Throws Refusal for a model that this version does not have and
+/// BadInput for one that nobody has.
 auto terms_of_model(const std::string& model) -> std::vector<std::string>;
 inline constexpr const char* kDefaultModel = "pseudo_kinematic";
 
@@ -20,8 +20,8 @@ struct Identification {
   Eigen::VectorXd estimate;               ///< of all logs, one below the other
 };
 
-/// The conditioner for these logs: the direction threshold from noise and resolution of q1 and, where the law has torque, the
-/// best fit among its multiples.
+/// The conditioner for these logs: the direction threshold from noise and resolution of q1 and, where the law has
+/// torque, the best fit among its multiples.
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
     -> ConditionerShape<double>;
 

@@ -7,7 +7,8 @@
 namespace capstan::tools {
 namespace {
 
-auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner) -> std::vector<Samples> {
+auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
+    -> std::vector<Samples> {
   std::vector<Samples> samples;
   for (const auto& log : logs) {
     samples.push_back(causal_samples(log, conditioner));
@@ -81,12 +82,14 @@ auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -
   return result;
 }
 
-auto LawDesign::apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd {
+auto LawDesign::apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const
+    -> Eigen::MatrixXd {
   Eigen::MatrixXd result(signals.rows(), signals.cols());
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     for (Eigen::Index c = 0; c < signals.cols(); ++c) {
-      result.col(c).segment(row, log_rows_[i]) = term.apply(signals.col(c).segment(row, log_rows_[i]), periods_[i], shapes);
+      result.col(c).segment(row, log_rows_[i]) =
+          term.apply(signals.col(c).segment(row, log_rows_[i]), periods_[i], shapes);
     }
     row += log_rows_[i];
   }
@@ -116,7 +119,9 @@ void LawForm::set_shapes(const CatalogueTerm& term, const Shapes& values) {
   std::copy(values.begin(), values.end(), shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape));
 }
 
-auto LawForm::has(const std::string& term) const -> bool { return std::find(terms.begin(), terms.end(), term) != terms.end(); }
+auto LawForm::has(const std::string& term) const -> bool {
+  return std::find(terms.begin(), terms.end(), term) != terms.end();
+}
 
 auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd {
   const auto terms = ordered_terms(form);
@@ -148,12 +153,14 @@ auto law_signs(const LawForm& form) -> std::vector<Sign> {
   return signs;
 }
 
-auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form) -> LinearFit {
+auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
+    -> LinearFit {
   return fit_columns(law_columns(design, form), target, blocks, law_signs(form));
 }
 
-auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> LawForm {
-  constexpr int kRounds = 2;       // a second one lets shapes settle that pull on each other
+auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
+    -> LawForm {
+  constexpr int kRounds = 2;  // a second one lets shapes settle that pull on each other
   constexpr int kSteps[] = {12, 10};
   constexpr double kReach[] = {0.5, 0.1};  // of the value
   const auto terms = ordered_terms(form);
@@ -190,8 +197,8 @@ auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
   return names;
 }
 
-auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form,
-                        const ConditionerShape<double>& conditioner) -> JointFile {
+auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,
+                        const LawForm& form, const ConditionerShape<double>& conditioner) -> JointFile {
   Eigen::MatrixXd columns = law_columns(design, form);
   auto signs = law_signs(form);
   const LinearFit plain = fit_columns(columns, target, blocks, signs);
@@ -200,7 +207,8 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
   joint.parameters = rigid_law();
   joint.parameters.shapes = form.shapes;
   joint.parameters.conditioner = conditioner;
-  // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due (none).
+  // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due
+  // (none).
   std::vector<std::size_t> shape_of_column;
   for (const auto* term : ordered_terms(form)) {
     joint.terms.push_back(term->name);
@@ -222,7 +230,8 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
       joint.parameters.coefficients[term->first_coefficient + i] = plain.theta[next];
       if (!plain.at_bound[static_cast<std::size_t>(next)]) {
         const double half = half_interval(full, next);
-        joint.coefficient_ci95[term->first_coefficient + i] = Interval{plain.theta[next] - half, plain.theta[next] + half};
+        joint.coefficient_ci95[term->first_coefficient + i] =
+            Interval{plain.theta[next] - half, plain.theta[next] + half};
       }
     }
   }

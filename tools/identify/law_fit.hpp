@@ -54,17 +54,19 @@ auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixX
 auto law_signs(const LawForm& form) -> std::vector<Sign>;
 
 /// Least squares for the coefficients, the shapes given.
-auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form) -> LinearFit;
+auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
+    -> LinearFit;
 
 /// Improves the shapes by a search between their limits, each bracketed around its start; returns the best form.
-auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> LawForm;
+auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
+    -> LawForm;
 
 /// A shape that ended at a limit of its range is not identified: names of those.
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
 
 /// The fitted law with 95 % intervals; those of shapes come from the fit's sensitivity to them.
-auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form,
-                        const ConditionerShape<double>& conditioner) -> JointFile;
+auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,
+                        const LawForm& form, const ConditionerShape<double>& conditioner) -> JointFile;
 
 /// What a joint sensor would report under the law, over all logs: MotionLaw<double> itself, causal, free-running.
 auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law) -> Eigen::VectorXd;

@@ -10,7 +10,8 @@ namespace capstan::tools {
 namespace {
 
 /// Solves for the chosen columns, the others 0. Columns are scaled to unit norm first; those that add nothing stay 0.
-auto solve_subset(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<bool>& chosen) -> Eigen::VectorXd {
+auto solve_subset(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<bool>& chosen)
+    -> Eigen::VectorXd {
   std::vector<Eigen::Index> index;
   for (Eigen::Index i = 0; i < rhs.size(); ++i) {
     if (chosen[static_cast<std::size_t>(i)] && gram(i, i) > 0.0) {
@@ -52,7 +53,8 @@ auto stacked(const Eigen::VectorXd& values, const Blocks& blocks) -> Eigen::Vect
   return result;
 }
 
-auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs) -> Eigen::VectorXd {
+auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs)
+    -> Eigen::VectorXd {
   const auto n = static_cast<std::size_t>(rhs.size());
   std::vector<bool> chosen(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -104,7 +106,8 @@ struct NormalEquations {
   Eigen::VectorXd rhs;
 };
 
-auto normal_equations(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Blocks& blocks) -> NormalEquations {
+auto normal_equations(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Blocks& blocks)
+    -> NormalEquations {
   const Eigen::Index n = columns.cols();
   NormalEquations normal{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   for (const auto& block : blocks) {
@@ -115,17 +118,35 @@ auto normal_equations(const Eigen::MatrixXd& columns, const Eigen::VectorXd& tar
   return normal;
 }
 
-/// Fills in what the spread of the blocks' scores says about the columns that are free of their bounds.
-void judge_coefficients(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& meat, const std::vector<Eigen::Index>& free,
-                        LinearFit& fit) {
-  const auto k = static_cast<Eigen::Index>(free.size());
-  const Eigen::VectorXd scale = gram.diagonal()(free).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * gram(free, free) * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-13;  // keeps the inverse of a singular system finite; its tolerance then shows it
-  const Eigen::MatrixXd scaled_inverse = scaled.ldlt().solve(Eigen::MatrixXd::Identity(k, k));
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * scaled_inverse * scale.asDiagonal();
+/// Inverse of some rows and columns of a gram, columns scaled to unit norm; `scale` gets the scaling. A singular system
+/// stays finite, and its diagonal then is huge.
+auto scaled_inverse(const Eigen::MatrixXd& gram, const std::vector<Eigen::Index>& chosen, Eigen::VectorXd& scale)
+    -> Eigen::MatrixXd {
+  const auto k = static_cast<Eigen::Index>(chosen.size());
+  scale = gram.diagonal()(chosen).cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXd scaled = scale.asDiagonal() * gram(chosen, chosen) * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-13;
+  return scaled.ldlt().solve(Eigen::MatrixXd::Identity(k, k));
+}
+
+/// Fills in what the spread of the blocks' scores says about the columns that are free of their bounds, and how far
+/// each column can be told from all others.
+void judge_coefficients(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& meat, LinearFit& fit) {
+  std::vector<Eigen::Index> present;
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index i = 0; i < gram.cols(); ++i) {
+    if (gram(i, i) > 0.0) {
+      present.push_back(i);
+      if (!fit.at_bound[static_cast<std::size_t>(i)]) {
+        free.push_back(i);
+      }
+    }
+  }
+  Eigen::VectorXd scale;
+  fit.tolerance(present) = scaled_inverse(gram, present, scale).diagonal().cwiseInverse();
+  const Eigen::MatrixXd unscaled = scaled_inverse(gram, free, scale);
+  const Eigen::MatrixXd inverse = scale.asDiagonal() * unscaled * scale.asDiagonal();
   fit.covariance(free, free) = inverse * meat(free, free) * inverse;
-  fit.tolerance(free) = scaled_inverse.diagonal().cwiseInverse();
 }
 
 }  // namespace
@@ -145,19 +166,17 @@ auto fit_columns(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, 
     meat.noalias() += score * score.transpose();
     squares += residual.squaredNorm();
   }
-  std::vector<Eigen::Index> free;
+  double free = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {
     fit.at_bound.push_back(signs[static_cast<std::size_t>(i)] != Sign::kAny && fit.theta[i] == 0.0);
-    if (!fit.at_bound.back() && gram(i, i) > 0.0) {
-      free.push_back(i);
-    }
+    free += fit.at_bound.back() ? 0.0 : 1.0;
   }
   const auto count = static_cast<double>(blocks.size());
   fit.covariance = Eigen::MatrixXd::Zero(n, n);
   fit.tolerance = Eigen::VectorXd::Zero(n);
-  judge_coefficients(gram, meat * (count / std::max(1.0, count - 1.0)), free, fit);
+  judge_coefficients(gram, meat * (count / std::max(1.0, count - 1.0)), fit);
   fit.rmse = std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(1, rows_in(blocks))));
-  fit.degrees_of_freedom = std::max(1.0, count - 1.0 - 0.5 * static_cast<double>(free.size()));
+  fit.degrees_of_freedom = std::max(1.0, count - 1.0 - 0.5 * free);
   return fit;
 }
 

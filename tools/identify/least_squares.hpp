@@ -20,9 +20,10 @@ auto rows_in(const Blocks& blocks) -> Eigen::Index;
 /// The blocks' rows, stacked.
 auto stacked(const Eigen::VectorXd& values, const Blocks& blocks) -> Eigen::VectorXd;
 
-/// Minimises t'At - 2b't with the signs kept (active set, after Lawson and Hanson). A is positive semidefinite; a column that
-/// adds nothing (A_jj = 0) gets 0.
-auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs) -> Eigen::VectorXd;
+/// Minimises t'At - 2b't with the signs kept (active set, after Lawson and Hanson). A is positive semidefinite; a
+/// column that adds nothing (A_jj = 0) gets 0.
+auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs)
+    -> Eigen::VectorXd;
 
 struct LinearFit {
   Eigen::VectorXd theta;

@@ -94,7 +94,8 @@ auto term_catalogue() -> const std::vector<CatalogueTerm>& {
 }
 
 auto in_catalogue(const std::string& name) -> bool {
-  return std::any_of(term_catalogue().begin(), term_catalogue().end(), [&](const auto& term) { return term.name == name; });
+  return std::any_of(term_catalogue().begin(), term_catalogue().end(),
+                     [&](const auto& term) { return term.name == name; });
 }
 
 auto catalogue_term(const std::string& name) -> const CatalogueTerm& {

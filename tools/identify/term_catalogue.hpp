@@ -24,7 +24,8 @@ struct CatalogueTerm {
 
   /// Sum terms: one column per coefficient over consecutive samples of one log, by the term's own update().
   std::function<Eigen::MatrixXd(const Samples&, double period_s, const Shapes&)> columns;
-  /// Output terms: a signal of one log passed through the term. It is linear, so the columns of a fit may be passed instead.
+  /// Output terms: a signal of one log passed through the term. It is linear, so the columns of a fit may be passed
+  /// instead.
   std::function<Eigen::VectorXd(const Eigen::VectorXd&, double period_s, const Shapes&)> apply;
 
   [[nodiscard]] auto initial_shapes() const -> Shapes;

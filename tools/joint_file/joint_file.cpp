@@ -17,7 +17,8 @@ auto quantity(double value, const std::string& unit, const std::optional<Interva
   return text + " }\n";
 }
 
-/// TOML wants a decimal point or an exponent in a float; a whole number would read back as an integer, which is accepted too.
+/// TOML wants a decimal point or an exponent in a float; a whole number would read back as an integer, which is
+/// accepted too.
 auto quoted(const std::string& text) -> std::string {
   std::string result = "\"";
   for (const char c : text) {
@@ -45,8 +46,9 @@ auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string
 }
 
 auto fit_text(const FitSummary& fit) -> std::string {
-  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse_rad, "rad", {}) + "gof_percent = " + exact(fit.gof_percent) +
-                     "\nsamples = " + std::to_string(fit.samples) + "\nlogs = [";
+  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse_rad, "rad", {}) +
+                     "gof_percent = " + exact(fit.gof_percent) + "\nsamples = " + std::to_string(fit.samples) +
+                     "\nlogs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
   }
@@ -72,7 +74,8 @@ auto rigid_law() -> LawParameters<double> {
 
 auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
   LawParameters<Q24> fixed;
-  std::transform(parameters.coefficients.begin(), parameters.coefficients.end(), fixed.coefficients.begin(), Q24::from_double);
+  std::transform(parameters.coefficients.begin(), parameters.coefficients.end(), fixed.coefficients.begin(),
+                 Q24::from_double);
   std::transform(parameters.shapes.begin(), parameters.shapes.end(), fixed.shapes.begin(), Q24::from_double);
   fixed.conditioner.direction_threshold_rad = Q24::from_double(parameters.conditioner.direction_threshold_rad);
   fixed.conditioner.rate_time_constant_s = Q24::from_double(parameters.conditioner.rate_time_constant_s);
@@ -80,8 +83,9 @@ auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
 }
 
 auto joint_file_text(const JointFile& joint) -> std::string {
-  std::string text = "# A joint's law: y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n"
-                     "schema = \"capstan.joint/1\"\n\n[conditioner]\n";
+  std::string text =
+      "# A joint's law: y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n"
+      "schema = \"capstan.joint/1\"\n\n[conditioner]\n";
   const auto& conditioner = joint.parameters.conditioner;
   text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, "rad", {});
   text += "rate_time_constant = " + quantity(conditioner.rate_time_constant_s, "s", {});
@@ -96,6 +100,8 @@ auto joint_file_text(const JointFile& joint) -> std::string {
   return text + (joint.fit ? fit_text(*joint.fit) : "");
 }
 
-void write_joint_file(const std::string& path, const JointFile& joint) { write_text_file(path, joint_file_text(joint)); }
+void write_joint_file(const std::string& path, const JointFile& joint) {
+  write_text_file(path, joint_file_text(joint));
+}
 
 }  // namespace capstan::tools

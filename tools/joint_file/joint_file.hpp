@@ -26,7 +26,8 @@ struct FitSummary {
   std::vector<std::string> logs;
 };
 
-/// A joint's law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are off.
+/// A joint's law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are
+/// off.
 struct JointFile {
   LawParameters<double> parameters{};
   std::vector<std::string> terms;  ///< names of the terms that are on, in the order of the catalogue
@@ -44,8 +45,8 @@ auto rigid_law() -> LawParameters<double>;
 /// The same law in the firmware's numbers. @pre every number is within +-128; read_joint_file() and the fits see to it
 auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24>;
 
-/// Throws BadInput: one sentence with file, line and cure for an unknown key, a missing value, a number that is not finite, a
-/// wrong unit, or a value out of range.
+/// Throws BadInput: one sentence with file, line and cure for an unknown key, a missing value, a number that is not
+/// finite, a wrong unit, or a value out of range.
 auto read_joint_file(const std::string& path) -> JointFile;
 auto parse_joint_file(const std::string& text, const std::string& name) -> JointFile;
 

@@ -43,8 +43,8 @@ class Reader {
   void only(const toml::table& table, const std::vector<std::string>& known, const std::string& where) const {
     for (const auto& [key, node] : table) {
       if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
-        throw BadInput(place(name_, static_cast<std::size_t>(key.source().begin.line)) + "unknown key " + std::string(key.str()) +
-                       " in " + where + "; known are " + joined(known));
+        throw BadInput(place(name_, static_cast<std::size_t>(key.source().begin.line)) + "unknown key " +
+                       std::string(key.str()) + " in " + where + "; known are " + joined(known));
       }
     }
   }
@@ -79,8 +79,8 @@ class Reader {
     }
     const double value = number(*entry->get("value"), key);
     if (value < limits.low || value > limits.high) {
-      fail(*node, key + " = " + rounded(value, 6) + " " + unit + " is out of range; it must be from " + rounded(limits.low, 6) +
-                      " to " + rounded(limits.high, 6));
+      fail(*node, key + " = " + rounded(value, 6) + " " + unit + " is out of range; it must be from " +
+                      rounded(limits.low, 6) + " to " + rounded(limits.high, 6));
     }
     if (ci95 != nullptr && entry->get("ci95") != nullptr) {
       *ci95 = interval(*entry->get("ci95"), key);
@@ -132,7 +132,8 @@ class Reader {
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
       known.emplace_back(info.name);
-      const Limits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargest, info.sign == Sign::kNonPositive ? 0.0 : kLargest};
+      const Limits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargest,
+                          info.sign == Sign::kNonPositive ? 0.0 : kLargest};
       const std::size_t at = term.first_coefficient + i;
       joint.parameters.coefficients[at] = quantity(entry, info.name, info.unit, limits, &joint.coefficient_ci95[at]);
     }
@@ -202,7 +203,8 @@ auto parse_joint_file(const std::string& text, const std::string& name) -> Joint
   }
   const Reader reader(name);
   if (root["schema"].value<std::string>() != "capstan.joint/1") {
-    throw BadInput(place(name, 1) + "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
+    throw BadInput(place(name, 1) +
+                   "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
                    "with capstan identify");
   }
   reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit"}, "the file");
@@ -215,6 +217,8 @@ auto parse_joint_file(const std::string& text, const std::string& name) -> Joint
   return joint;
 }
 
-auto read_joint_file(const std::string& path) -> JointFile { return parse_joint_file(read_text_file(path), path); }
+auto read_joint_file(const std::string& path) -> JointFile {
+  return parse_joint_file(read_text_file(path), path);
+}
 
 }  // namespace capstan::tools

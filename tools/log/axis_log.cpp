@@ -19,7 +19,8 @@ constexpr double kGap = 1.5;
 void check_timing(const CsvLog& csv, AxisLog& axis) {
   const Eigen::Index n = axis.samples();
   if (n < 3) {
-    throw BadInput(place(csv.name(), 2) + "the log has only " + std::to_string(n) + " rows; record at least a few seconds");
+    throw BadInput(place(csv.name(), 2) + "the log has only " + std::to_string(n) +
+                   " rows; record at least a few seconds");
   }
   const Eigen::VectorXd steps = axis.time_s.tail(n - 1) - axis.time_s.head(n - 1);
   axis.period_s = median(steps);
@@ -33,8 +34,9 @@ void check_timing(const CsvLog& csv, AxisLog& axis) {
   const double gap = steps.maxCoeff(&longest);
   if (gap > kGap * axis.period_s) {
     const auto count = (steps.array() > kGap * axis.period_s).count();
-    axis.warnings.push_back(place(csv.name(), csv.line_of(static_cast<std::size_t>(longest) + 1)) + std::to_string(count) +
-                            " gaps in time, the longest " + rounded(1e3 * gap) + " ms, here; nothing was filled in");
+    axis.warnings.push_back(place(csv.name(), csv.line_of(static_cast<std::size_t>(longest) + 1)) +
+                            std::to_string(count) + " gaps in time, the longest " + rounded(1e3 * gap) +
+                            " ms, here; nothing was filled in");
   }
 }
 
@@ -45,6 +47,31 @@ void check_motion(const CsvLog& csv, const AxisLog& axis, const std::string& nam
   throw BadInput(place(csv.name(), 2) + name + " stands at " + rounded(values[0]) + " from here to line " +
                  std::to_string(csv.line_of(static_cast<std::size_t>(axis.samples()) - 1)) +
                  "; record the joint while it moves, or name another column with --map");
+}
+
+/// A joint sensor slower than the log holds each value for several samples; that is a delay, and worth knowing.
+void check_held(const CsvLog& csv, AxisLog& axis) {
+  std::vector<double> runs;
+  double run = 1.0;
+  for (Eigen::Index i = 1; i < axis.samples(); ++i) {
+    if (axis.q2_rad[i] != axis.q2_rad[i - 1]) {
+      runs.push_back(run);
+      run = 0.0;
+    }
+    run += 1.0;
+  }
+  if (runs.size() < 20) {
+    return;
+  }
+  const Eigen::VectorXd lengths =
+      Eigen::Map<const Eigen::VectorXd>(runs.data(), static_cast<Eigen::Index>(runs.size()));
+  const double usual = median(lengths);
+  const auto regular = ((lengths.array() - usual).abs() <= 1.0).count();
+  if (usual >= 2.0 && regular * 10 > lengths.size() * 9) {
+    axis.warnings.push_back(
+        csv.name() + ": " + axis.target + " has a new value only every " + rounded(usual) +
+        " samples, so it is late by half of that on average; log the sensor's own rate to see smaller delays");
+  }
 }
 
 /// Motion of the other axes and the temperature: not part of any law here, but a possible cause of what the law misses.
@@ -92,6 +119,7 @@ auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
     axis.q2_rad = csv.column(target);
     if (request.needs_target) {
       check_motion(csv, axis, target, axis.q2_rad);
+      check_held(csv, axis);
     }
   }
   read_side_signals(csv, request.axis, axis);

@@ -17,12 +17,12 @@ struct SideSignal {
 
 /// One axis of one log, evenly sampled for all that follows.
 struct AxisLog {
-  std::string name;           ///< file
-  std::string target = {};    ///< column that q2 was read from; empty if there is none
-  double period_s = 0.0;      ///< median
+  std::string name;         ///< file
+  std::string target = {};  ///< column that q2 was read from; empty if there is none
+  double period_s = 0.0;    ///< median
   Eigen::VectorXd time_s, q1_rad;
-  Eigen::VectorXd tau_nm;     ///< zero if not logged
-  Eigen::VectorXd q2_rad;     ///< empty if not logged
+  Eigen::VectorXd tau_nm;  ///< zero if not logged
+  Eigen::VectorXd q2_rad;  ///< empty if not logged
   bool has_torque = false;
   std::vector<SideSignal> side;  ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
@@ -33,12 +33,13 @@ struct AxisLog {
 
 struct AxisRequest {
   int axis = 0;
-  std::string target = {};    ///< column with the measured joint angle; empty: axis<N>/q2_rad
+  std::string target = {};  ///< column with the measured joint angle; empty: axis<N>/q2_rad
   bool needs_target = true;
   bool needs_torque = false;
 };
 
-/// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing moves.
+/// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing
+/// moves.
 auto read_axis(const CsvLog& log, const AxisRequest& request) -> AxisLog;
 
 /// Column name by the contract: "axis0/q1_rad".

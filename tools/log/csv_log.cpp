@@ -128,8 +128,8 @@ auto CsvLog::missing(const std::string& wanted) const -> std::string {
   for (const auto& mapping : mappings_) {
     source = mapping.wanted == wanted ? mapping.source : source;
   }
-  return place(name_, 1) + "there is no column " + source + " among " + joined(names_) + "; name the right one with --map " +
-         wanted + "=COLUMN";
+  return place(name_, 1) + "there is no column " + source + " among " + joined(names_) +
+         "; name the right one with --map " + wanted + "=COLUMN";
 }
 
 auto CsvLog::column(const std::string& wanted) const -> Eigen::VectorXd {

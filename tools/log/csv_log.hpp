@@ -26,7 +26,8 @@ class CsvLog {
 
   /// True if column(wanted) would find its cells, under its own name or by a mapping.
   [[nodiscard]] auto has(const std::string& wanted) const -> bool;
-  /// Every cell as a finite number, the mapping's factor applied. Throws BadInput: missing column, or a cell that is not a number.
+  /// Every cell as a finite number, the mapping's factor applied. Throws BadInput: missing column, or a cell that is
+  /// not a number.
   [[nodiscard]] auto column(const std::string& wanted) const -> Eigen::VectorXd;
   /// time_s. Throws BadInput if it repeats or runs backward.
   [[nodiscard]] auto time() const -> Eigen::VectorXd;

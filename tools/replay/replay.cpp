@@ -31,8 +31,9 @@ auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic ari
     return run(log, MotionLaw<double>(SamplePeriod<double>(log.period_s), law), same, same);
   }
   if (std::abs(log.rate_hz() / kFirmwareRateHz - 1.0) > 0.01) {
-    throw Refusal(log.name + ": the log runs at " + rounded(log.rate_hz()) + " Hz and the firmware's arithmetic is made for " +
-                  std::to_string(kFirmwareRateHz) + " Hz; replay it with --arithmetic double");
+    throw Refusal(log.name + ": the log runs at " + rounded(log.rate_hz()) +
+                  " Hz and the firmware's arithmetic is made for " + std::to_string(kFirmwareRateHz) +
+                  " Hz; replay it with --arithmetic double");
   }
   const MotionLaw<Q24> fixed(SamplePeriod<Q24>(kFirmwareRateHz), to_fixed(law));
   return run(log, fixed, Q24::from_double, [](Q24 x) { return x.to_double(); });

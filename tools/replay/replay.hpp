@@ -17,8 +17,8 @@ struct Replayed {
   long saturated = 0;        ///< samples at which a number met the end of its range
 };
 
-/// Runs the law over a log as the firmware does. kFixed is the firmware's arithmetic, bit for bit; it exists at 1 kHz only and
-/// throws Refusal for other rates. Throws BadInput for inputs outside the firmware's range of numbers.
+/// Runs the law over a log as the firmware does. kFixed is the firmware's arithmetic, bit for bit; it exists at 1 kHz
+/// only and throws Refusal for other rates. Throws BadInput for inputs outside the firmware's range of numbers.
 auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic arithmetic) -> Replayed;
 
 /// The log with the estimates appended as columns of the axis.

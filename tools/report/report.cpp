@@ -19,10 +19,14 @@ constexpr const char* kAfterColour = "#0f766e";
 
 constexpr const char* kStyle = R"(
 body { font: 15px/1.5 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
-h1 { font-size: 1.5rem } h2 { font-size: 1.15rem; margin-top: 2rem }
-table { border-collapse: collapse } th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #ddd }
-td.n { text-align: right; font-variant-numeric: tabular-nums } .verdict { background: #f1f5f9; padding: 1rem; font-size: 1.1rem }
-svg { max-width: 100%; height: auto; display: block; margin: .5rem 0 } .dim { color: #777 }
+h1 { font-size: 1.5rem }
+h2 { font-size: 1.15rem; margin-top: 2rem }
+table { border-collapse: collapse }
+th, td { text-align: left; padding: .2rem .8rem .2rem 0; border-bottom: 1px solid #ddd }
+td.n { text-align: right; font-variant-numeric: tabular-nums }
+.verdict { background: #f1f5f9; padding: 1rem; font-size: 1.1rem }
+svg { max-width: 100%; height: auto; display: block; margin: .5rem 0 }
+.dim { color: #777 }
 )";
 
 struct Picture {
@@ -30,7 +34,9 @@ struct Picture {
   Plot plot;
 };
 
-auto degrees(double rad, int digits = 3) -> std::string { return rounded(rad * kDegrees, digits); }
+auto degrees(double rad, int digits = 3) -> std::string {
+  return rounded(rad * kDegrees, digits);
+}
 
 auto cell(const std::string& text, bool numeric = false) -> std::string {
   return std::string(numeric ? "<td class=\"n\">" : "<td>") + escaped(text) + "</td>";
@@ -46,7 +52,8 @@ auto running_time(const Eigen::VectorXd& time_s) -> Eigen::VectorXd {
   return running;
 }
 
-auto loop_plot(const Traces& t, const Eigen::VectorXd& estimate, double beta, const std::string& which, const char* colour) -> Plot {
+auto loop_plot(const Traces& t, const Eigen::VectorXd& estimate, double beta, const std::string& which,
+               const char* colour) -> Plot {
   Plot plot;
   plot.title = "Loop " + which;
   plot.x_label = "motor angle q1 [deg]";
@@ -56,7 +63,8 @@ auto loop_plot(const Traces& t, const Eigen::VectorXd& estimate, double beta, co
   return plot;
 }
 
-auto residual_plot(const Traces& t, const Eigen::VectorXd& estimate, const std::string& which, const char* colour) -> Plot {
+auto residual_plot(const Traces& t, const Eigen::VectorXd& estimate, const std::string& which, const char* colour)
+    -> Plot {
   Plot plot;
   plot.title = "Residual " + which;
   plot.x_label = "time [s]";
@@ -90,35 +98,40 @@ auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
 }
 
 auto error_table(const Diagnosis& d) -> std::string {
-  std::string html = "<h2>Error on rows that took no part in fit or choice</h2>\n<table><tr><th></th><th>RMSE [rad]</th>"
-                     "<th>RMSE [deg]</th><th>goodness of fit [%]</th></tr>\n";
+  std::string html =
+      "<h2>Error on rows that took no part in fit or choice</h2>\n<table><tr><th></th><th>RMSE [rad]</th>"
+      "<th>RMSE [deg]</th><th>goodness of fit [%]</th></tr>\n";
   auto row = [&](const std::string& name, const ErrorSummary& e) {
-    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) + cell(degrees(e.rmse), true) + cell(rounded(e.gof_percent), true) +
-            "</tr>\n";
+    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) + cell(degrees(e.rmse), true) +
+            cell(rounded(e.gof_percent), true) + "</tr>\n";
   };
   row("before: " + d.base_model, d.before);
   if (!d.effects.empty()) {
     row("after: with the effects below", d.after);
   }
-  html += "<tr>" + cell(std::string("noise floor (") + (d.floor_from_repeats ? "from repeated cycles" : "of a flexible model") + ")") +
+  html += "<tr>" +
+          cell(std::string("noise floor (") + (d.floor_from_repeats ? "from repeated cycles" : "of a flexible model") +
+               ")") +
           cell(rounded(d.noise_floor), true) + cell(degrees(d.noise_floor), true) + cell("") + "</tr>\n</table>\n";
   if (!d.effects.empty()) {
-    html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " + rounded(d.ratio_ci95[1], 3) +
-            ". The effects explain " + rounded(100.0 * d.explained_share, 3) + " % of what can be explained (at least " +
-            rounded(100.0 * d.explained_share_lower, 3) + " %).</p>\n";
+    html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " +
+            rounded(d.ratio_ci95[1], 3) + ". The effects explain " + rounded(100.0 * d.explained_share, 3) +
+            " % of what can be explained (at least " + rounded(100.0 * d.explained_share_lower, 3) + " %).</p>\n";
   }
   return html;
 }
 
-auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::optional<Interval>& ci95, const char* unit,
-                   const char* doc) -> std::string {
+auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::optional<Interval>& ci95,
+                   const char* unit, const char* doc) -> std::string {
   const std::string interval = ci95 ? rounded((*ci95)[0], 4) + " to " + rounded((*ci95)[1], 4) : "held at its bound";
-  return "<tr>" + cell(term.name + "." + name) + cell(rounded(value, 5), true) + cell(interval) + cell(unit) + cell(doc) + "</tr>\n";
+  return "<tr>" + cell(term.name + "." + name) + cell(rounded(value, 5), true) + cell(interval) + cell(unit) +
+         cell(doc) + "</tr>\n";
 }
 
 auto parameter_table(const JointFile& joint) -> std::string {
-  std::string html = "<h2>Parameters of the law</h2>\n<table><tr><th>parameter</th><th>value</th><th>95 % interval</th>"
-                     "<th>unit</th><th>meaning</th></tr>\n";
+  std::string html =
+      "<h2>Parameters of the law</h2>\n<table><tr><th>parameter</th><th>value</th><th>95 % interval</th>"
+      "<th>unit</th><th>meaning</th></tr>\n";
   for (const auto& term : term_catalogue()) {
     if (!joint.has(term.name)) {
       continue;
@@ -126,7 +139,8 @@ auto parameter_table(const JointFile& joint) -> std::string {
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
       const std::size_t at = term.first_coefficient + i;
-      html += parameter_row(term, info.name, joint.parameters.coefficients[at], joint.coefficient_ci95[at], info.unit, info.doc);
+      html += parameter_row(term, info.name, joint.parameters.coefficients[at], joint.coefficient_ci95[at], info.unit,
+                            info.doc);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const auto& info = term.shapes[i];
@@ -138,11 +152,13 @@ auto parameter_table(const JointFile& joint) -> std::string {
 }
 
 auto ranking_tables(const Diagnosis& d) -> std::string {
-  std::string html = "<h2>Who else could it be?</h2>\n<p>Every possible effect was fitted beside the law. Those in grey are not in "
-                     "the catalogue: they are in the line-up so that something foreign is not given the nearest catalogue name.</p>\n";
+  std::string html =
+      "<h2>Who else could it be?</h2>\n<p>Every possible effect was fitted beside the law. Those in grey are not in "
+      "the catalogue: they are in the line-up so that something foreign is not given the nearest catalogue name.</p>\n";
   for (std::size_t i = 0; i < d.rounds.size(); ++i) {
     html += "<h3>Round " + std::to_string(i + 1) + "</h3>\n<p>" + rounded(100.0 * d.rounds[i].reducible_share, 3) +
-            " % of the residual's energy is no noise" + (d.rounds[i].lacks_something ? "" : " (not certain, or too little to matter)") +
+            " % of the residual's energy is no noise" +
+            (d.rounds[i].lacks_something ? "" : " (not certain, or too little to matter)") +
             ".</p>\n<table><tr><th>effect</th><th>explains [%]</th><th>p, family-wise</th>"
             "<th>evidence [nats]</th><th>outcome</th></tr>\n";
     for (const auto& ranked : d.rounds[i].ranking) {
@@ -163,8 +179,8 @@ auto what_would_change(const Diagnosis& d) -> std::string {
   }
   for (const auto& effect : d.effects) {
     const CatalogueTerm& term = catalogue_term(effect.name);
-    item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with + "; a log of this motion tells them apart: " +
-         term.exciting_motion + ".");
+    item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with +
+         "; a log of this motion tells them apart: " + term.exciting_motion + ".");
   }
   if (d.repeats < 2) {
     item("Four equal cycles in one log: the noise is then measured instead of judged from the residual.");
@@ -179,12 +195,13 @@ auto what_would_change(const Diagnosis& d) -> std::string {
 }
 
 auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::string {
-  std::string html = std::string("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis of ") +
-                     escaped(d.target) + "</title><style>" + kStyle + "</style></head><body>\n<h1>Diagnosis of " + escaped(d.target) +
-                     "</h1>\n<p class=\"verdict\"><b>" + verdict_word(d.verdict) + "</b>: " + escaped(d.reason) + "</p>\n<p>" +
-                     std::to_string(d.samples) + " samples at " + rounded(d.rate_hz) + " Hz, " +
-                     (d.repeats > 1 ? std::to_string(d.repeats) + " repeated cycles" : std::string("no repeated cycles")) +
-                     ", base law " + escaped(d.base_model) + ".</p>\n";
+  std::string html =
+      std::string("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Diagnosis of ") +
+      escaped(d.target) + "</title><style>" + kStyle + "</style></head><body>\n<h1>Diagnosis of " + escaped(d.target) +
+      "</h1>\n<p class=\"verdict\"><b>" + verdict_word(d.verdict) + "</b>: " + escaped(d.reason) + "</p>\n<p>" +
+      std::to_string(d.samples) + " samples at " + rounded(d.rate_hz) + " Hz, " +
+      (d.repeats > 1 ? std::to_string(d.repeats) + " repeated cycles" : std::string("no repeated cycles")) +
+      ", base law " + escaped(d.base_model) + ".</p>\n";
   if (!pictures.empty()) {
     html += error_table(d);
     html += "<h2>Pictures</h2>\n";

@@ -99,9 +99,10 @@ auto line(double x1, double y1, double x2, double y2, const char* colour) -> std
          "\" stroke=\"" + colour + "\"/>\n";
 }
 
-auto label(double x, double y, const char* anchor, const std::string& text, const std::string& extra = "") -> std::string {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" + escaped(text) +
-         "</text>\n";
+auto label(double x, double y, const char* anchor, const std::string& text, const std::string& extra = "")
+    -> std::string {
+  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" +
+         escaped(text) + "</text>\n";
 }
 
 auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
@@ -183,9 +184,10 @@ auto svg_of(const Plot& plot) -> std::string {
   const auto [y_low, y_high] = plot.y_range ? *plot.y_range : common_range({plot});
   const Scale x{x_low, x_high, kLeft, kWidth - kRight};
   const Scale y{y_low, y_high, kHeight - kBottom, kTop};
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) + " " + number(kHeight) +
-                    "\" width=\"" + number(kWidth) + "\" height=\"" + number(kHeight) +
-                    "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"" + escaped(plot.title) + "\">\n";
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) + " " +
+                    number(kHeight) + "\" width=\"" + number(kWidth) + "\" height=\"" + number(kHeight) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"" + escaped(plot.title) +
+                    "\">\n";
   svg += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   svg += grid(plot, x, y);
   for (const auto& series : plot.series) {

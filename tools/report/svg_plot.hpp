@@ -23,8 +23,8 @@ struct Plot {
   std::optional<std::pair<double, double>> y_range;  ///< to draw two plots to one scale
 };
 
-/// The plot as a complete SVG element. Lines over a rising x keep the extremes of every pixel column; others (loops) are thinned
-/// evenly. Either way the size does not grow with the log.
+/// The plot as a complete SVG element. Lines over a rising x keep the extremes of every pixel column; others (loops)
+/// are thinned evenly. Either way the size does not grow with the log.
 auto svg_of(const Plot& plot) -> std::string;
 
 /// Smallest and largest y of all series, with some room; the same for plots that share a scale.

@@ -14,7 +14,9 @@ auto quantile(const Eigen::VectorXd& values, double p) -> double {
   return sorted[static_cast<std::size_t>(rank)];
 }
 
-auto median(const Eigen::VectorXd& values) -> double { return quantile(values, 0.5); }
+auto median(const Eigen::VectorXd& values) -> double {
+  return quantile(values, 0.5);
+}
 
 auto rms(const Eigen::VectorXd& values) -> double {
   return values.size() == 0 ? 0.0 : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
@@ -31,7 +33,9 @@ auto student_t95(double degrees_of_freedom) -> double {
          (3.0 * z7 + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * v * v * v);
 }
 
-auto normal_tail(double z) -> double { return 0.5 * std::erfc(z / std::sqrt(2.0)); }
+auto normal_tail(double z) -> double {
+  return 0.5 * std::erfc(z / std::sqrt(2.0));
+}
 
 auto normal_quantile_upper(double p) -> double {
   double low = 0.0;
@@ -53,7 +57,8 @@ auto white_noise_level(const Eigen::VectorXd& signal) -> double {
   if (n < 1) {
     return 0.0;
   }
-  const Eigen::VectorXd third = signal.tail(n) - 3.0 * signal.segment(2, n) + 3.0 * signal.segment(1, n) - signal.head(n);
+  const Eigen::VectorXd third =
+      signal.tail(n) - 3.0 * signal.segment(2, n) + 3.0 * signal.segment(1, n) - signal.head(n);
   constexpr double kGain = 20.0;  // 1 + 9 + 9 + 1
   // From the median of the squares, so that a few corners of the motion do not count as noise.
   return std::sqrt(median(third.cwiseAbs2()) / 0.4549 / kGain);

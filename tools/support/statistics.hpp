@@ -18,11 +18,12 @@ auto normal_tail(double z) -> double;
 /// z with normal_tail(z) = p, 0 < p < 0.5.
 auto normal_quantile_upper(double p) -> double;
 
-/// Goodness of fit as the thesis defines it (ch. 6): 100 (1 - |q - q^| / |q^ - mean(q^)|), q measured, q^ estimated. Percent.
+/// Goodness of fit as the thesis defines it (ch. 6): 100 (1 - |q - q^| / |q^ - mean(q^)|), q measured, q^ estimated.
+/// Percent.
 auto goodness_of_fit_percent(const Eigen::VectorXd& measured, const Eigen::VectorXd& estimated) -> double;
 
-/// Noise of a signal sampled faster than it changes: rms of the third difference, scaled for white noise. A smooth signal has
-/// next to none, whatever its size.
+/// Noise of a signal sampled faster than it changes: rms of the third difference, scaled for white noise. A smooth
+/// signal has next to none, whatever its size.
 auto white_noise_level(const Eigen::VectorXd& signal) -> double;
 /// Resolution of a quantised channel: the step of which all changes are multiples. 0 if there is none to be seen.
 auto quantisation_step(const Eigen::VectorXd& signal) -> double;

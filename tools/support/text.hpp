@@ -8,8 +8,8 @@
 
 namespace capstan::tools {
 
-/// The number that fills `text` completely (blanks around it allowed), or nothing. "nan" and "inf" parse: whoever needs a
-/// finite value asks for it. Independent of the locale.
+/// The number that fills `text` completely (blanks around it allowed), or nothing. "nan" and "inf" parse: whoever needs
+/// a finite value asks for it. Independent of the locale.
 auto parse_number(std::string_view text) -> std::optional<double>;
 
 /// Shortest text that reads back as the same number.

@@ -59,16 +59,16 @@ TEST(Effects, TheMotorsFrictionsAddUpToWhatTheySay) {
   EXPECT_NEAR(motor_friction(with({{"play_friction", 0.003}}), 0.2), plain + 0.003, 1.0e-5);
   const PlantParameters stribeck = with({{"stribeck_friction", 0.004}, {"stribeck_friction.rate_rad_per_s", 0.1}});
   // Where it falls with speed the servo wobbles a little about the wanted one.
-  EXPECT_NEAR(motor_friction(stribeck, 0.1), p.motor_coulomb_nm + 0.1 * p.motor_viscous_nms_per_rad + 0.004 * std::exp(-1.0),
-              4.0e-4);
+  EXPECT_NEAR(motor_friction(stribeck, 0.1),
+              p.motor_coulomb_nm + 0.1 * p.motor_viscous_nms_per_rad + 0.004 * std::exp(-1.0), 4.0e-4);
   EXPECT_NEAR(motor_friction(stribeck, 0.5), p.motor_coulomb_nm + 0.5 * p.motor_viscous_nms_per_rad, 1.0e-5);
 }
 
 TEST(Effects, ElasticFrictionIsASpringUntilItYields) {
   // The joint pushed by tremor alone, too weak for the elastic part to yield and without Coulomb friction: it swings
   // about where it is by torque / (tendons' stiffness + force / width), and comes back.
-  PlantParameters p = with({{"presliding", 0.02}, {"presliding.width_rad", 0.02}, {"tremor", 0.004},
-                            {"tremor.frequency_hz", 0.5}});
+  PlantParameters p =
+      with({{"presliding", 0.02}, {"presliding.width_rad", 0.02}, {"tremor", 0.004}, {"tremor.frequency_hz", 0.5}});
   p.joint_coulomb_nm = 0.0;
   PlantParameters bare = p;
   bare.effects.presliding_nm = 0.0;
@@ -124,10 +124,10 @@ TEST(Effects, ASecondJointCarriesThisOneByTheRatioOfTheRadii) {
 
 TEST(Effects, EveryNameOfTheTransmissionCatalogueIsAnEffectOrArisesByItself) {
   // reversal_memory and slip_propagation are what the chain does anyway: phenomena_test.cpp measures them.
-  for (const char* name : {"transmission_viscous", "pretension", "play", "presliding", "gravity", "axis_coupling",
-                           "viscoelastic_creep", "thermal_drift", "angle_periodic", "transport_delay",
-                           "stiffness_hardening", "load_inertia", "viscous_friction", "coulomb_friction",
-                           "friction_asymmetry", "stribeck_friction", "play_friction", "offset"}) {
+  for (const char* name :
+       {"transmission_viscous", "pretension", "play", "presliding", "gravity", "axis_coupling", "viscoelastic_creep",
+        "thermal_drift", "angle_periodic", "transport_delay", "stiffness_hardening", "load_inertia", "viscous_friction",
+        "coulomb_friction", "friction_asymmetry", "stribeck_friction", "play_friction", "offset"}) {
     Effects effects;
     EXPECT_NO_THROW(set_effect(effects, name, 0.01)) << name;
   }
@@ -172,7 +172,8 @@ TEST(Environment, PalpationOfARowOfSitesFeelsTheInclusionInTheTipForce) {
   for (int i = 0; i < 5000; ++i) {
     const double within = static_cast<double>(i % 1000) / 1000.0;
     plant.step_kinematic(0.5 * std::sin(3.14159265358979 * within));
-    peak[static_cast<std::size_t>(i / 1000)] = std::max(peak[static_cast<std::size_t>(i / 1000)], plant.truth().tip_force_n);
+    peak[static_cast<std::size_t>(i / 1000)] =
+        std::max(peak[static_cast<std::size_t>(i / 1000)], plant.truth().tip_force_n);
   }
   EXPECT_GT(peak[2], 1.3 * peak[0]);
   EXPECT_NEAR(peak[4], peak[0], 0.1 * peak[0]);

@@ -102,7 +102,8 @@ TEST(Experiments, ScenariosSpellThem) {
   const Scenario s = parse_scenario(
       "[motion]\n[[motion.segments]]\nkind = \"sine_ladder\"\namplitude_rad = 0.3\ncycles = 2\n"
       "frequencies_hz = [0.5, 1.0]\n[[motion.segments]]\nkind = \"polyline\"\nspeed_rad_per_s = 1.0\n"
-      "points_rad = [0.0, 0.5, 0.0]\n[[motion.segments]]\nkind = \"reversal_staircase\"\namplitude_rad = 0.3\nlevels = 4\n"
+      "points_rad = [0.0, 0.5, 0.0]\n[[motion.segments]]\nkind = \"reversal_staircase\"\namplitude_rad = 0.3\nlevels = "
+      "4\n"
       "speed_rad_per_s = 1\n",
       "x.toml");
   EXPECT_GT(s.duration_s, 4.0 + 2.0 + 1.1);

@@ -121,7 +121,8 @@ TEST(MoreFaults, ASnappedTendonHasNoTensionForGood) {
       PlantParameters p = quiet();
       p.effects.transmission_viscous_forward_ns_per_m = drag;
       Plant plant(p, 2);
-      plant.schedule({.time_s = 0.2, .target = top ? FaultTarget::kTendonTop : FaultTarget::kTendonBottom,
+      plant.schedule({.time_s = 0.2,
+                      .target = top ? FaultTarget::kTendonTop : FaultTarget::kTendonBottom,
                       .kind = FaultKind::kSnap});
       for (int i = 0; i < 1500; ++i) {
         plant.step(i % 500 < 250 ? 0.6 : -0.6, true);
@@ -149,7 +150,8 @@ TEST(MoreFaults, APowerDipLimitsTheCurrentAndADeepOneBlindsTheSensors) {
   const double counts = 40960.0 / (2.0 * 3.14159265358979);
   const double missed = deep.truth[699].q1_rad - deep.truth[498].q1_rad;
   ASSERT_GT(missed, 0.001);
-  EXPECT_NEAR(deep.truth[800].q1_rad * counts - deep.readings[800].encoder_counts, missed * counts, 0.1 * missed * counts);
+  EXPECT_NEAR(deep.truth[800].q1_rad * counts - deep.readings[800].encoder_counts, missed * counts,
+              0.1 * missed * counts);
 }
 
 TEST(MoreFaults, ASilentBusBringsNothingAndTheAmplifierGivesUpAfterItsTime) {

@@ -85,8 +85,8 @@ TEST(Instrument, EveryBuiltInMovesUnderItsOwnMotors) {
         const Truth& t = plant.truth(a);
         const double limit = plant.parameters(a).current_limit_a;
         const double wanted = 0.4 * std::sin(0.004 * static_cast<double>(i));
-        commands[a] = {std::clamp(8.0 * limit * (wanted - t.q1_rad) - 0.05 * limit * t.q1_rate_rad_per_s, -limit, limit),
-                       true};
+        commands[a] = {
+            std::clamp(8.0 * limit * (wanted - t.q1_rad) - 0.05 * limit * t.q1_rate_rad_per_s, -limit, limit), true};
       }
       plant.step(commands);
     }
@@ -122,7 +122,8 @@ TEST(Instrument, MistakesAreRefusedWhereTheyStand) {
 
 TEST(Instrument, ScenariosSpeakOfEachAxis) {
   const Scenario s = parse_scenario(
-      "instrument = \"da_vinci_wrist\"\n[effects]\nplay = 0.01\n[[axes]]\naxis = \"left_jaw\"\n[axes.effects]\nplay = 0.02\n"
+      "instrument = \"da_vinci_wrist\"\n[effects]\nplay = 0.01\n[[axes]]\naxis = \"left_jaw\"\n[axes.effects]\nplay = "
+      "0.02\n"
       "[axes.motion]\n[[axes.motion.segments]]\nkind = \"hold\"\nduration_s = 7\noffset_rad = 0.2\n",
       "x.toml");
   EXPECT_EQ(s.axis_name, "pitch");
@@ -132,8 +133,9 @@ TEST(Instrument, ScenariosSpeakOfEachAxis) {
   EXPECT_EQ(s.other_axes[1].joint.plant.effects.play_half_width_rad, 0.02);
   EXPECT_NEAR(s.other_axes[1].motion.reference_rad(3.0), 0.2, 1.0e-12);
   EXPECT_NEAR(s.duration_s, 7.5, 1.0e-12);
-  for (const char* bad : {"[[axes]]\naxis = \"thumb\"\n", "[[axes]]\n[axes.effects]\nplay = 0.1\n",
-                          "[[axes]]\naxis = \"pitch\"\ncolour = 3\n", "[[axes]]\naxis = \"pitch\"\n[axes.plant]\neta_top = -1\n"}) {
+  for (const char* bad :
+       {"[[axes]]\naxis = \"thumb\"\n", "[[axes]]\n[axes.effects]\nplay = 0.1\n",
+        "[[axes]]\naxis = \"pitch\"\ncolour = 3\n", "[[axes]]\naxis = \"pitch\"\n[axes.plant]\neta_top = -1\n"}) {
     EXPECT_THROW(static_cast<void>(parse_scenario("instrument = \"da_vinci_wrist\"\n" + std::string(bad), "x.toml")),
                  ScenarioError)
         << bad;

@@ -144,7 +144,8 @@ TEST(PlantServer, APlantThatDivergesSaysSoAndClosesTheService) {
 }
 
 TEST(PlantServer, LinesAreOpenedAsNamedOrRefusedWithACure) {
-  const std::string path = (std::filesystem::temp_directory_path() / ("capstan_line_" + std::to_string(::getpid()))).string();
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("capstan_line_" + std::to_string(::getpid()))).string();
   auto waiting = std::async(std::launch::async, [&] { return open_line("listen:" + path); });
   const FileDescriptor line = open_line("connect:" + path);
   const FileDescriptor other = waiting.get();

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "hal/sim/fields.hpp"
 #include "hal/sim/plant.hpp"
@@ -200,6 +201,28 @@ TEST(Scenario, IdentificationMotionCoversADecadeOfSpeedsWithinTheJointsRange) {
   EXPECT_LT(fastest, 4.0);
   // The slow triangle's flank: 0.12 rad/s.
   EXPECT_LT(std::fabs(s.motion.at(4.0 + 2.0).rate_rad_per_s), 0.15);
+}
+
+TEST(Scenario, EveryRecipeLoadsRepeatsAndStaysWithinTheJointsRange) {
+  int recipes = 0;
+  for (const auto& entry : fs::directory_iterator(kRoot / "tools/scenarios")) {
+    if (!entry.path().stem().string().starts_with("recipe_"))
+      continue;
+    ++recipes;
+    const Scenario s = load_scenario(entry.path());
+    EXPECT_GE(s.motion.repeat(), 2) << entry.path();
+    EXPECT_LT(s.duration_s, 150.0) << entry.path();
+    std::vector<const Motion*> motions = {&s.motion};
+    for (const OtherAxis& axis : s.other_axes)
+      motions.push_back(&axis.motion);
+    for (const Motion* motion : motions) {
+      for (double t = 0.0; t < s.duration_s; t += 0.01) {
+        ASSERT_LT(std::fabs(motion->at(t).angle_rad), 0.6) << entry.path() << t;
+        ASSERT_LT(std::fabs(motion->at(t).rate_rad_per_s), 4.0) << entry.path() << t;
+      }
+    }
+  }
+  EXPECT_GE(recipes, 9);
 }
 
 TEST(Scenario, ABaseThatLeadsInACircleIsRefused) {
