@@ -71,8 +71,8 @@ CharacterMode::CharacterMode() {
   mode_changed = 1;
   active_ = true;
   restore_on_signals();
-  static const int registered = std::atexit(restore_mode);
-  static_cast<void>(registered);
+  static const int kRegistered = std::atexit(restore_mode);
+  static_cast<void>(kRegistered);
 }
 
 CharacterMode::~CharacterMode() {

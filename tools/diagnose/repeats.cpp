@@ -72,7 +72,8 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
   }
   Repeats repeats;
   double least = -1.0;
-  for (Eigen::Index lag = std::max<Eigen::Index>(1, (coarse - 1) * step); lag <= (coarse + 1) * step; ++lag) {
+  constexpr Eigen::Index kReach = 4;  // coarse lags: noise moves the coarse minimum by one or two
+  for (Eigen::Index lag = std::max<Eigen::Index>(1, (coarse - kReach) * step); lag <= (coarse + kReach) * step; ++lag) {
     const Eigen::Index rows = motion.size() - lag;
     if (rows < lag) {
       break;
