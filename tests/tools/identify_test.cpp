@@ -105,17 +105,6 @@ TEST(Identify, TheDirectionThresholdIsAboveTheEncodersStep) {
   EXPECT_NE(notes.at(0).find("direction threshold"), std::string::npos);
 }
 
-TEST(Identify, SteadyTorqueIsFrictionPlusDragAwayFromReversals) {
-  SyntheticRequest request;
-  request.motion = Motion::kSine;
-  const AxisLog log = test::synthetic_log(request);
-  const LawDesign design({log}, ConditionerShape<double>{});
-  const auto torque = steady_torque({log}, design);
-  ASSERT_TRUE(torque.has_value());
-  // Friction 0.025 and drag 0.004 per rad/s at about 1 rad/s; spring and load average out over a whole stroke's middle.
-  EXPECT_NEAR(0.5 * (torque->forward_nm - torque->backward_nm), 0.029, 0.008);
-}
-
 TEST(Identify, ModelsOfLaterVersionsAreRefusedAndUnknownOnesAreBadInput) {
   EXPECT_THROW(terms_of_model("preisach"), Refusal);
   EXPECT_THROW(terms_of_model("nonsense"), BadInput);

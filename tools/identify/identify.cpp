@@ -144,18 +144,42 @@ auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) ->
   return SteadyTorque{middle(forward), middle(backward)};
 }
 
+namespace {
+
+/// Columns that others reproduce: those with a part in a direction in which the scaled columns add up to nothing. Signs
+/// play no part here, for a copy stays one when a sign holds it at zero.
+auto copied_columns(const Eigen::MatrixXd& columns) -> std::vector<bool> {
+  constexpr double kNothing = 1e-9;
+  constexpr double kPart = 0.01;
+  Eigen::VectorXd scale = columns.colwise().norm();
+  for (double& value : scale) {
+    value = value > 0.0 ? 1.0 / value : 0.0;
+  }
+  const Eigen::MatrixXd gram = scale.asDiagonal() * (columns.transpose() * columns) * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> directions(gram);
+  std::vector<bool> copied(static_cast<std::size_t>(columns.cols()), false);
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    for (Eigen::Index i = 0; directions.eigenvalues()[k] < kNothing && i < columns.cols(); ++i) {
+      copied[static_cast<std::size_t>(i)] =
+          copied[static_cast<std::size_t>(i)] || std::abs(directions.eigenvectors()(i, k)) > kPart;
+    }
+  }
+  return copied;
+}
+
+}  // namespace
+
 auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const Eigen::MatrixXd& columns,
                                const Eigen::VectorXd& target) -> std::vector<std::string> {
-  constexpr double kTellApart = 1e-6;  // 1 - R^2 below this is a copy of the other columns
+  const std::vector<bool> copied = copied_columns(columns);
   const double motion = target.maxCoeff() - target.minCoeff();
   const auto names = column_names(form);
   std::vector<std::string> undetermined;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     const double size = rms(columns.col(i));
-    const bool copy = fit.tolerance[i] < kTellApart;
     // An interval within which this term alone could make half of all motion says nothing.
     const bool loose = half_interval(fit, i) * size > 0.5 * motion;
-    if (size <= 0.0 || copy || loose) {
+    if (size <= 0.0 || copied[static_cast<std::size_t>(i)] || loose) {
       undetermined.push_back(names[static_cast<std::size_t>(i)]);
     }
   }
