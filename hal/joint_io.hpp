@@ -11,7 +11,7 @@
 namespace capstan {
 
 /// Outcome of a call to the hardware. A failed read leaves the fields it could not fill marked `kMissing`.
-enum class [[nodiscard]] Status : std::uint8_t { kOk, kTimeout, kFailed };
+enum class [[nodiscard]] Status : std::uint8_t{kOk, kTimeout, kFailed};
 
 /// What a backend knows about one value. Anything but kOk is a fault value, never a guess.
 enum class Quality : std::uint8_t {
@@ -50,9 +50,12 @@ struct Drive {
 /// The contract with hardware: three calls on whole snapshots, so recording and replay come free.
 template <typename Io>
 concept JointIo = requires(Io io, Sensed<Io::kAxes>& in, const Drive<Io::kAxes>& out) {
-  { io.read(in) } noexcept -> std::same_as<Status>;    // fills every field, or marks it missing
-  { io.write(out) } noexcept -> std::same_as<Status>;  // never blocks past the cycle's deadline
-  { io.release() } noexcept -> std::same_as<void>;     // de-energises; legal at any time, from any state
+  { io.read(in) }
+  noexcept->std::same_as<Status>;  // fills every field, or marks it missing
+  { io.write(out) }
+  noexcept->std::same_as<Status>;  // never blocks past the cycle's deadline
+  { io.release() }
+  noexcept->std::same_as<void>;  // de-energises; legal at any time, from any state
 };
 
 }  // namespace capstan

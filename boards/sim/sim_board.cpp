@@ -30,7 +30,10 @@ auto MemoryBanks::do_read(int bank, std::size_t offset, std::span<std::uint8_t> 
 }
 
 SimBoard::SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo)
-    : plant_(scenario.plant, scenario.seed), io_(plant_), application_(io_, banks), shell_(application_, sink, "sim", echo) {
+    : plant_(scenario.plant, scenario.seed),
+      io_(plant_),
+      application_(io_, banks),
+      shell_(application_, sink, "sim", echo) {
   for (const sim::Fault& fault : scenario.faults) {
     plant_.schedule(fault);
   }

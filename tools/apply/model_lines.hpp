@@ -8,8 +8,8 @@
 
 namespace capstan::tools {
 
-/// The shell lines that put a law into a running board: one transaction of 'set' for every parameter of the law, terms that are
-/// off included, so that nothing of an earlier law stays behind.
+/// The shell lines that put a law into a running board: one transaction of 'set' for every parameter of the law, terms
+/// that are off included, so that nothing of an earlier law stays behind.
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

@@ -47,7 +47,8 @@ auto open_port(const std::string& port) -> FileDescriptor {
   }
   FileDescriptor line(::open(port.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (!line) {
-    throw BadInput(port + ": the port does not open (" + std::strerror(errno) + "); give tcp:PORT or the board's device");
+    throw BadInput(port + ": the port does not open (" + std::strerror(errno) +
+                   "); give tcp:PORT or the board's device");
   }
   if (!make_raw(line.get(), B115200)) {
     throw BadInput(port + ": this is not a serial line; give tcp:PORT or the board's device");
@@ -72,10 +73,13 @@ auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> s
       }
       return line;
     }
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     pollfd set{line_.get(), POLLIN, 0};
     if (left.count() <= 0 || ::poll(&set, 1, static_cast<int>(left.count())) == 0) {
-      throw Refusal(port_ + ": no answer from the shell within 5 s; check that a board is there and that nobody else uses its shell");
+      throw Refusal(
+          port_ +
+          ": no answer from the shell within 5 s; check that a board is there and that nobody else uses its shell");
     }
     std::array<char, 512> buffer{};
     const auto count = ::read(line_.get(), buffer.data(), buffer.size());

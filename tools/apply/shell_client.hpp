@@ -16,7 +16,8 @@ class ShellClient {
   /// Throws BadInput if it can not be opened.
   explicit ShellClient(const std::string& port);
 
-  /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence if it is an error, or if no answer comes.
+  /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence if it is an error, or if no
+  /// answer comes.
   auto ask(const std::string& line) -> std::vector<std::string>;
 
   [[nodiscard]] auto descriptor() const -> int { return line_.get(); }

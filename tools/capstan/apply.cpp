@@ -37,7 +37,8 @@ void verify(ShellClient& shell, const std::string& set_line) {
       return;
     }
   }
-  throw Refusal("the board does not report " + name + " as it was set; nothing was saved, so restart it and apply again");
+  throw Refusal("the board does not report " + name +
+                " as it was set; nothing was saved, so restart it and apply again");
 }
 
 auto apply(const ApplyOptions& options) -> int {
@@ -58,8 +59,8 @@ auto apply(const ApplyOptions& options) -> int {
   if (!options.keep_unsaved) {
     shell.ask("save");
   }
-  std::cout << (version.empty() ? std::string("board") : version.front()) << "\n  " << verified << " parameters set and read back"
-            << (options.keep_unsaved ? ", not saved" : ", saved") << "\n";
+  std::cout << (version.empty() ? std::string("board") : version.front()) << "\n  " << verified
+            << " parameters set and read back" << (options.keep_unsaved ? ", not saved" : ", saved") << "\n";
   return kExitDone;
 }
 

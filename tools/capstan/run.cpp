@@ -92,7 +92,8 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
       throw BadInput(options.log + ": the log can not be written; give a path in a folder that exists");
     }
   }
-  const auto model = options.model.empty() ? std::vector<std::string>{} : model_lines(read_joint_file(options.model), 0);
+  const auto model =
+      options.model.empty() ? std::vector<std::string>{} : model_lines(read_joint_file(options.model), 0);
   const auto begin = std::chrono::steady_clock::now();
   const RunSummary summary = run_scenario(scenario, model, banks, options.log.empty() ? nullptr : &log);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
@@ -130,10 +131,13 @@ void add_run(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("run", "run the firmware on the simulated joint");
   command->add_option("--scenario", options->scenario, "plant, effects, faults and motion, a TOML file");
   command->add_option("--model", options->model, "law to load before the motion, a joint.toml");
-  command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")->check(CLI::Range(0.001, 1e6));
+  command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")
+      ->check(CLI::Range(0.001, 1e6));
   command->add_option("--log", options->log, "CSV log to write");
-  command->add_option("--shell", options->shell, "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
-  command->add_option("--plant-effect", options->plant_effects, "give the plant an effect, for instance play=0.03 (repeatable)");
+  command->add_option("--shell", options->shell,
+                      "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
+  command->add_option("--plant-effect", options->plant_effects,
+                      "give the plant an effect, for instance play=0.03 (repeatable)");
   command->add_option("--seed", options->seed, "noise of the plant");
   command->add_option("--storage", options->storage, "file that keeps what 'save' writes");
   command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");

@@ -17,8 +17,8 @@ struct RunSummary {
   std::string fault;  ///< empty, or what took the torque away, with cause and cure
 };
 
-/// Runs the firmware on the scenario's plant: shell lines, then the model's lines, arm, the motion streamed as references,
-/// disarm. As fast as it goes.
+/// Runs the firmware on the scenario's plant: shell lines, then the model's lines, arm, the motion streamed as
+/// references, disarm. As fast as it goes.
 /// @param log  receives the log by the contract, or nullptr
 /// Throws BadInput with the line and the shell's answer if a line is refused.
 auto run_scenario(const sim::Scenario& scenario, const std::vector<std::string>& model, Banks& banks, std::ostream* log)

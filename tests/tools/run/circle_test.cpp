@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The main job in closed loop: log, identify, diagnose, put into the firmware, measure again. Every number is against the plant,
-// which shares no code with the laws.
+// The main job in closed loop: log, identify, diagnose, put into the firmware, measure again. Every number is against
+// the plant, which shares no code with the laws.
 #include <gtest/gtest.h>
 
 #include <algorithm>
