@@ -3,6 +3,7 @@
 #include "model/effort_catalogue.hpp"
 #include "model/motion_law.hpp"
 #include "model/preisach.hpp"
+#include "model/pull_push.hpp"
 #include "model/terms/angle_periodic.hpp"
 #include "model/terms/axis_coupling.hpp"
 #include "model/terms/gravity.hpp"
@@ -76,5 +77,9 @@ template class Preisach<double, 11>;
 template class Preisach<Q24, 11>;
 template class Preisach<double, 41>;
 template class Preisach<Q24, 41>;
+template class PreisachBounds<double, 11>;
+template class PreisachBounds<Q24, 11>;
+template class PullPush<double>;
+template class PullPush<Q24>;
 
 }  // namespace capstan

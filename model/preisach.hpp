@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "model/force_estimate.hpp"
 #include "model/reversal_surface.hpp"
 
 namespace capstan {
@@ -10,16 +11,15 @@ namespace capstan {
 /// What is assumed about the past until the input has been at an end of the table for the first time.
 enum class StartState : std::uint8_t {
   kNegativeSaturation,  ///< the input rose from the lower end: exact if it did
+  kPositiveSaturation,  ///< the input fell from the upper end: exact if it did
   kDemagnetised,  ///< ever smaller swings about the middle of the grid: halfway between what the past could have been
 };
 
+/// The input that brings a force about.
 template <typename Scalar>
-struct ForceEstimate {
-  Scalar force{};      ///< in the unit of the table
-  bool known = false;  ///< the input has been at an end of the table, so the start state no longer matters
-  bool beyond_table =
-      false;  ///< the input is outside the table: the force is the saturation's, or there is no usable table
-  bool history_cut = false;  ///< this step found the memory full and dropped the smallest loop in it
+struct InputCommand {
+  Scalar input{};          ///< within the table
+  bool reachable = false;  ///< the force lies between the two saturations (or at one of them)
 };
 
 /// Classical Preisach model from first-order reversal values, (4.4) and (4.5):
@@ -56,7 +56,9 @@ class Preisach {
     size_ = 1;
     history_[0] = {surface_.lowest(), surface_.lower_saturation()};
     last_ = surface_.lowest();
-    if (start == StartState::kDemagnetised) {
+    if (start == StartState::kPositiveSaturation) {
+      move_to(surface_.highest());
+    } else if (start == StartState::kDemagnetised) {
       demagnetise();
     }
   }
@@ -77,6 +79,22 @@ class Preisach {
     estimate.known = known_;
     estimate.history_cut = cut_loops_ != cut_before;
     return estimate;
+  }
+
+  /// The law turned round: the input that a monotone motion from the present one has to reach for this force, with all
+  /// that it wipes out on the way. Exact, since the force is piecewise linear along every branch: there and back is off
+  /// by rounding only. Where the force does not change with the input, the input nearest to the present one. A force
+  /// beyond a saturation gives that end of the table and is not reachable. Changes nothing; at most Depth / 2 branches
+  /// and ten halvings.
+  [[nodiscard]] constexpr auto input_for(Scalar force) const -> InputCommand<Scalar> {
+    if (!usable_) {
+      return {};
+    }
+    const Scalar now = force_at(last_);
+    if (force == now) {
+      return {surface_.input_at(last_), true};
+    }
+    return now < force ? rise_for(force) : fall_for(force);
   }
 
   [[nodiscard]] constexpr auto is_known() const -> bool { return known_; }
@@ -102,6 +120,84 @@ class Preisach {
   [[nodiscard]] constexpr auto force_at(const Position& x) const -> Scalar {
     return last_is_peak() ? top().closed + surface_.at(top().position, x)
                           : top().closed + (surface_.at(x, x) - surface_.at(x, top().position));
+  }
+
+  /// A branch that the input may run along: up from a valley, or down from a peak.
+  struct Branch {
+    Extreme from{};
+    bool rising = true;
+  };
+  [[nodiscard]] constexpr auto force_on(const Branch& branch, const Position& x) const -> Scalar {
+    const Position& from = branch.from.position;
+    return branch.rising ? branch.from.closed + (surface_.at(x, x) - surface_.at(x, from))
+                         : branch.from.closed + surface_.at(from, x);
+  }
+  /// What would be remembered of an extreme after the last one.
+  [[nodiscard]] constexpr auto turned_at(const Position& extreme) const -> Extreme {
+    const Extreme& before = top();
+    return {extreme, last_is_peak() ? before.closed + surface_.at(before.position, extreme)
+                                    : before.closed - surface_.at(extreme, before.position)};
+  }
+
+  [[nodiscard]] constexpr auto rise_for(Scalar force) const -> InputCommand<Scalar> {
+    Branch branch{last_is_peak() ? turned_at(last_) : top(), true};
+    Position start = last_;
+    // Peaks have odd places. The next one passed is wiped out with the valley below it, and the branch before goes on.
+    for (std::size_t above = last_is_peak() ? size_ : size_ - 1; above >= 2; above -= 2) {
+      const Position& peak = history_[above - 1].position;
+      if (!(force_on(branch, peak) < force)) {
+        return solve(branch, start, peak, force);
+      }
+      start = peak;
+      branch.from = history_[above - 2];
+    }
+    const Position end = surface_.highest();
+    return force_on(branch, end) < force ? InputCommand<Scalar>{surface_.input_at(end), false}
+                                         : solve(branch, start, end, force);
+  }
+
+  [[nodiscard]] constexpr auto fall_for(Scalar force) const -> InputCommand<Scalar> {
+    Branch branch{last_is_peak() ? top() : turned_at(last_), false};
+    Position start = last_;
+    for (std::size_t valley = last_is_peak() ? size_ - 2 : size_ - 1;; valley -= 2) {
+      const Position& limit = history_[valley].position;
+      if (!(force < force_on(branch, limit))) {
+        return solve(branch, start, limit, force);
+      }
+      if (valley == 0) {
+        return {surface_.input_at(limit), false};
+      }
+      start = limit;
+      branch.from = history_[valley - 1];
+    }
+  }
+
+  /// The place nearest to `start` where a branch has the force. @pre the force lies between those at start and limit
+  [[nodiscard]] constexpr auto solve(const Branch& branch, const Position& start, const Position& limit,
+                                     Scalar force) const -> InputCommand<Scalar> {
+    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+    const Position& bottom = branch.rising ? start : limit;
+    const Position& ceiling = branch.rising ? limit : start;
+    // Either branch gives more force at more input, and is linear between two lines of the grid.
+    std::size_t cell = bottom.cell;
+    for (std::size_t high = ceiling.cell; cell < high;) {
+      const std::size_t line = (cell + high + 1) / 2;
+      const Scalar there = force_on(branch, {line, Scalar{}});
+      if (there < force || (!branch.rising && there == force)) {
+        cell = line;
+      } else {
+        high = line - 1;
+      }
+    }
+    const Scalar low = cell == bottom.cell ? bottom.fraction : Scalar{};
+    const Scalar high = cell == ceiling.cell ? ceiling.fraction : kOne;
+    const Scalar force_low = force_on(branch, {cell, low});
+    const Scalar height = force_on(branch, {cell, high}) - force_low;
+    if (!(Scalar{} < height)) {
+      return {surface_.input_at({cell, branch.rising ? low : high}), true};
+    }
+    const Scalar share = clamp((force - force_low) / height, Scalar{}, kOne);
+    return {surface_.input_at({cell, low + (high - low) * share}), true};
   }
 
   constexpr void move_to(const Position& x) {
@@ -147,9 +243,7 @@ class Preisach {
       cut_loops_ += cut_loops_ < std::numeric_limits<std::uint32_t>::max() ? 1 : 0;
       return;
     }
-    const Extreme& before = top();
-    history_[size_] = {extreme, last_is_peak() ? before.closed + surface_.at(before.position, extreme)
-                                               : before.closed - surface_.at(extreme, before.position)};
+    history_[size_] = turned_at(extreme);
     ++size_;
   }
 
@@ -178,6 +272,45 @@ class Preisach {
   Position last_{};
   bool known_ = false;
   std::uint32_t cut_loops_ = 0;
+};
+
+/// A Preisach model that does not know its past and says how much that matters. Of all pasts, the two saturations leave
+/// the most and the fewest relays up, so the force lies between those of the two models started there; what the input
+/// sweeps closes the gap, and the first saturation closes it for good.
+template <typename Scalar, std::size_t MaxLevels, std::size_t Depth = 64>
+class PreisachBounds {
+ public:
+  using Model = Preisach<Scalar, MaxLevels, Depth>;
+  using Table = typename Model::Table;
+  struct Estimate {
+    ForceEstimate<Scalar> middle{};  ///< its force is halfway between the bounds
+    Scalar half_width{};             ///< the true force is within this of it; 0 once the past is known
+  };
+
+  /// As the model's own constructor. With noise in the table, bounds hold but for the tolerance.
+  constexpr explicit PreisachBounds(const Table& table, Scalar tolerance = {})
+      : low_(table, StartState::kNegativeSaturation, tolerance),
+        high_(table, StartState::kPositiveSaturation, tolerance) {}
+  explicit PreisachBounds(const Table&& table, Scalar tolerance = {}) = delete;
+
+  constexpr auto update(Scalar input) -> Estimate {
+    constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
+    Estimate estimate{low_.update(input), {}};
+    if (!estimate.middle.known) {
+      const auto high = high_.update(input);
+      estimate.half_width = abs(high.force - estimate.middle.force) * kHalf;
+      estimate.middle.force += (high.force - estimate.middle.force) * kHalf;
+      estimate.middle.history_cut |= high.history_cut;
+    }
+    return estimate;
+  }
+
+  /// The model from the lower saturation: exact once the past is known.
+  [[nodiscard]] constexpr auto lower() const -> const Model& { return low_; }
+
+ private:
+  Model low_;
+  Model high_;
 };
 
 }  // namespace capstan

@@ -112,6 +112,12 @@ class ReversalSurface {
     return {low, scales_[low].fraction(input, table_->inputs[low])};
   }
 
+  /// The input that lies there.
+  [[nodiscard]] constexpr auto input_at(const Position& x) const -> Scalar {
+    const Scalar low = table_->inputs[x.cell];
+    return low + (table_->inputs[x.cell + 1] - low) * x.fraction;
+  }
+
   /// f_ab. @pre b <= a
   [[nodiscard]] constexpr auto at(const Position& a, const Position& b) const -> Scalar {
     if (a.cell == b.cell) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
+#include "model/exponential.hpp"
 
 namespace capstan {
 
@@ -11,11 +11,6 @@ struct Tendon {
   double eta;        ///< friction-bending number mu L / R, 1, not negative
   double stiffness;  ///< free stiffness Kn = E A / L, N/m
 };
-
-/// (1 - e^-x) / x, right to the last digits at small x as well; 1 at 0.
-inline auto mean_decay(double x) -> double {
-  return x == 0.0 ? 1.0 : -std::expm1(-x) / x;
-}
 
 /// Elongation per tension at the input end of a fully active tendon that was slack, m/N; (2.10) with T = T_in e^(-eta
 /// phi s).

@@ -7,13 +7,17 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/model/any_table.hpp"
 #include "tests/model/relays.hpp"
 #include "tests/model/support.hpp"
 
 namespace capstan {
 namespace {
 
+using test::any_input;
+using test::any_table;
 using test::number;
+using test::play_history;
 using test::Relays;
 using test::value_of;
 
@@ -175,44 +179,6 @@ TYPED_TEST(PreisachModel, StandingStillChangesNothing) {
 TEST(PreisachOnTheHost, TakesNotANumberAsOutsideTheTable) {
   auto preisach = model<double>();
   EXPECT_TRUE(preisach.update(std::numeric_limits<double>::quiet_NaN()).beyond_table);
-}
-
-// Random tables: uneven levels, relay weights of zero and more, so the properties do not hang on one instrument.
-template <typename Scalar>
-auto any_table() -> ReversalTable<Scalar, 9> {
-  ReversalTable<double, 9> table;
-  table.levels = *rc::gen::inRange<std::size_t>(2, 10);
-  double input = -0.25 * *rc::gen::inRange(1, 20);
-  double lower = -0.125 * *rc::gen::inRange(-20, 40);
-  for (std::size_t row = 0; row < table.levels; ++row) {
-    table.inputs[row] = input;
-    input += 0.0625 * *rc::gen::inRange(1, 16);
-    // The weights of this row's cells, summed along the row onto the row before: exact in both formats.
-    double force = lower;
-    double added = 0.0;
-    for (std::size_t column = 0; column <= row; ++column) {
-      added += column > 0 ? 0.03125 * *rc::gen::inRange(0, 32) : 0.0;
-      force = (column < row ? table.force(row - 1, column) : (row > 0 ? table.force(row - 1, row - 1) : lower)) + added;
-      table.set_force(row, column, force);
-    }
-  }
-  return convert_table<Scalar>(table);
-}
-
-/// An input anywhere in the table, ends included.
-template <typename Scalar>
-auto any_input(const ReversalTable<Scalar, 9>& table, double low = 0.0, double high = 1.0) -> Scalar {
-  const double first = value_of(table.inputs[0]);
-  const double range = value_of(table.inputs[table.levels - 1]) - first;
-  return number<Scalar>(first + range * (low + (high - low) * 0.001 * *rc::gen::inRange(0, 1001)));
-}
-
-template <typename Scalar>
-void play_history(auto& preisach, const ReversalTable<Scalar, 9>& table, double low = 0.0, double high = 1.0) {
-  const int count = *rc::gen::inRange(0, 30);
-  for (int i = 0; i < count; ++i) {
-    preisach.update(any_input(table, low, high));
-  }
 }
 
 template <typename Scalar>
