@@ -34,6 +34,12 @@ constexpr auto one_khz() -> SamplePeriod<Scalar> {
   }
 }
 
+/// A term of one shape, at 1 kHz.
+template <template <typename> typename Term, typename Scalar>
+auto make_term(double shape) -> Term<Scalar> {
+  return Term<Scalar>(one_khz<Scalar>(), {number<Scalar>(shape)});
+}
+
 /// Law parameters by the names of the catalogue, so that a test does not depend on the order of terms.
 class LawBuilder {
  public:

@@ -11,6 +11,7 @@ namespace capstan {
 namespace {
 
 using test::kLsb;
+using test::make_term;
 using test::number;
 using test::one_khz;
 using test::value_of;
@@ -18,19 +19,14 @@ using test::value_of;
 static_assert(SumTerm<ThermalDrift<double>, double> && SumTerm<ThermalDrift<Q24>, Q24>);
 
 template <typename Scalar>
-class Drift : public testing::Test {
- protected:
-  static auto make(double minutes) -> ThermalDrift<Scalar> {
-    return ThermalDrift<Scalar>(one_khz<Scalar>(), {number<Scalar>(minutes)});
-  }
-};
+class Drift : public testing::Test {};
 using Formats = testing::Types<double, Q24>;
 TYPED_TEST_SUITE(Drift, Formats);
 
 // Twenty minutes: far beyond the 128 s that a quantity in seconds can count.
 TYPED_TEST(Drift, WarmsUpAsAnExponentialForTwentyMinutes) {
   constexpr double kMinutes = 5.0;
-  auto term = this->make(kMinutes);
+  auto term = make_term<ThermalDrift, TypeParam>(kMinutes);
   for (int i = 1; i <= 1'200'000; ++i) {
     const double warmed = value_of(term.update({})[0]);
     if (i % 1000 == 0) {
@@ -42,7 +38,7 @@ TYPED_TEST(Drift, WarmsUpAsAnExponentialForTwentyMinutes) {
 }
 
 TYPED_TEST(Drift, StaysAtOneOnceItIsWarm) {
-  auto term = this->make(0.05);
+  auto term = make_term<ThermalDrift, TypeParam>(0.05);
   for (int i = 0; i < 3'000'000; ++i) {
     const double warmed = value_of(term.update({})[0]);
     ASSERT_LE(warmed, 1.0) << i;
@@ -53,7 +49,7 @@ TYPED_TEST(Drift, StaysAtOneOnceItIsWarm) {
 
 TYPED_TEST(Drift, SecondPartIsTheTemperatureAboveTheReferenceAlone) {
   SampleConditioner<TypeParam> conditioner(one_khz<TypeParam>(), {});
-  auto term = this->make(5.0);
+  auto term = make_term<ThermalDrift, TypeParam>(5.0);
   EXPECT_EQ(value_of(term.update(conditioner.update({}))[1]), 0.0) << "without a thermometer";
   for (const double temperature : {-10.0, 25.0, 37.5, 85.0}) {
     const auto sample = conditioner.update({.temperature = number<TypeParam>(temperature)});
@@ -63,7 +59,7 @@ TYPED_TEST(Drift, SecondPartIsTheTemperatureAboveTheReferenceAlone) {
 }
 
 TYPED_TEST(Drift, SettledIsAsWarmAsItIsNow) {
-  auto term = this->make(1.0);
+  auto term = make_term<ThermalDrift, TypeParam>(1.0);
   TypeParam now{};
   for (int i = 0; i < 30000; ++i) {
     now = term.update({})[0];

@@ -11,8 +11,8 @@ namespace capstan {
 namespace {
 
 using test::kLsb;
+using test::make_term;
 using test::number;
-using test::one_khz;
 using test::value_of;
 
 static_assert(SumTerm<ViscoelasticCreep<double>, double> && SumTerm<ViscoelasticCreep<Q24>, Q24>);
@@ -38,12 +38,7 @@ class SolidModel {
 };
 
 template <typename Scalar>
-class Creep : public testing::Test {
- protected:
-  static auto make(double time_s) -> ViscoelasticCreep<Scalar> {
-    return ViscoelasticCreep<Scalar>(one_khz<Scalar>(), {number<Scalar>(time_s)});
-  }
-};
+class Creep : public testing::Test {};
 using Formats = testing::Types<double, Q24>;
 TYPED_TEST_SUITE(Creep, Formats);
 
@@ -53,7 +48,7 @@ TYPED_TEST(Creep, WithTheElongationIsTheStandardLinearSolid) {
   constexpr double kCreep = -0.4;
   constexpr double kTime = 0.7;
   SolidModel solid(1.0 / (kCreep - kWhole), -1.0 / kCreep, -kTime / kCreep);
-  auto term = this->make(kTime);
+  auto term = make_term<ViscoelasticCreep, TypeParam>(kTime);
   term.update({});
   for (int i = 0; i < 12000; ++i) {
     const double t = 0.001 * i;
@@ -66,7 +61,7 @@ TYPED_TEST(Creep, WithTheElongationIsTheStandardLinearSolid) {
 
 TYPED_TEST(Creep, FadesAsAnExponentialInAHold) {
   constexpr double kTime = 2.0;
-  auto term = this->make(kTime);
+  auto term = make_term<ViscoelasticCreep, TypeParam>(kTime);
   term.update({});
   const auto hold = [&] { return value_of(term.update({.tau = number<TypeParam>(0.5)})[0]); };
   hold();
@@ -78,14 +73,14 @@ TYPED_TEST(Creep, FadesAsAnExponentialInAHold) {
 }
 
 TYPED_TEST(Creep, StartsRelaxedUnderTheTorqueThatIsThere) {
-  auto term = this->make(10.0);
+  auto term = make_term<ViscoelasticCreep, TypeParam>(10.0);
   for (int i = 0; i < 100; ++i) {
     ASSERT_EQ(value_of(term.update({.tau = number<TypeParam>(-3.25)})[0]), 0.0);
   }
 }
 
 TYPED_TEST(Creep, SettledIsTheCreepOfNowWithoutAStepOfIt) {
-  auto term = this->make(5.0);
+  auto term = make_term<ViscoelasticCreep, TypeParam>(5.0);
   EXPECT_EQ(value_of(term.settled({.tau = number<TypeParam>(0.5)})[0]), 0.0);
   term.update({});
   TypeParam last{};
