@@ -4,50 +4,107 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "firmware/application.hpp"
+#include "hal/sim/multi_plant.hpp"
+#include "hal/sim/sim_io.hpp"
+
 namespace capstan {
 
-auto MemoryBanks::do_erase(int bank) -> bool {
-  banks_[static_cast<std::size_t>(bank)] = Bank{};
-  return true;
-}
+/// Plant and firmware, whatever their number of axes.
+class SimBoard::Joints {
+ public:
+  virtual ~Joints() = default;
+  virtual void tick(std::span<const double> references_rad) = 0;
+  virtual void put_on_bench(std::span<const double> currents_a) = 0;
+  virtual auto machine() -> Machine& = 0;
+  virtual auto truth(std::size_t axis) const -> const sim::Truth& = 0;
+  virtual void link_lost() = 0;
+};
 
-auto MemoryBanks::do_write(int bank, std::size_t offset, std::span<const std::uint8_t> bytes) -> bool {
-  auto& memory = banks_[static_cast<std::size_t>(bank)].bytes;
-  if (offset + bytes.size() > memory.size()) {
-    return false;
-  }
-  std::copy(bytes.begin(), bytes.end(), memory.begin() + static_cast<std::ptrdiff_t>(offset));
-  return true;
-}
+template <std::size_t Axes, class PlantType>
+class SimBoard::JointsOf final : public SimBoard::Joints {
+ public:
+  JointsOf(PlantType plant, Banks& banks) : plant_(std::move(plant)), io_(plant_), application_(io_, banks) {}
 
-auto MemoryBanks::do_read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool {
-  const auto& memory = banks_[static_cast<std::size_t>(bank)].bytes;
-  if (offset + bytes.size() > memory.size()) {
-    return false;
+  void tick(std::span<const double> references_rad) override {
+    typename Application<Io>::Streamed streamed{};
+    for (std::size_t i = 0; i < std::min(Axes, references_rad.size()); ++i) {
+      streamed[i] = {AxisCommand::Kind::kFollow, Q24::from_double(references_rad[i]), {}};
+    }
+    application_.rt_tick(streamed);
+    if (!io_.failure().empty()) {
+      throw std::runtime_error(io_.failure());
+    }
   }
-  std::copy_n(memory.begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(), bytes.begin());
-  return true;
+  void put_on_bench(std::span<const double> currents_a) override {
+    typename Io::Commands commands;
+    for (std::size_t i = 0; i < std::min(Axes, currents_a.size()); ++i) {
+      commands[i] = {currents_a[i], true};
+    }
+    io_.put_on_bench(commands);
+  }
+  auto machine() -> Machine& override { return application_; }
+  auto truth(std::size_t axis) const -> const sim::Truth& override { return plant_.truth(axis); }
+  void link_lost() override { application_.link_lost(); }
+
+ private:
+  using Io = PlantIo<Axes, PlantType>;
+  PlantType plant_;
+  Io io_;
+  Application<Io> application_;
+};
+
+auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks) -> std::unique_ptr<Joints> {
+  const auto several = [&]<std::size_t Axes>() {
+    return std::make_unique<JointsOf<Axes, sim::MultiPlant>>(sim::MultiPlant(scenario), banks);
+  };
+  switch (scenario.other_axes.size()) {
+    case 0: {
+      sim::Plant plant(scenario.plant, scenario.seed);
+      for (const sim::Fault& fault : scenario.faults) {
+        plant.schedule(fault);
+      }
+      return std::make_unique<JointsOf<1, sim::Plant>>(std::move(plant), banks);
+    }
+    case 1:
+      return several.template operator()<2>();
+    case 2:
+      return several.template operator()<3>();
+    case 3:
+      return several.template operator()<4>();
+    default:
+      throw std::runtime_error("the instrument has more axes than a board, which has four; leave axes out of its file");
+  }
 }
 
 SimBoard::SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo)
-    : plant_(scenario.plant, scenario.seed),
-      io_(plant_),
-      application_(io_, banks),
-      shell_(application_, sink, "sim", echo) {
-  for (const sim::Fault& fault : scenario.faults) {
-    plant_.schedule(fault);
-  }
+    : joints_(make_joints(scenario, banks)), shell_(joints_->machine(), sink, "sim", echo) {}
+
+SimBoard::~SimBoard() = default;
+
+void SimBoard::tick(std::span<const double> references_rad) {
+  joints_->tick(references_rad);
 }
 
-void SimBoard::tick(std::optional<double> reference_rad) {
-  Application<SimIo>::Streamed streamed{};
-  if (reference_rad) {
-    streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(*reference_rad), {}};
-  }
-  application_.rt_tick(streamed);
-  if (!io_.failure().empty()) {
-    throw std::runtime_error(io_.failure());
-  }
+void SimBoard::tick_on_bench(std::span<const double> currents_a) {
+  joints_->put_on_bench(currents_a);
+  joints_->tick({});
+}
+
+auto SimBoard::axes() const -> std::size_t {
+  return machine().axes();
+}
+
+auto SimBoard::machine() const -> const Machine& {
+  return joints_->machine();
+}
+
+auto SimBoard::truth(std::size_t axis) const -> const sim::Truth& {
+  return joints_->truth(axis);
+}
+
+void SimBoard::link_lost() {
+  joints_->link_lost();
 }
 
 }  // namespace capstan

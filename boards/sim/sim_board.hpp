@@ -1,49 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <optional>
+#include <memory>
+#include <span>
 
-#include "firmware/application.hpp"
+#include "firmware/machine.hpp"
 #include "firmware/shell.hpp"
+#include "hal/sim/plant.hpp"
 #include "hal/sim/scenario.hpp"
-#include "hal/sim/sim_io.hpp"
 
 namespace capstan {
 
-/// Parameter banks that forget: for runs that shall leave nothing behind.
-class MemoryBanks final : public Banks {
- private:
-  static constexpr std::size_t kSize = 16 * 1024;
-  struct Bank {
-    Bank() { bytes.fill(0xFF); }
-    std::array<std::uint8_t, kSize> bytes{};
-  };
-  auto do_erase(int bank) -> bool override;
-  auto do_write(int bank, std::size_t offset, std::span<const std::uint8_t> bytes) -> bool override;
-  auto do_read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool override;
-
-  std::array<Bank, kBanks> banks_;
-};
-
-/// The firmware on a simulated joint: every object built once, as on any board.
+/// The firmware on a simulated instrument of one to four axes: every object built once, as on any board.
 class SimBoard {
  public:
   /// @param sink  receives the shell's answers   @param echo  the shell talks to a person
+  /// Throws std::runtime_error with "sentence; cure" if the instrument has more axes than a board.
   SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo);
+  ~SimBoard();
 
-  /// One cycle of 1 ms: firmware, then plant. `reference_rad` streams a joint reference, as a host over a link would.
-  /// Throws std::runtime_error if the plant diverged.
-  void tick(std::optional<double> reference_rad = std::nullopt);
+  /// One cycle of 1 ms: firmware, then plant. `references_rad` streams a reference to each of the first joints, as a
+  /// host over a link would. Throws std::runtime_error if the plant diverged.
+  void tick(std::span<const double> references_rad = {});
 
+  /// One cycle in which supplies of the bench drive the motors with these currents, one per axis; the firmware measures
+  /// and estimates, and nothing that it wants reaches a motor. Throws as tick does.
+  void tick_on_bench(std::span<const double> currents_a);
+
+  [[nodiscard]] auto axes() const -> std::size_t;
   [[nodiscard]] auto shell() -> Shell& { return shell_; }
-  [[nodiscard]] auto application() -> Application<SimIo>& { return application_; }
-  [[nodiscard]] auto plant() const -> const sim::Plant& { return plant_; }
+  [[nodiscard]] auto machine() const -> const Machine&;
+  [[nodiscard]] auto truth(std::size_t axis) const -> const sim::Truth&;
+  /// The console is gone, see Application.
+  void link_lost();
 
  private:
-  sim::Plant plant_;
-  SimIo io_;
-  Application<SimIo> application_;
+  class Joints;
+  template <std::size_t Axes, class PlantType>
+  class JointsOf;
+  static auto make_joints(const sim::Scenario& scenario, Banks& banks) -> std::unique_ptr<Joints>;
+
+  std::unique_ptr<Joints> joints_;
   Shell shell_;
 };
 

@@ -15,6 +15,13 @@ constexpr double kBalanceToleranceNm = 1.0e-10;
 // Where the first attempt at a balance fails, rounding may be why: see balance_tolerance().
 constexpr double kRoundingShare = 1.0e-11;
 
+// Of the solvers over all angles at once.
+constexpr int kMaxRounds = 40;
+constexpr int kFullRounds = 12;  // a Newton iteration not at rest by then goes half way, lest it cycle
+constexpr int kMaxRelaxations = 40;
+constexpr int kSweepsPerNewton = 4;
+constexpr double kLargestAngleRad = 1.0e4;
+
 /// What acts on the drivetrain from outside during one step.
 struct Loads {
   double motor_torque_nm = 0.0;
@@ -31,7 +38,8 @@ struct DrivetrainState {
   double q2_rad = 0.0;
   double q2_rate_rad_per_s = 0.0;
   double tau_in_nm = 0.0;
-  double tau_out_nm = 0.0;
+  double tau_out_nm = 0.0;         ///< of the axis' own tendons
+  double joint_torque_nm = 0.0;    ///< of all tendons that pass the joint
   double motor_bristle_rad = 0.0;  ///< deflection of elastic friction, see bristle()
   double joint_bristle_rad = 0.0;
 };
@@ -62,6 +70,31 @@ inline Row pick_row(double residual, double slope, double coulomb, double move, 
     return {true, std::fabs(slope * move) <= tolerance, -move, 0.0};
   const double total = residual + (push > 0.0 ? coulomb : -coulomb);
   return {false, std::fabs(total) <= tolerance, 0.0, total};
+}
+
+/// The increment of one angle whose balance grows with it, everything else held: Newton kept inside a bracket.
+/// @param balance_at  the Balance at a trial increment, tendons included
+template <class BalanceAt>
+double balanced_move(BalanceAt&& balance_at) {
+  const Balance still = balance_at(0.0);
+  if (still.prescribed)
+    return still.target;
+  if (std::fabs(still.residual) <= still.coulomb)
+    return 0.0;
+  const double direction = still.residual > 0.0 ? -1.0 : 1.0;
+  double low = 0.0;
+  double high = kLargestAngleRad;
+  double distance = 1.0e-9;
+  for (int round = 0; round < 200 && high - low > 1.0e-16 * high; ++round) {
+    const Balance b = balance_at(direction * distance);
+    const double excess = b.residual * direction + b.coulomb;
+    if (std::fabs(excess) <= 0.1 * kBalanceToleranceNm)
+      break;
+    (excess < 0.0 ? low : high) = distance;
+    const double next = distance - excess / b.slope;
+    distance = next > low && next < high ? next : (high < kLargestAngleRad ? 0.5 * (low + high) : 4.0 * distance);
+  }
+  return direction * distance;
 }
 
 struct Torque {

@@ -10,15 +10,6 @@
 #include "hal/sim/drivetrain.hpp"
 
 namespace capstan::sim {
-namespace {
-
-constexpr int kMaxRounds = 40;
-constexpr int kMaxRelaxations = 40;
-constexpr int kFullRounds = 12;  // a Newton iteration not at rest by then goes half way, lest it cycle
-constexpr int kSweepsPerNewton = 4;
-constexpr double kLargestAngleRad = 1.0e4;
-
-}  // namespace
 
 CoupledDrivetrain::CoupledDrivetrain(const std::vector<InstrumentAxis>& axes) {
   for (const InstrumentAxis& axis : axes) {
@@ -305,11 +296,10 @@ void CoupledDrivetrain::relax(const Step& step) {
   throw std::runtime_error("the plant diverged: motors and joints find no common balance; use smaller substeps");
 }
 
-// Solves one angle's monotone balance by Newton kept inside a bracket, the others held.
 void CoupledDrivetrain::relax_one(const Step& step, std::size_t number) {
   const std::size_t count = coordinates_.size();
-  const auto at = [&](double move) {
-    moves_[number] = move;
+  moves_[number] = balanced_move([&](double at) {
+    moves_[number] = at;
     pull(step);
     balances_[number] = balance(step, number);
     Balance b = balances_[number];
@@ -317,28 +307,7 @@ void CoupledDrivetrain::relax_one(const Step& step, std::size_t number) {
     b.residual += tendon_torque(number);
     b.slope = system_[number * count + number];
     return b;
-  };
-  const Balance still = at(0.0);
-  if (still.prescribed) {
-    moves_[number] = still.target;
-    return;
-  }
-  if (std::fabs(still.residual) <= still.coulomb)
-    return;
-  const double direction = still.residual > 0.0 ? -1.0 : 1.0;
-  double low = 0.0;
-  double high = kLargestAngleRad;
-  double distance = 1.0e-9;
-  for (int round = 0; round < 200 && high - low > 1.0e-16 * high; ++round) {
-    const Balance b = at(direction * distance);
-    const double excess = b.residual * direction + b.coulomb;
-    if (std::fabs(excess) <= 0.1 * kBalanceToleranceNm)
-      break;
-    (excess < 0.0 ? low : high) = distance;
-    const double next = distance - excess / b.slope;
-    distance = next > low && next < high ? next : (high < kLargestAngleRad ? 0.5 * (low + high) : 4.0 * distance);
-  }
-  moves_[number] = direction * distance;
+  });
 }
 
 // A contact is right if it only pushes; the gap is right if it stays within its width.
@@ -372,6 +341,9 @@ void CoupledDrivetrain::accept(const Step& step) {
     a.state.pulley_rad += pulley_move(i);
     a.state.tau_in_nm = a.parameters.input_radius_m * a.in;
     a.state.tau_out_nm = a.parameters.output_radius_m * a.out;
+    a.state.joint_torque_nm = a.state.tau_out_nm;
+    for (const Axis& passing : axes_)
+      a.state.joint_torque_nm -= passing.carried[i] * passing.out;
     advance_state(a.parameters, a.state, step.dt_s, a.last_q1, a.last_joint);
     const bool bounded = std::fabs(a.state.q1_rad) < kLargestAngleRad && std::fabs(a.state.q2_rad) < kLargestAngleRad;
     if (!bounded || !std::isfinite(a.state.tau_in_nm)) {

@@ -6,16 +6,6 @@
 #include <stdexcept>
 
 namespace capstan::sim {
-namespace {
-
-constexpr int kMaxRounds = 40;
-constexpr int kMaxRelaxations = 40;
-constexpr int kFullRounds = 12;  // a Newton iteration not at rest by then goes half way, lest it cycle
-constexpr int kSweepsPerNewton = 4;
-constexpr double kToleranceNm = kBalanceToleranceNm;
-constexpr double kLargestAngleRad = 1.0e4;
-
-}  // namespace
 
 TendonParameters tendon_parameters(const PlantParameters& p, bool top) {
   const Effects& e = p.effects;
@@ -79,7 +69,7 @@ bool Drivetrain::try_contact(Step& step, Contact contact) {
       return false;
   } else {
     const double bearing = pulley_viscous(parameters_) / step.dt_s * pulley_move(step, moves.output);
-    if ((last_torques_.out - bearing) * static_cast<double>(contact) < -2.0 * kToleranceNm)
+    if ((last_torques_.out - bearing) * static_cast<double>(contact) < -2.0 * kBalanceToleranceNm)
       return false;
   }
   accept(step, moves, joint_move);
@@ -151,10 +141,9 @@ void Drivetrain::relax(const Step& step, Moves& moves) {
   throw std::runtime_error("the plant diverged: motor and joint find no common balance; use smaller substeps");
 }
 
-// Solves one angle's monotone balance by Newton kept inside a bracket, the other angle held.
 double Drivetrain::relax_one(const Step& step, Moves moves, bool output) {
   double& move = output ? moves.output : moves.q1;
-  const auto balance = [&](double at) {
+  return balanced_move([&](double at) {
     move = at;
     Balance b = output ? balance_output(step, at) : balance_motor(step, at);
     if (b.prescribed)
@@ -163,26 +152,7 @@ double Drivetrain::relax_one(const Step& step, Moves moves, bool output) {
     b.residual += output ? -t.out : t.in;
     b.slope += output ? -t.out_by_q2 : t.in_by_q1;
     return b;
-  };
-  const Balance still = balance(0.0);
-  if (still.prescribed)
-    return still.target;
-  if (std::fabs(still.residual) <= still.coulomb)
-    return 0.0;
-  const double direction = still.residual > 0.0 ? -1.0 : 1.0;
-  double low = 0.0;
-  double high = kLargestAngleRad;
-  double distance = 1.0e-9;
-  for (int round = 0; round < 200 && high - low > 1.0e-16 * high; ++round) {
-    const Balance b = balance(direction * distance);
-    const double excess = b.residual * direction + b.coulomb;
-    if (std::fabs(excess) <= 0.1 * kToleranceNm)
-      break;
-    (excess < 0.0 ? low : high) = distance;
-    const double next = distance - excess / b.slope;
-    distance = next > low && next < high ? next : (high < kLargestAngleRad ? 0.5 * (low + high) : 4.0 * distance);
-  }
-  return direction * distance;
+  });
 }
 
 Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves) {
@@ -255,6 +225,7 @@ void Drivetrain::accept(const Step& step, const Moves& moves, double joint_move)
   advance_state(parameters_, state_, step.dt_s, moves.q1, joint_move);
   state_.tau_in_nm = last_torques_.in;
   state_.tau_out_nm = last_torques_.out;
+  state_.joint_torque_nm = last_torques_.out;
   last_moves_ = moves;
   contact_ = step.contact;
   const bool bounded = std::fabs(state_.q1_rad) < kLargestAngleRad && std::fabs(state_.q2_rad) < kLargestAngleRad;

@@ -9,14 +9,15 @@ namespace {
 
 void check(const LadderShape& shape) {
   if (!(shape.amplitude_rad > 0.0 && shape.amplitude_rad <= 100.0))
-    throw std::invalid_argument("amplitude_rad must be above 0; give the ladder's amplitude");
+    throw std::invalid_argument("the amplitude must be above 0; give the ladder's amplitude");
   if (shape.cycles < 1 || shape.cycles > 1000)
     throw std::invalid_argument("cycles must be 1 to 1000; give how often each rung repeats");
 }
 
 void check_rungs(const std::vector<double>& rungs) {
   if (rungs.empty() || rungs.size() > 1000)
-    throw std::invalid_argument("a ladder needs its rungs; give frequencies_hz or speeds_rad_per_s = [...]");
+    throw std::invalid_argument(
+        "a ladder needs its rungs; give frequencies_hz, speeds_rad_per_s or speeds_nm_per_s = [...]");
   for (const double rung : rungs) {
     if (!(rung > 0.0 && rung <= 1000.0))
       throw std::invalid_argument("a ladder's rungs must be above 0; correct the list");

@@ -44,6 +44,9 @@ constexpr std::array kPlantFields = std::to_array<Field<P>>({
     {"camera_delay_s", &P::camera_delay_s, 0.0, 10.0},
     {"tip_length_m", &P::tip_length_m, 1.0e-5, 10.0},
     {"tip_force_noise_n", &P::tip_force_noise_n, 0.0, 1.0e3},
+    {"ambient_c", &P::ambient_c, -100.0, 200.0},
+    {"warming_k", &P::warming_k, 0.0, 200.0},
+    {"thermometer_noise_k", &P::thermometer_noise_k, 0.0, 10.0},
 });
 
 constexpr std::array kEnvironmentFields = std::to_array<Field<Environment>>({

@@ -148,11 +148,13 @@ Kinematics fade(const Kinematics& start, double blend, double t) {
 }
 
 void check_polyline(const Segment& g) {
-  require(g.points_rad.size() >= 2, "a polyline needs two points or more; give points_rad = [...]");
-  require(g.speed_rad_per_s > 0.0 && g.speed_rad_per_s <= 1.0e3, "speed_rad_per_s must be above 0; give a speed");
+  require(g.points_rad.size() >= 2,
+          "a polyline needs two points or more; give points_rad = [...], or points_nm of a torque");
+  require(g.speed_rad_per_s > 0.0 && g.speed_rad_per_s <= 1.0e3,
+          "a polyline's speed must be above 0; give speed_rad_per_s, or speed_nm_per_s of a torque");
   require(g.corner_s > 0.0, "corner_s must be above 0; a motion cannot turn at once");
   for (const double point : g.points_rad)
-    require(std::fabs(point) <= 100.0, "points_rad are beyond 100 rad; give angles in rad");
+    require(std::fabs(point) <= 100.0, "the points are beyond 100; give angles in rad or torques in N m");
 }
 
 void check(const Segment& g, double blend_s) {
@@ -161,8 +163,8 @@ void check(const Segment& g, double blend_s) {
   require(g.duration_s > 0.0 && g.duration_s <= 1.0e6,
           "duration_s must be above 0; give the segment's length in seconds");
   require(g.duration_s >= blend_s, "a segment is shorter than blend_s; lengthen it or shorten the blend");
-  require(std::fabs(g.amplitude_rad) <= 100.0, "amplitude_rad is beyond 100 rad; give an angle in rad");
-  require(std::fabs(g.offset_rad) <= 100.0, "offset_rad is beyond 100 rad; give an angle in rad");
+  require(std::fabs(g.amplitude_rad) <= 100.0, "the amplitude is beyond 100; give an angle in rad or a torque in N m");
+  require(std::fabs(g.offset_rad) <= 100.0, "the offset is beyond 100; give an angle in rad or a torque in N m");
   const bool periodic =
       g.kind != SegmentKind::kHold && g.kind != SegmentKind::kMultisine && g.kind != SegmentKind::kPolyline;
   require(!periodic || (g.frequency_hz > 0.0 && g.frequency_hz <= kFastestHz),
@@ -198,8 +200,8 @@ double polyline_duration_s(const Segment& segment) {
   return sum;
 }
 
-Motion::Motion(std::vector<Segment> segments, int repeat, double blend_s)
-    : segments_(std::move(segments)), blend_s_(blend_s), repeat_(repeat) {
+Motion::Motion(std::vector<Segment> segments, int repeat, double blend_s, Quantity quantity)
+    : segments_(std::move(segments)), blend_s_(blend_s), repeat_(repeat), quantity_(quantity) {
   require(!segments_.empty(), "the motion has no segments; give at least one");
   require(repeat >= 1 && repeat <= 100000, "repeat must be 1 to 100000; give a count");
   require(blend_s >= 0.01 && blend_s <= 1000.0, "blend_s must be 0.01 to 1000; a blend keeps the speed bounded");

@@ -8,6 +8,10 @@ namespace capstan::sim {
 
 enum class SegmentKind { kSine, kMultisine, kDecayingSine, kTriangle, kHold, kPolyline };
 
+/// What a motion is of: the angle of a joint, rad, or the torque of a motor, N m. All that is called an angle, rad and
+/// rad/s below is then a torque, N m and N m/s.
+enum class Quantity { kAngle, kTorque };
+
 /// One piece of a reference motion; t below counts from the start of the segment.
 struct Segment {
   SegmentKind kind = SegmentKind::kHold;
@@ -41,7 +45,7 @@ class Motion {
   Motion() = default;
 
   /// Throws std::invalid_argument with "sentence; cure" on impossible segments.
-  Motion(std::vector<Segment> segments, int repeat, double blend_s);
+  Motion(std::vector<Segment> segments, int repeat, double blend_s, Quantity quantity = Quantity::kAngle);
 
   [[nodiscard]] Kinematics at(double time_s) const;
   [[nodiscard]] double reference_rad(double time_s) const { return at(time_s).angle_rad; }
@@ -49,6 +53,8 @@ class Motion {
   /// Including the return to rest.
   [[nodiscard]] double duration_s() const;
 
+  [[nodiscard]] bool empty() const { return segments_.empty(); }
+  [[nodiscard]] Quantity quantity() const { return quantity_; }
   [[nodiscard]] double cycle_s() const { return cycle_s_; }
   [[nodiscard]] int repeat() const { return repeat_; }
 
@@ -61,6 +67,7 @@ class Motion {
   double cycle_s_ = 0.0;
   double blend_s_ = 0.0;
   int repeat_ = 0;
+  Quantity quantity_ = Quantity::kAngle;
 };
 
 }  // namespace capstan::sim

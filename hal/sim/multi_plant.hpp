@@ -11,11 +11,6 @@
 
 namespace capstan::sim {
 
-struct MotorCommand {
-  double current_a = 0.0;
-  bool enabled = false;
-};
-
 /// An instrument of several axes, coupled as CoupledDrivetrain says; each has amplifier, sensors, faults and effects of
 /// its own, as a Plant has. Advances in steps of 1 ms, bit-reproducible for a seed.
 class MultiPlant {

@@ -142,6 +142,11 @@ struct PlantParameters {
   // Tip force sensor, for the log only.
   double tip_length_m = 0.01;  ///< joint axis to tip
   double tip_force_noise_n = 0.02;
+  // Thermometer, for the log only. The instrument warms up from ambient by `warming` as effects.thermal_time_s says; 0:
+  // there is no thermometer.
+  double ambient_c = 25.0;
+  double warming_k = 0.0;
+  double thermometer_noise_k = 0.05;
 
   Environment environment;
   Effects effects;

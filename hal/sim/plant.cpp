@@ -31,6 +31,7 @@ Periphery::Periphery(const PlantParameters& parameters, std::uint64_t seed)
       current_sensor_(parameters, stream(seed, 2)),
       camera_(parameters, stream(seed, 3)),
       tip_noise_(stream(seed, 4)),
+      thermometer_noise_(stream(seed, 5)),
       current_decay_(det_exp(-2.0 * std::numbers::pi * parameters.current_bandwidth_hz * kStepS /
                              static_cast<double>(parameters.substeps))),
       substep_s_(kStepS / static_cast<double>(parameters.substeps)) {}
@@ -67,7 +68,7 @@ void Periphery::apply_slow_effects(Tendon& top, Tendon& bottom) {
     bottom.creep(kStepS);
   }
   if (e.thermal_growth_m != 0.0) {
-    const double growth = e.thermal_growth_m * (1.0 - det_exp(-now / e.thermal_time_s));
+    const double growth = e.thermal_growth_m * warmth(now);
     top.lengthen(growth - applied_growth_m_);
     applied_growth_m_ = growth;
   }
@@ -141,11 +142,11 @@ void Periphery::observe(const DrivetrainState& s) {
   truth_.motor_torque_nm = loads(truth_.time_s, s).motor_torque_nm;
   truth_.current_a = current_a_;
   truth_.q2_camera_rad = camera_.sample(s.q2_rad);
-  Environment touched = parameters_.environment;
-  touched.site_m = site_m();
-  truth_.tip_force_n = environment_torque(touched, s.q2_rad, s.q2_rate_rad_per_s).value / parameters_.tip_length_m;
-  if (parameters_.tip_force_noise_n > 0.0)
-    truth_.tip_force_n += parameters_.tip_force_noise_n * tip_noise_.normal();
+  observe_tip(s);
+  if (parameters_.warming_k > 0.0) {
+    truth_.temperature_c = parameters_.ambient_c + parameters_.warming_k * warmth(truth_.time_s) +
+                           parameters_.thermometer_noise_k * thermometer_noise_.normal();
+  }
   if (parameters_.effects.axis_coupling_rad != 0.0)
     truth_.second_rad = second_rad(truth_.time_s);
   readings_ = Readings{.encoder_counts = encoder_.counts(s.q1_rad, truth_.time_s),
@@ -153,6 +154,27 @@ void Periphery::observe(const DrivetrainState& s) {
                        .encoder_ok = true,
                        .current_ok = true};
   faults_.apply(truth_.time_s, readings_);
+}
+
+// A lock takes what the tendons give and the link does not need.
+void Periphery::observe_tip(const DrivetrainState& s) {
+  const Effects& e = parameters_.effects;
+  Environment touched = parameters_.environment;
+  touched.site_m = site_m();
+  double torque = environment_torque(touched, s.q2_rad, s.q2_rate_rad_per_s).value;
+  if (touched.kind == EnvironmentKind::kLocked) {
+    torque = s.joint_torque_nm - e.gravity_torque_nm * det_sin(s.q2_rad + e.gravity_angle_rad) +
+             loads(truth_.time_s, s).tip_torque_nm;
+  }
+  truth_.tip_force_n = torque / parameters_.tip_length_m;
+  if (parameters_.tip_force_noise_n > 0.0)
+    truth_.tip_force_n += parameters_.tip_force_noise_n * tip_noise_.normal();
+  truth_.tip_torque_nm = truth_.tip_force_n * parameters_.tip_length_m;
+}
+
+// How much of its warming the instrument has behind it.
+double Periphery::warmth(double time_s) const {
+  return 1.0 - det_exp(-time_s / parameters_.effects.thermal_time_s);
 }
 
 void require_number(double current_command_a) {
@@ -175,6 +197,12 @@ void Plant::step(double current_command_a, bool enabled) {
       drivetrain_.advance(periphery_.powered(i, drivetrain_.state()), dt);
   });
   periphery_.observe(drivetrain_.state());
+}
+
+void Plant::step(std::span<const MotorCommand> commands) {
+  if (commands.size() != axis_count())
+    throw std::invalid_argument("there must be one command per axis; give as many as the instrument has");
+  step(commands.front().current_a, commands.front().enabled);
 }
 
 void Plant::step_kinematic(double q1_rad) {

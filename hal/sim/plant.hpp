@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -26,7 +28,9 @@ struct Truth {
   double motor_torque_nm = 0.0;  ///< torque constant times current, before the motor's own friction
   double current_a = 0.0;
   double q2_camera_rad = 0.0;  ///< the joint camera: noisy, possibly held and late
-  double tip_force_n = 0.0;    ///< the tip force sensor: what the environment pushes back with, noisy
+  double tip_force_n = 0.0;    ///< the tip force sensor: what the environment or the lock pushes back with, noisy
+  double tip_torque_nm = 0.0;  ///< the same about the joint
+  double temperature_c = 0.0;  ///< of the instrument, by its thermometer
   double second_rad = 0.0;     ///< the joint that `axis_coupling` swings
 };
 
@@ -55,6 +59,8 @@ class Periphery {
  private:
   void apply_slow_effects(Tendon& top, Tendon& bottom);
   void advance_current();
+  void observe_tip(const DrivetrainState& state);
+  [[nodiscard]] double warmth(double time_s) const;
   [[nodiscard]] double second_rad(double time_s) const;
   [[nodiscard]] Loads loads(double time_s, const DrivetrainState& state) const;
 
@@ -63,7 +69,7 @@ class Periphery {
   Encoder encoder_;
   CurrentSensor current_sensor_;
   Camera camera_;
-  Random tip_noise_;
+  Random tip_noise_, thermometer_noise_;
   Readings readings_;
   Truth truth_;
   std::uint64_t step_count_ = 0;
@@ -97,6 +103,11 @@ class Divergence {
   std::string sentence_;
 };
 
+struct MotorCommand {
+  double current_a = 0.0;
+  bool enabled = false;
+};
+
 /// Throws std::runtime_error if it is not.
 void require_number(double current_command_a);
 
@@ -114,17 +125,21 @@ class Plant {
   /// diverged stays where it was last sane and answers every further step with the same sentence.
   void step(double current_command_a, bool enabled);
 
+  /// The same through the face that MultiPlant has too. Throws std::invalid_argument unless there is one command.
+  void step(std::span<const MotorCommand> commands);
+
   /// One millisecond with the input pulley moved to `q1_rad` by hand, as on a test bench; the motor takes no part.
   void step_kinematic(double q1_rad);
 
   /// What the board sees now, sensor faults included.
-  [[nodiscard]] Readings readings() const { return periphery_.readings(); }
-  [[nodiscard]] const Truth& truth() const { return periphery_.truth(); }
+  [[nodiscard]] const Readings& readings(std::size_t = 0) const { return periphery_.readings(); }
+  [[nodiscard]] const Truth& truth(std::size_t = 0) const { return periphery_.truth(); }
 
   /// Adds a fault to the schedule. Throws std::invalid_argument as FaultSchedule::add does.
   void schedule(const Fault& fault) { periphery_.schedule(fault); }
 
-  [[nodiscard]] const PlantParameters& parameters() const { return periphery_.parameters(); }
+  [[nodiscard]] static constexpr std::size_t axis_count() { return 1; }
+  [[nodiscard]] const PlantParameters& parameters(std::size_t = 0) const { return periphery_.parameters(); }
   [[nodiscard]] const Drivetrain& drivetrain() const { return drivetrain_; }
 
  private:

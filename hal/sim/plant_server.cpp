@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "hal/plant_link/plant_server.hpp"
-#include "hal/sim/multi_sim_io.hpp"
+#include "hal/sim/multi_plant.hpp"
 #include "hal/sim/sim_io.hpp"
 
 namespace capstan::sim {

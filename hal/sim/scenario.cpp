@@ -66,7 +66,10 @@ Readers axis_readers(const Source& source, PlantParameters& plant, Motion& motio
                           const auto& node) { read_environment(source, source.table(key, node), plant.environment); }},
       {"effects",
        [&](const auto& key, const auto& node) { read_effects(source, source.table(key, node), plant.effects); }},
-      {"motion", [&](const auto& key, const auto& node) { motion = read_motion(source, source.table(key, node)); }},
+      {"motion", [&](const auto& key,
+                     const auto& node) { motion = read_motion(source, source.table(key, node), Quantity::kAngle); }},
+      {"torque", [&](const auto& key,
+                     const auto& node) { motion = read_motion(source, source.table(key, node), Quantity::kTorque); }},
   };
 }
 
@@ -123,6 +126,20 @@ Scenario read_base(const Source& source, const toml::node& node, int depth) {
   return parse_at_depth(contents(file), Source{file, source.instruments_folder}, depth + 1);
 }
 
+// A joint follows an angle or its motor gives a torque, and the bench is there for all axes or for none.
+void check_quantities(const Source& source, const toml::table& root, const Scenario& scenario) {
+  const bool bench = on_bench(scenario);
+  bool mixed = root.contains("motion") && root.contains("torque");
+  const auto differs = [bench](const Motion& motion) {
+    return !motion.empty() && (motion.quantity() == Quantity::kTorque) != bench;
+  };
+  mixed = mixed || differs(scenario.motion);
+  for (const OtherAxis& axis : scenario.other_axes)
+    mixed = mixed || differs(axis.motion);
+  if (mixed)
+    source.fail(root.source(), "one axis has a [motion] and another, or the same, a [torque]; choose one for all");
+}
+
 double longest_motion_s(const Scenario& scenario) {
   double longest = scenario.motion.duration_s();
   for (const OtherAxis& axis : scenario.other_axes)
@@ -144,11 +161,12 @@ Scenario parse_at_depth(std::string_view text, const Source& source, int depth) 
     take_instrument(find_instrument(source, *instrument), scenario);
   read_table(source, "a scenario", root, scenario_readers(source, scenario));
   source.located(root, [&] { validate(scenario.plant); });
+  check_quantities(source, root, scenario);
   if (const toml::node* duration = root.get("duration_s")) {
     if (scenario.duration_s <= 0.0 || scenario.duration_s > 1.0e6) {
       source.fail(duration->source(), "`duration_s` must be above 0; give the run's length in seconds");
     }
-  } else if (root.contains("motion") || root.contains("axes") || !root.contains("base")) {
+  } else if (root.contains("motion") || root.contains("torque") || root.contains("axes") || !root.contains("base")) {
     scenario.duration_s = longest_motion_s(scenario);
   }
   return scenario;
@@ -164,6 +182,13 @@ double value_of(const std::string& number, const std::string& what) {
 }
 
 }  // namespace
+
+bool on_bench(const Scenario& scenario) {
+  bool bench = scenario.motion.quantity() == Quantity::kTorque;
+  for (const OtherAxis& axis : scenario.other_axes)
+    bench = bench || axis.motion.quantity() == Quantity::kTorque;
+  return bench;
+}
 
 std::vector<InstrumentAxis> axes_of(const Scenario& scenario) {
   std::vector<InstrumentAxis> axes = {{scenario.axis_name, scenario.plant, scenario.carried_radius_m}};

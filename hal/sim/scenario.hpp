@@ -43,13 +43,17 @@ struct Scenario {
   std::vector<OtherAxis> other_axes;
 };
 
+/// Whether supplies of the bench drive the motors with torques, instead of the firmware moving the joints.
+[[nodiscard]] bool on_bench(const Scenario& scenario);
+
 /// All axes, in order, for MultiPlant.
 [[nodiscard]] std::vector<InstrumentAxis> axes_of(const Scenario& scenario);
 
 /// Reads a scenario. `base = "other.toml"` begins with all that another one says; lists given here replace the base's.
 /// `instrument = "name.toml"` is looked for beside the scenario, then in `instruments_folder`, then among the
 /// instruments built in (built_in_instrument). [plant], [effects], [environment] and [motion] speak of the first axis;
-/// [[axes]] with `axis = "name"` and these four of any. Throws ScenarioError.
+/// [[axes]] with `axis = "name"` and these four of any. [torque] in place of [motion], in N m (amplitude_nm, points_nm,
+/// ...), is what the motor gives: the instrument is then on the bench, all axes of it. Throws ScenarioError.
 [[nodiscard]] Scenario load_scenario(const std::filesystem::path& file,
                                      const std::filesystem::path& instruments_folder = {});
 

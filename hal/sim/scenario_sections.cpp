@@ -85,23 +85,24 @@ std::vector<Segment> expand(WrittenSegment written, bool has_duration) {
   return result;
 }
 
-std::vector<Segment> read_segment(const Source& source, const toml::table& table) {
+std::vector<Segment> read_segment(const Source& source, const toml::table& table, Quantity quantity) {
   WrittenSegment written;
   Segment& plain = written.plain;
+  const std::string unit = quantity == Quantity::kTorque ? "nm" : "rad";
   read_table(source, "a segment", table,
              {{"kind", [&](const auto& key, const auto& node) { written.kind = source.text(key, node); }},
               {"duration_s", number_into(source, plain.duration_s)},
-              {"offset_rad", number_into(source, plain.offset_rad)},
-              {"amplitude_rad", number_into(source, plain.amplitude_rad)},
+              {"offset_" + unit, number_into(source, plain.offset_rad)},
+              {"amplitude_" + unit, number_into(source, plain.amplitude_rad)},
               {"frequency_hz", number_into(source, plain.frequency_hz)},
               {"phase_rad", number_into(source, plain.phase_rad)},
               {"decay_per_s", number_into(source, plain.decay_per_s)},
               {"corner_s", number_into(source, plain.corner_s)},
-              {"speed_rad_per_s", number_into(source, plain.speed_rad_per_s)},
+              {"speed_" + unit + "_per_s", number_into(source, plain.speed_rad_per_s)},
               {"cycles", integer_into(source, written.cycles)},
               {"levels", integer_into(source, written.levels)},
-              {"points_rad", numbers_into(source, plain.points_rad)},
-              {"speeds_rad_per_s", numbers_into(source, written.speeds_rad_per_s)},
+              {"points_" + unit, numbers_into(source, plain.points_rad)},
+              {"speeds_" + unit + "_per_s", numbers_into(source, written.speeds_rad_per_s)},
               {"frequencies_hz", numbers_into(source, plain.frequencies_hz)}});
   demand(source, table, "a segment", "kind");
   return source.located(table, [&] { return expand(std::move(written), table.contains("duration_s")); });
@@ -179,20 +180,20 @@ Fault read_fault(const Source& source, const toml::table& table, const std::vect
   return fault;
 }
 
-Motion read_motion(const Source& source, const toml::table& table) {
+Motion read_motion(const Source& source, const toml::table& table, Quantity quantity) {
   std::vector<Segment> segments;
   int repeat = 1;
   double blend_s = 0.5;
-  read_table(source, "motion", table,
+  read_table(source, quantity == Quantity::kTorque ? "torque" : "motion", table,
              {{"repeat", integer_into(source, repeat)},
               {"blend_s", number_into(source, blend_s)},
               {"segments", [&](const std::string& key, const toml::node& node) {
                  for (const auto& item : source.array(key, node)) {
-                   std::vector<Segment> more = read_segment(source, source.table("segments", item));
+                   std::vector<Segment> more = read_segment(source, source.table("segments", item), quantity);
                    std::move(more.begin(), more.end(), std::back_inserter(segments));
                  }
                }}});
-  return source.located(table, [&] { return Motion(std::move(segments), repeat, blend_s); });
+  return source.located(table, [&] { return Motion(std::move(segments), repeat, blend_s, quantity); });
 }
 
 }  // namespace capstan::sim

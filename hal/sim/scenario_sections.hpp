@@ -15,7 +15,7 @@ namespace capstan::sim {
 void read_plant(const Source& source, const toml::table& table, PlantParameters& plant);
 void read_environment(const Source& source, const toml::table& table, Environment& environment);
 void read_effects(const Source& source, const toml::table& table, Effects& effects);
-[[nodiscard]] Motion read_motion(const Source& source, const toml::table& table);
+[[nodiscard]] Motion read_motion(const Source& source, const toml::table& table, Quantity quantity);
 
 /// The axis that `axis = "name"` means.
 [[nodiscard]] int axis_number(const Source& source, const toml::node& node, const std::vector<std::string>& names);

@@ -19,7 +19,7 @@ namespace {
 
 struct RunOptions {
   std::string scenario;
-  std::string model;
+  std::vector<std::string> models;
   std::string log;
   std::string shell;
   std::string storage;
@@ -59,7 +59,7 @@ void serve(SimBoard& board, Console& console, const RunOptions& options) {
     }
     board.tick();
     if (feed.poll()) {
-      board.application().link_lost();
+      board.link_lost();
     }
     if (!options.fast) {
       std::this_thread::sleep_until(start + std::chrono::milliseconds(cycle + 1));
@@ -81,6 +81,19 @@ auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptio
   }
 }
 
+void print_errors(const sim::Scenario& scenario, const RunSummary& summary) {
+  const auto axes = axes_of(scenario);
+  for (std::size_t i = 0; i < summary.joints.size(); ++i) {
+    if (axes.size() > 1) {
+      std::printf("axis%zu, %s\n", i, axes[i].name.c_str());
+    }
+    if (!on_bench(scenario)) {
+      std::printf("  tracking error (RMSE)    %8.3f deg\n", summary.joints[i].tracking_rmse_rad * kDegrees);
+    }
+    std::printf("  estimation error (RMSE)  %8.3f deg\n", summary.joints[i].estimation_rmse_rad * kDegrees);
+  }
+}
+
 auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions& options) -> int {
   if (scenario.duration_s <= 0.0) {
     throw BadInput("there is no motion to run; give --scenario FILE, or --shell stdio to move the joint yourself");
@@ -92,14 +105,19 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
       throw BadInput(options.log + ": the log can not be written; give a path in a folder that exists");
     }
   }
-  const auto model =
-      options.model.empty() ? std::vector<std::string>{} : model_lines(read_joint_file(options.model), 0);
+  if (options.models.size() > 1 + scenario.other_axes.size()) {
+    throw BadInput("there are more models than axes in the scenario; give --model once for each axis at most");
+  }
+  std::vector<std::string> model;
+  for (std::size_t axis = 0; axis < options.models.size(); ++axis) {
+    const auto lines = model_lines(read_joint_file(options.models[axis]), static_cast<int>(axis));
+    model.insert(model.end(), lines.begin(), lines.end());
+  }
   const auto begin = std::chrono::steady_clock::now();
   const RunSummary summary = run_scenario(scenario, model, banks, options.log.empty() ? nullptr : &log);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::printf("ran %.1f s of the joint in %.1f s\n", summary.seconds, took.count());
-  std::printf("  tracking error (RMSE)    %8.3f deg\n", summary.tracking_rmse_rad * kDegrees);
-  std::printf("  estimation error (RMSE)  %8.3f deg\n", summary.estimation_rmse_rad * kDegrees);
+  print_errors(scenario, summary);
   if (!options.log.empty()) {
     std::printf("  log written to %s\n", options.log.c_str());
   }
@@ -109,18 +127,17 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
   return kExitDone;
 }
 
+auto banks_of(const RunOptions& options) -> FileBanks {
+  try {
+    return options.storage.empty() ? FileBanks::temporary() : FileBanks(options.storage);
+  } catch (const std::runtime_error& error) {
+    throw BadInput(error.what());
+  }
+}
+
 auto run(const RunOptions& options) -> int {
   const sim::Scenario scenario = scenario_of(options);
-  MemoryBanks memory;
-  std::unique_ptr<FileBanks> file;
-  if (!options.storage.empty()) {
-    try {
-      file = std::make_unique<FileBanks>(options.storage);
-    } catch (const std::runtime_error& error) {
-      throw BadInput(error.what());
-    }
-  }
-  Banks& banks = file ? static_cast<Banks&>(*file) : memory;
+  FileBanks banks = banks_of(options);
   return options.shell.empty() ? run_scripted(scenario, banks, options) : run_interactive(scenario, banks, options);
 }
 
@@ -130,7 +147,8 @@ void add_run(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "run the firmware on the simulated joint");
   command->add_option("--scenario", options->scenario, "plant, effects, faults and motion, a TOML file");
-  command->add_option("--model", options->model, "law to load before the motion, a joint.toml");
+  command->add_option("--model", options->models,
+                      "law to load before the motion, a joint.toml (repeatable: for the first axis, the next, ...)");
   command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")
       ->check(CLI::Range(0.001, 1e6));
   command->add_option("--log", options->log, "CSV log to write");

@@ -11,17 +11,12 @@
 
 #include "hal/sim/fields.hpp"
 #include "hal/sim/plant.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.camera_noise_rad = 0.0;
-  p.current_noise_a = 0.0;
-  p.tip_force_noise_n = 0.0;
-  return p;
-}
+using test::quiet;
 
 PlantParameters with(std::initializer_list<std::pair<const char*, double>> settings) {
   PlantParameters p = quiet();

@@ -10,17 +10,12 @@
 
 #include "hal/sim/plant.hpp"
 #include "hal/sim/scenario.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.current_noise_a = 0.0;
-  p.current_offset_a = 0.0;
-  p.current_adc_step_a = 0.0;
-  return p;
-}
+using test::quiet;
 
 struct Record {
   std::vector<Readings> readings;

@@ -8,41 +8,13 @@
 #include <vector>
 
 #include "hal/sim/plant.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.camera_noise_rad = 0.0;
-  p.current_noise_a = 0.0;
-  p.tip_force_noise_n = 0.0;
-  return p;
-}
-
-class Bench {
- public:
-  explicit Bench(const PlantParameters& parameters) : plant_(parameters, 1) {}
-
-  // Turns the input pulley by hand in steps of 0.2 mrad; returns the truth of each.
-  std::vector<Truth> go(double target) {
-    const double start = at_;
-    const int steps = std::max(1, static_cast<int>(std::lround(std::fabs(target - start) / 2.0e-4)));
-    std::vector<Truth> record;
-    for (int i = 1; i <= steps; ++i) {
-      at_ = start + (target - start) * static_cast<double>(i) / static_cast<double>(steps);
-      plant_.step_kinematic(at_);
-      record.push_back(plant_.truth());
-    }
-    return record;
-  }
-
-  [[nodiscard]] const Plant& plant() const { return plant_; }
-
- private:
-  Plant plant_;
-  double at_ = 0.0;
-};
+using test::Bench;
+using test::quiet;
 
 // The closed minor loop of the motor torque between 0.1 - depth and 0.1 + depth, after the saturations given.
 std::vector<double> minor_loop(const PlantParameters& p, double first, double second, double depth) {

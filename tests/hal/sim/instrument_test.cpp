@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kFolder = fs::path(__FILE__).parent_path() / "../../../hal/sim/instruments";
+const fs::path kFolder = fs::path(CAPSTAN_SOURCE_DIR) / "hal/sim/instruments";
 
 void expect_refused(const std::string& text, int line, const std::string& about) {
   try {

@@ -12,18 +12,12 @@
 
 #include "hal/sim/deterministic_math.hpp"
 #include "hal/sim/scenario.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.camera_noise_rad = 0.0;
-  p.current_noise_a = 0.0;
-  p.current_offset_a = 0.0;
-  p.tip_force_noise_n = 0.0;
-  return p;
-}
+using test::quiet;
 
 std::vector<InstrumentAxis> wrist() {
   std::vector<InstrumentAxis> axes = parse_instrument(built_in_instrument("da_vinci_wrist"), "wrist").axes;

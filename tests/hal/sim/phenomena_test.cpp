@@ -10,18 +10,15 @@
 
 #include "hal/sim/motion.hpp"
 #include "hal/sim/plant.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+using test::Bench;
+using test::quiet;
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.camera_noise_rad = 0.0;
-  p.current_noise_a = 0.0;
-  return p;
-}
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::vector<Truth> sweep(const PlantParameters& parameters, double amplitude_rad, double frequency_hz, double cycles) {
   Plant plant(parameters, 1);
@@ -110,23 +107,14 @@ TEST(Phenomena, TheFreeLoopHasTheWidthOfTheClosedForm) {
 
 TEST(Phenomena, MinorLoopsClose) {
   const PlantParameters p = quiet();
-  Plant plant(p, 1);
-  double at = 0.0;
-  const auto go = [&](double target) {
-    for (const double start = at; std::fabs(at - target) > 1.0e-12;) {
-      const double step = 2.0e-4 * (target > start ? 1.0 : -1.0);
-      at = std::fabs(target - at) < 2.0e-4 ? target : at + step;
-      plant.step_kinematic(at);
-    }
-    return plant.truth();
-  };
-  go(0.5);
-  go(-0.5);
-  const Truth before = go(0.2);
-  go(0.05);
-  go(0.15);
-  go(0.08);
-  const Truth after = go(0.2);
+  Bench bench(p);
+  bench.go(0.5);
+  bench.go(-0.5);
+  const Truth before = bench.go(0.2).back();
+  bench.go(0.05);
+  bench.go(0.15);
+  bench.go(0.08);
+  const Truth after = bench.go(0.2).back();
   EXPECT_NEAR(after.q2_rad, before.q2_rad, 2.0e-5);
   EXPECT_NEAR(after.tau_in_nm, before.tau_in_nm, 1.0e-5);
 }
@@ -188,7 +176,6 @@ class LockedTip : public ::testing::Test {
   LockedTip() : parameters_(quiet()) {
     parameters_.environment.kind = EnvironmentKind::kLocked;
     parameters_.element_count = 48;
-    parameters_.camera_noise_rad = 0.0;
   }
 
   // Triangle of the input pulley, two cycles; keeps the second rise (from -peak to +peak) step by step.

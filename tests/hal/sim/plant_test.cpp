@@ -15,19 +15,14 @@
 #include <vector>
 
 #include "hal/sim/deterministic_math.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using test::quiet;
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.camera_noise_rad = 0.0;
-  p.current_noise_a = 0.0;
-  p.current_offset_a = 0.0;
-  return p;
-}
+constexpr double kPi = std::numbers::pi;
 
 // A plain position servo on q1: enough to make the plant move in every test. Returns the truth of every step.
 std::vector<Truth> follow(Plant& plant, double frequency_hz, double seconds, double amplitude_rad = 0.5) {

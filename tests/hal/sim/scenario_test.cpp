@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = fs::path(__FILE__).parent_path() / "../../..";
+const fs::path kRoot = CAPSTAN_SOURCE_DIR;
 
 const char* const kGood = R"(seed = 5
 instrument = "micro_forceps"
@@ -223,6 +223,24 @@ TEST(Scenario, EveryRecipeLoadsRepeatsAndStaysWithinTheJointsRange) {
     }
   }
   EXPECT_GE(recipes, 9);
+}
+
+TEST(Scenario, TorqueIsAMotionInNewtonMetresThatPutsTheInstrumentOnTheBench) {
+  const std::string torque =
+      "[torque]\n[[torque.segments]]\nkind = \"triangle\"\nduration_s = 20\nfrequency_hz = 0.1\n"
+      "amplitude_nm = 0.2\n";
+  const Scenario s = parse_scenario(torque, "folder/good.toml");
+  EXPECT_TRUE(on_bench(s));
+  EXPECT_NEAR(s.duration_s, 20.5, 1.0e-12);
+  // The flank from peak to peak is straight but for the corners of 0.05 s.
+  EXPECT_NEAR(s.motion.reference_rad(10.0 + 1.25), 0.2 * 1.25 / (2.5 - 0.0125), 1.0e-12);
+  EXPECT_FALSE(on_bench(parse_scenario(kGood, "folder/good.toml")));
+  expect_refused("[torque]\n[[torque.segments]]\nkind = \"hold\"\nduration_s = 1\noffset_rad = 3\n", 5, "`offset_rad`");
+  expect_refused(torque + "[motion]\n[[motion.segments]]\nkind = \"hold\"\nduration_s = 1\n", 1, "[torque]");
+  expect_refused("instrument = \"robot_finger\"\n" + torque +
+                     "[[axes]]\naxis = \"outer\"\n[axes.motion]\n[[axes.motion.segments]]\nkind = \"hold\"\n"
+                     "duration_s = 1\n",
+                 1, "[torque]");
 }
 
 TEST(Scenario, ABaseThatLeadsInACircleIsRefused) {

@@ -11,17 +11,12 @@
 #include <stdexcept>
 
 #include "hal/sim/plant.hpp"
+#include "tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
 
-PlantParameters quiet() {
-  PlantParameters p;
-  p.current_noise_a = 0.0;
-  p.current_offset_a = 0.0;
-  p.current_adc_step_a = 0.0;
-  return p;
-}
+using test::quiet;
 
 TEST(Encoder, CountsDownwardAndWrapsAt32Bits) {
   PlantParameters p;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include "boards/common/file_banks.hpp"
 #include "tools/apply/model_lines.hpp"
 #include "tools/diagnose/diagnosis.hpp"
 #include "tools/identify/identify.hpp"
@@ -25,7 +26,7 @@ struct Recorded {
 
 auto record(const std::string& scenario, const std::vector<std::string>& model) -> Recorded {
   std::ostringstream text;
-  MemoryBanks banks;
+  FileBanks banks = FileBanks::temporary();
   Recorded result;
   result.summary = run_scenario(sim::load_scenario(kScenarios + scenario), model, banks, &text);
   result.logs.push_back(read_axis(CsvLog::parse(text.str(), scenario), {.needs_torque = true}));
@@ -43,8 +44,8 @@ TEST(Circle, IdentifiedLawHalvesAndBetterTheErrorOfTheRatioAloneOnUnseenMotion) 
   ASSERT_EQ(recorded.summary.fault, "");
   const Recorded by_ratio = record("validate.toml", model_lines(identified(recorded, "kinematic"), 0));
   const Recorded by_law = record("validate.toml", model_lines(identified(recorded, "pseudo_kinematic"), 0));
-  EXPECT_GT(by_ratio.summary.estimation_rmse_rad, 1.5 * kDegree);  // there is a hysteresis to speak of
-  EXPECT_LT(by_law.summary.estimation_rmse_rad, 0.4 * by_ratio.summary.estimation_rmse_rad);
+  EXPECT_GT(by_ratio.summary.joints[0].estimation_rmse_rad, 1.5 * kDegree);  // there is a hysteresis to speak of
+  EXPECT_LT(by_law.summary.joints[0].estimation_rmse_rad, 0.4 * by_ratio.summary.joints[0].estimation_rmse_rad);
 }
 
 TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
@@ -60,16 +61,16 @@ TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
   const Recorded before = record("validate_play.toml", model_lines(base, 0));
   const Recorded after = record("validate_play.toml", model_lines(diagnosis.law, 0));
   ASSERT_EQ(after.summary.fault, "");
-  EXPECT_LT(after.summary.estimation_rmse_rad, 0.25 * before.summary.estimation_rmse_rad);
-  EXPECT_LT(after.summary.tracking_rmse_rad, 0.5 * before.summary.tracking_rmse_rad);
+  EXPECT_LT(after.summary.joints[0].estimation_rmse_rad, 0.25 * before.summary.joints[0].estimation_rmse_rad);
+  EXPECT_LT(after.summary.joints[0].tracking_rmse_rad, 0.5 * before.summary.joints[0].tracking_rmse_rad);
 
   const Recorded again = record("identify_play.toml", model_lines(diagnosis.law, 0));
-  EXPECT_LT(again.summary.estimation_rmse_rad, 0.25 * recorded.summary.estimation_rmse_rad);
+  EXPECT_LT(again.summary.joints[0].estimation_rmse_rad, 0.25 * recorded.summary.joints[0].estimation_rmse_rad);
 }
 
 TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
   std::ostringstream text;
-  MemoryBanks banks;
+  FileBanks banks = FileBanks::temporary();
   JointFile law;
   law.parameters = rigid_law();
   law.parameters.coefficients[0] = 1.0625;  // exact in both formats
@@ -88,7 +89,7 @@ TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
 TEST(RunScenario, LineThatTheShellRefusesStopsTheRunWithItsAnswer) {
   sim::Scenario scenario = sim::load_scenario(kScenarios + "validate.toml");
   scenario.shell = {"set joint0.control.kp 1000"};
-  MemoryBanks banks;
+  FileBanks banks = FileBanks::temporary();
   try {
     run_scenario(scenario, {}, banks, nullptr);
     FAIL() << "the run went on";
@@ -101,7 +102,7 @@ TEST(RunScenario, LineThatTheShellRefusesStopsTheRunWithItsAnswer) {
 TEST(RunScenario, SensorThatGivesNoNumberEndsTheRunWithCauseAndCure) {
   sim::Scenario scenario = sim::load_scenario(kScenarios + "validate.toml");
   scenario.faults.push_back({.time_s = 2.0, .target = sim::FaultTarget::kCurrent, .kind = sim::FaultKind::kNan});
-  MemoryBanks banks;
+  FileBanks banks = FileBanks::temporary();
   const RunSummary summary = run_scenario(scenario, {}, banks, nullptr);
   EXPECT_EQ(summary.fault.substr(0, 14), "sensor_invalid");
   EXPECT_LT(summary.seconds, 2.1);
