@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Formulas that the thesis prints otherwise than they must be. (5.26), (5.29) are in tendon_test.cpp, (2.21) in
+// pull_push_plant_test.cpp, (3.22) and (3.26) in stiffness_test.cpp.
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "model/tension_profile.hpp"
+#include "tests/model/integrated_tension.hpp"
+
+namespace capstan {
+namespace {
+
+using test::integrate;
+
+// (5.10) compares exp(-mu x / R) with the old tension and leaves out T_in: a number with a force. With T_in it is the
+// front; without, the front would not depend on how hard the tendon is pulled.
+TEST(Erratum510, FrontIsWhereInputTensionTimesDecayIsTheOldTension) {
+  TensionProfile profile({1.1414, 5.0664e4}, 10.0);
+  for (const double pull : {12.0, 18.0, 27.0}) {
+    profile.pull_to(pull);
+    EXPECT_NEAR(integrate(1.1414, 1.0, pull, profile.front()).end_tension, 10.0, 1e-8);
+    EXPECT_LT(std::exp(-1.1414 * profile.front()), 1.0) << "never the 10 N that (5.10) asks for";
+  }
+}
+
+// (5.38) divides by Kn once more. nabla = Delta_t - Delta_b from integrals: a Ttl + b Tbl = Lambda, Ttl - Tbl = tau /
+// r1.
+TEST(Erratum538, NablaDoesNotDivideByTheStiffnessASecondTime) {
+  constexpr double kR1 = 0.0026;
+  constexpr double kStiffness = 5.0664e4;
+  for (const double s : {1.0, -1.0}) {
+    const double a = integrate(1.1414, s, 1.0).area / kStiffness;
+    const double b = integrate(1.1414, -s, 1.0).area / kStiffness;
+    const double lambda = 6e-4;
+    const double tau = 0.03;
+    const double top = (lambda + b * tau / kR1) / (a + b);
+    const double nabla = a * top - b * (top - tau / kR1);
+    const double mended = 2.0 * a * b / (kR1 * (a + b)) * tau + (a - b) / (a + b) * lambda;
+    EXPECT_NEAR(mended, nabla, 1e-12 * std::fabs(nabla));
+    EXPECT_LT(std::fabs(mended / kStiffness), 1e-4 * std::fabs(nabla)) << "as printed";
+  }
+}
+
+/// Largest value of a sum of ten cosines over one period.
+auto crest(double quadratic) -> double {
+  constexpr int kTones = 10;
+  double largest = 0.0;
+  for (int i = 0; i < 20000; ++i) {
+    double sum = 0.0;
+    for (int k = 1; k <= kTones; ++k) {
+      const double phase = 0.5 * std::numbers::pi + quadratic * std::numbers::pi * k * (k - 1) / kTones;
+      sum += std::cos(2.0 * std::numbers::pi * k * i / 20000.0 + phase);
+    }
+    largest = std::fmax(largest, std::fabs(sum));
+  }
+  return largest;
+}
+
+// (5.31) prints phi_1 - -pi k (k - 1) / N. One minus is meant; with two the signal runs backward in time and its crest
+// is the same, so nothing that was measured hangs on it.
+TEST(Erratum531, EitherSignOfTheSchroederPhaseGivesTheSameLowCrest) {
+  EXPECT_NEAR(crest(-1.0), crest(1.0), 1e-9);
+  EXPECT_LT(crest(-1.0), 0.75 * crest(0.0));
+}
+
+}  // namespace
+}  // namespace capstan
