@@ -64,7 +64,7 @@ TEST(Identify, IntervalsHoldTheTruthUnderColouredNoise) {
 TEST(Identify, TheReportedErrorIsThatOfTheCausalLaw) {
   const std::vector<AxisLog> logs = {test::synthetic_log({})};
   const Identification result = identify(logs, form_of("pseudo_kinematic"));
-  const Eigen::VectorXd estimate = simulate(logs, result.joint.parameters);
+  const Eigen::VectorXd estimate = simulate(logs, motion_parameters(result.joint));
   EXPECT_DOUBLE_EQ(result.joint.fit->rmse_rad, rms(logs[0].q2_rad - estimate));
   EXPECT_DOUBLE_EQ(result.joint.fit->gof_percent, goodness_of_fit_percent(logs[0].q2_rad, estimate));
 }

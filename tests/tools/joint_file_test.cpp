@@ -39,7 +39,6 @@ TEST(JointFile, TermsThatAreMissingAreOff) {
 
 TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   JointFile joint;
-  joint.parameters = rigid_law();
   for (const auto& term : term_catalogue()) {
     joint.terms.push_back(term.name);
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {

@@ -44,7 +44,7 @@ TEST(TermCatalogue, ColumnsTimesCoefficientsAreTheLawItself) {
     law.coefficients[i] = 0.3 + 0.1 * static_cast<double>(i);
   }
   law.shapes[catalogue_term("transport_delay").first_shape] = 0.0123;
-  form.shapes = law.shapes;
+  form.shapes.assign(law.shapes.begin(), law.shapes.end());
   const LawDesign design(logs, conditioner);
   const Eigen::VectorXd theta =
       Eigen::Map<const Eigen::VectorXd>(law.coefficients.data(), static_cast<Eigen::Index>(law.coefficients.size()));

@@ -45,7 +45,8 @@ class Lines {
 
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   std::vector<std::string> lines = {"begin"};
-  Lines write(lines, joint.parameters, axis);
+  const LawParameters<double> law = motion_parameters(joint);
+  Lines write(lines, law, axis);
   SumTerms::for_each<double>(write);
   OutputTerms::for_each<double>(write);
   const ConditionerShape<double>& conditioner = joint.parameters.conditioner;

@@ -58,7 +58,7 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
       table += table_row(name, value, ci95, unit);
     }
   };
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *joint.catalogue) {
     if (!joint.has(term.name)) {
       continue;
     }

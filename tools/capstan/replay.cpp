@@ -32,7 +32,7 @@ auto run_replay(const ReplayOptions& options) -> int {
     std::cerr << "warning: " << warning << "\n";
   }
   const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
-  const Replayed replayed = replay(log, joint.parameters, arithmetic);
+  const Replayed replayed = replay(log, motion_parameters(joint), arithmetic);
   write_text_file(options.output, replay_text(csv, options.logs.axis, replayed));
   std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote "
             << options.output << "\n";

@@ -121,7 +121,7 @@ class Builder {
 
   auto sum_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
     Eigen::MatrixXd columns = p_.hindsight.columns(term, shapes);
-    for (const auto& other : term_catalogue()) {
+    for (const auto& other : *law_.catalogue) {
       if (other.acts_on_output && law_.has(other.name)) {
         columns = p_.hindsight.apply(other, law_.shapes_of(other), columns);
       }
@@ -166,7 +166,7 @@ class Builder {
 auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family> {
   const Builder builder(p, law, residual);
   std::vector<Family> families;
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *law.catalogue) {
     if (!law.has(term.name)) {
       Family family = builder.build(term);
       if (!family.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
@@ -181,8 +181,7 @@ auto parameter_count(const Family& family) -> std::size_t {
   if (!family.in_catalogue) {
     return family.signs.size() + (family.variants.size() > 1 ? 1 : 0);
   }
-  const CatalogueTerm& term = catalogue_term(family.name);
-  return term.coefficients.size() + term.shapes.size();
+  return family.signs.size() + family.variants.front().shapes.size();
 }
 
 }  // namespace capstan::tools

@@ -38,9 +38,10 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   d.base_model = options.base_model.empty() ? (torque ? "pseudo_kinematic" : "kinematic") : options.base_model;
 }
 
-auto next_motion(const std::string& name) -> std::string {
-  return in_catalogue(name) ? catalogue_term(name).exciting_motion
-                            : "reversals under several loads and speeds, with holds";
+auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
+  const Catalogue& catalogue = *d.base.catalogue;
+  return catalogue.has(name) ? catalogue.term(name).exciting_motion
+                             : "reversals under several loads and speeds, with holds";
 }
 
 /// The verdict where no effect was found.
@@ -69,13 +70,13 @@ auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
     d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
                joined(effect.alternatives) + ".";
     d.next_experiment =
-        "Record reversals under several loads and speeds, with holds: " + next_motion(effect.name) + ".";
+        "Record reversals under several loads and speeds, with holds: " + next_motion(d, effect.name) + ".";
     return Verdict::kUnknown;
   }
   d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
              "; this log can not tell them apart.";
-  d.next_experiment = "Record this motion, it separates them: " + next_motion(effect.name) + "; " +
-                      next_motion(effect.alternatives.front()) + ".";
+  d.next_experiment = "Record this motion, it separates them: " + next_motion(d, effect.name) + "; " +
+                      next_motion(d, effect.alternatives.front()) + ".";
   return Verdict::kAmbiguous;
 }
 
@@ -117,7 +118,7 @@ void keep_base_only(Diagnosis& d) {
 /// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
 void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
   d.base = causal_law(p, base);
-  d.traces.before = simulate(p.logs, d.base.parameters);
+  d.traces.before = simulate(p.logs, motion_parameters(d.base));
   d.before = report_error(p, d.traces.before);
   d.effects = search.effects;
   if (search.effects.empty() || is_refusal(d.verdict)) {
@@ -125,7 +126,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
     return;
   }
   d.law = causal_law(p, search.law);
-  d.traces.after = simulate(p.logs, d.law.parameters);
+  d.traces.after = simulate(p.logs, motion_parameters(d.law));
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
   if (d.ratio_ci95[1] >= 1.0) {

@@ -20,7 +20,7 @@ auto parameter_json(double value, const char* unit, const std::optional<Interval
 auto parameters_json(const JointFile& joint, const std::vector<std::string>& terms) -> Json {
   Json json = Json::object();
   for (const auto& name : terms) {
-    const CatalogueTerm& term = catalogue_term(name);
+    const CatalogueTerm& term = joint.catalogue->term(name);
     auto key = [&](const char* parameter) {
       return json.contains(parameter) ? name + "." + parameter : std::string(parameter);
     };

@@ -174,7 +174,7 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   Evidence evidence;
   evidence.error = residual.error;
   evidence.families = catalogue_families(p, law, residual);
-  for (auto& family : probe_families(p, residual)) {
+  for (auto& family : probe_families(p, *law.catalogue, residual)) {
     evidence.families.push_back(std::move(family));
   }
   evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals)), evidence.families, evidence.layout);

@@ -44,7 +44,8 @@ auto parameter_count(const Family& family) -> std::size_t;
 
 /// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is
 /// not given the nearest catalogue name. They never enter a law.
-auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family>;
+auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
+    -> std::vector<Family>;
 
 /// Smooth bumps over (q1, dq1, tau) and time: with all families together, the flexible model that no law can be
 /// expected to beat.

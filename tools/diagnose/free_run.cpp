@@ -15,7 +15,7 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   JointFile joint = law_with_intervals(p.causal, p.target, learned, settled, p.conditioner);
   joint.steady_torque = steady_torque(p.logs, p.causal);
   FitSummary summary;
-  const Eigen::VectorXd estimate = simulate(p.logs, joint.parameters);
+  const Eigen::VectorXd estimate = simulate(p.logs, motion_parameters(joint));
   summary.rmse_rad = rms(p.target - estimate);
   summary.gof_percent = goodness_of_fit_percent(p.target, estimate);
   summary.samples = p.target.size();

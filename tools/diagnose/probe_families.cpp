@@ -14,7 +14,8 @@ using Column = Eigen::VectorXd;
 /// Signals with what several probes share.
 class Probes {
  public:
-  Probes(const Preparation& p, const LawResidual& residual) : p_(p), s_(p.signals), residual_(residual) {
+  Probes(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
+      : p_(p), catalogue_(catalogue), s_(p.signals), residual_(residual) {
     direction_ = 2.0 * s_.forward.array() - 1.0;
     q1_range_ = s_.q1.maxCoeff() - s_.q1.minCoeff();
     tau_range_ = s_.tau.maxCoeff() - s_.tau.minCoeff();
@@ -35,7 +36,7 @@ class Probes {
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
 
   void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny) {
-    if (in_catalogue(name)) {
+    if (catalogue_.has(name)) {
       return;  // the catalogue has it by now, and better
     }
     Family family;
@@ -184,6 +185,7 @@ class Probes {
   }
 
   const Preparation& p_;
+  const Catalogue& catalogue_;
   const CoarseSignals& s_;
   const LawResidual& residual_;
   Column direction_;
@@ -199,8 +201,9 @@ auto unit_range(const Eigen::VectorXd& x) -> Eigen::VectorXd {
 
 }  // namespace
 
-auto probe_families(const Preparation& p, const LawResidual& residual) -> std::vector<Family> {
-  return Probes(p, residual).all();
+auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
+    -> std::vector<Family> {
+  return Probes(p, catalogue, residual).all();
 }
 
 auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd {

@@ -35,7 +35,7 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   residual.fitted = columns * fit.theta;
   residual.error = p.coarse(p.target - residual.fitted);
   Eigen::MatrixXd base = columns;
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *law.catalogue) {
     for (std::size_t i = 0; law.has(term.name) && i < term.shapes.size(); ++i) {
       LawForm moved = law;
       const double step = 1e-3 * (term.shapes[i].maximum - term.shapes[i].minimum);

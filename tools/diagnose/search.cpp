@@ -31,7 +31,7 @@ auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned
     -> bool {
   const LinearFit fit = fit_law(p.hindsight, p.target, learned, law);
   Eigen::Index column = 0;
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *law.catalogue) {
     if (!law.has(term.name)) {
       continue;
     }
@@ -53,7 +53,7 @@ auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& ad
   const Blocks learned = refined(p.split, p.factor).learned();
   for (const auto& one : added) {
     law.terms.push_back(one.name);
-    law.set_shapes(catalogue_term(one.name), one.shapes);
+    law.set_shapes(law.catalogue->term(one.name), one.shapes);
   }
   law = refine_shapes(p.hindsight, p.target, learned, law);
   return shapes_at_limits(law).empty() && all_present(p, law, learned, added) ? std::optional(law) : std::nullopt;

@@ -30,7 +30,7 @@ auto memory_of(const Eigen::VectorXd& residual) -> Eigen::Index {
 /// Names "term.coefficient" of a law's columns, in their order.
 auto column_names(const LawForm& form) -> std::vector<std::string> {
   std::vector<std::string> names;
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *form.catalogue) {
     if (form.has(term.name)) {
       for (const auto& coefficient : term.coefficients) {
         names.push_back(term.name + "." + coefficient.name);
@@ -200,7 +200,7 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identifi
   result.undetermined = undetermined_coefficients(fit, form, columns, target);
   result.joint = law_with_intervals(design, target, blocks, form, conditioner);
   result.joint.steady_torque = steady_torque(logs, design);
-  result.estimate = simulate(logs, result.joint.parameters);
+  result.estimate = simulate(logs, motion_parameters(result.joint));
   FitSummary summary;
   summary.rmse_rad = rms(target - result.estimate);
   summary.gof_percent = goodness_of_fit_percent(target, result.estimate);

@@ -19,7 +19,7 @@ auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape
 /// Terms of the form in the order of the catalogue.
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
   std::vector<const CatalogueTerm*> terms;
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *form.catalogue) {
     if (form.has(term.name)) {
       terms.push_back(&term);
     }
@@ -203,8 +203,7 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
   auto signs = law_signs(form);
   const LinearFit plain = fit_columns(columns, target, blocks, signs);
   const Eigen::Index linear = columns.cols();
-  JointFile joint;
-  joint.parameters = rigid_law();
+  JointFile joint(*form.catalogue);
   joint.parameters.shapes = form.shapes;
   joint.parameters.conditioner = conditioner;
   // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due

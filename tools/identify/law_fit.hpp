@@ -39,10 +39,11 @@ class LawDesign {
 /// q2 of all logs, one below the other. @pre every log has it
 auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd;
 
-/// A law to be fitted: its terms (names of the catalogue) and a full set of shapes, of which those of the terms count.
+/// A law to be fitted: its terms (names of its catalogue) and a full set of shapes, of which those of the terms count.
 struct LawForm {
+  const Catalogue* catalogue = &term_catalogue();
   std::vector<std::string> terms;
-  std::array<double, kShapeCount> shapes = rigid_law().shapes;
+  Shapes shapes = catalogue->initial_shapes();
 
   [[nodiscard]] auto shapes_of(const CatalogueTerm& term) const -> Shapes;
   void set_shapes(const CatalogueTerm& term, const Shapes& shapes);

@@ -2,6 +2,7 @@
 #include "tools/identify/term_catalogue.hpp"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
 
 namespace capstan::tools {
@@ -53,29 +54,96 @@ auto pass_through(const Eigen::VectorXd& signal, double period_s, const Shapes& 
   return result;
 }
 
-auto build_catalogue() -> std::vector<CatalogueTerm> {
-  std::vector<CatalogueTerm> terms;
-  std::size_t coefficient = 0;
-  std::size_t shape = 0;
-  auto add = [&](CatalogueTerm term) {
-    term.first_coefficient = coefficient;
-    term.first_shape = shape;
-    coefficient += term.coefficients.size();
-    shape += term.shapes.size();
+template <typename Term>
+auto sum_term() -> CatalogueTerm {
+  CatalogueTerm term = describe<Term>();
+  term.columns = sum_columns<Term>;
+  return term;
+}
+
+template <typename Term>
+auto output_term() -> CatalogueTerm {
+  CatalogueTerm term = describe<Term>();
+  term.acts_on_output = true;
+  term.apply = pass_through<Term>;
+  return term;
+}
+
+template <typename List>
+void add_sum_terms(std::vector<CatalogueTerm>& terms) {
+  List::template for_each<double>([&]<typename Term>() { terms.push_back(sum_term<Term>()); });
+}
+
+void add_output_terms(std::vector<CatalogueTerm>& terms) {
+  OutputTerms::for_each<double>([&]<typename Term>() { terms.push_back(output_term<Term>()); });
+}
+
+using UnitTable = std::map<std::string, const char*>;
+
+/// Units that are not in the table stay.
+auto unit_by(const UnitTable& table, const char* unit) -> const char* {
+  const auto found = table.find(unit);
+  return found == table.end() ? unit : found->second;
+}
+
+/// Terms of the joint angle as parts of an effort: the same regressors, so a coefficient's unit changes from angle to
+/// effort per regressor.
+void add_shared_terms(std::vector<CatalogueTerm>& terms) {
+  static const UnitTable kPerEffort = {{"rad", "Nm"}, {"rad/K", "Nm/K"}, {"1", "Nm/rad"}, {"rad/Nm", "1"}};
+  std::vector<CatalogueTerm> shared;
+  add_sum_terms<SharedTerms>(shared);
+  for (auto& term : shared) {
+    for (auto& coefficient : term.coefficients) {
+      coefficient.unit = unit_by(kPerEffort, coefficient.unit);
+    }
     terms.push_back(std::move(term));
+  }
+}
+
+/// Inertia per rad/s2 instead of the firmware's krad/s2.
+void take_si_inertia(CatalogueTerm& term) {
+  static constexpr double kPerThousand = 1000.0;
+  term.columns = [columns = term.columns](const Samples& samples, double period_s, const Shapes& shapes) {
+    return Eigen::MatrixXd(kPerThousand * columns(samples, period_s, shapes));
   };
-  SumTerms::for_each<double>([&]<typename Term>() {
-    CatalogueTerm term = describe<Term>();
-    term.columns = sum_columns<Term>;
-    add(std::move(term));
-  });
-  OutputTerms::for_each<double>([&]<typename Term>() {
-    CatalogueTerm term = describe<Term>();
-    term.acts_on_output = true;
-    term.apply = pass_through<Term>;
-    add(std::move(term));
-  });
-  return terms;
+  term.coefficients[0].unit = "kgm2";
+  term.coefficients[0].doc = "effort per acceleration";
+}
+
+/// A linear axis: metres and newtons. Its weight does not turn with it, so that is part of the offset.
+void make_linear(std::vector<CatalogueTerm>& terms) {
+  static const UnitTable kLinear = {{"rad", "m"},        {"rad/s", "m/s"}, {"Nm", "N"},   {"Nm/rad", "N/m"},
+                                    {"Nms/rad", "Ns/m"}, {"Nm/K", "N/K"},  {"kgm2", "kg"}};
+  terms.erase(std::remove_if(terms.begin(), terms.end(), [](const auto& term) { return term.name == "gravity"; }),
+              terms.end());
+  for (auto& term : terms) {
+    for (auto& coefficient : term.coefficients) {
+      coefficient.unit = unit_by(kLinear, coefficient.unit);
+    }
+    for (auto& shape : term.shapes) {
+      shape.unit = unit_by(kLinear, shape.unit);
+    }
+  }
+}
+
+auto transmission() -> Catalogue {
+  std::vector<CatalogueTerm> terms;
+  add_sum_terms<SumTerms>(terms);
+  add_output_terms(terms);
+  return {TargetKind::kAngle, "rad", "rad", std::move(terms)};
+}
+
+auto efforts(AxisKind axis) -> Catalogue {
+  std::vector<CatalogueTerm> terms;
+  add_sum_terms<EffortTerms>(terms);
+  take_si_inertia(terms.front());
+  add_shared_terms(terms);
+  add_output_terms(terms);
+  if (axis == AxisKind::kLinear) {
+    make_linear(terms);
+    return {TargetKind::kEffort, "N", "m", std::move(terms)};
+  }
+  return {TargetKind::kEffort, "Nm", "rad", std::move(terms)};
 }
 
 }  // namespace
@@ -88,23 +156,55 @@ auto CatalogueTerm::initial_shapes() const -> Shapes {
   return initial;
 }
 
-auto term_catalogue() -> const std::vector<CatalogueTerm>& {
-  static const std::vector<CatalogueTerm> kTerms = build_catalogue();
-  return kTerms;
+Catalogue::Catalogue(TargetKind target, std::string target_unit, std::string motion_unit,
+                     std::vector<CatalogueTerm> terms)
+    : target_(target),
+      target_unit_(std::move(target_unit)),
+      motion_unit_(std::move(motion_unit)),
+      terms_(std::move(terms)) {
+  std::size_t shape = 0;
+  for (auto& term : terms_) {
+    term.first_coefficient = coefficient_count_;
+    term.first_shape = shape;
+    coefficient_count_ += term.coefficients.size();
+    shape += term.shapes.size();
+  }
 }
 
-auto in_catalogue(const std::string& name) -> bool {
-  return std::any_of(term_catalogue().begin(), term_catalogue().end(),
-                     [&](const auto& term) { return term.name == name; });
+auto Catalogue::has(const std::string& name) const -> bool {
+  return std::any_of(begin(), end(), [&](const auto& term) { return term.name == name; });
 }
 
-auto catalogue_term(const std::string& name) -> const CatalogueTerm& {
-  const auto& terms = term_catalogue();
-  const auto found = std::find_if(terms.begin(), terms.end(), [&](const auto& term) { return term.name == name; });
-  if (found == terms.end()) {
+auto Catalogue::term(const std::string& name) const -> const CatalogueTerm& {
+  const auto found = std::find_if(begin(), end(), [&](const auto& term) { return term.name == name; });
+  if (found == end()) {
     throw std::logic_error("no term " + name + " in the catalogue");
   }
   return *found;
+}
+
+auto Catalogue::initial_shapes() const -> Shapes {
+  Shapes initial;
+  for (const auto& term : terms_) {
+    const Shapes own = term.initial_shapes();
+    initial.insert(initial.end(), own.begin(), own.end());
+  }
+  return initial;
+}
+
+auto term_catalogue() -> const Catalogue& {
+  static const Catalogue kTransmission = transmission();
+  return kTransmission;
+}
+
+auto effort_catalogue(AxisKind axis) -> const Catalogue& {
+  static const Catalogue kRotary = efforts(AxisKind::kRotary);
+  static const Catalogue kLinear = efforts(AxisKind::kLinear);
+  return axis == AxisKind::kLinear ? kLinear : kRotary;
+}
+
+auto catalogue_term(const std::string& name) -> const CatalogueTerm& {
+  return term_catalogue().term(name);
 }
 
 }  // namespace capstan::tools

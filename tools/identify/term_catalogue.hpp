@@ -6,20 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "model/catalogue.hpp"
+#include "model/effort_catalogue.hpp"
 
 namespace capstan::tools {
 
 using Shapes = std::vector<double>;
 using Samples = std::vector<Sample<double>>;
 
-/// One term of the catalogue, as data: what the terms know at compile time, for programs that loop over them.
+/// One term of a catalogue, as data: what the terms know at compile time, for programs that loop over them.
 struct CatalogueTerm {
   std::string name, equation, source, confusable_with, exciting_motion;
   std::vector<CoefficientInfo> coefficients;
   std::vector<ShapeInfo> shapes;
-  std::size_t first_coefficient = 0;  ///< in LawParameters::coefficients
-  std::size_t first_shape = 0;        ///< in LawParameters::shapes
+  std::size_t first_coefficient = 0;  ///< in the flat list of the catalogue's coefficients
+  std::size_t first_shape = 0;        ///< in that of its shapes
   bool acts_on_output = false;
 
   /// Sum terms: one column per coefficient over consecutive samples of one log, by the term's own update().
@@ -31,10 +31,43 @@ struct CatalogueTerm {
   [[nodiscard]] auto initial_shapes() const -> Shapes;
 };
 
-/// All terms, in the order of SumTerms, then OutputTerms.
-auto term_catalogue() -> const std::vector<CatalogueTerm>&;
-/// @pre the name is in the catalogue
+/// What the laws of a catalogue give.
+enum class TargetKind { kAngle, kEffort };
+
+/// How an axis moves: it decides the units of an effort law.
+enum class AxisKind { kRotary, kLinear };
+
+/// A family of laws: every term that they may consist of, in the order of their coefficients and shapes.
+class Catalogue {
+ public:
+  /// Numbers the terms' coefficients and shapes in the order given.
+  Catalogue(TargetKind target, std::string target_unit, std::string motion_unit, std::vector<CatalogueTerm> terms);
+
+  [[nodiscard]] auto target() const -> TargetKind { return target_; }
+  [[nodiscard]] auto target_unit() const -> const std::string& { return target_unit_; }
+  [[nodiscard]] auto motion_unit() const -> const std::string& { return motion_unit_; }
+  [[nodiscard]] auto coefficient_count() const -> std::size_t { return coefficient_count_; }
+  [[nodiscard]] auto begin() const { return terms_.begin(); }
+  [[nodiscard]] auto end() const { return terms_.end(); }
+  [[nodiscard]] auto has(const std::string& name) const -> bool;
+  /// @pre the name is in the catalogue
+  [[nodiscard]] auto term(const std::string& name) const -> const CatalogueTerm&;
+  /// Initial values of all shapes.
+  [[nodiscard]] auto initial_shapes() const -> Shapes;
+
+ private:
+  TargetKind target_;
+  std::string target_unit_, motion_unit_;
+  std::vector<CatalogueTerm> terms_;
+  std::size_t coefficient_count_ = 0;
+};
+
+/// Motor angle and torque to joint angle: SumTerms, then OutputTerms, as the firmware numbers them.
+auto term_catalogue() -> const Catalogue&;
+/// Motion to effort: EffortTerms, the terms of the joint angle that a torque may hold as well, then OutputTerms.
+/// Inertia is in kg m2 (kg): the firmware's krad/s2 is for fixed point.
+auto effort_catalogue(AxisKind axis) -> const Catalogue&;
+/// A term of term_catalogue().
 auto catalogue_term(const std::string& name) -> const CatalogueTerm&;
-auto in_catalogue(const std::string& name) -> bool;
 
 }  // namespace capstan::tools

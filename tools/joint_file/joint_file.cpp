@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tools/identify/term_catalogue.hpp"
+#include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -57,18 +57,33 @@ auto fit_text(const FitSummary& fit) -> std::string {
 
 }  // namespace
 
+JointFile::JointFile(const Catalogue& of)
+    : catalogue(&of),
+      parameters{std::vector<double>(of.coefficient_count(), 0.0), of.initial_shapes()},
+      coefficient_ci95(parameters.coefficients.size()),
+      shape_ci95(parameters.shapes.size()) {
+  if (of.target() == TargetKind::kAngle) {
+    parameters.coefficients[of.term("motor_angle").first_coefficient] = 1.0;
+  }
+}
+
 auto JointFile::has(const std::string& term) const -> bool {
   return std::find(terms.begin(), terms.end(), term) != terms.end();
 }
 
 auto rigid_law() -> LawParameters<double> {
-  LawParameters<double> law;
-  for (const auto& term : term_catalogue()) {
-    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
-      law.shapes[term.first_shape + i] = term.shapes[i].initial;
-    }
+  return motion_parameters(JointFile());
+}
+
+auto motion_parameters(const JointFile& joint) -> LawParameters<double> {
+  if (joint.catalogue->target() != TargetKind::kAngle) {
+    throw Refusal("this is a law of an effort, and the firmware runs laws of the joint angle; fit one with " +
+                  std::string("--model pseudo_kinematic"));
   }
-  law.coefficients[catalogue_term("motor_angle").first_coefficient] = 1.0;
+  LawParameters<double> law;
+  std::copy(joint.parameters.coefficients.begin(), joint.parameters.coefficients.end(), law.coefficients.begin());
+  std::copy(joint.parameters.shapes.begin(), joint.parameters.shapes.end(), law.shapes.begin());
+  law.conditioner = joint.parameters.conditioner;
   return law;
 }
 
@@ -89,7 +104,7 @@ auto joint_file_text(const JointFile& joint) -> std::string {
   const auto& conditioner = joint.parameters.conditioner;
   text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, "rad", {});
   text += "rate_time_constant = " + quantity(conditioner.rate_time_constant_s, "s", {});
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *joint.catalogue) {
     text += joint.has(term.name) ? term_text(joint, term) : "";
   }
   if (joint.steady_torque) {

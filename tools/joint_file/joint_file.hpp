@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/motion_law.hpp"
+#include "tools/identify/term_catalogue.hpp"
 
 namespace capstan::tools {
 
@@ -18,6 +19,13 @@ struct SteadyTorque {
   double backward_nm = 0.0;
 };
 
+/// Every number of a law of either family, in its catalogue's order.
+struct LawNumbers {
+  std::vector<double> coefficients;
+  Shapes shapes;
+  ConditionerShape<double> conditioner{};
+};
+
 /// How well the law reproduced the logs it was fitted to.
 struct FitSummary {
   double rmse_rad = 0.0;
@@ -26,13 +34,16 @@ struct FitSummary {
   std::vector<std::string> logs;
 };
 
-/// A joint's law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are
-/// off.
+/// A law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are off.
 struct JointFile {
-  LawParameters<double> parameters{};
+  /// With every effect off and shapes at their initial values; beta = 1 where there is one.
+  JointFile() : JointFile(term_catalogue()) {}
+  explicit JointFile(const Catalogue& of);
+
+  const Catalogue* catalogue;
+  LawNumbers parameters;
   std::vector<std::string> terms;  ///< names of the terms that are on, in the order of the catalogue
-  std::array<std::optional<Interval>, kCoefficientCount> coefficient_ci95{};
-  std::array<std::optional<Interval>, kShapeCount> shape_ci95{};
+  std::vector<std::optional<Interval>> coefficient_ci95, shape_ci95;
   std::optional<SteadyTorque> steady_torque;
   std::optional<FitSummary> fit;
 
@@ -41,6 +52,9 @@ struct JointFile {
 
 /// Parameters of a law with every effect off (shapes at their initial values), beta = 1.
 auto rigid_law() -> LawParameters<double>;
+
+/// What the firmware and MotionLaw<double> take. Throws Refusal for a law of an effort: nothing runs one.
+auto motion_parameters(const JointFile& joint) -> LawParameters<double>;
 
 /// The same law in the firmware's numbers. @pre every number is within +-128; read_joint_file() and the fits see to it
 auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24>;

@@ -209,7 +209,6 @@ auto parse_joint_file(const std::string& text, const std::string& name) -> Joint
   }
   reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit"}, "the file");
   JointFile joint;
-  joint.parameters = rigid_law();
   read_conditioner(reader, root, joint);
   reader.terms(root, joint);
   read_steady_torque(reader, root, joint);

@@ -132,7 +132,7 @@ auto parameter_table(const JointFile& joint) -> std::string {
   std::string html =
       "<h2>Parameters of the law</h2>\n<table><tr><th>parameter</th><th>value</th><th>95 % interval</th>"
       "<th>unit</th><th>meaning</th></tr>\n";
-  for (const auto& term : term_catalogue()) {
+  for (const auto& term : *joint.catalogue) {
     if (!joint.has(term.name)) {
       continue;
     }
@@ -178,7 +178,7 @@ auto what_would_change(const Diagnosis& d) -> std::string {
     item(*d.next_experiment);
   }
   for (const auto& effect : d.effects) {
-    const CatalogueTerm& term = catalogue_term(effect.name);
+    const CatalogueTerm& term = d.law.catalogue->term(effect.name);
     item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with +
          "; a log of this motion tells them apart: " + term.exciting_motion + ".");
   }

@@ -72,14 +72,13 @@ TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
   std::ostringstream text;
   FileBanks banks = FileBanks::temporary();
   JointFile law;
-  law.parameters = rigid_law();
   law.parameters.coefficients[0] = 1.0625;  // exact in both formats
   static_cast<void>(run_scenario(sim::load_scenario(kScenarios + "validate.toml"), model_lines(law, 0), banks, &text));
   const CsvLog log = CsvLog::parse(text.str(), "log");
   const Eigen::VectorXd q1 = log.column("axis0/q1_rad");
   const Eigen::VectorXd tau = log.column("axis0/tau_Nm");
   const Eigen::VectorXd logged = log.column("axis0/q2_est_rad");
-  MotionLaw<Q24> replayed(SamplePeriod<Q24>(1000), to_fixed(law.parameters));
+  MotionLaw<Q24> replayed(SamplePeriod<Q24>(1000), to_fixed(motion_parameters(law)));
   for (Eigen::Index i = 0; i < q1.size(); ++i) {
     const Estimate<Q24> estimate = replayed.update(Q24::from_double(q1[i]), Q24::from_double(tau[i]));
     ASSERT_EQ(estimate.q2_reported, Q24::from_double(logged[i])) << "sample " << i;
@@ -110,7 +109,6 @@ TEST(RunScenario, SensorThatGivesNoNumberEndsTheRunWithCauseAndCure) {
 
 TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
-  joint.parameters = rigid_law();
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
   constexpr std::size_t kConditionerAndTorque = 4;
