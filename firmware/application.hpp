@@ -41,6 +41,9 @@ class Application final : public Machine {
   /// for the operator to see. Callable from the background at any time.
   void link_lost() { link_lost_.store(true, std::memory_order_relaxed); }
 
+  /// What the board itself found wrong since it started. Callable from the background at any time.
+  void set_board_faults(FaultSet faults) { board_faults_.store(faults, std::memory_order_relaxed); }
+
   auto axes() const -> std::size_t override { return kAxes; }
   auto telemetry() const -> MachineTelemetry override { return published_.read().machine; }
   auto axis_telemetry(std::size_t axis) const -> AxisTelemetry override { return published_.read().axis[axis]; }
@@ -57,7 +60,7 @@ class Application final : public Machine {
     return true;
   }
   auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
-  auto settled() const -> bool override { return request_box_.empty() && config_box_.empty(); }
+  auto settled() const -> bool override { return request_box_.empty() && config_box_.empty() && scope_.settled(); }
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_);
     if (saved) {
@@ -82,6 +85,7 @@ class Application final : public Machine {
   }
   auto next_sample(LogSample& sample) -> bool override { return samples_.pop(sample); }
   auto dropped_samples() const -> std::uint32_t override { return samples_.dropped(); }
+  auto scope() -> Scope& override { return scope_; }
 
  private:
   struct Snapshot {
@@ -116,6 +120,7 @@ class Application final : public Machine {
       }
       config_box_.rt_taken();
     }
+    state_.board_faults = board_faults_.load(std::memory_order_relaxed);
     state_.model_faults = model_sound_.load(std::memory_order_relaxed) ? 0 : bit(Fault::kModelInvalid);
   }
 
@@ -135,6 +140,9 @@ class Application final : public Machine {
           break;
         case Request::Kind::kStop:
           command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
+          break;
+        case Request::Kind::kZero:
+          command.axis[request->axis] = {AxisCommand::Kind::kZero, request->position_rad, {}};
           break;
       }
       acknowledge_ = true;
@@ -156,6 +164,7 @@ class Application final : public Machine {
     if (const std::uint32_t axis = recorded_axis_.load(std::memory_order_relaxed); axis < kAxes) {
       samples_.rt_push({now.machine.tick, now.axis[axis]});
     }
+    scope_.rt_step(now.machine, now.axis);
     if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
       acknowledge_ = false;
       request_box_.rt_taken();
@@ -172,7 +181,9 @@ class Application final : public Machine {
   Published<Snapshot> published_;
   SpscRing<LogSample, 128> samples_;
   std::atomic<std::uint32_t> recorded_axis_ = kNoAxis;
+  Scope scope_;
   std::atomic<bool> link_lost_ = false;
+  std::atomic<FaultSet> board_faults_ = 0;
   std::atomic<bool> model_sound_;
 };
 

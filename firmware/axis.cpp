@@ -22,6 +22,11 @@ auto angle_of(std::int64_t counts, const MotorConfig& motor) -> Q24 {
   return Q24::from_wide((scaled + (scaled < 0 ? -half : half)) / motor.encoder_counts_per_turn);
 }
 
+auto counts_of(Q24 angle_rad, const MotorConfig& motor) -> std::int64_t {
+  const std::int64_t scaled = std::int64_t{motor.encoder_sign} * angle_rad.raw() * motor.encoder_counts_per_turn;
+  return (scaled + (scaled < 0 ? -kTwoPiRaw : kTwoPiRaw) / 2) / kTwoPiRaw;
+}
+
 auto cycles_in(Q24 duration_s) -> std::int32_t {
   return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
 }
@@ -62,18 +67,24 @@ void Axis::rt_configure(const AxisConfig& config) {
   }
 }
 
+void Axis::rt_zero(Q24 q1_rad) {
+  counts_ = counts_of(q1_rad, config_.motor);
+  counting_ = false;
+  zeroed_ = true;
+  lost_ = false;
+  law_ = MotionLaw<Q24>(kPeriod, config_.law);
+}
+
 void Axis::rt_count(const AxisSensed& sensed) {
   if (counting_) {
     // Unsigned difference: the counter may wrap between two cycles.
     const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(sensed.encoder_counts) -
                                                  static_cast<std::uint32_t>(last_counts_));
     const Q24 angle = angle_of(moved, config_.motor);
-    if (abs(angle) > per_cycle(config_.motor.speed_limit_rad_s)) {
-      sensor_faults_ |= bit(Fault::kEncoderJump);
-    }
+    lost_ |= abs(angle) > per_cycle(config_.motor.speed_limit_rad_s);
     counts_ = clamp<std::int64_t>(counts_ + moved, -kCountLimit, kCountLimit);
   } else {
-    counts_ = sensed.encoder_counts;
+    counts_ = zeroed_ ? counts_ : sensed.encoder_counts;
     counting_ = true;
   }
   last_counts_ = sensed.encoder_counts;
@@ -86,6 +97,9 @@ void Axis::rt_estimate(const AxisSensed& sensed) {
   if (sensed.encoder == Quality::kOk) {
     rt_count(sensed);
     telemetry_.q1_rad = angle_of(counts_, config_.motor);
+  }
+  if (lost_) {
+    sensor_faults_ |= bit(Fault::kEncoderJump);
   }
   if (sensed.current == Quality::kOk) {
     telemetry_.current_a = sensed.current_a;
@@ -133,6 +147,8 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
   switch (command.kind) {
     case AxisCommand::Kind::kNone:
       return true;
+    case AxisCommand::Kind::kZero:
+      return false;
     case AxisCommand::Kind::kStop:
       trajectory_.rt_stop(limits);
       following_ = false;
@@ -175,7 +191,7 @@ auto Axis::rt_reference() -> Q24 {
   if (next != follow_target_) {
     rt_flag(Limit::kReference);
   }
-  trajectory_.rt_reset(next);
+  trajectory_.rt_track(next);
   return next;
 }
 

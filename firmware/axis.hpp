@@ -15,6 +15,7 @@ struct AxisCommand {
     kMove,    ///< to position_rad at no more than speed_rad_s
     kStop,    ///< brake and stand
     kFollow,  ///< a streamed reference: position_rad now, the next one within 100 ms
+    kZero,    ///< the motor stands at position_rad, whatever its encoder says; only without torque
   };
   Kind kind = Kind::kNone;
   Q24 position_rad{};
@@ -53,6 +54,9 @@ class Axis {
   /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed;
   /// torque must be off then (needs_rest).
   void rt_configure(const AxisConfig& config);
+  /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
+  /// jump, after which the position is not known. Torque must be off.
+  void rt_zero(Q24 q1_rad);
   /// Converts the sensors and runs the law.
   void rt_estimate(const AxisSensed& sensed);
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
@@ -88,6 +92,8 @@ class Axis {
   std::int64_t counts_ = 0;  // unwrapped
   std::int32_t last_counts_ = 0;
   bool counting_ = false;
+  bool zeroed_ = false;  // counts_ are the operator's, not the encoder's first ones
+  bool lost_ = false;    // the encoder jumped, so counts_ may be anything until rt_zero
   FaultSet sensor_faults_ = 0;
 
   bool following_ = false;

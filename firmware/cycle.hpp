@@ -67,6 +67,7 @@ struct CycleState {
   OverrunMonitor overruns;
   FaultSet model_faults = 0;  ///< set by whoever loads parameters
   FaultSet drive_faults = 0;  ///< set by whoever writes the drive, about the last cycle
+  FaultSet board_faults = 0;  ///< set by whoever knows the board, since start
 };
 
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure
@@ -74,11 +75,15 @@ struct CycleState {
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
   const bool had_torque = energised(state.supervisor.state());
-  FaultSet faults = state.model_faults | state.drive_faults | state.overruns.rt_step(sensed.overruns);
+  FaultSet faults =
+      state.model_faults | state.drive_faults | state.board_faults | state.overruns.rt_step(sensed.overruns);
   faults |= sensed.estop ? bit(Fault::kEmergencyStop) : 0;
   bool in_motion = false;
 
   for (std::size_t i = 0; i < Axes; ++i) {
+    if (!had_torque && command.axis[i].kind == AxisCommand::Kind::kZero) {
+      state.axis[i].rt_zero(command.axis[i].position_rad);
+    }
     state.axis[i].rt_estimate(sensed.axis[i]);
     if (had_torque) {
       static_cast<void>(state.axis[i].rt_command(command.axis[i]));

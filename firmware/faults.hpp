@@ -21,6 +21,7 @@ enum class Fault : std::uint8_t {
   kEmergencyStop = 9,
   kModelInvalid = 10,
   kDriveFailed = 11,
+  kBoardClock = 12,
 };
 
 struct FaultInfo {
@@ -31,7 +32,7 @@ struct FaultInfo {
 };
 
 /// One table for shell, log, heartbeat and documentation.
-inline constexpr std::array<FaultInfo, 12> kFaultTable = {{
+inline constexpr std::array<FaultInfo, 13> kFaultTable = {{
     {Fault::kNone, "none", "nothing is wrong", "nothing to do"},
     {Fault::kOverrun, "overrun", "three or more cycles within a second began late or were skipped",
      "take load off the processor; on Linux run the board's timing check"},
@@ -40,7 +41,8 @@ inline constexpr std::array<FaultInfo, 12> kFaultTable = {{
     {Fault::kSensorInvalid, "sensor_invalid", "a sensor gave a value that is not a number or is outside its range",
      "check the sensor's cable and configuration, then 'disarm' and 'arm'"},
     {Fault::kEncoderJump, "encoder_jump", "the motor encoder moved further in one cycle than the motor can",
-     "check the encoder's cable and shielding, or raise motor.speed_limit if the motor is really that fast"},
+     "check the encoder's cable and shielding, or raise motor.speed_limit if the motor is really that fast; then bring "
+     "the joint to a known place and 'zero' it, for its position is no longer known"},
     {Fault::kFollowingError, "following_error",
      "the estimated joint angle stayed too far from its reference for too long",
      "check for a blocked joint, lower the speed, or raise limits.following_error"},
@@ -57,6 +59,9 @@ inline constexpr std::array<FaultInfo, 12> kFaultTable = {{
      "the stored parameters are corrupt or from another version; defaults are in use", "load a model and 'save' it"},
     {Fault::kDriveFailed, "drive_failed", "the amplifier did not take its set value in the last cycle",
      "check the amplifier's cable, supply and enable line, then 'disarm' and 'arm'"},
+    {Fault::kBoardClock, "board_clock",
+     "the crystal did not start, so the cycle runs on an internal oscillator and its period may be 1 % off",
+     "check the crystal and its capacitors, then 'reboot'"},
 }};
 
 constexpr auto info(Fault fault) -> const FaultInfo& {

@@ -4,13 +4,14 @@
 #include <span>
 
 #include "firmware/cycle.hpp"
+#include "firmware/scope.hpp"
 #include "firmware/storage.hpp"
 
 namespace capstan {
 
 /// What the shell asks the cycle to do; one at a time.
 struct Request {
-  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop };
+  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero };
   Kind kind = Kind::kDisarm;
   std::size_t axis = 0;
   Q24 position_rad{};
@@ -47,6 +48,7 @@ class Machine {
   virtual void record(bool on, std::size_t axis) = 0;
   virtual auto next_sample(LogSample& sample) -> bool = 0;
   [[nodiscard]] virtual auto dropped_samples() const -> std::uint32_t = 0;
+  virtual auto scope() -> Scope& = 0;
 
  protected:
   ~Machine() = default;  // never owned through this face: a virtual one would need operator delete

@@ -18,7 +18,7 @@ auto words_in(std::string_view text) -> std::size_t {
 
 }  // namespace
 
-Shell::Shell(Machine& machine, TextSink& sink, const char* board, bool echo)
+Shell::Shell(Machine& machine, TextSink& sink, Board& board, bool echo)
     : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo) {}
 
 void Shell::receive(char c) {
@@ -52,8 +52,9 @@ void Shell::receive(char c) {
   if (c == kKillLine || c == kCancel) {
     length_ = 0;
     too_long_ = false;
-    if (c == kCancel && activity_ == Activity::kLogging) {
-      log_left_ = 0;
+    if (c == kCancel && activity_ != Activity::kIdle) {
+      end_stream();  // its answer brings the prompt
+      return;
     }
     if (echo_) {
       out_ << "\r\n";
@@ -98,6 +99,10 @@ void Shell::execute(std::string_view line) {
     error("line_too_long", "the line has more than 160 characters and was not read", "send a shorter one");
     return;
   }
+  if (activity_ == Activity::kWatching) {
+    out_ << "ok\r\n";  // of the watch, which ends here
+    activity_ = Activity::kIdle;
+  }
   if (busy()) {
     out_ << "error busy: the last command has not answered yet; wait for its ok or error\r\n";
     return;
@@ -123,11 +128,35 @@ void Shell::execute(std::string_view line) {
   error("unknown_command", "there is no such command", "'help' lists all of them");
 }
 
+void Shell::disarm_now() {
+  end_stream();
+  urgent_ = Urgent::kWanted;
+  poll();
+}
+
 void Shell::poll() {
-  if (activity_ == Activity::kLogging) {
-    finish_logging();
-  } else if (activity_ != Activity::kIdle && machine_.settled()) {
-    finish();
+  if (urgent_ == Urgent::kWanted && machine_.post({.kind = Request::Kind::kDisarm})) {
+    urgent_ = Urgent::kPosted;
+  } else if (urgent_ == Urgent::kPosted && machine_.settled()) {
+    urgent_ = Urgent::kNone;
+  }
+  switch (activity_) {
+    case Activity::kIdle:
+      break;
+    case Activity::kLogging:
+      go_on_logging();
+      break;
+    case Activity::kDumping:
+      go_on_dumping();
+      break;
+    case Activity::kWatching:
+      go_on_watching();
+      break;
+    default:
+      if (machine_.settled()) {
+        finish();
+      }
+      break;
   }
 }
 
@@ -166,28 +195,6 @@ void Shell::finish_arming() {
     error("blocked", "what blocked arming has gone meanwhile", "'arm' again");
   } else {
     error("blocked", "arming is blocked by the conditions above", "cure them and 'arm' again");
-  }
-}
-
-void Shell::finish_logging() {
-  LogSample sample;
-  while (log_left_ > 0 && machine_.next_sample(sample)) {
-    if (sample.tick % log_every_ != 0) {
-      continue;
-    }
-    --log_left_;
-    // Ticks are milliseconds: the decimals are exact without any division of time.
-    const std::uint32_t thousandths = sample.tick % 1000;
-    out_ << sample.tick / 1000 << '.' << thousandths / 100 << thousandths / 10 % 10 << thousandths % 10 << ','
-         << sample.axis.q1_rad << ',' << sample.axis.tau_nm << ',' << sample.axis.q2_rad << ','
-         << sample.axis.q2_reference_rad << ',' << sample.axis.current_a << "\r\n";
-  }
-  if (log_left_ == 0) {
-    machine_.record(false, 0);
-    if (const std::uint32_t dropped = machine_.dropped_samples() - log_dropped_before_; dropped != 0) {
-      out_ << "# " << dropped << " samples found no room; log every " << 2 * log_every_ << " or fewer at a time\r\n";
-    }
-    ok();
   }
 }
 

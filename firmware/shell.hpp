@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/board.hpp"
 #include "firmware/machine.hpp"
 #include "firmware/parameter_text.hpp"
 
@@ -17,20 +18,24 @@ class Shell {
   static constexpr std::size_t kMaxAxes = 4;
   static constexpr std::size_t kLineLength = 160;
 
-  /// @param board  name of the board, for `version`
-  /// @param echo   true on a terminal: characters are echoed and the line can be edited
-  Shell(Machine& machine, TextSink& sink, const char* board, bool echo);
+  /// @param echo  true on a terminal: characters are echoed and the line can be edited
+  Shell(Machine& machine, TextSink& sink, Board& board, bool echo);
 
   /// Feeds one received character.
   void receive(char c);
   /// Lets long answers go on; call it in the background loop.
   void poll();
-  /// True while an answer is still under way: a line sent now would be refused.
-  [[nodiscard]] auto busy() const -> bool { return activity_ != Activity::kIdle; }
+  /// True while an answer is still under way: a line sent now would be refused. A `watch` takes one, and ends with it.
+  [[nodiscard]] auto busy() const -> bool {
+    return (activity_ != Activity::kIdle && activity_ != Activity::kWatching) || urgent_ != Urgent::kNone;
+  }
+  /// The operator wants torque off although an answer is under way: takes it away at once and ends what streams. The
+  /// `disarm` itself is still to be received and answered in its turn.
+  void disarm_now();
 
  private:
   friend struct ShellCommands;
-  enum class Activity : std::uint8_t { kIdle, kArming, kDisarming, kMoving, kApplying, kLogging };
+  enum class Activity : std::uint8_t { kIdle, kArming, kDisarming, kMoving, kApplying, kLogging, kDumping, kWatching };
   /// joint number and group.name of "joint0.control.kp"
   struct Name {
     std::size_t axis = 0;
@@ -43,7 +48,10 @@ class Shell {
   void error(const char* name, const char* sentence, const char* cure);
   void finish();
   void finish_arming();
-  void finish_logging();
+  void go_on_logging();
+  void go_on_dumping();
+  void go_on_watching();
+  void end_stream();
 
   auto parse_name(std::string_view text, Name& name) -> bool;
   auto parse_axis(std::string_view& text, std::size_t& axis) -> bool;
@@ -53,7 +61,7 @@ class Shell {
   Machine& machine_;
   TextSink& sink_;
   Print out_;
-  const char* board_;
+  Board& board_;
   bool echo_;
 
   std::array<char, kLineLength> line_{};
@@ -68,6 +76,14 @@ class Shell {
   std::uint32_t log_left_ = 0;
   std::uint32_t log_every_ = 1;
   std::uint32_t log_dropped_before_ = 0;
+  ScopeSetup scope_;           ///< as typed so far
+  std::size_t dump_next_ = 0;  ///< sample
+  std::array<Signal, ScopeSetup::kMostChannels> watched_{};
+  std::size_t watched_count_ = 0;
+  std::uint32_t watch_every_ = 0;  ///< ms
+  std::uint32_t watch_last_ = 0;   ///< tick
+  enum class Urgent : std::uint8_t { kNone, kWanted, kPosted };
+  Urgent urgent_ = Urgent::kNone;  ///< disarm_now() until the cycle has carried it out
 };
 
 }  // namespace capstan

@@ -34,8 +34,18 @@ constexpr std::array kCommands = {
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", ShellCommands::disarm},
     ShellCommand{"move", "jointN ANGLE [rad|deg]", kAnyNumber, "moves a joint within its limits", ShellCommands::move},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", ShellCommands::hold},
+    ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,
+                 "says at which motor angle the joint stands now (disarmed only)", ShellCommands::zero},
     ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms",
                  ShellCommands::log},
+    ShellCommand{"watch", "[EVERY] SIGNAL...", 1 + ScopeSetup::kMostChannels,
+                 "prints signals every EVERY ms (200) until the next line or Ctrl-C", ShellCommands::watch},
+    ShellCommand{"scope", "[signals|channels SIGNAL...|trigger WHAT|start [SAMPLES [BEFORE [EVERY]]]|stop|dump]",
+                 kAnyNumber, "captures signals in every cycle around a trigger; alone: how it stands",
+                 ShellCommands::scope},
+    ShellCommand{"model", "[jointN]", 1, "the law's terms, what they mean and their parameters", ShellCommands::model},
+    ShellCommand{"timing", "", 0, "how well the cycle keeps its time, and what was lost", ShellCommands::timing},
+    ShellCommand{"reboot", "", 0, "starts the firmware anew (disarmed only)", ShellCommands::reboot},
 };
 
 }  // namespace
@@ -52,7 +62,7 @@ void ShellCommands::help(Shell& shell, std::string_view /*arguments*/) {
 }
 
 void ShellCommands::version(Shell& shell, std::string_view /*arguments*/) {
-  shell.out_ << "capstan " << kVersion << " board " << shell.board_ << " joints "
+  shell.out_ << "capstan " << kVersion << " board " << shell.board_.name() << " joints "
              << static_cast<std::uint32_t>(shell.machine_.axes()) << " parameters "
              << static_cast<std::uint32_t>(parameters().size()) << "\r\n";
   shell.ok();
@@ -152,35 +162,51 @@ void ShellCommands::hold(Shell& shell, std::string_view arguments) {
   post(shell, request, Shell::Activity::kMoving);
 }
 
-void ShellCommands::log(Shell& shell, std::string_view arguments) {
-  constexpr std::int32_t kLongest = 1'000'000;
+void ShellCommands::zero(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
-  const std::string_view count_text = next_word(arguments);
-  const std::string_view every_text = next_word(arguments);
-  std::int32_t count = 0;
-  std::int32_t every = 1;
-  if (!shell.parse_axis(joint, shell.log_axis_) || !joint.empty() ||
-      parse_integer(count_text, count) != ParseResult::kOk || count < 1 || count > kLongest ||
-      (!every_text.empty() && parse_integer(every_text, every) != ParseResult::kOk) || every < 1 || every > 1000) {
-    shell.error("usage", "log takes a joint, a count up to 1000000 and a spacing of 1 to 1000 ms",
-                "write 'log joint0 100 10'");
+  Request request{.kind = Request::Kind::kZero};
+  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
+    shell.error("unknown_joint", "there is no such joint", "write 'zero joint0' or 'zero joint0 30 deg'");
     return;
   }
-  LogSample stale;
-  while (shell.machine_.next_sample(stale)) {
+  skip_blanks(arguments);
+  const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
+  const ValueError problem =
+      arguments.empty() ? ValueError::kNone : parse_quantity(arguments, "rad", request.position_rad);
+  if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {
+    shell.error("not_an_angle", "the motor's position is not an angle, and nothing was changed",
+                "write 'zero joint0' or 'zero joint0 30 deg'");
+    return;
   }
-  shell.log_left_ = static_cast<std::uint32_t>(count);
-  shell.log_every_ = static_cast<std::uint32_t>(every);
-  shell.log_dropped_before_ = shell.machine_.dropped_samples();
-  const auto axis = static_cast<std::uint32_t>(shell.log_axis_);
-  Print& out = shell.out_;
-  out << "time_s";
-  for (const char* column : {"q1_rad", "tau_Nm", "q2_est_rad", "q2_ref_rad", "current_A"}) {
-    out << ",axis" << axis << '/' << column;
+  if (problem == ValueError::kRange || request.position_rad < limits.motor_min_rad ||
+      request.position_rad > limits.motor_max_rad) {
+    shell.error("range", "a motor can not stand outside limits.motor_min to limits.motor_max, and nothing was changed",
+                "give the angle at which it stands");
+    return;
   }
-  out << "\r\n";
-  shell.machine_.record(true, shell.log_axis_);
-  shell.activity_ = Shell::Activity::kLogging;
+  if (energised(shell.machine_.telemetry().state)) {
+    shell.error("armed", "a joint that is held would be thrown by a new zero", "'disarm' first");
+    return;
+  }
+  post(shell, request, Shell::Activity::kApplying);
+}
+
+void ShellCommands::timing(Shell& shell, std::string_view /*arguments*/) {
+  const MachineTelemetry now = shell.machine_.telemetry();
+  shell.out_ << "cycles " << now.tick << " of 1 ms, overruns " << now.overruns << ", log samples dropped "
+             << shell.machine_.dropped_samples() << ", console characters dropped " << shell.sink_.dropped() << "\r\n";
+  shell.board_.print_timing(shell.out_);
+  shell.ok();
+}
+
+void ShellCommands::reboot(Shell& shell, std::string_view /*arguments*/) {
+  if (shell.machine_.telemetry().state != State::kDisarmed || !shell.machine_.settled()) {
+    shell.error("not_disarmed", "a reboot would drop the joint or forget a fault that nobody has acknowledged",
+                "'disarm' first");
+    return;
+  }
+  shell.ok();
+  shell.board_.reboot();
 }
 
 }  // namespace capstan

@@ -37,12 +37,24 @@ struct ShellCommands {
   static void disarm(Shell& shell, std::string_view arguments);
   static void move(Shell& shell, std::string_view arguments);
   static void hold(Shell& shell, std::string_view arguments);
+  static void zero(Shell& shell, std::string_view arguments);
   static void log(Shell& shell, std::string_view arguments);
+  static void watch(Shell& shell, std::string_view arguments);
+  static void scope(Shell& shell, std::string_view arguments);
+  static void model(Shell& shell, std::string_view arguments);
+  static void timing(Shell& shell, std::string_view arguments);
+  static void reboot(Shell& shell, std::string_view arguments);
 
  private:
   static void replay_lines(Shell& shell, bool changed_only);
   static void post(Shell& shell, const Request& request, Shell::Activity activity);
   static void begin_staging(Shell& shell);
+  static void scope_status(Shell& shell);
+  static void scope_signals(Shell& shell);
+  static void scope_channels(Shell& shell, std::string_view arguments);
+  static void scope_trigger(Shell& shell, std::string_view arguments);
+  static void scope_start(Shell& shell, std::string_view arguments);
+  static void scope_dump(Shell& shell);
 };
 
 }  // namespace capstan

@@ -206,6 +206,10 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
     case LoadResult::kEmpty:
       shell.error("storage_empty", "nothing was ever saved, and nothing was changed", "'set' what you want and 'save'");
       break;
+    case LoadResult::kUnfinished:
+      shell.error("storage_unfinished", "power went while the first set was saved, and nothing was changed",
+                  "'set' what you want and 'save' again");
+      break;
     case LoadResult::kCorrupt:
       shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
                   "load a model and 'save' it");

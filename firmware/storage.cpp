@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/storage.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -94,7 +95,24 @@ auto header_bytes(const Header& header) -> std::array<std::uint8_t, kHeaderBytes
   return bytes;
 }
 
-enum class BankState : std::uint8_t { kEmpty, kBroken, kValid };
+enum class BankState : std::uint8_t { kEmpty, kUnsealed, kBroken, kValid };
+
+/// True if writing `wanted`, byte by byte into erased memory, may have been cut when it looked like `stored`: whole
+/// bytes, one in which not every bit is cleared yet, erased ones. The header is written last and ends in its CRC, so a
+/// set whose CRC looks like that was never whole. Strict, because memory that has aged shows single bits set again.
+auto was_cut(std::span<const std::uint8_t> stored, std::uint32_t wanted) -> bool {
+  std::array<std::uint8_t, 4> whole{};
+  put(whole, wanted);
+  std::size_t i = 0;
+  while (i < whole.size() && stored[i] == whole[i]) {
+    ++i;
+  }
+  if (i == whole.size() || (stored[i] & whole[i]) != whole[i]) {
+    return false;
+  }
+  return std::all_of(stored.begin() + static_cast<std::ptrdiff_t>(i) + 1, stored.end(),
+                     [](std::uint8_t byte) { return byte == 0xFF; });
+}
 
 auto inspect(Banks& banks, int bank, Header& header) -> BankState {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
@@ -110,6 +128,10 @@ auto inspect(Banks& banks, int bank, Header& header) -> BankState {
   }
   const std::span<const std::uint8_t> all(bytes);
   header = {take(all.subspan(8, 4)), take(all.subspan(12, 4)), take(all.subspan(16, 4))};
+  constexpr std::uint32_t kErased = 0xFFFFFFFFU;
+  if (header.crc == kErased && (take(all.first(4)) & kMagic) == kMagic) {
+    return BankState::kUnsealed;
+  }
   if (take(all.first(4)) != kMagic || take(all.subspan(4, 4)) != kFormatVersion || header.length > kLongestPayload ||
       header.length % kEntryBytes != 0) {
     return BankState::kBroken;
@@ -123,16 +145,21 @@ auto inspect(Banks& banks, int bank, Header& header) -> BankState {
     }
     crc.add(entry);
   }
-  return crc.value() == header.crc ? BankState::kValid : BankState::kBroken;
+  if (crc.value() == header.crc) {
+    return BankState::kValid;
+  }
+  const bool cut = header.sequence == 1 && was_cut(all.subspan(16, 4), crc.value());
+  return cut ? BankState::kUnsealed : BankState::kBroken;
 }
 
 /// The bank with the newest whole set, or -1. Sequence numbers are compared with wrap.
-auto newest(Banks& banks, Header& header, bool& anything) -> int {
+/// `worst` becomes the state of the bank that explains why there is none.
+auto newest(Banks& banks, Header& header, BankState& worst) -> int {
   int best = -1;
   for (int bank = 0; bank < Banks::kBanks; ++bank) {
     Header candidate;
     const BankState state = inspect(banks, bank, candidate);
-    anything = anything || state != BankState::kEmpty;
+    worst = state == BankState::kValid ? worst : std::max(worst, state);
     if (state == BankState::kValid &&
         (best < 0 || static_cast<std::int32_t>(candidate.sequence - header.sequence) > 0)) {
       best = bank;
@@ -156,8 +183,8 @@ void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw) {
 
 auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
   Header old;
-  bool anything = false;
-  const int bank = newest(banks_, old, anything) == 0 ? 1 : 0;
+  BankState worst = BankState::kEmpty;
+  const int bank = newest(banks_, old, worst) == 0 ? 1 : 0;
   Header header;
   header.sequence = old.sequence + 1;
   header.length = static_cast<std::uint32_t>(axes.size() * parameters().size() * kEntryBytes);
@@ -181,10 +208,12 @@ auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
 
 auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
   Header header;
-  bool anything = false;
-  const int bank = newest(banks_, header, anything);
+  BankState worst = BankState::kEmpty;
+  const int bank = newest(banks_, header, worst);
   if (bank < 0) {
-    return anything ? LoadResult::kCorrupt : LoadResult::kEmpty;
+    return worst == BankState::kBroken     ? LoadResult::kCorrupt
+           : worst == BankState::kUnsealed ? LoadResult::kUnfinished
+                                           : LoadResult::kEmpty;
   }
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {

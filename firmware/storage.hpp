@@ -35,9 +35,10 @@ class Banks {
 
 enum class LoadResult : std::uint8_t {
   kLoaded,
-  kEmpty,    ///< never saved: defaults, and nothing is wrong
-  kCorrupt,  ///< something is there and no bank holds a whole and consistent set
-  kRefused,  ///< nothing was tried, because torque is on or the last change is still under way
+  kEmpty,       ///< never saved: defaults, and nothing is wrong
+  kUnfinished,  ///< power went while the very first set was saved: defaults, and nothing but that save is lost
+  kCorrupt,     ///< something is there and no bank holds a whole and consistent set
+  kRefused,     ///< nothing was tried, because torque is on or the last change is still under way
 };
 
 /// Parameters in two banks. A save goes to the bank that does not hold the newest set and becomes valid with its last

@@ -12,12 +12,15 @@ namespace capstan {
 class TextSink {
  public:
   void write(std::string_view text) { do_write(text); }
+  /// Characters that found no room since start.
+  [[nodiscard]] auto dropped() const -> std::uint32_t { return do_dropped(); }
 
  protected:
   ~TextSink() = default;  // never owned through this face: a virtual one would need operator delete
 
  private:
   virtual void do_write(std::string_view text) = 0;
+  [[nodiscard]] virtual auto do_dropped() const -> std::uint32_t { return 0; }
 };
 
 /// Formats without heap, floating point or printf: the target has none of them.

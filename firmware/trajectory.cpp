@@ -57,6 +57,14 @@ void Trajectory::rt_reset(Q24 position_rad) {
   speed_ = 0;
 }
 
+void Trajectory::rt_track(Q24 position_rad) {
+  const std::int64_t next = position_of(position_rad);
+  speed_ = next - position_;
+  speed_limit_ = std::abs(speed_);
+  position_ = next;
+  target_ = next;
+}
+
 void Trajectory::rt_start(Q24 target_rad, Q24 speed_rad_s) {
   target_ = position_of(target_rad);
   speed_limit_ = speed_of(speed_rad_s);

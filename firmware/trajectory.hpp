@@ -12,6 +12,8 @@ class Trajectory {
  public:
   /// Stands still at a position, rad.
   void rt_reset(Q24 position_rad);
+  /// Goes along with a streamed reference, rad, of this cycle: what follows begins with the speed that it has.
+  void rt_track(Q24 position_rad);
   /// Heads for a target, rad, from wherever it is, at no more than the given speed, rad/s.
   void rt_start(Q24 target_rad, Q24 speed_rad_s);
   /// Brakes and stays where that ends.

@@ -66,8 +66,6 @@ class Console final : public TextSink {
   void flush();
   /// Gives the peer some time to take all of it; the destructor does so too.
   void drain(std::chrono::milliseconds at_most);
-  /// Characters that found no room because the peer did not read.
-  [[nodiscard]] auto dropped() const -> std::uint64_t { return dropped_; }
   /// Where to attach: "stdio", "/dev/pts/3", "127.0.0.1:4000" or the serial device.
   [[nodiscard]] auto name() const -> const std::string& { return name_; }
 
@@ -76,6 +74,8 @@ class Console final : public TextSink {
   Console(Kind kind, std::string name, FileDescriptor line);
 
   void do_write(std::string_view text) override;
+  /// Because the peer did not read.
+  [[nodiscard]] auto do_dropped() const -> std::uint32_t override { return static_cast<std::uint32_t>(dropped_); }
   void watch_line();
   void accept_client();
   void turn_away();

@@ -6,51 +6,45 @@
 #include <thread>
 
 namespace capstan {
-namespace {
-constexpr char kCancel = 0x03;
-}  // namespace
 
 void ShellFeed::take() {
-  if (empty()) {
-    first_ = 0;
-    count_ = 0;
-  }
-  const std::size_t before = count_;
-  count_ += console_.receive(std::span(waiting_).subspan(count_));
-  const auto* const fresh = waiting_.begin() + before;
-  const auto* const end = waiting_.begin() + count_;
-  if (const auto* const cancel = std::find(fresh, end, kCancel); cancel != end && shell_.busy()) {
-    first_ = static_cast<std::size_t>(cancel - waiting_.begin());
-    shell_.receive(waiting_[first_++]);
-  }
+  std::array<char, 64> fresh{};
+  std::size_t count = 0;
+  do {
+    count = console_.receive(std::span(fresh).first(std::min(fresh.size(), input_.room())));
+    for (std::size_t i = 0; i < count; ++i) {
+      input_.take(fresh[i], !console_.is_script());
+    }
+  } while (count == fresh.size());
 }
 
 auto ShellFeed::poll() -> bool {
   take();
-  shell_.poll();
   bool lost = false;
   if (console_.hung_up()) {
     ended_ = console_.is_script();
     lost = !ended_;
     if (lost) {
-      first_ = count_;
-      shell_.receive(kCancel);
+      input_.forget();
     }
   }
-  while (!empty() && !shell_.busy()) {
-    shell_.receive(waiting_[first_++]);
-  }
-  if (ended_ && empty() && !shell_.busy()) {
-    shell_.receive('\n');  // the last line may lack it
+  input_.poll();
+  if (ended_ && input_.empty() && !shell_.busy()) {
+    if (input_.in_line()) {
+      input_.take('\n');  // the last line lacks it
+      input_.poll();
+    }
     ended_ = shell_.busy();
     lost = !ended_;
+    if (lost) {
+      input_.forget();  // a watch at the script's end ends with it
+    }
   }
-  shell_.poll();
   return lost;
 }
 
 void ShellFeed::wait(std::chrono::milliseconds at_most) {
-  if (empty() && !shell_.busy()) {
+  if (input_.empty() && !shell_.busy()) {
     console_.wait(at_most);
     return;
   }

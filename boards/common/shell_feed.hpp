@@ -1,40 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <chrono>
 
 #include "boards/common/console.hpp"
-#include "firmware/shell.hpp"
+#include "firmware/shell_input.hpp"
 
 namespace capstan {
 
-/// Carries characters from a console to the shell, no faster than the shell answers: what comes meanwhile waits, in the
-/// end in the operating system, so a host that sends everything at once loses nothing. Only Ctrl-C overtakes; it ends a
-/// log.
+/// Carries characters from a console to the shell by the rules of ShellInput. What finds no room there waits in the
+/// operating system, so a host that sends everything at once loses nothing.
 class ShellFeed {
  public:
   /// Both outlive this object.
-  ShellFeed(Console& console, Shell& shell) : console_(console), shell_(shell) {}
+  ShellFeed(Console& console, Shell& shell) : console_(console), shell_(shell), input_(shell) {}
 
   /// Call it in the background loop. True: the peer has just gone, so whatever moves must stop. A line it left half
   /// typed and lines that still waited are forgotten then; only a script (input given as a whole) is carried out to its
   /// end first.
   [[nodiscard]] auto poll() -> bool;
   /// True when nobody can come any more and everything is answered.
-  [[nodiscard]] auto done() const -> bool { return console_.finished() && empty() && !ended_ && !shell_.busy(); }
+  [[nodiscard]] auto done() const -> bool { return console_.finished() && input_.empty() && !ended_ && !shell_.busy(); }
   /// Sleeps until there may be something to do, at most this long.
   void wait(std::chrono::milliseconds at_most);
 
  private:
-  [[nodiscard]] auto empty() const -> bool { return first_ == count_; }
   void take();
 
   Console& console_;
   Shell& shell_;
-  std::array<char, 256> waiting_{};
-  std::size_t first_ = 0;
-  std::size_t count_ = 0;
+  ShellInput input_;
   bool ended_ = false;  // a script has ended but is not carried out yet
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "boards/linux_rt/linux_rt_board.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -24,7 +25,9 @@ void LinuxRtBoard::start() {
 
 void LinuxRtBoard::run() {
   try {
-    report_ = loop_.run([this](const RtTick& tick) {
+    Timing timing;
+    report_ = loop_.run([this, &timing](const RtTick& tick) {
+      rt_note(tick, timing);
       io_.rt_set_overruns(static_cast<std::uint32_t>(tick.overruns));
       application_.rt_tick();
     });
@@ -32,6 +35,24 @@ void LinuxRtBoard::run() {
     problem_ = std::current_exception();
   }
   running_ = false;
+}
+
+void LinuxRtBoard::rt_note(const RtTick& tick, Timing& timing) {
+  const auto us = [](std::chrono::nanoseconds time) {
+    return static_cast<std::int32_t>(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+  };
+  timing.late = us(tick.late);
+  timing.cycle = us(tick.last_cycle);
+  timing.latest = std::max(timing.latest, timing.late);
+  timing.longest = std::max(timing.longest, timing.cycle);
+  timing.page_faults = static_cast<std::uint32_t>(tick.page_faults);
+  timing_.rt_publish(timing);
+}
+
+void LinuxRtBoard::print_timing(Print& out) const {
+  const Timing now = timing_.read();
+  out << "real-time thread: began " << now.late << " us late, the latest " << now.latest << " us; took " << now.cycle
+      << " us, the longest " << now.longest << " us; page faults " << now.page_faults << "\r\n";
 }
 
 auto LinuxRtBoard::stop() -> RtReport {

@@ -29,10 +29,11 @@ auto interrupted() -> bool {
 void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
   using std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookAround{20};
-  capstan::Shell shell(board.application(), console, "linux_rt", console.is_terminal());
+  capstan::Shell shell(board.application(), console, board, console.is_terminal());
   capstan::ShellFeed feed(console, shell);
   const auto end = steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(0.0));
-  while (board.running() && !interrupted() && (!options.seconds || steady_clock::now() < end)) {
+  while (board.running() && !interrupted() && !board.reboot_wanted() &&
+         (!options.seconds || steady_clock::now() < end)) {
     if (feed.poll()) {
       board.application().link_lost();
     }
@@ -70,8 +71,8 @@ auto run(const BoardOptions& options) -> int {
   }
   capstan::FileBanks banks =
       options.storage.empty() ? capstan::FileBanks::temporary() : capstan::FileBanks(options.storage);
-  capstan::LinuxRtBoard board(options.rt, banks);
   if (options.action == BoardOptions::Action::kSelftest) {
+    capstan::LinuxRtBoard board(options.rt, banks);
     constexpr double kUsualS = 10.0;
     const capstan::SelftestResult result = capstan::run_selftest(board, options.seconds.value_or(kUsualS), interrupted);
     capstan::print_selftest(std::cout, result);
@@ -79,9 +80,13 @@ auto run(const BoardOptions& options) -> int {
   }
   capstan::Console console = capstan::Console::open(options.console);
   say_where(console, options);
-  board.start();
-  serve(board, console, options);
-  say_how_it_went(board.stop(), console);
+  for (bool again = true; again;) {
+    capstan::LinuxRtBoard board(options.rt, banks);
+    board.start();
+    serve(board, console, options);
+    say_how_it_went(board.stop(), console);
+    again = board.reboot_wanted();
+  }
   return 0;
 }
 

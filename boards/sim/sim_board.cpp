@@ -78,7 +78,7 @@ auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks) -> std::
 }
 
 SimBoard::SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo)
-    : joints_(make_joints(scenario, banks)), shell_(joints_->machine(), sink, "sim", echo) {}
+    : joints_(make_joints(scenario, banks)), shell_(joints_->machine(), sink, *this, echo) {}
 
 SimBoard::~SimBoard() = default;
 
@@ -105,6 +105,21 @@ auto SimBoard::truth(std::size_t axis) const -> const sim::Truth& {
 
 void SimBoard::link_lost() {
   joints_->link_lost();
+}
+
+void SimBoard::set_lateness(std::chrono::nanoseconds late) {
+  late_ = std::chrono::duration_cast<std::chrono::microseconds>(late);
+  latest_ = std::max(latest_, late_);
+  in_real_time_ = true;
+}
+
+void SimBoard::print_timing(Print& out) const {
+  if (!in_real_time_) {
+    out << "simulated joint, as fast as it goes: the board's time is the plant's\r\n";
+    return;
+  }
+  out << "simulated joint in an ordinary thread: the last cycle began " << static_cast<std::int32_t>(late_.count())
+      << " us late, the latest " << static_cast<std::int32_t>(latest_.count()) << " us\r\n";
 }
 
 }  // namespace capstan

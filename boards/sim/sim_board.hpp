@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <span>
 
@@ -12,7 +13,7 @@
 namespace capstan {
 
 /// The firmware on a simulated instrument of one to four axes: every object built once, as on any board.
-class SimBoard {
+class SimBoard final : public Board {
  public:
   /// @param sink  receives the shell's answers   @param echo  the shell talks to a person
   /// Throws std::runtime_error with "sentence; cure" if the instrument has more axes than a board.
@@ -28,6 +29,16 @@ class SimBoard {
   void tick_on_bench(std::span<const double> currents_a);
 
   [[nodiscard]] auto axes() const -> std::size_t;
+
+  /// How long after its time a cycle began, for `timing`; whoever ticks in real time knows.
+  void set_lateness(std::chrono::nanoseconds late);
+  /// The operator wants to start anew: make another board on the same banks.
+  [[nodiscard]] auto reboot_wanted() const -> bool { return reboot_wanted_; }
+
+  [[nodiscard]] auto name() const -> const char* override { return "sim"; }
+  void print_timing(Print& out) const override;
+  void reboot() override { reboot_wanted_ = true; }
+
   [[nodiscard]] auto shell() -> Shell& { return shell_; }
   [[nodiscard]] auto machine() const -> const Machine&;
   [[nodiscard]] auto truth(std::size_t axis) const -> const sim::Truth&;
@@ -42,6 +53,10 @@ class SimBoard {
 
   std::unique_ptr<Joints> joints_;
   Shell shell_;
+  bool reboot_wanted_ = false;
+  bool in_real_time_ = false;
+  std::chrono::microseconds late_{};
+  std::chrono::microseconds latest_{};
 };
 
 }  // namespace capstan

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/shell.hpp"
+#include "firmware/shell_input.hpp"
 #include "firmware/text.hpp"
 #include "hal/stm32f4/memory_map.hpp"
 #include "hal/stm32f4/tick.hpp"
@@ -25,10 +25,9 @@ class ConsoleSink final : public TextSink {
   static constexpr std::uint32_t kPatienceTicks = 20;
 
   ConsoleSink(SerialPort& port, const BoardTick& tick) noexcept : port_(port), tick_(tick) {}
-  /// Characters that found no room.
-  [[nodiscard]] auto dropped() const noexcept -> std::uint32_t { return dropped_; }
 
  private:
+  [[nodiscard]] auto do_dropped() const -> std::uint32_t override { return dropped_; }
   void do_write(std::string_view text) override {
     std::span<const std::uint8_t> left(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
     std::uint32_t moved_at = tick_.count();
@@ -45,43 +44,27 @@ class ConsoleSink final : public TextSink {
   std::uint32_t dropped_ = 0;
 };
 
-/// Carries characters from the port to the shell, no faster than the shell answers: while an answer is under way they
-/// wait in the port's ring. Only a Ctrl-C that comes next overtakes; it ends a log.
+/// Carries characters from the port to the shell by the rules of ShellInput.
 class ConsoleFeed {
  public:
-  ConsoleFeed(SerialPort& port, Shell& shell) noexcept : port_(port), shell_(shell) {}
+  ConsoleFeed(SerialPort& port, Shell& shell) noexcept : port_(port), shell_(shell), input_(shell) {}
 
   /// Call it in the background loop.
   void poll() {
-    shell_.poll();
-    while (fetch() && (!shell_.busy() || waiting_ == kCancel)) {
-      have_waiting_ = false;
-      in_line_ = waiting_ != '\r' && waiting_ != '\n';
-      shell_.receive(waiting_);
+    std::uint8_t byte = 0;
+    while (input_.room() > 0 && port_.read(byte)) {
+      input_.take(static_cast<char>(byte));
     }
+    input_.poll();
   }
 
   /// True when a line is half typed or its answer is under way: nothing else should be printed now.
-  [[nodiscard]] auto in_use() const -> bool { return in_line_ || have_waiting_ || shell_.busy(); }
+  [[nodiscard]] auto in_use() const -> bool { return input_.in_line() || shell_.busy(); }
 
  private:
-  static constexpr char kCancel = 0x03;
-
-  /// True when a character is at hand.
-  auto fetch() -> bool {
-    if (!have_waiting_) {
-      std::uint8_t byte = 0;
-      have_waiting_ = port_.read(byte);
-      waiting_ = have_waiting_ ? static_cast<char>(byte) : waiting_;
-    }
-    return have_waiting_;
-  }
-
   SerialPort& port_;
   Shell& shell_;
-  char waiting_ = 0;
-  bool have_waiting_ = false;
-  bool in_line_ = false;
+  ShellInput input_;
 };
 
 }  // namespace capstan::stm32f405

@@ -71,7 +71,7 @@ void print_timing(Print& out, const Timing& timing, std::uint32_t core_hz) {
         << stm32f4::emulated_instructions(meter.last(), core_hz) << " and "
         << stm32f4::emulated_instructions(meter.max(), core_hz) << " instructions in the emulator)";
   };
-  line("# timing: cycle", timing.cycle);
+  line("cycle", timing.cycle);
   line(", its input and output", timing.hardware);
   out << ", overruns " << timing.overruns.load(std::memory_order_relaxed) << ", stack unused " << stack_unused_bytes()
       << " of " << stack_size_bytes() << " bytes\r\n";

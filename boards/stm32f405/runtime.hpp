@@ -56,16 +56,18 @@ struct BoardParts {
 /// The firmware on this board: the cycle in the timer's interrupt, the shell in the background. `Io` is the only
 /// difference between the motor board and its emulated twin.
 template <typename Io>
-class Runtime {
+class Runtime final : public Board {
  public:
   Runtime(Io& io, const BoardParts& parts, const char* board_name)
       : io_(io),
+        console_(parts.console),
+        name_(board_name),
         tick_(parts.tick),
         watchdog_(parts.watchdog),
         metered_(io, parts.tick),
         application_(metered_, parts.banks),
         sink_(parts.console, parts.tick),
-        shell_(application_, sink_, board_name, true),
+        shell_(application_, sink_, *this, true),
         feed_(parts.console, shell_) {}
 
   /// In the cycle's interrupt: one cycle, if one is due.
@@ -85,6 +87,8 @@ class Runtime {
 
   /// In main(), after everything has been started. Does not return.
   [[noreturn]] void run(const StartReport& report) {
+    core_hz_ = report.clock.core_hz;
+    application_.set_board_faults(report.clock.fell_back() ? bit(Fault::kBoardClock) : 0);
     Print out(sink_);
     print_start(out, report);
     bool timing_printed = false;
@@ -93,16 +97,37 @@ class Runtime {
       if (!timing_printed && tick_.count() >= kTimingAfterTicks && !feed_.in_use()) {
         timing_printed = true;
         out << "\r\n";  // the prompt may stand there already
-        print_timing(out, timing_, report.clock.core_hz);
+        out << "# timing: ";
+        print_timing(out);
       }
       asm volatile("wfi");  // until the next interrupt, a millisecond at most
     }
   }
 
+  [[nodiscard]] auto name() const -> const char* override { return name_; }
+  void print_timing(Print& out) const override {
+    stm32f405::print_timing(out, timing_, core_hz_);
+    const stm32f4::UsartErrors errors = console_.errors();
+    out << "console: received characters lost " << errors.ring_overruns + errors.hardware_overruns << ", damaged "
+        << errors.line_errors << "\r\n";
+  }
+  void reboot() override {
+    const std::uint32_t begin = tick_.count();
+    while (console_.write_free() < SerialPort::kTxRoom && tick_.count() - begin < kFarewellTicks) {
+    }
+    rt_release_outputs();
+    reset_core();
+  }
+
  private:
   static constexpr std::uint32_t kTimingAfterTicks = 1'000;
 
+  static constexpr std::uint32_t kFarewellTicks = 200;  // 1024 characters take 90 ms
+
   Io& io_;
+  SerialPort& console_;
+  const char* name_;
+  std::uint32_t core_hz_ = 0;
   BoardTick& tick_;
   stm32f4::Watchdog<stm32f4::MemoryRegister>& watchdog_;
   stm32f4::MeteredIo<Io, BoardTick> metered_;

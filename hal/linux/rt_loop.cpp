@@ -137,6 +137,9 @@ void RtLoop::prepare(RtReport& report) const {
 void RtLoop::rt_run(ErasedCycle cycle, void* context, RtReport& report) {
   EdgeSchedule edges(rt_now() + options_.period, options_.period);
   const PageFaults before = rt_page_faults();
+  constexpr std::uint64_t kLookEvery = 1000;
+  nanoseconds last_cycle{};
+  std::uint64_t page_faults = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const nanoseconds edge = edges.next();
     rt_sleep_until(edge);
@@ -145,10 +148,15 @@ void RtLoop::rt_run(ErasedCycle cycle, void* context, RtReport& report) {
     if (!edges.rt_woke(woke)) {
       continue;
     }
-    cycle(context, {report.cycles, edges.missed()});
+    if (report.cycles % kLookEvery == 0) {
+      const PageFaults now = rt_page_faults();
+      page_faults = now.minor - before.minor + now.major - before.major;
+    }
+    cycle(context, {report.cycles, edges.missed(), woke - edge, last_cycle, page_faults});
     ++report.cycles;
     const nanoseconds finished = rt_now();
-    report.cycle.rt_add(finished - woke);
+    last_cycle = finished - woke;
+    report.cycle.rt_add(last_cycle);
     edges.rt_finished(finished);
   }
   const PageFaults after = rt_page_faults();

@@ -21,8 +21,11 @@ struct RtOptions {
 
 /// What a cycle is told about the loop it runs in.
 struct RtTick {
-  std::uint64_t index = 0;     ///< cycles run before this one
-  std::uint64_t overruns = 0;  ///< edges missed before this one
+  std::uint64_t index = 0;                ///< cycles run before this one
+  std::uint64_t overruns = 0;             ///< edges missed before this one
+  std::chrono::nanoseconds late{};        ///< from this one's edge to the thread running
+  std::chrono::nanoseconds last_cycle{};  ///< what the last one took
+  std::uint64_t page_faults = 0;          ///< of the thread since the first cycle, looked at once a second
 };
 
 struct RtReport {

@@ -24,6 +24,10 @@ struct ClockStatus {
   std::uint32_t apb2_hz = 0;  ///< USART1, ADC1; TIM1 runs at twice this when the bus is divided
 
   [[nodiscard]] constexpr auto is_fault() const -> bool { return source != ClockSource::kCrystalPll; }
+  /// True on the internal oscillator, whose 1 % the law's constant dt does not know.
+  [[nodiscard]] constexpr auto fell_back() const -> bool {
+    return source == ClockSource::kInternalPll || source == ClockSource::kInternal;
+  }
   /// Clock of a timer on a bus of `bus_hz`: doubled when that bus is divided (RM0090 section 7.2).
   [[nodiscard]] constexpr auto timer_hz(std::uint32_t bus_hz) const -> std::uint32_t {
     return bus_hz == core_hz ? bus_hz : 2 * bus_hz;

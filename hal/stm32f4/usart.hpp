@@ -35,6 +35,8 @@ static_assert(baud_error_permille(84'000'000, 115'200) < 5 && baud_error_permill
 template <RegisterCell Cell, std::size_t RxSize, std::size_t TxSize>
 class Usart {
  public:
+  static constexpr std::size_t kTxRoom = TxSize;
+
   Usart(UsartRegisters<Cell>& registers, NvicRegisters<Cell>& nvic, Interrupt interrupt) noexcept
       : registers_(registers), nvic_(nvic), interrupt_(interrupt) {}
 

@@ -196,33 +196,34 @@ TEST(AxisEncoder, JustBelowTheSpeedLimitIsNoJumpAndJustAboveIs) {
 
 TEST(AxisEncoder, TheCountersWrapIsNeitherAJumpNorALossOfPosition) {
   Axis axis(AxisConfig{});
+  axis.rt_zero(Q24{});
   AxisSensed sensed = sensed_at(0.0, 0.0);
-  axis.rt_estimate(sensed);
-  // Three quarters of the counter's range in three great jumps, then slowly across its end.
-  std::uint32_t counts = 0;
-  for (int i = 0; i < 2; ++i) {
-    counts += 0x3FFFFF00U;
-    sensed.encoder_counts = static_cast<std::int32_t>(counts);
-    axis.rt_estimate(sensed);
-    EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
-  }
-  for (int i = 0; i < 20; ++i) {
-    counts += 100;
-    sensed.encoder_counts = static_cast<std::int32_t>(counts);
+  std::uint32_t counts = 0x7FFFFC00U;
+  for (int i = 0; i <= 20; ++i) {
+    sensed.encoder_counts = static_cast<std::int32_t>(counts + 100U * static_cast<unsigned>(i));
     axis.rt_estimate(sensed);
     ASSERT_EQ(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U) << sensed.encoder_counts;
   }
   EXPECT_LT(sensed.encoder_counts, 0) << "the counter has wrapped";
-  EXPECT_EQ(axis.telemetry().q1_rad, Q24::max()) << "and the angle has not";
-  for (int i = 0; i < 2; ++i) {
-    counts += 0x3FFFFF00U;
-    sensed.encoder_counts = static_cast<std::int32_t>(counts);
-    axis.rt_estimate(sensed);
+  EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), 2000.0 / kCountsPerRad, 1e-6) << "and the angle has not";
+}
+
+TEST(AxisEncoder, AfterAZeroTheMotorStandsWhereItWasSaidToStandWithAnyScaleAndSign) {
+  for (const std::int32_t sign : {1, -1}) {
+    for (const std::int32_t counts_per_turn : {16, 1000, 40960, 1 << 24}) {
+      for (const double angle : {0.0, 1.5, -3.25, 100.0}) {
+        AxisConfig config;
+        config.motor.encoder_sign = sign;
+        config.motor.encoder_counts_per_turn = counts_per_turn;
+        Axis axis(config);
+        axis.rt_estimate(sensed_at(0.7, 0.0));
+        axis.rt_zero(q(angle));
+        axis.rt_estimate(sensed_at(0.7, 0.0));
+        EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), angle, 3.1416 / counts_per_turn + 1e-7);
+        EXPECT_EQ(axis.rt_faults(false), 0U);
+      }
+    }
   }
-  counts = 0;
-  sensed.encoder_counts = 0;
-  axis.rt_estimate(sensed);
-  EXPECT_EQ(axis.telemetry().q1_rad, Q24::max()) << "one whole round of the counter is not where it began";
 }
 
 TEST(AxisEncoder, AnAngleBeyondTheFormatIsAnEstimatorFaultAndNotAWrongAngle) {
@@ -325,7 +326,36 @@ TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
   axis.rt_estimate(sensed_at(0.0, 0.0));
   ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(-1.0), q(1.0)}));
   static_cast<void>(axis.rt_control());
-  EXPECT_LE(abs(axis.telemetry().q2_reference_rad - before), q(0.00002));
+  // The stream ran at 1 rad/s, and a cycle at 10 rad/s2 takes 0.01 rad/s of it.
+  EXPECT_NEAR((axis.telemetry().q2_reference_rad - before).to_double(), 0.00099, 1e-6);
+}
+
+TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce) {
+  for (const double speed : {1.0, -1.5, 0.3}) {
+    Axis axis = armed_axis(AxisConfig{});
+    Q24 last;
+    for (int i = 1; i <= 500; ++i) {
+      axis.rt_estimate(sensed_at(0.0, 0.0));
+      static_cast<void>(axis.rt_command({AxisCommand::Kind::kFollow, q(0.001 * speed * i), {}}));
+      static_cast<void>(axis.rt_control());
+      last = axis.telemetry().q2_reference_rad;
+    }
+    const double began = last.to_double();
+    axis.rt_estimate(sensed_at(0.0, 0.0));
+    ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kStop, {}, {}}));
+    double before = 0.001 * speed;
+    int cycles = 0;
+    for (; axis.in_motion() && cycles < 1000; ++cycles) {
+      static_cast<void>(axis.rt_control());
+      const double step = (axis.telemetry().q2_reference_rad - last).to_double();
+      ASSERT_NEAR(step, before, 1e-5 + 2e-7) << "10 rad/s2 is 1e-5 rad per cycle and cycle, at " << cycles;
+      before = step;
+      last = axis.telemetry().q2_reference_rad;
+    }
+    // v / a, and v^2 / 2a, by mechanics.
+    EXPECT_NEAR(cycles, 1000.0 * std::fabs(speed) / 10.0, 2.0);
+    EXPECT_NEAR(last.to_double() - began, speed * std::fabs(speed) / 20.0, 2e-3 * std::fabs(speed));
+  }
 }
 
 }  // namespace

@@ -57,6 +57,8 @@ const std::vector<Cause> kCauses = {
      [](Rig& rig) { rig.state.model_faults = bit(Fault::kModelInvalid); }},
     {"amplifier fails", Fault::kDriveFailed, 1, false,
      [](Rig& rig) { rig.state.drive_faults = bit(Fault::kDriveFailed); }},
+    {"the crystal does not start", Fault::kBoardClock, 1, false,
+     [](Rig& rig) { rig.state.board_faults = bit(Fault::kBoardClock); }},
 };
 
 TEST(CycleFaults, EveryFaultOfTheTableHasACauseAmongTheTests) {
@@ -126,6 +128,8 @@ TEST(CycleFaults, AFaultStaysLatchedWithoutItsCauseUntilTheOperatorDisarms) {
     rig.state.axis[0].rt_configure(AxisConfig{});
     rig.state.model_faults = 0;
     rig.state.drive_faults = 0;
+    rig.state.board_faults = 0;
+    rig.tick({.disarm = false, .axis = {AxisCommand{AxisCommand::Kind::kZero, rig.joint().q1_rad, {}}}});
     for (int i = 0; i < 1200; ++i) {
       rig.tick({.arm = true});
       ASSERT_TRUE(rig.torque_off());
@@ -157,7 +161,7 @@ TEST(CycleFaults, ALaterCauseDoesNotReplaceTheFirst) {
 
 TEST(CycleFaults, ACauseThatIsPresentBeforeArmingBlocksItAndIsNamed) {
   for (const Cause& cause : kCauses) {
-    if (cause.needs_torque || cause.fault == Fault::kEncoderJump) {  // a jump is over after one cycle
+    if (cause.needs_torque) {
       continue;
     }
     SCOPED_TRACE(cause.name);
@@ -177,6 +181,40 @@ TEST(CycleFaults, AJumpInTheVeryCycleOfArmingBlocksIt) {
   rig.arm();
   EXPECT_EQ(rig.now(), State::kDisarmed);
   EXPECT_TRUE(rig.torque_off());
+}
+
+TEST(CycleFaults, AfterAJumpThePositionIsUnknownSoArmingIsBlockedUntilTheOperatorSaysWhereTheMotorStands) {
+  Rig rig;
+  bring_into(rig, Situation::kHolding);
+  rig.io.encoder_shift = 5000;  // counts that came from nowhere
+  rig.tick();
+  ASSERT_EQ(rig.state.telemetry.first_fault, Fault::kEncoderJump);
+  rig.tick({.disarm = true});
+  rig.ticks(1000);
+  rig.arm();
+  EXPECT_EQ(rig.now(), State::kDisarmed);
+  EXPECT_TRUE(rig.has(Fault::kEncoderJump));
+  EXPECT_FALSE(rig.joint().estimate_valid);
+
+  Command<1> zero;
+  zero.axis[0] = {AxisCommand::Kind::kZero, Q24::from_double(0.25), {}};
+  rig.tick(zero);
+  EXPECT_FALSE(rig.has(Fault::kEncoderJump));
+  EXPECT_NEAR(rig.joint().q1_rad.to_double(), 0.25, 1e-4);
+  rig.arm();
+  EXPECT_EQ(rig.now(), State::kHolding);
+  EXPECT_NEAR(rig.joint().q2_reference_rad.to_double(), 0.25, 1e-4) << "it holds where it was said to stand";
+}
+
+TEST(CycleFaults, TheOperatorsZeroIsNotTakenUnderTorque) {
+  Rig rig;
+  bring_into(rig, Situation::kHolding);
+  Command<1> zero;
+  zero.axis[0] = {AxisCommand::Kind::kZero, Q24::from_double(1.0), {}};
+  rig.tick(zero);
+  rig.ticks(10);
+  EXPECT_NEAR(rig.joint().q1_rad.to_double(), 0.0, 1e-3);
+  EXPECT_EQ(rig.now(), State::kHolding);
 }
 
 TEST(CycleFaults, ASingleMissingSampleTakesTorqueAway) {

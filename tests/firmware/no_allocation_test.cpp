@@ -170,11 +170,33 @@ class NullSink final : public TextSink {
 TEST(NoAllocation, NotInTheShellOrTheStorageEither) {
   Rig rig;
   NullSink sink;
-  Shell shell(rig.application, sink, "bench", true);
+  test::FakeBoard board;
+  Shell shell(rig.application, sink, board, true);
   const Watch watch;
-  for (const std::string_view line : {"help", "status", "faults", "list", "dump", "diff", "get joint3.control.kp",
-                                      "begin", "set joint0.control.kp 0.5", "commit", "arm", "move joint1 20 deg",
-                                      "log joint0 5", "disarm", "nonsense", "set joint0.control.kp 1e9", "version"}) {
+  for (const std::string_view line : {"help",
+                                      "status",
+                                      "faults",
+                                      "list",
+                                      "dump",
+                                      "diff",
+                                      "get joint3.control.kp",
+                                      "begin",
+                                      "set joint0.control.kp 0.5",
+                                      "commit",
+                                      "arm",
+                                      "move joint1 20 deg",
+                                      "log joint0 5",
+                                      "disarm",
+                                      "nonsense",
+                                      "set joint0.control.kp 1e9",
+                                      "version",
+                                      "model",
+                                      "timing",
+                                      "scope channels joint0.q2 joint3.drive",
+                                      "scope start 50",
+                                      "scope dump",
+                                      "watch 20 joint0.q2",
+                                      "zero joint0"}) {
     for (const char c : line) {
       shell.receive(c);
     }

@@ -82,6 +82,17 @@ TEST(Shell, EveryLineGetsOneAnswerByTheContract) {
                            "HELP",
                            "set joint0.limits.motor_min 9",
                            "reboot now",
+                           "reboot",
+                           "timing",
+                           "model",
+                           "zero joint0",
+                           "scope",
+                           "scope signals",
+                           "scope channels joint0.q2",
+                           "scope start 10 2",
+                           "scope stop",
+                           "scope dump",
+                           "watch 1 joint0.q2",
                            "arm please",
                            "status all",
                            "log joint0 1 1 1"}) {
@@ -103,7 +114,8 @@ TEST(Shell, HelpListsEveryCommandAndEveryListedCommandExists) {
 
 TEST(Shell, TheContractsCommandsOfThisVersionAreThere) {
   for (const char* name :
-       {"help", "status", "faults", "get", "set", "list", "save", "arm", "disarm", "move", "log", "version"}) {
+       {"help", "status", "faults", "get",  "set",   "list",  "diff", "dump",  "save",   "load",    "defaults",
+        "arm",  "disarm", "move",   "hold", "scope", "watch", "log",  "model", "timing", "version", "reboot"}) {
     const auto all = shell_commands();
     EXPECT_TRUE(std::any_of(all.begin(), all.end(), [name](const ShellCommand& c) {
       return std::string(name) == c.name;
@@ -123,7 +135,8 @@ TEST(Shell, StatusShowsStateFaultAndEveryJointWithUnits) {
   Bench bench;
   bench.io.motors[1].angle_rad = 0.5;
   bench.io.estop = true;
-  bench.ticks(100);  // the jump to there is over
+  bench.ticks(100);
+  bench.say("zero joint1 0.5");  // it jumped there
   const std::string answer = bench.say("status");
   EXPECT_TRUE(has_line(answer, "state disarmed fault none cycles ")) << answer;
   EXPECT_TRUE(has_line(answer, "joint0 motor 0 rad torque 0 Nm joint 0 rad")) << answer;

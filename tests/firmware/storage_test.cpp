@@ -157,15 +157,43 @@ TEST_P(StoragePowerCut, LeavesTheOldOrTheNewSetAfterEveryByteAndSavingWorksAgain
 INSTANTIATE_TEST_SUITE_P(Kinds, StoragePowerCut,
                          testing::Values(Cut{false, false}, Cut{true, false}, Cut{false, true}, Cut{true, true}));
 
-TEST(Storage, TheVeryFirstSaveCutShortIsNeverTakenForASet) {
-  FlashBanks whole;
-  ASSERT_TRUE(saved(whole, set_of(1)));
-  for (long cut = 0; cut < whole.bytes_changed; cut += 3) {
-    FlashBanks banks;
-    banks.power_left = cut;
-    EXPECT_FALSE(saved(banks, set_of(1)));
-    Set set{};
-    EXPECT_NE(loaded(banks, set), LoadResult::kLoaded) << "cut at " << cut;
+TEST(Storage, TheVeryFirstSaveCutShortIsNeitherASetNorCorruptionAndTheNextOneWorks) {
+  for (const bool torn : {false, true}) {
+    FlashBanks whole;
+    ASSERT_TRUE(saved(whole, set_of(1)));
+    int unfinished = 0;
+    for (long cut = 0; cut < whole.bytes_changed; ++cut) {
+      FlashBanks banks;
+      banks.power_left = cut;
+      banks.tears_last_byte = torn;
+      EXPECT_FALSE(saved(banks, set_of(1)));
+      Set set{};
+      const LoadResult result = loaded(banks, set);
+      ASSERT_TRUE(result == LoadResult::kEmpty || result == LoadResult::kUnfinished) << "cut at " << cut;
+      unfinished += result == LoadResult::kUnfinished ? 1 : 0;
+      banks.power_left = -1;
+      ASSERT_TRUE(saved(banks, set_of(2)));
+      ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+      ASSERT_TRUE(same_set(set, set_of(2)));
+    }
+    EXPECT_GE(unfinished, 15) << "the cuts within the header";
+  }
+}
+
+TEST(Storage, ASingleSetThatIsDamagedIsCorruptAndNotTakenForACutSave) {
+  FlashBanks banks;
+  ASSERT_TRUE(saved(banks, set_of(1)));
+  const std::size_t bank = banks.memory[0][0] == 0xFF ? 1 : 0;
+  const std::size_t length = 20 + 8 * 2 * parameters().size();
+  for (std::size_t byte = 0; byte < length; ++byte) {
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      FlashBanks damaged = banks;
+      damaged.memory[bank][byte] = static_cast<std::uint8_t>(damaged.memory[bank][byte] ^ (1U << bit));
+      Set set{};
+      const bool last_byte_of_crc_aged = byte == 19 && (banks.memory[bank][byte] & (1U << bit)) == 0;
+      ASSERT_EQ(loaded(damaged, set), last_byte_of_crc_aged ? LoadResult::kUnfinished : LoadResult::kCorrupt)
+          << byte << " bit " << bit;
+    }
   }
 }
 

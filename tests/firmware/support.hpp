@@ -244,10 +244,19 @@ inline auto has_line(const std::string& answer, const std::string& begin) -> boo
   return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.rfind(begin, 0) == 0; });
 }
 
+/// Says what it is asked for.
+class FakeBoard final : public Board {
+ public:
+  [[nodiscard]] auto name() const -> const char* override { return "bench"; }
+  void print_timing(Print& out) const override { out << "the bench has no clock\r\n"; }
+  void reboot() override { ++reboots; }
+  int reboots = 0;
+};
+
 /// Firmware and operator: a machine on the fake motor, and a shell over an in-memory pipe.
 template <std::size_t Axes>
 struct Bench {
-  explicit Bench(bool echo = false) : shell(application, sink, "bench", echo) { application.rt_tick(); }
+  explicit Bench(bool echo = false) : shell(application, sink, board, echo) { application.rt_tick(); }
 
   void ticks(int count) {
     for (int i = 0; i < count; ++i) {
@@ -275,6 +284,7 @@ struct Bench {
   FlashBanks banks;
   Application<FakeIo<Axes>> application{io, banks};
   StringSink sink;
+  FakeBoard board;
   Shell shell;
   bool answered = false;
 };

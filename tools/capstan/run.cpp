@@ -50,21 +50,28 @@ auto scenario_of(const RunOptions& options) -> sim::Scenario {
 }
 
 /// The firmware and a person: the plant runs, the shell is attached, and the operator moves the joint.
-void serve(SimBoard& board, Console& console, const RunOptions& options) {
+/// True if the operator wants it to start anew.
+auto serve(SimBoard& board, Console& console, const RunOptions& options) -> bool {
   ShellFeed feed(console, board.shell());
   const auto start = std::chrono::steady_clock::now();
   for (std::int64_t cycle = 0; !feed.done(); ++cycle) {
     if (options.seconds && static_cast<double>(cycle) >= *options.seconds * kCycleRateHz) {
-      return;
+      return false;
+    }
+    if (board.reboot_wanted()) {
+      return true;
     }
     board.tick();
     if (feed.poll()) {
       board.link_lost();
     }
     if (!options.fast) {
-      std::this_thread::sleep_until(start + std::chrono::milliseconds(cycle + 1));
+      const auto edge = start + std::chrono::milliseconds(cycle + 1);
+      std::this_thread::sleep_until(edge);
+      board.set_lateness(std::chrono::steady_clock::now() - edge);
     }
   }
+  return false;
 }
 
 auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptions& options) -> int {
@@ -73,8 +80,11 @@ auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptio
     if (console.name() != "stdio") {
       std::cerr << "shell at " << console.name() << "\n";
     }
-    SimBoard board(scenario, banks, console, console.is_terminal());
-    serve(board, console, options);
+    bool again = true;
+    while (again) {
+      SimBoard board(scenario, banks, console, console.is_terminal());
+      again = serve(board, console, options);
+    }
     return kExitDone;
   } catch (const std::runtime_error& error) {
     throw BadInput(error.what());

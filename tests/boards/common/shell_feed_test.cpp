@@ -23,6 +23,12 @@ struct StillIo {
   void release() noexcept {}
 };
 
+struct StillBoard final : Board {
+  [[nodiscard]] auto name() const -> const char* override { return "test"; }
+  void print_timing(Print& /*out*/) const override {}
+  void reboot() override {}
+};
+
 /// A whole firmware on a pty; the cycle runs when the test says so.
 class ShellFeedTest : public testing::Test {
  protected:
@@ -70,7 +76,8 @@ class ShellFeedTest : public testing::Test {
   FileBanks banks_ = FileBanks::temporary();
   Console console_ = Console::pty();
   Application<StillIo> application_{io_, banks_};
-  Shell shell_{application_, console_, "test", false};
+  StillBoard board_;
+  Shell shell_{application_, console_, board_, false};
   ShellFeed feed_{console_, shell_};
   FileDescriptor peer_;
 };

@@ -28,6 +28,20 @@ expect("a last line without its end is answered" "${out}" "state disarmed fault 
 expect("every line is answered" "${out}" "ok.*ok.*ok.*ok.*ok\r?\n$")
 expect("the end of input ends the program" "${err}" "[0-9]+ cycles, [0-9]+ missed")
 
+session("version\n" 0)
+if(NOT out MATCHES "^capstan [^\n]*\nok\r?\n$")
+  message(FATAL_ERROR "one whole line gets one answer, not\n${out}")
+endif()
+session("timing\n" 0)
+expect("timing shows lateness and page faults" "${out}" "began [0-9]+ us late, the latest [0-9]+ us; .* page faults [0-9]+")
+session("arm\nreboot\ndisarm\nreboot\n" 0 --storage ${folder}/banks)
+expect("a reboot waits for a disarm" "${out}" "ok.*error not_disarmed: .*ok.*ok")
+string(REGEX MATCHALL "[0-9]+ cycles, [0-9]+ missed" lives "${err}")
+list(LENGTH lives count)
+if(NOT count EQUAL 2)
+  message(FATAL_ERROR "a reboot is a second life, but there were ${count}:\n${err}")
+endif()
+
 session("get joint0.control.kp\n" 0 --storage ${folder}/banks)
 expect("parameters survive the program" "${out}" "0\\.625")
 

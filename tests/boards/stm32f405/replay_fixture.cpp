@@ -78,7 +78,10 @@ class Story {
     const std::uint32_t within = cycle % 1000;
     AxisCommand& command = input.command.axis[0];
     if (within == 0) {
-      input.command.disarm = second % 4 == 0;  // clears what the last story left latched
+      input.command.disarm = second % 4 == 0;     // clears what the last story left latched
+    } else if (within == 1 && second % 4 == 0) {  // and a jump's loss of position; the motor is where its encoder says
+      constexpr double kRadPerCount = 6.283185307179586 / 40960.0;
+      command = {AxisCommand::Kind::kZero, Q24::from_double(kRadPerCount * input.sensed.axis[0].encoder_counts), {}};
     } else if (within == 2) {
       input.command.arm = second % 4 == 0;
     } else if (within == 20) {

@@ -49,6 +49,7 @@ TEST_F(Clocks, HealthyBoardRunsAt168MHzFromTheCrystal) {
   const ClockStatus status = start();
   EXPECT_EQ(status.source, ClockSource::kCrystalPll);
   EXPECT_FALSE(status.is_fault());
+  EXPECT_FALSE(status.fell_back());
   EXPECT_EQ(status.core_hz, 168'000'000U);
   EXPECT_EQ(status.apb1_hz, 42'000'000U);
   EXPECT_EQ(status.apb2_hz, 84'000'000U);
@@ -83,6 +84,7 @@ TEST_F(Clocks, DeadCrystalEndsOnTheInternalOscillatorAsAFault) {
   const ClockStatus status = start();
   EXPECT_EQ(status.source, ClockSource::kInternalPll);
   EXPECT_TRUE(status.is_fault());
+  EXPECT_TRUE(status.fell_back());
   EXPECT_EQ(status.core_hz, 168'000'000U);
   EXPECT_EQ(rcc.pllcfgr.value & 0x3FU, 16U);
   EXPECT_EQ(rcc.pllcfgr.value & rcc::kPllSourceHse, 0U);
@@ -94,6 +96,7 @@ TEST_F(Clocks, DeadPllLeavesTheSlowClockWithUndividedBuses) {
   pll_locks = false;
   const ClockStatus status = start();
   EXPECT_EQ(status.source, ClockSource::kInternal);
+  EXPECT_TRUE(status.fell_back());
   EXPECT_EQ(status.core_hz, 16'000'000U);
   EXPECT_EQ(status.apb1_hz, 16'000'000U);
   EXPECT_EQ(status.timer_hz(status.apb1_hz), 16'000'000U);
@@ -122,6 +125,7 @@ TEST(ClocksAbsent, ControlThatReadsZeroIsReportedAfterABoundedWait) {
   const ClockStatus status = start_clocks(rcc, power, flash, bounds);
   EXPECT_EQ(status.source, ClockSource::kNotAnswering);
   EXPECT_TRUE(status.is_fault());
+  EXPECT_FALSE(status.fell_back()) << "an emulator is no oscillator";
   EXPECT_EQ(status.core_hz, 168'000'000U);
   EXPECT_LE(rcc.cr.reads, 1U + 17U);
 }

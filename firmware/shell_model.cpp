@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shell's view of the law: what it adds up, term by term.
+#include <algorithm>
+
+#include "firmware/shell_commands.hpp"
+
+namespace capstan {
+namespace {
+
+/// Walks the catalogue in its order and prints the terms that are on, with their equations and parameters.
+class LawPrinter {
+ public:
+  LawPrinter(Print& out, const LawParameters<Q24>& law) : out_(out), law_(law) {}
+
+  template <typename Term>
+  void operator()() {
+    const auto coefficients = std::span(law_.coefficients).subspan(coefficient_, kCoefficientsOf<Term>);
+    const auto shapes = std::span(law_.shapes).subspan(shape_, kShapesOf<Term>);
+    coefficient_ += coefficients.size();
+    shape_ += shapes.size();
+    const auto on = [](Q24 value) { return value != Q24{}; };
+    const bool active = coefficients.empty() ? std::any_of(shapes.begin(), shapes.end(), on)
+                                             : std::any_of(coefficients.begin(), coefficients.end(), on);
+    if (!active) {
+      ++off_;
+      return;
+    }
+    out_ << "  " << Term::kInfo.name << ": " << Term::kInfo.equation << " " << Term::kInfo.source << "\r\n";
+    for (std::size_t i = 0; i < coefficients.size(); ++i) {
+      print(Term::kInfo.coefficients[i].name, coefficients[i], Term::kInfo.coefficients[i].unit,
+            Term::kInfo.coefficients[i].doc);
+    }
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      print(Term::kInfo.shapes[i].name, shapes[i], Term::kInfo.shapes[i].unit, Term::kInfo.shapes[i].doc);
+    }
+  }
+  [[nodiscard]] auto off() const -> std::uint32_t { return off_; }
+
+ private:
+  void print(const char* name, Q24 value, const char* unit, const char* doc) {
+    out_ << "    " << name << ' ' << value;
+    if (std::string_view(unit) != "1") {
+      out_ << ' ' << unit;
+    }
+    out_ << "  " << doc << "\r\n";
+  }
+
+  Print& out_;
+  const LawParameters<Q24>& law_;
+  std::size_t coefficient_ = 0;
+  std::size_t shape_ = 0;
+  std::uint32_t off_ = 0;
+};
+
+}  // namespace
+
+void ShellCommands::model(Shell& shell, std::string_view arguments) {
+  std::string_view joint = next_word(arguments);
+  std::size_t only = 0;
+  const bool one = !joint.empty();
+  if (one && (!shell.parse_axis(joint, only) || !joint.empty())) {
+    shell.error("unknown_joint", "there is no such joint", "write 'model' or 'model joint0'");
+    return;
+  }
+  for (std::size_t axis = one ? only : 0; axis < (one ? only + 1 : shell.machine_.axes()); ++axis) {
+    shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << " joint angle q2 is the sum of\r\n";
+    LawPrinter printer(shell.out_, shell.machine_.config()[axis].law);
+    SumTerms::for_each<Q24>(printer);
+    OutputTerms::for_each<Q24>(printer);
+    shell.out_ << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
+               << ".TERM.NAME' changes one while disarmed\r\n";
+  }
+  shell.ok();
+}
+
+}  // namespace capstan
