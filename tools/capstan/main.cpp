@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   add_identify(app, exit_status);
   add_replay(app, exit_status);
   add_diagnose(app, exit_status);
+  add_thesis(app, exit_status);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
