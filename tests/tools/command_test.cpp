@@ -119,9 +119,18 @@ TEST_F(Command, ATruncatedLogIsUsedWithAWarning) {
   EXPECT_NE(outcome.output.find("the last line is cut off"), std::string::npos) << outcome.output;
 }
 
+TEST_F(Command, ForceLawOfALogWithoutJointTorqueIsBadInput) {
+  const std::string log = write_log(short_log(200.0));
+  for (const std::string model : {"pull_push", "preisach"}) {
+    const Outcome outcome = run("identify " + log + " --model " + model);
+    EXPECT_EQ(outcome.status, 2) << outcome.output;
+    EXPECT_NE(outcome.output.find("axis0/tau_out_Nm"), std::string::npos) << outcome.output;
+  }
+}
+
 TEST_F(Command, RefusalsEndWithStatusOne) {
   const std::string log = write_log(short_log(200.0));
-  const Outcome model = run("identify " + log + " --model preisach");
+  const Outcome model = run("identify " + log + " --model dynamic");
   EXPECT_EQ(model.status, 1);
   EXPECT_NE(model.output.find("available in this version are kinematic and pseudo_kinematic"), std::string::npos)
       << model.output;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tools/capstan/commands.hpp"
+#include "tools/capstan/identify_force.hpp"
 #include "tools/capstan/options.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
@@ -20,6 +21,9 @@ struct IdentifyOptions {
 };
 
 auto run_identify(const IdentifyOptions& options) -> int {
+  if (is_force_model(options.model)) {
+    return identify_force(options.logs, options.model, options.output);
+  }
   LawForm form;
   form.terms = terms_of_model(options.model);
   AxisRequest request;
@@ -53,7 +57,10 @@ void add_identify(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<IdentifyOptions>();
   CLI::App* command = app.add_subcommand("identify", "fit a law to logs of one joint");
   options->logs.add_to(*command, true);
-  command->add_option("--model", options->model, "law to fit: kinematic, pseudo_kinematic")->capture_default_str();
+  command
+      ->add_option("--model", options->model,
+                   "law to fit: kinematic, pseudo_kinematic; of the joint torque: pull_push, preisach")
+      ->capture_default_str();
   command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_identify(*options); });
 }

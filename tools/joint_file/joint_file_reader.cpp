@@ -207,7 +207,7 @@ auto parse_joint_file(const std::string& text, const std::string& name) -> Joint
                    "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
                    "with capstan identify");
   }
-  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit"}, "the file");
+  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit", "force"}, "the file");
   JointFile joint;
   read_conditioner(reader, root, joint);
   reader.terms(root, joint);

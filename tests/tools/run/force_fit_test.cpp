@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: Apache-2.0
+// Force laws identified from the simulated instrument, and from relays: what comes out is what went in.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "boards/common/file_banks.hpp"
+#include "hal/sim/plant.hpp"
+#include "tests/model/relays.hpp"
+#include "tests/model/support.hpp"
+#include "tools/identify/force_section.hpp"
+#include "tools/joint_file/joint_file.hpp"
+#include "tools/run/run.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/random.hpp"
+
+namespace capstan::tools {
+namespace {
+
+const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
+
+auto record(const std::string& scenario) -> ForceLog {
+  std::ostringstream text;
+  FileBanks banks = FileBanks::temporary();
+  static_cast<void>(run_scenario(sim::load_scenario(kScenarios + scenario), {}, banks, &text));
+  return read_force_log(CsvLog::parse(text.str(), scenario), 0);
+}
+
+/// The bare instrument, its motor pulley turned by hand.
+template <typename Angle>
+auto turn_by_hand(const sim::PlantParameters& parameters, double seconds, Angle&& angle) -> ForceLog {
+  sim::Plant plant(parameters, 5);
+  const auto samples = static_cast<Eigen::Index>(seconds * 1000.0);
+  ForceLog log;
+  log.name = "by hand";
+  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
+    values->resize(samples);
+  }
+  Random random(6);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    log.time_s[i] = 0.001 * static_cast<double>(i);
+    plant.step_kinematic(angle(log.time_s[i]));
+    log.q1_rad[i] = plant.truth().q1_rad;
+    log.tau_nm[i] = plant.truth().tau_in_nm + 3e-4 * random.normal();
+    log.tau_out_nm[i] = plant.truth().tau_out_nm + 2e-4 * random.normal();
+  }
+  return log;
+}
+auto triangle(double amplitude, double frequency_hz) {
+  return [=](double t) {
+    return amplitude * 2.0 / std::numbers::pi * std::asin(std::sin(2.0 * std::numbers::pi * frequency_hz * t));
+  };
+}
+
+auto find(const ForceFit& fit, const std::string& name) -> ForceParameter {
+  for (const auto& parameter : fit.parameters) {
+    if (parameter.name == name) {
+      return parameter;
+    }
+  }
+  ADD_FAILURE() << "no parameter " << name;
+  return {};
+}
+void expect_covers(const ForceFit& fit, const std::string& name, double truth) {
+  const auto parameter = find(fit, name);
+  EXPECT_LT(std::abs(parameter.value - truth), parameter.half_interval) << name << " is " << parameter.value;
+  EXPECT_LT(parameter.half_interval, 0.02 * truth) << name;
+}
+
+TEST(PullPushFit, RecipesGiveThePlantsNumbersBack) {
+  const sim::PlantParameters plant;
+  for (const char* recipe : {"recipe_pull_push.toml", "recipe_torque_triangle.toml"}) {
+    SCOPED_TRACE(recipe);
+    const PullPushFit fit = fit_pull_push({record(recipe)});
+    EXPECT_TRUE(fit.undetermined.empty());
+    EXPECT_NEAR(fit.law.eta_top, plant.eta_top, 0.005 * plant.eta_top);
+    EXPECT_NEAR(fit.law.eta_bottom, plant.eta_bottom, 0.005 * plant.eta_bottom);
+    const double r1 = plant.input_radius_m;
+    expect_covers(fit, "eta_top", plant.eta_top);
+    expect_covers(fit, "eta_bottom", plant.eta_bottom);
+    expect_covers(fit, "pretension", plant.pretension_n * r1);
+    expect_covers(fit, "ratio", plant.output_radius_m / r1);
+    EXPECT_NEAR(find(fit, "stiffness_top").value, plant.stiffness_top_n_per_m * r1 * r1, 0.005 * 0.3425);
+    EXPECT_NEAR(find(fit, "stiffness_bottom").value, plant.stiffness_bottom_n_per_m * r1 * r1, 0.005 * 0.3436);
+    EXPECT_NEAR(fit.friction_nm, plant.motor_coulomb_nm, 2e-4);
+    EXPECT_LT(fit.rmse_nm, 0.08 * fit.full_scale_nm);
+  }
+}
+
+TEST(PullPushFit, OtherInstrumentComesBackToo) {
+  sim::PlantParameters plant;
+  plant.environment.kind = sim::EnvironmentKind::kLocked;
+  plant.eta_top = 0.6;
+  plant.eta_bottom = 0.9;
+  plant.pretension_n = 15.0;
+  plant.output_radius_m = 4.0e-3;
+  const PullPushFit fit = fit_pull_push({turn_by_hand(plant, 60.0, triangle(0.2, 0.05))});
+  EXPECT_TRUE(fit.undetermined.empty());
+  EXPECT_NEAR(fit.law.eta_top, 0.6, 0.02 * 0.6);
+  EXPECT_NEAR(fit.law.eta_bottom, 0.9, 0.02 * 0.9);
+  EXPECT_NEAR(fit.law.ratio, 4.0 / 2.6, 0.02 * 4.0 / 2.6);
+  EXPECT_NEAR(fit.law.pretension_nm, 15.0 * 2.6e-3, 0.02 * 15.0 * 2.6e-3);
+}
+
+TEST(PullPushFit, TriangleTooSmallForSlackTendonsLeavesFrictionUndetermined) {
+  sim::PlantParameters plant;
+  plant.environment.kind = sim::EnvironmentKind::kLocked;
+  const PullPushFit fit = fit_pull_push({turn_by_hand(plant, 60.0, triangle(0.09, 0.05))});
+  const auto names = fit.undetermined;
+  EXPECT_NE(std::find(names.begin(), names.end(), "stiffness_top"), names.end());
+  EXPECT_NE(std::find(names.begin(), names.end(), "stiffness_bottom"), names.end());
+  EXPECT_FALSE(fit.cure.empty());
+}
+
+TEST(PullPushFit, LogThatPullsOneWayIsRefused) {
+  sim::PlantParameters plant;
+  plant.environment.kind = sim::EnvironmentKind::kLocked;
+  EXPECT_THROW(static_cast<void>(fit_pull_push({turn_by_hand(plant, 5.0, [](double t) { return 0.04 * t; })})),
+               Refusal);
+}
+
+TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
+  const PreisachFit fit = fit_preisach({record("recipe_preisach.toml")});
+  EXPECT_TRUE(fit.undetermined.empty());
+  EXPECT_TRUE(check(fit.table, 1e-9).ok());
+  EXPECT_LT(fit.rmse_nm, 0.02 * fit.full_scale_nm);
+
+  sim::PlantParameters plant;
+  plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = 0.5};
+  const test::RandomMultisine motion(8, 1.0, 0.03, 0.3);
+  const ForceLog other =
+      turn_by_hand(plant, 60.0, [&](double t) { return 0.3 * std::tanh(2.0 * motion(t) + std::sin(0.4 * t)); });
+  Preisach<double, kPreisachLevels> law(fit.table, StartState::kDemagnetised, 1e-9);
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i < other.samples(); ++i) {
+    // The recipe's torque has the motor's friction in it, 0.003 N m, and this one has not: it is added by direction.
+    const double rate = i > 0 ? other.q1_rad[i] - other.q1_rad[i - 1] : 0.0;
+    const double force =
+        law.update(other.tau_nm[i] + (rate > 0.0 ? plant.motor_coulomb_nm : -plant.motor_coulomb_nm)).force;
+    squares += std::pow(force - other.tau_out_nm[i], 2.0);
+  }
+  const double share = std::sqrt(squares / static_cast<double>(other.samples())) / fit.full_scale_nm;
+  std::printf("Preisach law on a motion it has not seen: %.2f %% of full scale\n", 100.0 * share);
+  EXPECT_LT(share, 0.05);  // loops are congruent to 10 % only: capstan friction goes with the tension
+}
+
+/// A joint made of 40 x 40 relays, its input in N m.
+auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
+  test::Relays relays(40);
+  const test::RandomMultisine motion(seed, 2.0, 0.05, 0.5);
+  const auto samples = static_cast<Eigen::Index>(seconds * 100.0);
+  ForceLog log;
+  log.name = "relays";
+  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
+    values->resize(samples);
+  }
+  Random random(seed);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const double t = 0.01 * static_cast<double>(i);
+    const double start = t < 4.0 ? -std::cos(std::numbers::pi * t / 2.0) : 0.0;  // one swing to both ends
+    const double u = std::clamp(t < 4.0 ? 5.0 * start : amplitude * motion(t) * 3.0, -5.0, 5.0);
+    log.time_s[i] = t;
+    log.q1_rad[i] = 0.1 * u;
+    log.tau_nm[i] = 0.01 * u;
+    log.tau_out_nm[i] = 0.01 * relays.update(u) + 2e-4 * random.normal();
+  }
+  return log;
+}
+
+TEST(PreisachFit, ArbitraryMotionGivesTheTableOfTheRelaysItVisits) {
+  const PreisachFit fit = fit_preisach({relay_log(5.0, 600.0, 9)});
+  const auto truth = test::Relays(40).table<41>(41);
+  Preisach<double, 41> exact(truth, StartState::kNegativeSaturation, 1e-9);
+  double worst = 0.0;
+  int determined = 0;
+  for (std::size_t a = 0; a < kPreisachLevels; ++a) {
+    for (std::size_t b = 0; b <= a; ++b) {
+      exact.update(-5.0);
+      exact.update(100.0 * fit.table.inputs[a]);
+      const double force = 0.01 * exact.update(100.0 * fit.table.inputs[b]).force;
+      const std::size_t i = ReversalTable<double, kPreisachLevels>::index(a, b);
+      if (std::isfinite(fit.half_intervals[i])) {
+        ++determined;
+        worst = std::max(worst, std::abs(fit.table.force(a, b) - force));
+      }
+    }
+  }
+  std::printf("table from arbitrary motion: %d of 66 values, worst %.2f %% of full scale\n", determined,
+              100.0 * worst / fit.full_scale_nm);
+  EXPECT_GT(determined, 55);
+  EXPECT_LT(worst, 0.03 * fit.full_scale_nm);  // a grid of 11 over relays of 40 errs by 1 %
+}
+
+TEST(PreisachFit, MotionThatNeverNestsLoopsLeavesTheInsideUndetermined) {
+  ForceLog log = relay_log(0.0, 20.0, 10);
+  const PreisachFit fit = fit_preisach({log});
+  EXPECT_GT(fit.undetermined.size(), 30U);
+  EXPECT_NE(fit.undetermined.front().find("f("), std::string::npos);
+  EXPECT_FALSE(fit.cure.empty());
+}
+
+TEST(ForceSection, ReplacesItselfAndLeavesTheRestOfAJointFileAlone) {
+  const std::string before = joint_file_text([] {
+    JointFile joint;
+    joint.terms = {"motor_angle"};
+    return joint;
+  }());
+  PullPushFit pull_push;
+  pull_push.parameters = {{"eta_top", "1", 1.1414, 0.01}};
+  PreisachFit preisach;
+  preisach.table = test::Relays(20).table<11>(11);
+  preisach.half_intervals.assign(preisach.table.forces.size(), 0.001);
+  const std::string once = with_force_section(before, force_section(preisach));
+  const std::string twice = with_force_section(once, force_section(pull_push));
+  EXPECT_EQ(twice.substr(0, before.size()), before);
+  EXPECT_NE(twice.find("model = \"pull_push\""), std::string::npos);
+  EXPECT_EQ(twice.find("preisach"), std::string::npos);
+  EXPECT_EQ(twice, with_force_section(twice, force_section(pull_push)));
+  for (const auto& text : {once, twice}) {
+    EXPECT_EQ(joint_file_text(parse_joint_file(text, "joint.toml")), before);
+  }
+  EXPECT_THROW(static_cast<void>(parse_joint_file(with_force_section("", force_section(pull_push)), "f.toml")),
+               BadInput)
+      << "a force law alone is no motion law";
+}
+
+TEST(ForceLog, RefusesWhatCanNotBeFittedWithACure) {
+  const auto sentence = [](const std::string& text) -> std::string {
+    try {
+      static_cast<void>(read_force_log(CsvLog::parse(text, "x.csv"), 0));
+    } catch (const BadInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string header = "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/tau_out_Nm\n";
+  std::string still = header;
+  for (int i = 0; i < 300; ++i) {
+    still += "0." + std::to_string(1000 + i) + ",0." + std::to_string(1000 + i) + ",0." + std::to_string(1000 + i) +
+             ",0.5\n";
+  }
+  EXPECT_NE(sentence("time_s,axis0/q1_rad,axis0/tau_Nm\n0,0,0\n1,1,1\n").find("axis0/tau_out_Nm"), std::string::npos);
+  EXPECT_NE(sentence(header + "0,0,0,0\n1,1,1,1\n").find("too few"), std::string::npos);
+  EXPECT_NE(sentence(still).find("does not change"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/preisach.hpp"
+#include "model/pull_push.hpp"
+#include "tools/identify/least_squares.hpp"
+#include "tools/log/csv_log.hpp"
+
+namespace capstan::tools {
+
+/// What a force law is identified from: motor side and joint side of one axis, tip locked or against something stiff.
+struct ForceLog {
+  std::string name;
+  Eigen::VectorXd time_s, q1_rad, tau_nm;
+  Eigen::VectorXd tau_out_nm;  ///< joint torque, from a tip force sensor
+  [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
+};
+
+/// Throws BadInput with file, line and cure: a missing or bad column, too few samples, or a torque that does not move.
+auto read_force_log(const CsvLog& log, int axis) -> ForceLog;
+
+/// One number of a force law with its 95 % interval.
+struct ForceParameter {
+  std::string name, unit;
+  double value = 0.0;
+  double half_interval = 0.0;
+};
+
+/// A fitted force law with what there is to say about the fit.
+struct ForceFit {
+  std::vector<ForceParameter> parameters;
+  std::vector<std::string> undetermined;  ///< names; what these logs can not determine
+  std::vector<std::string> notes;
+  std::string cure;      ///< what to record, where something is undetermined
+  double rmse_nm = 0.0;  ///< of the law run over every sample as the firmware would run it
+  double full_scale_nm = 0.0;
+  long samples = 0;
+};
+
+struct PullPushFit : ForceFit {
+  PullPushParameters<double> law{};
+  double friction_nm = 0.0;  ///< the motor's own, which is in the logged torque: subtract it in the direction of motion
+  double offset_nm = 0.0;    ///< of the logged torque
+};
+
+/// Friction numbers, pretension and ratio from slow triangles of torque in which each tendon goes slack, tip locked:
+/// (2.22), (2.26) and I, as least squares over the branches on which both tendons move or one is slack. Only ratios of
+/// torques count, so the radii need not be known; stiffness is r1^2 Kn, pretension I r1.
+auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit;
+
+inline constexpr std::size_t kPreisachLevels = 11;  ///< the thesis's grid
+
+struct PreisachFit : ForceFit {
+  ReversalTable<double, kPreisachLevels> table{};
+  std::vector<double> half_intervals;  ///< of the table's values, in its order; infinite where undetermined
+};
+
+/// The reversal table behind logs of any motion: a sum of relays with weights that are not negative, so the table is
+/// complete and monotone whatever the noise. A first-order-reversal log determines all of it, another what it visits.
+auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit;
+
+}  // namespace capstan::tools
