@@ -4,6 +4,7 @@
 #include "model/motion_law.hpp"
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
+#include "model/tension_state.hpp"
 #include "model/terms/angle_periodic.hpp"
 #include "model/terms/axis_coupling.hpp"
 #include "model/terms/gravity.hpp"
@@ -81,5 +82,7 @@ template class PreisachBounds<double, 11>;
 template class PreisachBounds<Q24, 11>;
 template class PullPush<double>;
 template class PullPush<Q24>;
+template class TensionState<double>;
+template class TensionState<Q24>;
 
 }  // namespace capstan

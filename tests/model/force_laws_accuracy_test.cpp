@@ -8,6 +8,7 @@
 
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
+#include "model/tension_state.hpp"
 #include "tests/model/relays.hpp"
 #include "tests/model/support.hpp"
 
@@ -86,6 +87,57 @@ TEST(PreisachInverseAccuracy, InputInFixedPointBringsTheForceAboutInDouble) {
   }
   std::printf("Preisach inverse: the force it brings about is off by %.2e of full scale at worst\n", worst / span);
   EXPECT_LT(worst, 1e-3 * span);
+}
+
+auto in_double(const TensionStateParameters<Q24>& p) -> TensionStateParameters<double> {
+  return {p.eta_top.to_double(),        p.eta_bottom.to_double(),        p.pretension_nm.to_double(),
+          p.compliance_top.to_double(), p.compliance_bottom.to_double(), p.beta.to_double(),
+          p.joint_offset.to_double(),   p.friction_nm.to_double()};
+}
+
+// Torque up to what an instrument bears: elongations up to 4 rad of the motor, any parameters.
+TEST(TensionStateAccuracy, FixedIsWithinItsPromiseOfDouble) {
+  std::mt19937 engine(25);
+  double worst_angle = 0.0;
+  double worst_torque = 0.0;
+  for (int round = 0; round < kSamples / 5000; ++round) {
+    const auto between = [&engine](double low, double high) {
+      return number<Q24>(std::uniform_real_distribution<double>(low, high)(engine));
+    };
+    const double compliance = std::exp(std::uniform_real_distribution<double>(-3.0, 1.7)(engine));
+    const double largest = std::fmin(8.0, 4.0 / compliance);
+    const TensionStateParameters<Q24> parameters = {between(0.0, 3.0),
+                                                    between(0.0, 3.0),
+                                                    between(0.02, 1.0) * number<Q24>(largest),
+                                                    number<Q24>(compliance),
+                                                    between(0.7 * compliance, compliance),
+                                                    between(0.25, 2.0),
+                                                    between(-3.0, 3.0),
+                                                    between(0.0, 0.02)};
+    ASSERT_EQ(check(parameters), TensionStateFault::kNone);
+    TensionState<double> exact(in_double(parameters));
+    TensionState<Q24> fixed(parameters);
+    const test::RandomMultisine torque(static_cast<std::uint32_t>(round), 2.0 * largest, 0.1, 5.0);
+    const test::RandomMultisine angle(static_cast<std::uint32_t>(round) + 1000, 10.0, 0.1, 3.0);
+    double full_scale = 0.0;
+    double round_worst = 0.0;
+    for (int i = 0; i < 5000; ++i) {
+      const Q24 tau = number<Q24>(std::clamp(torque(0.001 * i), -largest, largest));
+      const Q24 q1 = number<Q24>(angle(0.001 * i));
+      const bool forward = (i / 700) % 2 == 0;
+      const auto expected = exact.update(q1.to_double(), tau.to_double(), forward);
+      const auto estimate = fixed.update(q1, tau, forward);
+      ASSERT_FALSE(estimate.saturated);
+      worst_angle = std::fmax(worst_angle, std::fabs(estimate.q2.to_double() - expected.q2));
+      round_worst = std::fmax(round_worst, std::fabs(estimate.joint_torque.to_double() - expected.joint_torque));
+      full_scale = std::fmax(full_scale, std::fabs(expected.joint_torque));
+    }
+    worst_torque = std::fmax(worst_torque, round_worst / full_scale);
+  }
+  std::printf("tension state, fixed against double: %.2e rad, %.2e of full scale of torque\n", worst_angle,
+              worst_torque);
+  EXPECT_LT(worst_angle, 2e-5);
+  EXPECT_LT(worst_torque, 1e-3);
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "boards/common/file_banks.hpp"
-#include "hal/sim/plant.hpp"
 #include "tests/model/relays.hpp"
 #include "tests/model/support.hpp"
+#include "tests/tools/run/by_hand.hpp"
 #include "tools/identify/force_section.hpp"
 #include "tools/joint_file/joint_file.hpp"
 #include "tools/run/run.hpp"
@@ -20,6 +20,9 @@
 namespace capstan::tools {
 namespace {
 
+using test::triangle;
+using test::turn_by_hand;
+
 const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
 
 auto record(const std::string& scenario) -> ForceLog {
@@ -27,32 +30,6 @@ auto record(const std::string& scenario) -> ForceLog {
   FileBanks banks = FileBanks::temporary();
   static_cast<void>(run_scenario(sim::load_scenario(kScenarios + scenario), {}, banks, &text));
   return read_force_log(CsvLog::parse(text.str(), scenario), 0);
-}
-
-/// The bare instrument, its motor pulley turned by hand.
-template <typename Angle>
-auto turn_by_hand(const sim::PlantParameters& parameters, double seconds, Angle&& angle) -> ForceLog {
-  sim::Plant plant(parameters, 5);
-  const auto samples = static_cast<Eigen::Index>(seconds * 1000.0);
-  ForceLog log;
-  log.name = "by hand";
-  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
-    values->resize(samples);
-  }
-  Random random(6);
-  for (Eigen::Index i = 0; i < samples; ++i) {
-    log.time_s[i] = 0.001 * static_cast<double>(i);
-    plant.step_kinematic(angle(log.time_s[i]));
-    log.q1_rad[i] = plant.truth().q1_rad;
-    log.tau_nm[i] = plant.truth().tau_in_nm + 3e-4 * random.normal();
-    log.tau_out_nm[i] = plant.truth().tau_out_nm + 2e-4 * random.normal();
-  }
-  return log;
-}
-auto triangle(double amplitude, double frequency_hz) {
-  return [=](double t) {
-    return amplitude * 2.0 / std::numbers::pi * std::asin(std::sin(2.0 * std::numbers::pi * frequency_hz * t));
-  };
 }
 
 auto find(const ForceFit& fit, const std::string& name) -> ForceParameter {
@@ -130,7 +107,7 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
 
   sim::PlantParameters plant;
   plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = 0.5};
-  const test::RandomMultisine motion(8, 1.0, 0.03, 0.3);
+  const capstan::test::RandomMultisine motion(8, 1.0, 0.03, 0.3);
   const ForceLog other =
       turn_by_hand(plant, 60.0, [&](double t) { return 0.3 * std::tanh(2.0 * motion(t) + std::sin(0.4 * t)); });
   Preisach<double, kPreisachLevels> law(fit.table, StartState::kDemagnetised, 1e-9);
@@ -149,8 +126,8 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
 
 /// A joint made of 40 x 40 relays, its input in N m.
 auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
-  test::Relays relays(40);
-  const test::RandomMultisine motion(seed, 2.0, 0.05, 0.5);
+  capstan::test::Relays relays(40);
+  const capstan::test::RandomMultisine motion(seed, 2.0, 0.05, 0.5);
   const auto samples = static_cast<Eigen::Index>(seconds * 100.0);
   ForceLog log;
   log.name = "relays";
@@ -172,7 +149,7 @@ auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog
 
 TEST(PreisachFit, ArbitraryMotionGivesTheTableOfTheRelaysItVisits) {
   const PreisachFit fit = fit_preisach({relay_log(5.0, 600.0, 9)});
-  const auto truth = test::Relays(40).table<41>(41);
+  const auto truth = capstan::test::Relays(40).table<41>(41);
   Preisach<double, 41> exact(truth, StartState::kNegativeSaturation, 1e-9);
   double worst = 0.0;
   int determined = 0;
@@ -211,7 +188,7 @@ TEST(ForceSection, ReplacesItselfAndLeavesTheRestOfAJointFileAlone) {
   PullPushFit pull_push;
   pull_push.parameters = {{"eta_top", "1", 1.1414, 0.01}};
   PreisachFit preisach;
-  preisach.table = test::Relays(20).table<11>(11);
+  preisach.table = capstan::test::Relays(20).table<11>(11);
   preisach.half_intervals.assign(preisach.table.forces.size(), 0.001);
   const std::string once = with_force_section(before, force_section(preisach));
   const std::string twice = with_force_section(once, force_section(pull_push));
