@@ -141,7 +141,7 @@ void Periphery::observe(const DrivetrainState& s) {
   truth_.tau_out_nm = s.tau_out_nm;
   truth_.motor_torque_nm = loads(truth_.time_s, s).motor_torque_nm;
   truth_.current_a = current_a_;
-  truth_.q2_camera_rad = camera_.sample(s.q2_rad);
+  truth_.q2_camera_rad = faults_.filter_logged(FaultTarget::kCamera, truth_.time_s, camera_.sample(s.q2_rad));
   observe_tip(s);
   if (parameters_.warming_k > 0.0) {
     truth_.temperature_c = parameters_.ambient_c + parameters_.warming_k * warmth(truth_.time_s) +
@@ -169,6 +169,7 @@ void Periphery::observe_tip(const DrivetrainState& s) {
   truth_.tip_force_n = torque / parameters_.tip_length_m;
   if (parameters_.tip_force_noise_n > 0.0)
     truth_.tip_force_n += parameters_.tip_force_noise_n * tip_noise_.normal();
+  truth_.tip_force_n = faults_.filter_logged(FaultTarget::kTipForce, truth_.time_s, truth_.tip_force_n);
   truth_.tip_torque_nm = truth_.tip_force_n * parameters_.tip_length_m;
 }
 

@@ -8,13 +8,13 @@
 #include <string>
 
 #include "hal/sim/drivetrain.hpp"
+#include "hal/sim/faults.hpp"
 #include "hal/sim/parameters.hpp"
 #include "hal/sim/random.hpp"
 #include "hal/sim/sensors.hpp"
+#include "hal/sim/step.hpp"
 
 namespace capstan::sim {
-
-constexpr double kStepS = 0.001;
 
 /// The true state after a step. For logs and tests only: nothing of it may reach the firmware.
 struct Truth {

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "hal/sim/faults.hpp"
 #include "hal/sim/motion.hpp"
 #include "hal/sim/parameters.hpp"
-#include "hal/sim/sensors.hpp"
 #include "hal/sim/toml_source.hpp"
 
 /// The sections that scenarios and instruments are made of. All throw ScenarioError.

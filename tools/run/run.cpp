@@ -60,7 +60,7 @@ struct Laboratory {
 class Recorder {
  public:
   Recorder(const sim::Scenario& scenario, std::ostream* log)
-      : log_(log), bench_(on_bench(scenario)), joints_(1 + scenario.other_axes.size()) {
+      : log_(log), bench_(on_bench(scenario)), seen_(1 + scenario.other_axes.size()), joints_(seen_.size()) {
     for (const sim::InstrumentAxis& axis : axes_of(scenario)) {
       thermometer_ = thermometer_ || axis.plant.warming_k > 0.0;
     }
@@ -84,8 +84,11 @@ class Recorder {
       const AxisTelemetry joint = machine.axis_telemetry(i);
       const double estimated = joint.q2_reported_rad.to_double();
       const double tracking = bench_ ? 0.0 : seen[i].wanted - seen[i].q2_rad;
-      joints_[i].estimation_rmse_rad += (estimated - seen[i].q2_rad) * (estimated - seen[i].q2_rad);
-      joints_[i].tracking_rmse_rad += tracking * tracking;
+      if (std::isfinite(seen[i].q2_rad)) {
+        ++seen_[i];
+        joints_[i].estimation_rmse_rad += (estimated - seen[i].q2_rad) * (estimated - seen[i].q2_rad);
+        joints_[i].tracking_rmse_rad += tracking * tracking;
+      }
       // Eight decimals tell any two of the firmware's numbers apart, so a replay of the log starts from the same bits.
       for (const double value : {joint.q1_rad.to_double(), joint.tau_nm.to_double(), seen[i].q2_rad, estimated,
                                  seen[i].wanted, joint.current_a.to_double(), seen[i].tau_out_nm}) {
@@ -99,10 +102,10 @@ class Recorder {
   }
 
   [[nodiscard]] auto summary() const -> RunSummary {
-    const double n = samples_ > 0 ? static_cast<double>(samples_) : 1.0;
     RunSummary summary{static_cast<double>(samples_) / kCycleRateHz, joints_, {}};
-    for (JointErrors& joint : summary.joints) {
-      joint = {std::sqrt(joint.estimation_rmse_rad / n), std::sqrt(joint.tracking_rmse_rad / n)};
+    for (std::size_t i = 0; i < joints_.size(); ++i) {
+      const double n = seen_[i] > 0 ? static_cast<double>(seen_[i]) : 1.0;
+      summary.joints[i] = {std::sqrt(joints_[i].estimation_rmse_rad / n), std::sqrt(joints_[i].tracking_rmse_rad / n)};
     }
     return summary;
   }
@@ -120,6 +123,7 @@ class Recorder {
   bool bench_;
   bool thermometer_ = false;
   long samples_ = 0;
+  std::vector<long> seen_;           // samples that the camera had a number for
   std::vector<JointErrors> joints_;  // sums of squares until the summary
 };
 

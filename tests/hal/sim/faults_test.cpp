@@ -23,8 +23,8 @@ struct Record {
 };
 
 // One second at 1.2 A, which turns the input pulley steadily, with the fault from 0.5 s to 0.7 s.
-Record run(Fault fault, bool scheduled = true) {
-  Plant plant(quiet(), 2);
+Record run(Fault fault, bool scheduled = true, const PlantParameters& parameters = quiet()) {
+  Plant plant(parameters, 2);
   fault.time_s = 0.5;
   fault.duration_s = 0.2;
   if (scheduled)
@@ -156,6 +156,42 @@ TEST(MoreFaults, ASilentBusBringsNothingAndTheAmplifierGivesUpAfterItsTime) {
   EXPECT_EQ(r.truth[600].current_a, 0.0);
   EXPECT_TRUE(r.readings[720].encoder_ok);
   EXPECT_NEAR(r.truth[720].current_a, 1.2, 1.0e-6);
+}
+
+TEST(MoreFaults, TheLogsSensorsHaveEveryKindOfTheirOwnAndTheBoardSeesNothingOfIt) {
+  PlantParameters p = quiet();
+  p.environment = {.kind = EnvironmentKind::kSpring, .stiffness = 0.002};
+  const Record good = run({}, false, p);
+  ASSERT_GT(good.truth[500].tip_force_n, 0.1);
+  for (const FaultTarget target : {FaultTarget::kCamera, FaultTarget::kTipForce}) {
+    const bool camera = target == FaultTarget::kCamera;
+    const auto shown = [&](FaultKind kind, double amount, std::size_t at) {
+      const Record r = run({.target = target, .kind = kind, .amount = amount}, true, p);
+      for (std::size_t i = 0; i < 1000; ++i) {
+        EXPECT_EQ(r.readings[i].encoder_counts, good.readings[i].encoder_counts);
+        EXPECT_EQ(camera ? r.truth[i].tip_force_n : r.truth[i].q2_camera_rad,
+                  camera ? good.truth[i].tip_force_n : good.truth[i].q2_camera_rad);
+      }
+      EXPECT_EQ(r.truth[800].q2_camera_rad, good.truth[800].q2_camera_rad);
+      EXPECT_EQ(r.truth[800].tip_force_n, good.truth[800].tip_force_n);
+      EXPECT_TRUE(std::isnan(r.truth[at].tip_force_n) || r.truth[at].tip_torque_nm == r.truth[at].tip_force_n * 0.01);
+      return camera ? r.truth[at].q2_camera_rad : r.truth[at].tip_force_n;
+    };
+    const auto healthy = [&](std::size_t at) {
+      return camera ? good.truth[at].q2_camera_rad : good.truth[at].tip_force_n;
+    };
+    EXPECT_EQ(shown(FaultKind::kOff, 0.0, 600), 0.0);
+    EXPECT_NEAR(shown(FaultKind::kStuck, 0.0, 600), healthy(499), 0.02 * healthy(499));
+    EXPECT_EQ(shown(FaultKind::kStuck, 0.0, 600), shown(FaultKind::kStuck, 0.0, 650));
+    EXPECT_EQ(shown(FaultKind::kJump, 0.25, 600), healthy(600) + 0.25);
+    EXPECT_TRUE(std::isnan(shown(FaultKind::kNan, 0.0, 600)));
+    EXPECT_EQ(shown(FaultKind::kSign, 0.0, 600), -healthy(600));
+    EXPECT_EQ(shown(FaultKind::kDelayed, 0.1, 650), healthy(550));
+    EXPECT_EQ(shown(FaultKind::kIntermittent, 1.0, 600), 0.0);
+    EXPECT_NE(shown(FaultKind::kGarbage, 0.0, 600), healthy(600));
+    // A ramp followed by a lag of 20 ms is late by 20 ms.
+    EXPECT_NEAR(shown(FaultKind::kSlow, 0.02, 690), healthy(670), 0.005 * healthy(670));
+  }
 }
 
 TEST(MoreFaults, TargetsThatCannotHaveAKindAreRefused) {

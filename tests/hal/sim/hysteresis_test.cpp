@@ -122,6 +122,22 @@ TEST(Hysteresis, TheForceCurveHasAKinkWhereATendonGoesSlack) {
   EXPECT_NEAR(slope(slack - 6) / slope(slack + 2), 1.0 + pushed / pulled, 0.02);
 }
 
+// Half the width of the loop between the angles of a joint with a constant load F = torque / r2, sliding throughout, by
+// integration of (2.4) over both tendons, eta and stiffness the same:
+//   taut:   I = (Ttr (e^eta - 1) + Tbr (1 - e^-eta)) / eta with Ttr = Tbr + F,
+//   slack:  Tbr = 0, Ttr = F, and the slack tendon takes what the other is stretched beyond the common start.
+// Delta_t - Delta_t(start) turns the joint back by the same over r2.
+double closed_half_width_rad(double pretension_n, double load_nm, double eta, double stiffness, double radius_m) {
+  const double load_n = load_nm / radius_m;
+  const double enough = load_n * (std::exp(eta) - 1.0) / eta;  // the pulled tendon alone holds this much
+  double top = enough;                                         // integral of Tt
+  if (pretension_n > enough) {
+    const double bottom = (pretension_n * eta - load_n * (std::exp(eta) - 1.0)) / (std::exp(eta) - std::exp(-eta));
+    top = pretension_n - bottom * (1.0 - std::exp(-eta)) / eta;
+  }
+  return (top - 0.5 * pretension_n) / (stiffness * radius_m);
+}
+
 struct Loop {
   double half_width_rad;
   bool slack;
@@ -144,6 +160,37 @@ Loop loop_at(PlantParameters p, double pretension_n) {
   }
   loop.half_width_rad = 0.5 * (high - low);
   return loop;
+}
+
+TEST(Hysteresis, TheLoopNarrowsWithPretensionBySlackAndWidensByFrictionAsTheClosedFormHasIt) {
+  // The thesis' narrowing (figure 7.6, (7.5)) is at a given motor torque; but that torque holds the tendons' friction
+  // I eta r1 too, which grows with pretension. At a given load the loop narrows by 1 / (2 K r2) per newton while a
+  // tendon goes slack, and from I = F (e^eta - 1) / eta on, always taut, it widens by tanh(eta / 2) / (2 K r2).
+  PlantParameters p = quiet();
+  p.joint_viscous_nms_per_rad = 0.0;
+  p.element_count = 32;
+  p.eta_top = p.eta_bottom = 1.14;
+  p.stiffness_top_n_per_m = p.stiffness_bottom_n_per_m = 5.07e4;
+  for (const double load_nm : {0.01, 0.03}) {
+    p.joint_coulomb_nm = load_nm;
+    const double turning_n = load_nm / p.output_radius_m * (std::exp(p.eta_top) - 1.0) / p.eta_top;
+    const auto slope_between = [&](double from, double to) {
+      double width[2];
+      for (int i = 0; i < 2; ++i) {
+        const double pretension = (i == 0 ? from : to) * turning_n;
+        const double expected =
+            closed_half_width_rad(pretension, load_nm, p.eta_top, p.stiffness_top_n_per_m, p.output_radius_m);
+        const Loop loop = loop_at(p, pretension);
+        EXPECT_NEAR(loop.half_width_rad, expected, 0.01 * expected) << from << to;
+        EXPECT_EQ(loop.slack, to < 1.0) << from << to;
+        width[i] = loop.half_width_rad;
+      }
+      return (width[1] - width[0]) / ((to - from) * turning_n);
+    };
+    const double narrowing = -0.5 / (p.stiffness_top_n_per_m * p.output_radius_m);
+    EXPECT_NEAR(slope_between(0.2, 0.8), narrowing, 0.02 * -narrowing) << load_nm;
+    EXPECT_NEAR(slope_between(1.3, 3.0), -std::tanh(0.5 * p.eta_top) * narrowing, 0.02 * -narrowing) << load_nm;
+  }
 }
 
 TEST(Hysteresis, MorePretensionNarrowsTheLoopExactlyAsLongAsATendonGoesSlack) {

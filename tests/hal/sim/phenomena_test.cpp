@@ -242,6 +242,14 @@ TEST_F(LockedTip, FrictionNumberReadOffThePlateauIsThePlants) {
   EXPECT_NEAR(eta, parameters_.eta_top, 0.02 * parameters_.eta_top);
 }
 
+TEST_F(LockedTip, FrictionNumberReadOffTheSlackInstantIsThePlants) {
+  run(0.4);
+  const Truth& instant = rise_[slack_instant()];
+  const double eta =
+      -std::log(instant.tau_out_nm * parameters_.input_radius_m / (instant.tau_in_nm * parameters_.output_radius_m));
+  EXPECT_NEAR(eta, parameters_.eta_top, 0.02 * parameters_.eta_top);
+}
+
 TEST_F(LockedTip, PretensionReadOffTheSlackInstantIsThePlants) {
   run(0.4);
   const Truth& instant = rise_[slack_instant()];

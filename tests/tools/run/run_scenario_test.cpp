@@ -9,6 +9,7 @@
 
 #include "boards/common/file_banks.hpp"
 #include "hal/sim/multi_plant.hpp"
+#include "tools/identify/identify.hpp"
 #include "tools/log/csv_log.hpp"
 #include "tools/support/errors.hpp"
 
@@ -106,6 +107,30 @@ TEST(RunScenario, ThermometerIsLoggedWhereTheInstrumentHasOne) {
   const Eigen::VectorXd t = run.log.column("temperature_C");
   EXPECT_NEAR(t[0], 25.0, 0.4);
   EXPECT_NEAR(t[2000], 25.0 + 8.0 * (1.0 - std::exp(-1.0)), 0.4);
+}
+
+// Both tendons taut and sliding: Ttl = Ttr e^eta, Tbl = Tbr e^-eta and I = (Ttr (e^eta - 1) + Tbr (1 - e^-eta)) / eta
+// with Ttr - Tbr = F give Ttl - Tbl = I eta + F: the tendons' own friction and, undiminished, the load of the joint.
+// The motor adds its own.
+TEST(SteadyTorque, IsTheSumOfTheFrictionsOfTendonsJointAndMotor) {
+  constexpr double kSpeed = 0.5;  // of the joint, rad/s
+  const Recorded run = record(scenario_of(
+      "[motion]\nrepeat = 3\n[[motion.segments]]\nkind = \"triangle\"\nduration_s = 8\namplitude_rad = 0.5\n"
+      "frequency_hz = 0.25\n"));
+  const std::vector<AxisLog> logs = {read_axis(run.log, {.needs_torque = true})};
+  LawForm form;
+  form.terms = terms_of_model("pseudo_kinematic");
+  const auto steady = identify(logs, form).joint.steady_torque;
+  ASSERT_TRUE(steady.has_value());
+  const sim::PlantParameters p;
+  const double eta = 0.5 * (p.eta_top + p.eta_bottom);
+  const double load_n = (p.joint_coulomb_nm + p.joint_viscous_nms_per_rad * kSpeed) / p.output_radius_m;
+  const double motor_nm = p.motor_coulomb_nm + p.motor_viscous_nms_per_rad * kSpeed;
+  const double friction = p.input_radius_m * (p.pretension_n * eta + load_n) + motor_nm;
+  const double offset = p.torque_constant_nm_per_a * p.current_offset_a;
+  const double resolution = p.torque_constant_nm_per_a * p.current_adc_step_a;
+  EXPECT_NEAR(steady->forward_nm, friction + offset, 1.5 * resolution);
+  EXPECT_NEAR(steady->backward_nm, -friction + offset, 1.5 * resolution);
 }
 
 TEST(RunScenario, InstrumentWithMoreAxesThanABoardIsRefused) {
