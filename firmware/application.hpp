@@ -64,7 +64,7 @@ class Application final : public Machine {
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_);
     if (saved) {
-      model_sound_.store(true, std::memory_order_relaxed);
+      parameter_faults_.store(0, std::memory_order_relaxed);
     }
     return saved;
   }
@@ -76,7 +76,7 @@ class Application final : public Machine {
     const LoadResult result = storage_.load(next);
     if (result == LoadResult::kLoaded) {
       static_cast<void>(configure(next));  // the box is empty and torque is off
-      model_sound_.store(true, std::memory_order_relaxed);
+      parameter_faults_.store(0, std::memory_order_relaxed);
     }
     return result;
   }
@@ -108,7 +108,9 @@ class Application final : public Machine {
         storage_(banks),
         config_(stored.config),
         state_(stored.config),
-        model_sound_(stored.result != LoadResult::kCorrupt) {}
+        parameter_faults_(stored.result == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
+                          : stored.result == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
+                                                                     : 0) {}
 
   /// Also while a request that may give torque is under way.
   [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
@@ -121,7 +123,7 @@ class Application final : public Machine {
       config_box_.rt_taken();
     }
     state_.board_faults = board_faults_.load(std::memory_order_relaxed);
-    state_.model_faults = model_sound_.load(std::memory_order_relaxed) ? 0 : bit(Fault::kModelInvalid);
+    state_.model_faults = parameter_faults_.load(std::memory_order_relaxed);
   }
 
   /// Streamed references, and over them what the shell asked for.
@@ -184,7 +186,7 @@ class Application final : public Machine {
   Scope scope_;
   std::atomic<bool> link_lost_ = false;
   std::atomic<FaultSet> board_faults_ = 0;
-  std::atomic<bool> model_sound_;
+  std::atomic<FaultSet> parameter_faults_;
 };
 
 }  // namespace capstan

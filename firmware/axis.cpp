@@ -7,7 +7,13 @@ namespace {
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
 constexpr std::int32_t kLinkTimeoutCycles = 100;
 constexpr std::int32_t kOverCurrentCycles = 20;
+constexpr std::int32_t kMismatchCycles = 50;
+constexpr std::int32_t kFrozenCycles = 50;
+// The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
+// that the gate does not rule.
+constexpr Q24 kTooHot = Q24::from_double(1.25);
 constexpr Q24 kOne = Q24::from_int(1);
+constexpr Q24 kHalf = Q24::from_double(0.5);
 constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
 // Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
 // the two the limit would come and go with the sensor's noise.
@@ -29,6 +35,12 @@ auto counts_of(Q24 angle_rad, const MotorConfig& motor) -> std::int64_t {
 
 auto cycles_in(Q24 duration_s) -> std::int32_t {
   return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
+}
+
+/// Counts the cycles in which something holds without a break, up to a number; true when that is reached.
+auto lasts(bool holds, std::int32_t& cycles, std::int32_t enough) -> bool {
+  cycles = holds ? std::min(cycles + 1, enough) : 0;
+  return cycles >= enough;
 }
 
 auto quality_fault(Quality quality) -> FaultSet {
@@ -117,28 +129,58 @@ void Axis::rt_estimate(const AxisSensed& sensed) {
   }
 }
 
-auto Axis::rt_faults(bool energised) -> FaultSet {
-  const bool over = abs(telemetry_.current_a) > config_.limits.current_a * kOverCurrentFactor;
-  cycles_over_current_ = over ? cycles_over_current_ + 1 : 0;
-  FaultSet faults = sensor_faults_;
-  if (cycles_over_current_ >= kOverCurrentCycles) {
+auto Axis::rt_current_faults() -> FaultSet {
+  const LimitConfig& limits = config_.limits;
+  FaultSet faults = 0;
+  if (lasts(abs(telemetry_.current_a) > limits.current_a * kOverCurrentFactor, cycles_over_current_,
+            kOverCurrentCycles)) {
     faults |= bit(Fault::kOverCurrent);
-    cycles_over_current_ = kOverCurrentCycles;
   }
-  if (!energised) {
-    cycles_off_reference_ = 0;
-    following_ = false;
-    return faults;
+  // drive_a is what was wanted in the last cycle, and 0 without torque: then an amplifier that drives is a fault too.
+  // Good cycles only take bad ones back, so a sensor that says anything is found too.
+  const bool differs = abs(telemetry_.current_a - telemetry_.drive_a) > limits.current_mismatch_a;
+  cycles_mismatched_ = std::clamp<std::int32_t>(cycles_mismatched_ + (differs ? 1 : -1), 0, kMismatchCycles);
+  if (cycles_mismatched_ == kMismatchCycles) {
+    faults |= bit(Fault::kCurrentMismatch);
   }
-  const bool off = abs(telemetry_.q2_reference_rad - telemetry_.q2_rad) > config_.limits.following_error_rad;
-  cycles_off_reference_ = off ? cycles_off_reference_ + 1 : 0;
-  if (cycles_off_reference_ > cycles_in(config_.limits.following_time_s)) {
+  if (heat_ > kTooHot) {
+    faults |= bit(Fault::kWindingHot);
+  }
+  return faults;
+}
+
+auto Axis::rt_motion_faults() -> FaultSet {
+  const LimitConfig& limits = config_.limits;
+  const Q24 reference = telemetry_.q2_reference_rad;
+  FaultSet faults = 0;
+  const std::int32_t patience = cycles_in(limits.following_time_s) + 1;
+  if (lasts(abs(reference - telemetry_.q2_rad) > limits.following_error_rad, cycles_off_reference_, patience)) {
     faults |= bit(Fault::kFollowingError);
+  }
+  if (counts_ != still_counts_ || still_cycles_ == 0) {
+    still_counts_ = counts_;
+    still_reference_ = reference;
+    still_cycles_ = 1;
+  } else if (lasts(true, still_cycles_, kFrozenCycles) &&
+             abs(reference - still_reference_) > limits.following_error_rad * kHalf) {
+    faults |= bit(Fault::kEncoderFrozen);
   }
   if (following_ && ++cycles_since_reference_ > kLinkTimeoutCycles) {
     faults |= bit(Fault::kLinkLost);
   }
   return faults;
+}
+
+auto Axis::rt_faults(bool energised) -> FaultSet {
+  telemetry_.faults = sensor_faults_ | rt_current_faults();
+  if (energised) {
+    telemetry_.faults |= rt_motion_faults();
+  } else {
+    cycles_off_reference_ = 0;
+    still_cycles_ = 0;
+    following_ = false;
+  }
+  return telemetry_.faults;
 }
 
 auto Axis::rt_command(const AxisCommand& command) -> bool {

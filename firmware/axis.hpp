@@ -39,8 +39,9 @@ struct AxisTelemetry {
   Q24 q2_rad;           ///< estimated joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
   Q24 q2_reference_rad;
-  Q24 current_a;  ///< measured
-  Q24 drive_a;    ///< commanded
+  Q24 current_a;        ///< measured
+  Q24 drive_a;          ///< commanded
+  FaultSet faults = 0;  ///< present now
   std::uint8_t limits = 0;
   bool estimate_valid = false;
 };
@@ -77,6 +78,10 @@ class Axis {
 
  private:
   void rt_count(const AxisSensed& sensed);
+  /// Monitors of the motor's current and heat.
+  [[nodiscard]] auto rt_current_faults() -> FaultSet;
+  /// Monitors of what the joint was asked to do.
+  [[nodiscard]] auto rt_motion_faults() -> FaultSet;
   auto rt_reference() -> Q24;
   void rt_warm();
   /// True for a current that pulls further out where the tendon travel ends.
@@ -101,7 +106,11 @@ class Axis {
   std::int32_t cycles_since_reference_ = 0;
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;
-  Q24 heat_;  // of the winding, 1 = what the continuous current leads to
+  std::int32_t cycles_mismatched_ = 0;
+  std::int64_t still_counts_ = 0;  // where the encoder stands since ...
+  std::int32_t still_cycles_ = 0;
+  Q24 still_reference_;  // ... the reference was here
+  Q24 heat_;             // of the winding, 1 = what the continuous current leads to
   bool hot_ = false;
   Q24 last_drive_a_;
 };

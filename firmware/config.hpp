@@ -52,6 +52,7 @@ struct LimitConfig {
   Q24 joint_acceleration_rad_s2 = Q24::from_double(10.0);
   Q24 following_error_rad = Q24::from_double(0.35);
   Q24 following_time_s = Q24::from_double(0.25);
+  Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted
 };
 
 /// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.

@@ -22,6 +22,10 @@ enum class Fault : std::uint8_t {
   kModelInvalid = 10,
   kDriveFailed = 11,
   kBoardClock = 12,
+  kEncoderFrozen = 13,
+  kCurrentMismatch = 14,
+  kWindingHot = 15,
+  kStorageFailed = 16,
 };
 
 struct FaultInfo {
@@ -32,7 +36,7 @@ struct FaultInfo {
 };
 
 /// One table for shell, log, heartbeat and documentation.
-inline constexpr std::array<FaultInfo, 13> kFaultTable = {{
+inline constexpr std::array<FaultInfo, 17> kFaultTable = {{
     {Fault::kNone, "none", "nothing is wrong", "nothing to do"},
     {Fault::kOverrun, "overrun", "three or more cycles within a second began late or were skipped",
      "take load off the processor; on Linux run the board's timing check"},
@@ -62,6 +66,18 @@ inline constexpr std::array<FaultInfo, 13> kFaultTable = {{
     {Fault::kBoardClock, "board_clock",
      "the crystal did not start, so the cycle runs on an internal oscillator and its period may be 1 % off",
      "check the crystal and its capacitors, then 'reboot'"},
+    {Fault::kEncoderFrozen, "encoder_frozen",
+     "the motor encoder gave not one count while the reference went on by half of limits.following_error",
+     "check the encoder's cable, and whether the motor is blocked, then 'disarm' and 'arm'"},
+    {Fault::kCurrentMismatch, "current_mismatch",
+     "the measured current differed from the wanted one by more than limits.current_mismatch for 50 ms in all",
+     "check the amplifier's enable and supply, the winding, and the sign and scale of the current sensor"},
+    {Fault::kWindingHot, "winding_hot",
+     "the winding took a quarter more heat than limits.continuous_current leads to in the long run",
+     "let it cool, look for a blocked or overloaded joint, and compare limits.continuous_current with the motor's "
+     "data"},
+    {Fault::kStorageFailed, "storage_failed", "the memory of the parameters can not be read; defaults are in use",
+     "'reboot', and if this comes back replace the board's memory or give its file the right to be read"},
 }};
 
 constexpr auto info(Fault fault) -> const FaultInfo& {

@@ -92,6 +92,8 @@ constexpr std::array kFixedParameters = {
          kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0),
     real("limits", "following_time", "s", "how long following_error may be exceeded",
          kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0),
+    real("limits", "current_mismatch", "A", "measured and wanted current may differ by this for 50 ms",
+         kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0),
     real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
          kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
     real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",

@@ -178,6 +178,19 @@ void Shell::finish() {
   }
 }
 
+/// With the joints that show it, where it is a joint's.
+void Shell::print_fault(const char* what, const FaultInfo& entry) {
+  out_ << what << entry.name << ": " << entry.cause << "; " << entry.cure;
+  const char* before = " (joint";
+  for (std::size_t axis = 0; axis < machine_.axes(); ++axis) {
+    if ((machine_.axis_telemetry(axis).faults & bit(entry.fault)) != 0) {
+      out_ << before << static_cast<std::uint32_t>(axis);
+      before = ", joint";
+    }
+  }
+  out_ << (before[0] == ',' ? ")\r\n" : "\r\n");
+}
+
 void Shell::finish_arming() {
   const MachineTelemetry now = machine_.telemetry();
   if (energised(now.state)) {
@@ -186,7 +199,7 @@ void Shell::finish_arming() {
   }
   for (const FaultInfo& entry : kFaultTable) {
     if ((now.conditions & bit(entry.fault)) != 0) {
-      out_ << "blocked by " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
+      print_fault("blocked by ", entry);
     }
   }
   if (now.state == State::kFaulted) {

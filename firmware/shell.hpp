@@ -48,6 +48,7 @@ class Shell {
   void error(const char* name, const char* sentence, const char* cure);
   void finish();
   void finish_arming();
+  void print_fault(const char* what, const FaultInfo& entry);
   void go_on_logging();
   void go_on_dumping();
   void go_on_watching();

@@ -97,7 +97,7 @@ void ShellCommands::faults(Shell& shell, std::string_view /*arguments*/) {
   shell.out_ << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
   for (const FaultInfo& entry : kFaultTable) {
     if ((now.conditions & bit(entry.fault)) != 0) {
-      shell.out_ << "present " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
+      shell.print_fault("present ", entry);
     }
   }
   shell.ok();

@@ -210,6 +210,10 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
       shell.error("storage_unfinished", "power went while the first set was saved, and nothing was changed",
                   "'set' what you want and 'save' again");
       break;
+    case LoadResult::kUnreadable:
+      shell.error("storage_failed", "the memory can not be read, and nothing was changed",
+                  "'reboot', and if this comes back replace the memory");
+      break;
     case LoadResult::kCorrupt:
       shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
                   "load a model and 'save' it");

@@ -22,6 +22,8 @@ constexpr std::array kJointSignals = {
     real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
     real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
+    SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
+               offsetof(AxisTelemetry, faults)},
     SignalInfo{"limits", "limits", "1", "active limits: 1 current, 2 thermal, 4 rate, 8 motor travel, 16 reference",
                SignalType::kByte, offsetof(AxisTelemetry, limits)},
     SignalInfo{"valid", "valid", "1", "1 while the estimate is valid", SignalType::kByte,

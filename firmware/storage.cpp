@@ -95,7 +95,7 @@ auto header_bytes(const Header& header) -> std::array<std::uint8_t, kHeaderBytes
   return bytes;
 }
 
-enum class BankState : std::uint8_t { kEmpty, kUnsealed, kBroken, kValid };
+enum class BankState : std::uint8_t { kEmpty, kUnsealed, kBroken, kUnreadable, kValid };
 
 /// True if writing `wanted`, byte by byte into erased memory, may have been cut when it looked like `stored`: whole
 /// bytes, one in which not every bit is cleared yet, erased ones. The header is written last and ends in its CRC, so a
@@ -117,7 +117,7 @@ auto was_cut(std::span<const std::uint8_t> stored, std::uint32_t wanted) -> bool
 auto inspect(Banks& banks, int bank, Header& header) -> BankState {
   std::array<std::uint8_t, kHeaderBytes> bytes{};
   if (!banks.read(bank, 0, bytes)) {
-    return BankState::kEmpty;
+    return BankState::kUnreadable;
   }
   bool erased = true;
   for (const std::uint8_t byte : bytes) {
@@ -211,7 +211,8 @@ auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
   BankState worst = BankState::kEmpty;
   const int bank = newest(banks_, header, worst);
   if (bank < 0) {
-    return worst == BankState::kBroken     ? LoadResult::kCorrupt
+    return worst == BankState::kUnreadable ? LoadResult::kUnreadable
+           : worst == BankState::kBroken   ? LoadResult::kCorrupt
            : worst == BankState::kUnsealed ? LoadResult::kUnfinished
                                            : LoadResult::kEmpty;
   }

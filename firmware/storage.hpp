@@ -37,6 +37,7 @@ enum class LoadResult : std::uint8_t {
   kLoaded,
   kEmpty,       ///< never saved: defaults, and nothing is wrong
   kUnfinished,  ///< power went while the very first set was saved: defaults, and nothing but that save is lost
+  kUnreadable,  ///< the memory itself did not answer
   kCorrupt,     ///< something is there and no bank holds a whole and consistent set
   kRefused,     ///< nothing was tried, because torque is on or the last change is still under way
 };

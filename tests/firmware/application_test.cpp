@@ -89,6 +89,41 @@ TEST(Application, CorruptStorageMeansDefaultsBlocksArmingAndSaysSoUntilASetIsSav
   EXPECT_EQ(rig.state(), State::kHolding);
 }
 
+TEST(Application, AMemoryThatDoesNotAnswerIsNotTakenForAnEmptyOne) {
+  FlashBanks banks = stored(other_config());
+  banks.read_fails = true;
+  Rig rig(banks);
+  rig.arm();
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_EQ(rig.application.telemetry().conditions, bit(Fault::kStorageFailed));
+  EXPECT_EQ(rig.application.load(), LoadResult::kUnreadable);
+  rig.banks.read_fails = false;
+  ASSERT_EQ(rig.application.load(), LoadResult::kLoaded);
+  rig.ticks(1);
+  EXPECT_TRUE(test::same(rig.application.config()[0], other_config()));
+  rig.arm();
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, APowerCutInTheVeryFirstSaveLeavesSoundDefaultsAndArmingIsAllowed) {
+  FlashBanks banks;
+  const AxisConfig config = other_config();
+  FlashBanks whole;
+  ASSERT_TRUE(ParameterStorage(whole).save(std::span(&config, 1)));
+  for (const long before_end : {1L, 3L, 10L, 19L, 200L}) {
+    FlashBanks cut;
+    cut.power_left = whole.bytes_changed - before_end;
+    cut.tears_last_byte = true;
+    ASSERT_FALSE(ParameterStorage(cut).save(std::span(&config, 1)));
+    cut.power_left = -1;
+    Rig rig(cut);
+    EXPECT_EQ(rig.application.telemetry().conditions, 0U) << before_end;
+    EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{}));
+    rig.arm();
+    EXPECT_EQ(rig.state(), State::kHolding);
+  }
+}
+
 TEST(Application, StoredValuesThatDoNotGoTogetherAreNotUsedAtAll) {
   AxisConfig crossed = other_config();
   crossed.limits.motor_min_rad = Q24::from_int(5);

@@ -36,9 +36,14 @@ const std::vector<Cause> kCauses = {
      sensed_as([](Sensed<1>& s) { s.axis[0].current = Quality::kInvalid; })},
     {"encoder jumps", Fault::kEncoderJump, 1, false, [](Rig& rig) { rig.io.encoder_shift += 1000; }},
     {"encoder jumps far", Fault::kEncoderJump, 1, false, [](Rig& rig) { rig.io.encoder_shift -= 1LL << 30; }},
-    {"joint blocked", Fault::kFollowingError, 700, true,
+    {"joint blocked", Fault::kEncoderFrozen, 400, true,
      [](Rig& rig) {
        rig.io.blocked = true;
+       rig.move(rig.joint().q2_rad.to_double() > 0.0 ? -1.5 : 1.5);
+     }},
+    {"joint in treacle", Fault::kFollowingError, 700, true,
+     [](Rig& rig) {
+       rig.io.drag_nms = 20.0;
        rig.move(rig.joint().q2_rad.to_double() > 0.0 ? -1.5 : 1.5);
      }},
     {"too much current", Fault::kOverCurrent, 20, false, [](Rig& rig) { rig.io.current_shift_a = 3.8; }},
@@ -57,6 +62,20 @@ const std::vector<Cause> kCauses = {
      [](Rig& rig) { rig.state.model_faults = bit(Fault::kModelInvalid); }},
     {"amplifier fails", Fault::kDriveFailed, 1, false,
      [](Rig& rig) { rig.state.drive_faults = bit(Fault::kDriveFailed); }},
+    {"the amplifier gives too little", Fault::kCurrentMismatch, 50, false,
+     [](Rig& rig) { rig.disturb = [](Sensed<1>& s) { s.axis[0].current_a -= Q24::from_double(0.52); }; }},
+    {"the winding is overloaded", Fault::kWindingHot, 6500, false,
+     [](Rig& rig) {
+       AxisConfig config;
+       config.limits.current_mismatch_a = Q24::from_int(100);
+       rig.state.axis[0].rt_configure(config);
+       rig.disturb = [](Sensed<1>& s) { s.axis[0].current_a = Q24::from_double(2.5); };
+       Command<1> stop;  // ends a stream, whose silence would be the earlier fault
+       stop.axis[0].kind = AxisCommand::Kind::kStop;
+       rig.tick(stop);
+     }},
+    {"the memory is not readable", Fault::kStorageFailed, 1, false,
+     [](Rig& rig) { rig.state.model_faults = bit(Fault::kStorageFailed); }},
     {"the crystal does not start", Fault::kBoardClock, 1, false,
      [](Rig& rig) { rig.state.board_faults = bit(Fault::kBoardClock); }},
 };
@@ -125,12 +144,13 @@ TEST(CycleFaults, AFaultStaysLatchedWithoutItsCauseUntilTheOperatorDisarms) {
     rig.io.estop = false;
     rig.io.current_shift_a = 0.0;
     rig.io.blocked = false;
+    rig.io.drag_nms = 2.0e-3;
     rig.state.axis[0].rt_configure(AxisConfig{});
     rig.state.model_faults = 0;
     rig.state.drive_faults = 0;
     rig.state.board_faults = 0;
     rig.tick({.disarm = false, .axis = {AxisCommand{AxisCommand::Kind::kZero, rig.joint().q1_rad, {}}}});
-    for (int i = 0; i < 1200; ++i) {
+    for (int i = 0; i < 3500; ++i) {
       rig.tick({.arm = true});
       ASSERT_TRUE(rig.torque_off());
       ASSERT_EQ(rig.state.telemetry.first_fault, cause.fault);
@@ -239,7 +259,7 @@ TEST(CycleFaults, AMissingSampleLeavesTheEstimateMarkedAsNotValid) {
 TEST(CycleFaults, FollowingErrorNeedsDistanceAndTime) {
   Rig rig;
   bring_into(rig, Situation::kHolding);
-  rig.io.blocked = true;
+  rig.io.drag_nms = 20.0;
   rig.move(1.5);
   int beyond = 0;
   while (rig.now() != State::kFaulted) {
@@ -254,7 +274,7 @@ TEST(CycleFaults, FollowingErrorNeedsDistanceAndTime) {
 TEST(CycleFaults, AShortFollowingErrorIsForgivenHoweverOften) {
   Rig rig;
   bring_into(rig, Situation::kHolding);
-  rig.io.blocked = true;
+  rig.io.drag_nms = 20.0;
   for (int excursion = 0; excursion < 6; ++excursion) {
     rig.move(excursion % 2 == 0 ? 0.4 : -0.4);  // 0.05 rad beyond the limit: 0.1 s there and 0.1 s back
     while (rig.now() == State::kArmed) {

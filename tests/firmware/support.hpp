@@ -70,6 +70,7 @@ class FakeIo {
   std::int64_t encoder_shift = 0;
   double current_shift_a = 0.0;
   bool blocked = false;
+  double drag_nms = 2.0e-3;
   bool estop = false;
   std::uint32_t overruns = 0;
   int writes = 0;
@@ -78,7 +79,6 @@ class FakeIo {
  private:
   void step() noexcept {
     constexpr double kInertiaKgm2 = 2.0e-5;
-    constexpr double kDragNms = 2.0e-3;
     constexpr double kTorqueNmPerA = 0.1;
     constexpr double kPeriodS = 0.001;
     for (std::size_t i = 0; i < Axes; ++i) {
@@ -87,7 +87,7 @@ class FakeIo {
       const double torque = kTorqueNmPerA * motor.current_a;
       motor.speed_rad_s =
           blocked ? 0.0
-                  : (motor.speed_rad_s + torque * kPeriodS / kInertiaKgm2) / (1.0 + kDragNms * kPeriodS / kInertiaKgm2);
+                  : (motor.speed_rad_s + torque * kPeriodS / kInertiaKgm2) / (1.0 + drag_nms * kPeriodS / kInertiaKgm2);
       motor.angle_rad += motor.speed_rad_s * kPeriodS;
     }
   }
@@ -111,6 +111,7 @@ class FlashBanks final : public Banks {
   bool erases_backwards = false;
   long bytes_changed = 0;
   bool write_fails = false;
+  bool read_fails = false;
 
  private:
   auto change(std::uint8_t& cell, std::uint8_t to) -> bool {
@@ -151,7 +152,7 @@ class FlashBanks final : public Banks {
     return true;
   }
   auto do_read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool override {
-    if (offset + bytes.size() > kSize) {
+    if (read_fails || offset + bytes.size() > kSize) {
       return false;
     }
     std::copy_n(memory[static_cast<std::size_t>(bank)].begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(),

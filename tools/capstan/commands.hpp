@@ -8,6 +8,7 @@ namespace capstan::tools {
 /// Each adds one subcommand, whose callback sets the exit status (tools/support/errors.hpp) or throws BadInput or
 /// Refusal.
 void add_run(CLI::App& app, int& exit_status);
+void add_faults(CLI::App& app, int& exit_status);
 void add_apply(CLI::App& app, int& exit_status);
 void add_shell(CLI::App& app, int& exit_status);
 void add_identify(CLI::App& app, int& exit_status);

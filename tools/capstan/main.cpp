@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   CLI::App app("Firmware and tools for tendon-driven joints: run, identify, diagnose, correct.", "capstan");
   app.require_subcommand(1);
   add_run(app, exit_status);
+  add_faults(app, exit_status);
   add_apply(app, exit_status);
   add_shell(app, exit_status);
   add_identify(app, exit_status);
