@@ -22,6 +22,13 @@ constexpr int kMaxRelaxations = 40;
 constexpr int kSweepsPerNewton = 4;
 constexpr double kLargestAngleRad = 1.0e4;
 
+/// The instant within a step, as a share of it, at which all torques balance: at its end (implicit Euler, which damps
+/// what it cannot resolve), or just behind its middle (second order but for a trace of damping, 0.02 w h of critical at
+/// the frequency w).
+inline double balance_instant(const PlantParameters& p) {
+  return p.mode == SolverMode::kDynamic ? 0.52 : 1.0;
+}
+
 /// What acts on the drivetrain from outside during one step.
 struct Loads {
   double motor_torque_nm = 0.0;
@@ -158,7 +165,8 @@ inline double bristle_after(double width, double z, double move) {
 inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s, const Loads& loads, double h,
                              double move) {
   const Effects& e = p.effects;
-  const double inertia = p.motor_inertia_kgm2 / (h * h);
+  const double instant = balance_instant(p);
+  const double inertia = p.motor_inertia_kgm2 / (h * h) / instant;
   double viscous = (p.motor_viscous_nms_per_rad + e.viscous_friction_nms_per_rad) / h;
   const double coulomb = p.motor_coulomb_nm + e.coulomb_friction_nm + loads.extra_motor_coulomb_nm;
   double extra = 0.0;
@@ -174,9 +182,9 @@ inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s,
             0.0,
             0.0};
   if (e.play_friction_nm > 0.0) {
-    const Torque t = bristle(e.play_friction_nm, e.play_friction_width_rad, s.motor_bristle_rad, move);
+    const Torque t = bristle(e.play_friction_nm, e.play_friction_width_rad, s.motor_bristle_rad, instant * move);
     extra += t.value;
-    b.slope += t.slope_angle;
+    b.slope += instant * t.slope_angle;
   }
   b.residual += extra;
   return b;
@@ -185,8 +193,9 @@ inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s,
 inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s, const Loads& loads, double h,
                              double move) {
   const Effects& e = p.effects;
-  const double angle = s.q2_rad + move;
-  const double inertia = (p.joint_inertia_kgm2 + e.load_inertia_kgm2) / (h * h);
+  const double instant = balance_instant(p);
+  const double angle = s.q2_rad + instant * move;
+  const double inertia = (p.joint_inertia_kgm2 + e.load_inertia_kgm2) / (h * h) / instant;
   const double viscous = p.joint_viscous_nms_per_rad / h;
   const Torque env = environment_torque(p.environment, angle, move / h);
   double gravity = 0.0;
@@ -196,15 +205,15 @@ inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s,
     gravity_slope = e.gravity_torque_nm * det_cos(angle + e.gravity_angle_rad);
   }
   Balance b{inertia * (move - h * s.q2_rate_rad_per_s) + viscous * move + env.value + gravity - loads.tip_torque_nm,
-            inertia + viscous + env.slope_angle + env.slope_rate / h + gravity_slope,
+            inertia + viscous + instant * env.slope_angle + env.slope_rate / h + instant * gravity_slope,
             p.joint_coulomb_nm + loads.extra_joint_coulomb_nm,
             p.environment.kind == EnvironmentKind::kLocked,
             0.0,
             std::fabs(env.value)};
   if (e.presliding_nm > 0.0) {
-    const Torque t = bristle(e.presliding_nm, e.presliding_width_rad, s.joint_bristle_rad, move);
+    const Torque t = bristle(e.presliding_nm, e.presliding_width_rad, s.joint_bristle_rad, instant * move);
     b.residual += t.value;
-    b.slope += t.slope_angle;
+    b.slope += instant * t.slope_angle;
   }
   return b;
 }
@@ -215,12 +224,20 @@ inline double pulley_viscous(const PlantParameters& p) {
   return 1.0e-7 + 0.05 * p.joint_viscous_nms_per_rad;
 }
 
+/// Speed after a step. What friction held through all of it stands.
+inline double rate_after(double instant, double rate, double move, double h) {
+  if (instant == 1.0 || move == 0.0)
+    return move / h;
+  return rate + (move / h - rate) / instant;
+}
+
 /// Rotations and deflections after a step of `h` in which motor and joint moved so far.
 inline void advance_state(const PlantParameters& p, DrivetrainState& s, double h, double q1_move, double q2_move) {
   s.q1_rad += q1_move;
   s.q2_rad += q2_move;
-  s.q1_rate_rad_per_s = q1_move / h;
-  s.q2_rate_rad_per_s = q2_move / h;
+  const double instant = balance_instant(p);
+  s.q1_rate_rad_per_s = rate_after(instant, s.q1_rate_rad_per_s, q1_move, h);
+  s.q2_rate_rad_per_s = rate_after(instant, s.q2_rate_rad_per_s, q2_move, h);
   if (p.effects.play_friction_nm > 0.0)
     s.motor_bristle_rad = bristle_after(p.effects.play_friction_width_rad, s.motor_bristle_rad, q1_move);
   if (p.effects.presliding_nm > 0.0)

@@ -139,18 +139,23 @@ void CoupledDrivetrain::pull(const Step& step) {
     }
     if (a.tried && input == a.input && output == a.output)
       continue;
-    const TendonEnds& t = a.top.trial(-input, -output, step.dt_s);
-    const TendonEnds& b = a.bottom.trial(input, output, step.dt_s);
-    a.input = input;
-    a.output = output;
-    a.tried = true;
-    a.in = t.input_n - b.input_n;
-    a.out = t.output_n - b.output_n;
-    a.in_by_in = -(t.input_by_input + b.input_by_input);
-    a.in_by_out = -(t.input_by_output + b.input_by_output);
-    a.out_by_in = -(t.output_by_input + b.output_by_input);
-    a.out_by_out = -(t.output_by_output + b.output_by_output);
+    pull(step, a, input, output, balance_instant(a.parameters));
   }
+}
+
+// What an axis' tendons pull with this share of the displacements made.
+void CoupledDrivetrain::pull(const Step& step, Axis& a, double input, double output, double instant) {
+  const TendonEnds& t = a.top.trial(-instant * input, -instant * output, instant * step.dt_s);
+  const TendonEnds& b = a.bottom.trial(instant * input, instant * output, instant * step.dt_s);
+  a.input = input;
+  a.output = output;
+  a.tried = true;
+  a.in = t.input_n - b.input_n;
+  a.out = t.output_n - b.output_n;
+  a.in_by_in = -instant * (t.input_by_input + b.input_by_input);
+  a.in_by_out = -instant * (t.input_by_output + b.input_by_output);
+  a.out_by_in = -instant * (t.output_by_input + b.output_by_input);
+  a.out_by_out = -instant * (t.output_by_output + b.output_by_output);
 }
 
 Balance CoupledDrivetrain::balance(const Step& step, std::size_t number) const {
@@ -331,6 +336,10 @@ bool CoupledDrivetrain::contact_holds(const Step& step, std::size_t axis, Contac
 }
 
 void CoupledDrivetrain::accept(const Step& step) {
+  for (Axis& a : axes_) {
+    if (balance_instant(a.parameters) < 1.0)
+      pull(step, a, a.input, a.output, 1.0);
+  }
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& a = axes_[i];
     a.top.commit();

@@ -78,6 +78,7 @@ class CoupledDrivetrain {
   void relax(const Step& step);
   void relax_one(const Step& step, std::size_t number);
   void pull(const Step& step);
+  void pull(const Step& step, Axis& axis, double input, double output, double instant);
   [[nodiscard]] Balance balance(const Step& step, std::size_t number) const;
   [[nodiscard]] double tendon_torque(std::size_t number) const;
   void fill_system(const std::vector<Balance>& balances);

@@ -155,7 +155,8 @@ double Drivetrain::relax_one(const Step& step, Moves moves, bool output) {
   });
 }
 
-Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves) {
+// What the tendons pull with this share of the moves made.
+Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves, double instant) {
   const double r1 = parameters_.input_radius_m;
   const double r2 = parameters_.output_radius_m;
   const double input = r1 * moves.q1;
@@ -163,14 +164,14 @@ Drivetrain::Torques Drivetrain::torques(const Step& step, const Moves& moves) {
   if (step.loads.path_move_m != 0.0)
     output += step.loads.path_move_m;
   // The top tendon's material moves toward the input when q1 grows; displacements count toward the output.
-  const TendonEnds& t = top_.trial(-input, -output, step.dt_s);
-  const TendonEnds& b = bottom_.trial(input, output, step.dt_s);
+  const TendonEnds& t = top_.trial(-instant * input, -instant * output, instant * step.dt_s);
+  const TendonEnds& b = bottom_.trial(instant * input, instant * output, instant * step.dt_s);
   last_torques_ = {.in = r1 * (t.input_n - b.input_n),
                    .out = r2 * (t.output_n - b.output_n),
-                   .in_by_q1 = -r1 * r1 * (t.input_by_input + b.input_by_input),
-                   .in_by_q2 = -r1 * r2 * (t.input_by_output + b.input_by_output),
-                   .out_by_q1 = -r2 * r1 * (t.output_by_input + b.output_by_input),
-                   .out_by_q2 = -r2 * r2 * (t.output_by_output + b.output_by_output)};
+                   .in_by_q1 = -r1 * r1 * instant * (t.input_by_input + b.input_by_input),
+                   .in_by_q2 = -r1 * r2 * instant * (t.input_by_output + b.input_by_output),
+                   .out_by_q1 = -r2 * r1 * instant * (t.output_by_input + b.output_by_input),
+                   .out_by_q2 = -r2 * r2 * instant * (t.output_by_output + b.output_by_output)};
   return last_torques_;
 }
 
@@ -219,6 +220,8 @@ double Drivetrain::pulley_move(const Step& step, double output_move) const {
 }
 
 void Drivetrain::accept(const Step& step, const Moves& moves, double joint_move) {
+  if (balance_instant(parameters_) < 1.0)
+    torques(step, moves, 1.0);
   top_.commit();
   bottom_.commit();
   state_.pulley_rad += pulley_move(step, moves.output);

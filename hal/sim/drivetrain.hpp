@@ -16,12 +16,13 @@ namespace capstan::sim {
 
 /// Input pulley, two tendons, output pulley, joint and environment.
 ///
-/// Implicit Euler in the two angles: at the end of every sub-step inertia, viscous and Coulomb friction, environment
-/// and both tendon chains balance together. A free tip on a stiff tendon has a natural frequency far above the step
-/// rate; the implicit step follows its equilibrium without a stability limit, and tends to the quasi-static solution as
-/// stiffness grows. Each torque balance is monotone in its own angle and never rises with the other (the tendons'
-/// tangents form an M-matrix), so the solution is unique; Newton on the piecewise smooth system finds it in two or
-/// three rounds, and bracketed relaxation of one angle after the other, which converges from anywhere, is the fallback.
+/// Implicit Euler in the two angles (SolverMode::kDynamic: nearly the midpoint rule): at the end of every sub-step
+/// inertia, viscous and Coulomb friction, environment and both tendon chains balance together. A free tip on a stiff
+/// tendon has a natural frequency far above the step rate; the implicit step follows its equilibrium without a
+/// stability limit, and tends to the quasi-static solution as stiffness grows. Each torque balance is monotone in its
+/// own angle and never rises with the other (the tendons' tangents form an M-matrix), so the solution is unique; Newton
+/// on the piecewise smooth system finds it in two or three rounds, and bracketed relaxation of one angle after the
+/// other, which converges from anywhere, is the fallback.
 class Drivetrain {
  public:
   explicit Drivetrain(const PlantParameters& parameters);
@@ -71,7 +72,8 @@ class Drivetrain {
   bool newton(const Step& step, Moves& moves, double rounding_share = 0.0);
   void relax(const Step& step, Moves& moves);
   double relax_one(const Step& step, Moves moves, bool output);
-  Torques torques(const Step& step, const Moves& moves);
+  Torques torques(const Step& step, const Moves& moves) { return torques(step, moves, balance_instant(parameters_)); }
+  Torques torques(const Step& step, const Moves& moves, double instant);
   [[nodiscard]] Balance balance_motor(const Step& step, double move) const;
   [[nodiscard]] Balance balance_joint(const Step& step, double move) const;
   [[nodiscard]] Balance balance_output(const Step& step, double move) const;

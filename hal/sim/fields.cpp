@@ -247,6 +247,14 @@ EnvironmentKind environment_kind(std::string_view name) {
   unknown("environment", name, "free, locked, spring, kelvin_voigt, hunt_crossley, layered");
 }
 
+SolverMode solver_mode(std::string_view name) {
+  if (name == "quasi_static")
+    return SolverMode::kQuasiStatic;
+  if (name == "dynamic")
+    return SolverMode::kDynamic;
+  unknown("solver mode", name, "quasi_static, dynamic");
+}
+
 void validate(const PlantParameters& parameters) {
   for (const auto& field : kPlantFields)
     check_range(field.name, parameters.*field.member, field.low, field.high);

@@ -19,6 +19,8 @@ const std::vector<InstrumentAxis>& checked(const std::vector<InstrumentAxis>& ax
     validate(axis.plant);
     if (axis.plant.substeps != axes.front().plant.substeps)
       throw std::invalid_argument("all axes share their sub-steps; give the same `substeps` everywhere");
+    if (axis.plant.mode != axes.front().plant.mode)
+      throw std::invalid_argument("all axes share their solver; give the same `mode` everywhere");
     if (axis.carried_radius_m.size() > axes.size())
       throw std::invalid_argument("carried_radius_m names more joints than there are; give one per axis");
   }

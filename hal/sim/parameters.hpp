@@ -104,6 +104,12 @@ struct Effects {
   double torque_fade_time_s = 30.0;
 };
 
+/// How the plant goes through time. A free tip on its tendons has modes of a few hundred hertz.
+enum class SolverMode {
+  kQuasiStatic,  ///< follows the equilibrium: modes near and above the sub-steps' rate are damped out
+  kDynamic,      ///< keeps the modes, for inputs of high frequency; twice the work
+};
+
 /// One axis of an instrument, SI units. Defaults: da Vinci micro-forceps (F. Anooshahpour, 2017, ch. 2 and 5) for the
 /// transmission; motor, sensors and joint friction are those of a 15 W class brushed motor with a 5:1 gear.
 struct PlantParameters {
@@ -124,6 +130,7 @@ struct PlantParameters {
   double pretension_n = 27.6984;  ///< I = integral(Tt) + integral(Tb)
   int element_count = 16;         ///< per tendon
   int substeps = 4;               ///< of the 1 ms step
+  SolverMode mode = SolverMode::kQuasiStatic;
   // Joint.
   double joint_inertia_kgm2 = 4.0e-7;
   double joint_viscous_nms_per_rad = 2.0e-4;

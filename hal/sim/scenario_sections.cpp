@@ -114,8 +114,14 @@ std::vector<Segment> read_segment(const Source& source, const toml::table& table
 void read_plant(const Source& source, const toml::table& table, PlantParameters& plant) {
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
-    const double value = source.number(name, node);
-    source.located(node, [&] { set_parameter(plant, name, value); });
+    const toml::node& value = node;
+    source.located(node, [&] {
+      if (name == "mode") {
+        plant.mode = solver_mode(source.text(name, value));
+      } else {
+        set_parameter(plant, name, source.number(name, value));
+      }
+    });
   }
 }
 

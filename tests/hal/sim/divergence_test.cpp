@@ -43,6 +43,7 @@ PlantParameters random_plant(Random& random) {
   }
   p.element_count = 2 + static_cast<int>(uniform(random) * 24.0);
   p.substeps = 1 + static_cast<int>(uniform(random) * 6.0);
+  p.mode = uniform(random) < 0.3 ? SolverMode::kDynamic : SolverMode::kQuasiStatic;
   p.environment.kind = static_cast<EnvironmentKind>(static_cast<int>(uniform(random) * 6.0));
   for (const auto& field : environment_fields()) {
     if (uniform(random) < 0.5)
@@ -113,6 +114,7 @@ TEST(Divergence, ARandomInstrumentOfCoupledAxesIsSaneOrSaysThatItDiverged) {
       axes.push_back({"a", random_plant(random), {within(random, -0.01, 0.01), within(random, -0.01, 0.01), 0.0}});
     for (std::size_t i = 0; i < axes.size(); ++i) {
       axes[i].plant.substeps = axes[0].plant.substeps;
+      axes[i].plant.mode = axes[0].plant.mode;
       axes[i].carried_radius_m[i] = 0.0;
     }
     MultiPlant plant(axes, number);

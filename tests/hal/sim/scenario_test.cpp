@@ -103,6 +103,13 @@ TEST(Scenario, UnknownKeysAreRefusedWhereTheyStand) {
   expect_refused("[environment]\nkind = \"honey\"\n", 2, "honey");
 }
 
+TEST(Scenario, TheSolversModeIsAWord) {
+  EXPECT_EQ(parse_scenario("[plant]\nmode = \"dynamic\"\n", "x.toml").plant.mode, SolverMode::kDynamic);
+  EXPECT_EQ(parse_scenario("seed = 2\n", "x.toml").plant.mode, SolverMode::kQuasiStatic);
+  expect_refused("[plant]\nmode = \"fast\"\n", 2, "quasi_static, dynamic");
+  expect_refused("[plant]\nmode = 2\n", 2, "mode");
+}
+
 TEST(Scenario, WrongTypesAreRefusedWhereTheyStand) {
   expect_refused("seed = \"one\"\n", 1, "seed");
   expect_refused("seed = 1\nshell = \"arm\"\n", 2, "shell");
