@@ -239,8 +239,10 @@ Fault parse_fault(std::string_view text) {
         fault.duration_s = value;
       } else if (key == "amount") {
         fault.amount = value;
+      } else if (key == "axis" && value >= 0.0 && value < 100.0) {
+        fault.axis = static_cast<int>(value);
       } else {
-        throw ScenarioError("`" + key + "` says nothing about a fault; known are: at, for, amount");
+        throw ScenarioError("`" + key + "` says nothing about a fault; known are: at, for, amount, axis");
       }
     }
     FaultSchedule(0).add(fault);

@@ -66,7 +66,7 @@ struct Scenario {
 void override_effect(Scenario& scenario, std::string_view assignment);
 
 /// Reads "encoder stuck at 3 for 0.5" or "current jump at 2 amount 0.3", as from a shell or command line: target, kind,
-/// then any of at, for, amount with their numbers. Throws ScenarioError without a line number.
+/// then any of at, for, amount, axis (0: the first) with their numbers. Throws ScenarioError without a line number.
 [[nodiscard]] Fault parse_fault(std::string_view text);
 
 }  // namespace capstan::sim

@@ -24,6 +24,7 @@ struct RunOptions {
   std::string shell;
   std::string storage;
   std::vector<std::string> plant_effects;
+  std::vector<std::string> faults;
   std::optional<double> seconds;
   std::optional<std::uint64_t> seed;
   bool fast = false;
@@ -36,6 +37,12 @@ auto scenario_of(const RunOptions& options) -> sim::Scenario {
     sim::Scenario scenario = options.scenario.empty() ? sim::Scenario{} : sim::load_scenario(options.scenario);
     for (const std::string& effect : options.plant_effects) {
       sim::override_effect(scenario, effect);
+    }
+    for (const std::string& fault : options.faults) {
+      scenario.faults.push_back(sim::parse_fault(fault));
+      if (scenario.faults.back().axis > static_cast<int>(scenario.other_axes.size())) {
+        throw BadInput("--fault \"" + fault + "\": the instrument has no such axis; correct its number");
+      }
     }
     if (options.seconds) {
       scenario.duration_s = *options.seconds;
@@ -166,6 +173,9 @@ void add_run(CLI::App& app, int& exit_status) {
                       "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
   command->add_option("--plant-effect", options->plant_effects,
                       "give the plant an effect, for instance play=0.03 (repeatable)");
+  command->add_option("--fault", options->faults,
+                      "let something fail, for instance \"encoder stuck at 3 for 0.5\": target, kind, then any of at, "
+                      "for, amount, axis (repeatable)");
   command->add_option("--seed", options->seed, "noise of the plant");
   command->add_option("--storage", options->storage, "file that keeps what 'save' writes");
   command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");

@@ -155,10 +155,10 @@ class Performance {
       seen.push_back({wanted, truth.q2_camera_rad, truth.tip_torque_nm, truth.temperature_c});
       asked.push_back(bench_ ? wanted / torque_constants_[i] : wanted);
     }
-    if (bench_) {
-      board_.tick_on_bench(asked);
-    } else {
-      board_.tick(asked);
+    try {
+      bench_ ? board_.tick_on_bench(asked) : board_.tick(asked);
+    } catch (const std::runtime_error& diverged) {
+      throw Refusal(std::string("the run ended at ") + std::to_string(time_s) + " s: " + diverged.what());
     }
     return seen;
   }

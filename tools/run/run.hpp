@@ -25,7 +25,7 @@ struct RunSummary {
 /// models' lines, arm, the motions streamed as references, disarm. A scenario of torques runs on the bench instead:
 /// supplies drive the motors, and the disarmed firmware measures and estimates. As fast as it goes.
 /// @param log  receives the log by the contract, or nullptr
-/// Throws BadInput with the line and the shell's answer if a line is refused.
+/// Throws BadInput with the line and the shell's answer if a line is refused, Refusal if the plant diverges.
 auto run_scenario(const sim::Scenario& scenario, const std::vector<std::string>& model, Banks& banks, std::ostream* log)
     -> RunSummary;
 

@@ -219,8 +219,9 @@ TEST(MoreFaults, CanBeGivenInWords) {
   EXPECT_EQ(f.duration_s, 0.5);
   EXPECT_EQ(f.amount, -0.3);
   EXPECT_EQ(parse_fault("tendon_top snap").kind, FaultKind::kSnap);
+  EXPECT_EQ(parse_fault("camera off axis 2").axis, 2);
   for (const char* bad : {"", "encoder", "encoder flies", "encoder off at", "encoder off at x", "encoder off near 3",
-                          "amplifier nan at 1", "encoder off at -1"}) {
+                          "amplifier nan at 1", "encoder off at -1", "encoder off axis -1"}) {
     EXPECT_THROW(static_cast<void>(parse_fault(bad)), ScenarioError) << bad;
   }
 }

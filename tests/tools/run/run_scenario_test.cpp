@@ -133,6 +133,30 @@ TEST(SteadyTorque, IsTheSumOfTheFrictionsOfTendonsJointAndMotor) {
   EXPECT_NEAR(steady->backward_nm, -friction + offset, 1.5 * resolution);
 }
 
+TEST(RunScenario, PlantThatDivergesEndsTheRunWithTimeAndCause) {
+  sim::Scenario scenario = scenario_of("[plant]\ncurrent_limit_a = 900\ntorque_constant_nm_per_a = 100\n[torque]\n" +
+                                       sine("torque", "amplitude_nm = 99"));
+  FileBanks banks = FileBanks::temporary();
+  try {
+    run_scenario(scenario, {}, banks, nullptr);
+    FAIL() << "the run went on";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find(" s: the plant diverged: "), std::string::npos) << refusal.what();
+  }
+}
+
+TEST(RunScenario, FaultOfTheCameraIsInTheLogAndTakesNoPartInTheErrors) {
+  sim::Scenario scenario = scenario_of("[motion]\n" + sine("motion", "amplitude_rad = 0.3"));
+  scenario.faults.push_back(sim::parse_fault("camera nan at 1 for 0.5"));
+  std::ostringstream text;
+  FileBanks banks = FileBanks::temporary();
+  const RunSummary summary = run_scenario(scenario, {}, banks, &text);
+  EXPECT_TRUE(std::isfinite(summary.joints[0].estimation_rmse_rad));
+  EXPECT_GT(summary.joints[0].estimation_rmse_rad, 0.0);
+  EXPECT_NE(text.str().find("\n1.100,"), std::string::npos);
+  EXPECT_THROW(static_cast<void>(CsvLog::parse(text.str(), "log").column("axis0/q2_rad")), BadInput);
+}
+
 TEST(RunScenario, InstrumentWithMoreAxesThanABoardIsRefused) {
   sim::Scenario scenario;
   scenario.other_axes.resize(4);
