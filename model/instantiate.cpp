@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instantiates every law for the number formats in use, so that a mistake shows when the library is built.
+#include "model/coupled_axes.hpp"
 #include "model/effort_catalogue.hpp"
 #include "model/motion_law.hpp"
 #include "model/preisach.hpp"
@@ -80,6 +81,8 @@ template class Preisach<double, 41>;
 template class Preisach<Q24, 41>;
 template class PreisachBounds<double, 11>;
 template class PreisachBounds<Q24, 11>;
+template class CoupledAxes<double, 3>;
+template class CoupledAxes<Q24, 3>;
 template class PullPush<double>;
 template class PullPush<Q24>;
 template class TensionState<double>;

@@ -125,6 +125,12 @@ class FrictionChain {
     return all;
   }
 
+  /// The tendon slides, or is about to, in its whole length: the output end's tension hangs on the input end's.
+  [[nodiscard]] constexpr auto is_active() const -> bool {
+    const Hold& hold = holds_[Nodes - 1];
+    return output() == input() * hold.low || output() == input() * hold.high;
+  }
+
   [[nodiscard]] constexpr auto input() const -> Scalar { return tensions_[0]; }
   [[nodiscard]] constexpr auto output() const -> Scalar { return tensions_[Nodes - 1]; }
 
@@ -195,19 +201,17 @@ class TensionState {
       return estimate;
     }
     const Scalar x = tau - (forward ? parameters_.friction_nm : -parameters_.friction_nm);
-    const Scalar top_before = top_.output();
-    const Scalar bottom_before = bottom_.output();
-    bool one_slack = false;
-    const Scalar top_in = solve(x, one_slack);
-    top_known_ = top_.pull_to(top_in) || top_known_;
-    bottom_known_ = bottom_.pull_to(top_in - x) || bottom_known_;
+    const Balance now = solve(x);
+    was_slack_ = now.one_slack;
+    top_known_ = top_.pull_to(now.top_in) || top_known_;
+    bottom_known_ = bottom_.pull_to(now.top_in - x) || bottom_known_;
     estimate.known = top_known_ && bottom_known_;
-    estimate.phase = phase_of(one_slack, top_.output() != top_before, bottom_.output() != bottom_before);
+    estimate.phase = phase_of(now.one_slack, top_.is_active(), bottom_.is_active());
     estimate.joint_torque = ratio_ * (top_.output() - bottom_.output());
     // The joint hangs on whichever tendon is taut.
-    const bool on_top = !one_slack || Scalar{} < x;
-    const Scalar stretch = on_top ? parameters_.compliance_top * top_.trial(top_.input()).integral - at_rest_
-                                  : at_rest_ - parameters_.compliance_bottom * bottom_.trial(bottom_.input()).integral;
+    const bool on_top = !now.one_slack || Scalar{} < x;
+    const Scalar stretch = on_top ? parameters_.compliance_top * now.top_integral - at_rest_
+                                  : at_rest_ - parameters_.compliance_bottom * now.bottom_integral;
     const Scalar at_pulley = q1 - stretch;
     estimate.q2 = parameters_.beta * at_pulley + parameters_.joint_offset;
     using Traits = ScalarTraits<Scalar>;
@@ -223,51 +227,62 @@ class TensionState {
 
  private:
   using Chain = FrictionChain<Scalar, Nodes>;
-  /// One or two are usual at 1 kHz; after a jump of torque Newton and the halvings behind it get to a thousandth.
+  /// Two are usual at 1 kHz; after a jump of torque Newton and the halvings behind it get to a thousandth.
   static constexpr int kMaxRounds = 12;
   /// The elongation, rad, to which the two tendons must add up to what they have at rest.
   static constexpr Scalar kTolerance = ScalarTraits<Scalar>::from(4e-6);
 
-  /// The top tendon's input tension: where the elongations add up, or where one tendon is just slack. The sum rises
+  struct Balance {
+    Scalar top_in{};
+    Scalar top_integral{};
+    Scalar bottom_integral{};
+    Scalar error{};  ///< how much the elongations of both exceed those at rest, rad
+    Scalar slope{};  ///< of the error by the top tendon's input tension
+    bool one_slack = false;
+  };
+
+  /// The top tendon's input tension: where the elongations add up, or where one tendon is just slack. The error rises
   /// with it everywhere, so Newton is kept inside a bracket and halves where it would leave it.
-  constexpr auto solve(Scalar x, bool& one_slack) const -> Scalar {
+  [[nodiscard]] constexpr auto solve(Scalar x) const -> Balance {
     constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
-    Scalar low = x > Scalar{} ? x : Scalar{};
-    if (!(excess(low, x).integral < Scalar{})) {
-      one_slack = true;
-      return low;
-    }
-    Scalar high = low + parameters_.pretension_nm * kLargestShare;
-    Scalar guess = clamp(top_.input(), low, high);
-    for (int round = 0; round < kMaxRounds; ++round) {
-      const auto [error, slope] = excess(guess, x);
-      if (abs(error) <= kTolerance) {
-        break;
+    const Scalar slack = x > Scalar{} ? x : Scalar{};  // here one tendon has nothing left
+    Scalar low = slack;
+    Scalar high = slack + parameters_.pretension_nm * kLargestShare;
+    Balance now = balance(was_slack_ ? slack : clamp(top_.input(), low, high), x);
+    for (int round = 1; round < kMaxRounds; ++round) {
+      now.one_slack = now.top_in == slack && !(now.error < Scalar{});
+      if (now.one_slack || abs(now.error) <= kTolerance) {
+        return now;
       }
-      (error < Scalar{} ? low : high) = guess;
-      const Scalar newton = guess - error / slope;
-      guess = low < newton && newton < high ? newton : low + (high - low) * kHalf;
+      (now.error < Scalar{} ? low : high) = now.top_in;
+      const Scalar newton = now.top_in - now.error / now.slope;
+      const bool try_slack = !(low < newton) && low == slack && now.top_in != slack;
+      const Scalar halfway = low + (high - low) * kHalf;
+      now = balance(try_slack ? slack : (low < newton && newton < high ? newton : halfway), x);
     }
-    return guess;
+    return now;
   }
 
-  /// How much the elongations of both exceed those at rest, rad, with this tension at the top tendon's input.
-  [[nodiscard]] constexpr auto excess(Scalar top_in, Scalar x) const -> typename Chain::Sum {
+  [[nodiscard]] constexpr auto balance(Scalar top_in, Scalar x) const -> Balance {
     const auto top = top_.trial(top_in);
     const auto bottom = bottom_.trial(top_in - x);
-    return {parameters_.compliance_top * top.integral - at_rest_ +
+    return {top_in,
+            top.integral,
+            bottom.integral,
+            parameters_.compliance_top * top.integral - at_rest_ +
                 (parameters_.compliance_bottom * bottom.integral - at_rest_),
-            parameters_.compliance_top * top.slope + parameters_.compliance_bottom * bottom.slope};
+            parameters_.compliance_top * top.slope + parameters_.compliance_bottom * bottom.slope,
+            false};
   }
 
-  static constexpr auto phase_of(bool one_slack, bool top_moves, bool bottom_moves) -> ForcePhase {
+  static constexpr auto phase_of(bool one_slack, bool top_active, bool bottom_active) -> ForcePhase {
     if (one_slack) {
       return ForcePhase::kOneSlack;
     }
-    if (top_moves && bottom_moves) {
+    if (top_active && bottom_active) {
       return ForcePhase::kBothActive;
     }
-    return top_moves || bottom_moves ? ForcePhase::kPulledActive : ForcePhase::kHeld;
+    return top_active || bottom_active ? ForcePhase::kPulledActive : ForcePhase::kHeld;
   }
 
   /// No tendon's input tension exceeds I over the least mean of its decay, eta / (1 - e^-eta) = 3.16 at eta = 3, but
@@ -280,6 +295,7 @@ class TensionState {
   Chain bottom_{};
   Scalar at_rest_{};  ///< elongation of either tendon at rest, as an angle of the motor, rad
   Scalar ratio_{};
+  bool was_slack_ = false;
   bool top_known_ = false;
   bool bottom_known_ = false;
 };

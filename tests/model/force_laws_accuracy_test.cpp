@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <random>
 
+#include "model/coupled_axes.hpp"
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
 #include "model/tension_state.hpp"
@@ -61,9 +62,10 @@ TEST(PullPushAccuracy, FixedIsWithinAThousandthOfFullScale) {
     worst = std::fmax(worst, round_worst);
     worst_share = std::fmax(worst_share, round_worst / full_scale);
   }
-  std::printf("pull-push, fixed against double: worst %.2e N m, %.2e of full scale; phase differs in %d of %d\n", worst,
-              worst_share, phase_differs, kSamples);
+  std::printf("law pull_push | torque 8 N m, eta 3, I r1 8 N m, ratio 4 | %.1e N m, %.1e of full scale\n", worst,
+              worst_share);
   EXPECT_LT(worst_share, 1e-3);
+  std::printf("pull-push: phase differs in %d of %d samples\n", phase_differs, kSamples);
   EXPECT_LT(phase_differs, kSamples / 1000);
 }
 
@@ -85,7 +87,7 @@ TEST(PreisachInverseAccuracy, InputInFixedPointBringsTheForceAboutInDouble) {
     fixed.update(command.input);
     worst = std::fmax(worst, std::fabs(exact.update(command.input.to_double()).force - wanted.to_double()));
   }
-  std::printf("Preisach inverse: the force it brings about is off by %.2e of full scale at worst\n", worst / span);
+  std::printf("law preisach_41_inverse | between the saturations | %.1e of full scale\n", worst / span);
   EXPECT_LT(worst, 1e-3 * span);
 }
 
@@ -134,10 +136,70 @@ TEST(TensionStateAccuracy, FixedIsWithinItsPromiseOfDouble) {
     }
     worst_torque = std::fmax(worst_torque, round_worst / full_scale);
   }
-  std::printf("tension state, fixed against double: %.2e rad, %.2e of full scale of torque\n", worst_angle,
-              worst_torque);
+  std::printf("law tension_state | elongation 4 rad, torque 8 N m, q1 10 rad | %.1e rad, %.1e of full scale\n",
+              worst_angle, worst_torque);
   EXPECT_LT(worst_angle, 2e-5);
   EXPECT_LT(worst_torque, 1e-3);
+}
+
+/// Any matrices with a B that is far from singular.
+template <typename Scalar>
+auto any_matrices(std::mt19937& engine) -> CouplingMatrices<Scalar, 3> {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  CouplingMatrices<Scalar, 3> m;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      m.rigid[i][j] = number<Scalar>((i == j ? 1.4 : 0.0) + 0.5 * unit(engine));
+      m.elongation_top[i][j] = number<Scalar>(5.5 * unit(engine));
+      m.elongation_bottom[i][j] = number<Scalar>(5.5 * unit(engine));
+    }
+    m.offset[i] = number<Scalar>(unit(engine));
+  }
+  return m;
+}
+
+TEST(CoupledAxesInFixedPoint, AreWithinTheirPromiseOfDouble) {
+  std::mt19937 engine(62);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  double worst = 0.0;
+  double worst_back = 0.0;
+  for (int round = 0; round < kSamples / 1000; ++round) {
+    const auto fixed_matrices = any_matrices<Q24>(engine);
+    CouplingMatrices<double, 3> matrices;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        matrices.rigid[i][j] = fixed_matrices.rigid[i][j].to_double();
+        matrices.elongation_top[i][j] = fixed_matrices.elongation_top[i][j].to_double();
+        matrices.elongation_bottom[i][j] = fixed_matrices.elongation_bottom[i][j].to_double();
+      }
+      matrices.offset[i] = fixed_matrices.offset[i].to_double();
+    }
+    const CoupledAxes<double, 3> exact(matrices);
+    const CoupledAxes<Q24, 3> fixed(fixed_matrices);
+    for (int i = 0; i < 1000; ++i) {
+      std::array<double, 3> q{}, tau{};
+      std::array<Q24, 3> q_fixed{}, tau_fixed{};
+      std::array<bool, 3> forward{};
+      for (std::size_t k = 0; k < 3; ++k) {
+        q_fixed[k] = number<Q24>(8.0 * unit(engine));
+        tau_fixed[k] = number<Q24>(unit(engine));
+        q[k] = q_fixed[k].to_double();
+        tau[k] = tau_fixed[k].to_double();
+        forward[k] = unit(engine) > 0.0;
+      }
+      const auto theta = fixed.joints(q_fixed, tau_fixed, forward);
+      const auto expected = exact.joints(q, tau, forward);
+      const auto back = fixed.motors(theta, tau_fixed, forward);
+      for (std::size_t k = 0; k < 3; ++k) {
+        worst = std::fmax(worst, std::fabs(theta[k].to_double() - expected[k]));
+        worst_back = std::fmax(worst_back, std::fabs(back[k].to_double() - q[k]));
+      }
+    }
+  }
+  std::printf("law coupled_axes_3 | q1 8 rad, torque 1 N m, pairs to 5.5 rad/(N m) | %.1e rad\n", worst);
+  std::printf("law coupled_axes_3_inverse | the same, B far from singular | %.1e rad\n", worst_back);
+  EXPECT_LT(worst, 2e-5);
+  EXPECT_LT(worst_back, 2e-5);
 }
 
 }  // namespace

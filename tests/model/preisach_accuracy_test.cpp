@@ -113,8 +113,8 @@ void expect_fixed_follows_double() {
     ASSERT_EQ(estimate.known, expected.known);
     deepest = std::max(deepest, fixed.extremes());
   }
-  std::printf("fixed against double on %zu levels: worst %.2e of full scale, up to %zu extremes remembered\n",
-              MaxLevels, worst / span, deepest);
+  std::printf("law preisach_%zu | input to the table's ends and beyond | %.1e of full scale\n", MaxLevels,
+              worst / span);
   EXPECT_LT(worst, 1e-3 * span);
   EXPECT_GE(deepest, 8U) << "the input must nest loops, or the sum is not tried";
 }

@@ -113,7 +113,7 @@ void expect_accurate(const std::array<double, kCoefficientsOf<Term<double>>>& co
     largest = std::fmax(largest, std::fabs(expected));
     worst = std::fmax(worst, std::fabs(value_of(fixed.update(motion.now<Q24>())) - expected));
   }
-  std::printf("%s: worst error %.2e of at most %.2f\n", Term<double>::kInfo.name, worst, largest);
+  std::printf("law %s | effects to %.2f rad or N m | %.1e rad or N m\n", Term<double>::kInfo.name, largest, worst);
   EXPECT_LT(worst, kBound);
   EXPECT_FALSE(fixed.saturated());
   EXPECT_GT(largest, 1000.0 * kBound) << "the effect must show, or this test shows nothing";
