@@ -98,7 +98,9 @@ class Recorder {
     if (thermometer_) {
       put(",%.3f", seen.front().temperature_c);
     }
-    put("\n");
+    if (log_ != nullptr) {
+      *log_ << "\n";
+    }
   }
 
   [[nodiscard]] auto summary() const -> RunSummary {
@@ -111,11 +113,10 @@ class Recorder {
   }
 
  private:
-  template <class... Values>
-  void put(const char* format, Values... values) {
+  void put(const char* format, double value) {
     if (log_ != nullptr) {
-      std::array<char, 32> text{};
-      log_->write(text.data(), std::snprintf(text.data(), text.size(), format, values...));
+      std::array<char, 352> text{};  // enough for any double
+      log_->write(text.data(), std::snprintf(text.data(), text.size(), format, value));
     }
   }
 

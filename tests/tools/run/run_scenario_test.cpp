@@ -157,6 +157,13 @@ TEST(RunScenario, FaultOfTheCameraIsInTheLogAndTakesNoPartInTheErrors) {
   EXPECT_THROW(static_cast<void>(CsvLog::parse(text.str(), "log").column("axis0/q2_rad")), BadInput);
 }
 
+TEST(RunScenario, SensorThatJumpsBeyondAllMeasureIsLoggedWithAllItsDigits) {
+  sim::Scenario scenario = scenario_of("[motion]\n" + sine("motion", "amplitude_rad = 0.3"));
+  scenario.faults.push_back(sim::parse_fault("tip_force jump at 1 for 0.5 amount 1e300"));
+  const Recorded run = record(scenario);
+  EXPECT_EQ(run.log.column("axis0/tau_out_Nm")[1200], 1e300 * 0.01);
+}
+
 TEST(RunScenario, InstrumentWithMoreAxesThanABoardIsRefused) {
   sim::Scenario scenario;
   scenario.other_axes.resize(4);
