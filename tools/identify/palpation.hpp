@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "model/stiffness.hpp"
+#include "model/tension_state.hpp"
+#include "tools/identify/force_fit.hpp"
+
+namespace capstan::tools {
+
+/// What the tip touches, from motor torque and motor angle alone (thesis ch. 3), N m/rad at the joint.
+struct Stiffness {
+  double value = 0.0;
+  double half_interval = 0.0;  ///< of 95 %
+};
+
+struct SiteStiffness {
+  double begin_s = 0.0, end_s = 0.0;
+  std::optional<Stiffness> both_active;  ///< from phase III
+  std::optional<Stiffness> one_slack;    ///< from phase IV
+  std::optional<Stiffness> combined;     ///< both, each by its interval; empty: the tip was not pressed far enough
+};
+
+/// A stretch of a log in which one site is pressed and released.
+struct SiteSpan {
+  double begin_s = 0.0, end_s = 0.0;
+};
+
+/// The tension state's parameters from a pull-push law that was identified with the tip locked. Throws Refusal if the
+/// log behind it could not determine the stiffness of both tendons.
+auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double>;
+
+/// Stiffness site by site. Per stroke and phase the compliance dq1 / dtau is fitted while the joint's torque is above
+/// `from_share` of the largest in the log, so contact alone counts; the instrument's own share of it and the pulleys'
+/// ratio come out by `environment_stiffness`. The log needs no joint side: tau_out_nm is not read.
+auto palpate(const ForceLog& log, const TensionStateParameters<double>& parameters, const std::vector<SiteSpan>& sites,
+             double from_share = 0.3) -> std::vector<SiteStiffness>;
+
+/// Sites that are stiffer than the rest: above the median by this factor, their whole interval.
+auto stiff_sites(const std::vector<SiteStiffness>& sites, double factor = 1.5) -> std::vector<std::size_t>;
+
+}  // namespace capstan::tools
