@@ -2,6 +2,7 @@
 #include "firmware/shell.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "firmware/shell_commands.hpp"
 
@@ -21,6 +22,23 @@ auto words_in(std::string_view text) -> std::size_t {
 Shell::Shell(Machine& machine, TextSink& sink, Board& board, bool echo)
     : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo) {}
 
+/// Keys like the arrows send ESC [ ... letter, or ESC letter.
+auto Shell::skip_escape(char c) -> bool {
+  constexpr char kEscape = 0x1B;
+  const Escape before = escape_;
+  if (c == kEscape) {
+    escape_ = Escape::kBegun;
+    return true;
+  }
+  if (before == Escape::kNone || static_cast<unsigned char>(c) < ' ') {
+    escape_ = Escape::kNone;  // a sequence never takes a line's end or a Ctrl-C with it
+    return false;
+  }
+  const bool goes_on = before == Escape::kBegun ? c == '[' || c == 'O' : c < '@' || c > '~';
+  escape_ = goes_on ? Escape::kSequence : Escape::kNone;
+  return true;
+}
+
 void Shell::receive(char c) {
   constexpr char kBackspace = '\b';
   constexpr char kDelete = 0x7F;
@@ -28,6 +46,9 @@ void Shell::receive(char c) {
   constexpr char kCancel = 0x03;
   const char last = last_;
   last_ = c;
+  if (skip_escape(c)) {
+    return;
+  }
   if (c == '\n' && last == '\r') {
     return;  // the second half of a CR LF
   }
@@ -52,6 +73,7 @@ void Shell::receive(char c) {
   if (c == kKillLine || c == kCancel) {
     length_ = 0;
     too_long_ = false;
+    damaged_ = false;
     if (c == kCancel && activity_ != Activity::kIdle) {
       end_stream();  // its answer brings the prompt
       return;
@@ -63,6 +85,7 @@ void Shell::receive(char c) {
     return;
   }
   if (c != '\t' && (c < ' ' || c > '~')) {
+    damaged_ = true;
     return;
   }
   if (length_ == line_.size()) {
@@ -94,6 +117,14 @@ void Shell::error(const char* name, const char* sentence, const char* cure) {
 }
 
 void Shell::execute(std::string_view line) {
+  std::string_view rest = line;
+  const std::string_view word = next_word(rest);
+  if (std::exchange(damaged_, false) && word != "disarm") {  // what wants torque off is never refused
+    too_long_ = false;
+    error("not_text", "the line has characters that are no text, so it may have been damaged and was not read",
+          "check the line and its speed, and send it again");
+    return;
+  }
   if (too_long_) {
     too_long_ = false;
     error("line_too_long", "the line has more than 160 characters and was not read", "send a shorter one");
@@ -107,8 +138,6 @@ void Shell::execute(std::string_view line) {
     out_ << "error busy: the last command has not answered yet; wait for its ok or error\r\n";
     return;
   }
-  std::string_view rest = line;
-  const std::string_view word = next_word(rest);
   if (word.empty() || word.front() == '#') {
     ok();  // a host that waits for an answer to every line waits for this one too
     return;

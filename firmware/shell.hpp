@@ -42,6 +42,7 @@ class Shell {
     const ParameterInfo* parameter = nullptr;
   };
 
+  auto skip_escape(char c) -> bool;
   void execute(std::string_view line);
   void prompt();
   void ok();
@@ -68,6 +69,9 @@ class Shell {
   std::array<char, kLineLength> line_{};
   std::size_t length_ = 0;
   bool too_long_ = false;
+  bool damaged_ = false;  ///< something came that is no text; without it the line could mean anything
+  enum class Escape : std::uint8_t { kNone, kBegun, kSequence };
+  Escape escape_ = Escape::kNone;  ///< of a key like an arrow, which is ignored as a whole
   char last_ = 0;
 
   Activity activity_ = Activity::kIdle;

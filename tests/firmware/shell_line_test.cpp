@@ -148,9 +148,36 @@ TEST(ShellEditing, ALineOf160CharactersIsReadAndALongerOneIsRefusedWhole) {
   EXPECT_EQ(verdict(bench.say("version")), "ok") << "the next line is a new one";
 }
 
-TEST(ShellEditing, ControlCharactersAndBytesBeyondAsciiAreSkipped) {
+TEST(ShellEditing, ALineWithCharactersThatAreNoTextIsRefusedBecauseItMayMeanSomethingElse) {
   Bench bench;
-  EXPECT_EQ(verdict(bench.say("ver\x01\x1B\xFFsi\x80on")), "ok");
+  for (const std::string& damaged : {std::string("a\0rm", 4),
+                                     std::string("\xFF"
+                                                 "arm"),
+                                     std::string("arm\x01"),
+                                     std::string("set joint0.control.kp 0.\x80"
+                                                 "5")}) {
+    EXPECT_EQ(verdict(bench.say(damaged)).rfind("error not_text: ", 0), 0U) << damaged;
+    EXPECT_EQ(bench.state(), State::kDisarmed);
+    EXPECT_EQ(verdict(bench.say("version")), "ok") << "the next line is whole";
+  }
+  EXPECT_EQ(verdict(bench.say("\x01\x15version")), "ok") << "Ctrl-U forgets the damage too";
+  bench.say("arm");
+  EXPECT_EQ(verdict(bench.say("dis\x80"
+                              "arm")),
+            "ok")
+      << "what wants torque off is not refused";
+  EXPECT_EQ(bench.state(), State::kDisarmed);
+}
+
+TEST(ShellEditing, KeysThatSendEscapeSequencesAreIgnoredWhole) {
+  Bench bench;
+  EXPECT_EQ(verdict(bench.say("nonsense\x1B\x15version")), "ok") << "Ctrl-U is no part of a key";
+  for (const char* line : {"ver\x1B[Asion", "\x1B[1;5Cversion", "version\x1BOP",
+                           "ve\x1B"
+                           "brsion",
+                           "version\x1B", "version\x1B["}) {
+    EXPECT_EQ(verdict(bench.say(line)), "ok") << line;
+  }
 }
 
 }  // namespace

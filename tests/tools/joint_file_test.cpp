@@ -29,6 +29,26 @@ auto coefficient_of(const JointFile& joint, const std::string& term, std::size_t
   return joint.parameters.coefficients[catalogue_term(term).first_coefficient + i];
 }
 
+TEST(JointFile, BytesThatAreNoTextAreRefusedWithTheirLineBeforeTheyReachTheParser) {
+  const std::string refusal = refusal_of(kHead + std::string("[\0\0\0econdc:\0r]\n", 13));
+  EXPECT_NE(refusal.find("joint.toml:5: there are bytes that are no text; "), std::string::npos) << refusal;
+}
+
+TEST(JointFile, LettersOutsideAsciiSurviveInNamesOfLogsAndAreRefusedAsKeys) {
+  const std::string log = "\u00fcbung ~x41 30\u00b0.csv";
+  JointFile joint = parse_joint_file("# \u00b0\n" + kHead + kRatio, "joint.toml");
+  joint.fit = FitSummary{.rmse_rad = 0.1, .gof_percent = 90.0, .samples = 5, .logs = {log}};
+  const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
+  ASSERT_TRUE(again.fit.has_value());
+  EXPECT_EQ(again.fit->logs, std::vector<std::string>{log});
+  EXPECT_EQ(refusal_of(kHead + "\u00fc = 1\n").rfind("joint.toml:5: ", 0), 0U) << refusal_of(kHead + "\u00fc = 1\n");
+}
+
+TEST(JointFile, AHeaderThatIsNoKeyIsRefusedWithItsLine) {
+  const std::string refusal = refusal_of("schema = \"capstan.joint/1\"\n[$x]\ny = 1\n");
+  EXPECT_EQ(refusal.rfind("joint.toml:2: this is not TOML: ", 0), 0U) << refusal;
+}
+
 TEST(JointFile, TermsThatAreMissingAreOff) {
   const JointFile joint = parse_joint_file(kHead + kRatio, "joint.toml");
   EXPECT_EQ(coefficient_of(joint, "motor_angle"), 1.08);

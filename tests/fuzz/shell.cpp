@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Any bytes on the console: every line is answered once, nothing hangs, no set of parameters is unsound, and no joint
+// has torque unless somebody armed it.
+#include <cstdlib>
+
+#include "firmware/shell_input.hpp"
+#include "tests/firmware/support.hpp"
+
+namespace {
+
+using Bench = capstan::test::Bench<2>;
+
+void require(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+void look(const Bench& bench, bool armed) {
+  require(bench.io.has_torque() == energised(bench.state()));
+  require(armed || !bench.io.has_torque());
+  for (const capstan::AxisConfig& axis : bench.application.config()) {
+    require(check(axis) == nullptr);
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  constexpr std::size_t kLongest = 2048;
+  constexpr int kPatience = 300;
+  Bench bench;
+  capstan::ShellInput input(bench.shell);
+  const std::string_view text(reinterpret_cast<const char*>(data), std::min(size, kLongest));
+  const bool may_arm = text.empty() || text.front() % 2 == 0;
+  for (const char c : text) {
+    if (!may_arm && c == 'm') {
+      continue;  // without this letter nobody can arm, whatever is edited, dropped or mistaken
+    }
+    for (int i = 0; i < kPatience && input.room() == 0; ++i) {
+      bench.application.rt_tick();
+      input.poll();
+    }
+    if (input.room() == 0) {
+      input.take('\x03');  // it streams: as a person would end it
+    } else {
+      input.take(c);
+    }
+    if (c == '\n') {
+      bench.application.rt_tick();
+      input.poll();
+      look(bench, may_arm);
+    }
+  }
+  input.take('\x03');
+  for (int i = 0; i < kPatience && (bench.shell.busy() || !input.empty()); ++i) {
+    bench.application.rt_tick();
+    input.poll();
+    if (bench.shell.busy() && i % 100 == 99) {
+      input.take('\x03');
+    }
+  }
+  require(!bench.shell.busy());
+  look(bench, may_arm);
+  bench.sink.take();
+  const std::string answer = bench.say("disarm");
+  require(bench.answered && answer.ends_with("ok\r\n"));
+  require(!bench.io.has_torque());
+  return 0;
+}
