@@ -160,7 +160,7 @@ TEST(EffortAccuracy, OfEveryTerm) {
   expect_accurate<effort::CoulombFriction>({0.7113}, {});
   expect_accurate<effort::FrictionAsymmetry>({0.3117, 0.0213}, {});
   expect_accurate<effort::StribeckFriction>({0.5713}, {1.0713});
-  expect_accurate<effort::PlayFriction>({1.0}, {0.0513});
+  expect_accurate<effort::PlayFriction>({0.4117, 0.3713, 0.2171}, {0.0513});
   expect_accurate<effort::Offset>({-0.4117}, {});
 }
 

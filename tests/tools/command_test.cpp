@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "tests/tools/synthetic_effort.hpp"
 #include "tests/tools/synthetic_joint.hpp"
 #include "tools/support/text.hpp"
 
@@ -132,7 +133,8 @@ TEST_F(Command, RefusalsEndWithStatusOne) {
   const std::string log = write_log(short_log(200.0));
   const Outcome model = run("identify " + log + " --model dynamic");
   EXPECT_EQ(model.status, 1);
-  EXPECT_NE(model.output.find("available in this version are kinematic and pseudo_kinematic"), std::string::npos)
+  EXPECT_NE(model.output.find("available in this version are kinematic, pseudo_kinematic and rigid_dynamics"),
+            std::string::npos)
       << model.output;
   run("identify " + log + " -o \"" + path("joint.toml") + "\"");
   const Outcome rate = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
@@ -149,6 +151,35 @@ TEST_F(Command, UnknownWordsAndMissingFilesAreBadInput) {
   EXPECT_EQ(run("identify no_such_file.csv --model nonsense").status, 2);
   EXPECT_EQ(run("--help").status, 0);
   EXPECT_EQ(run("diagnose --help").status, 0);
+}
+
+TEST_F(Command, AForceIsIdentifiedAndDiagnosedFromTheMotionOfALinearAxis) {
+  test::EffortRequest request;
+  request.truth = test::EffortTruth::kCoulomb;
+  const AxisLog made = test::synthetic_effort_log(request);
+  std::string text = "t,position_m,push_N\n";
+  for (Eigen::Index i = 0; i < made.samples(); ++i) {
+    text += log_number(made.time_s[i]) + "," + log_number(made.q1_rad[i]) + "," + log_number(made.effort[i]) + "\n";
+  }
+  write_text_file(path("axis.csv"), text);
+  const std::string log = "\"" + path("axis.csv") + "\" --map time_s=t --map axis0/q1_rad=position_m ";
+  const Outcome identified =
+      run("identify " + log + "--map axis0/tau_Nm=push_N --model rigid_dynamics -o \"" + path("axis.toml") + "\"");
+  EXPECT_EQ(identified.status, 0) << identified.output;
+  EXPECT_NE(identified.output.find("kg"), std::string::npos) << identified.output;
+  EXPECT_NE(read_text_file(path("axis.toml")).find("capstan.effort/1"), std::string::npos);
+  const Outcome diagnosed =
+      run("diagnose " + log + "--target push_N --json \"" + path("d.json") + "\" --report \"" + path("report") + "\"");
+  EXPECT_EQ(diagnosed.status, 0) << diagnosed.output;
+  EXPECT_NE(diagnosed.output.find("The law lacks coulomb_friction;"), std::string::npos) << diagnosed.output;
+  EXPECT_NE(read_text_file(path("d.json")).find("\"unit\": \"Ns/m\""), std::string::npos);
+  EXPECT_TRUE(exists("report/index.html"));
+  const Outcome replayed = run("replay " + log + "--model \"" + path("axis.toml") + "\" -o \"" + path("o.csv") + "\"");
+  EXPECT_EQ(replayed.status, 2);
+  EXPECT_NE(replayed.output.find("boards run laws of the joint angle"), std::string::npos) << replayed.output;
+  const Outcome current = run("diagnose " + log + "--target axis0/current_A");
+  EXPECT_EQ(current.status, 1);
+  EXPECT_NE(current.output.find("*FACTOR"), std::string::npos) << current.output;
 }
 
 TEST_F(Command, ForeignColumnsAreReadThroughMaps) {

@@ -41,7 +41,7 @@ TEST(Identify, RecoversTheRatioTheOffsetAndBothElongations) {
   EXPECT_NEAR(c[catalogue_term("tendon_elongation").first_coefficient], -0.9, 0.03);
   EXPECT_NEAR(c[catalogue_term("tendon_elongation").first_coefficient + 1], -0.6, 0.03);
   EXPECT_TRUE(result.undetermined.empty());
-  EXPECT_LT(result.joint.fit->rmse_rad, 0.0013);
+  EXPECT_LT(result.joint.fit->rmse, 0.0013);
 }
 
 TEST(Identify, IntervalsHoldTheTruthUnderColouredNoise) {
@@ -65,7 +65,7 @@ TEST(Identify, TheReportedErrorIsThatOfTheCausalLaw) {
   const std::vector<AxisLog> logs = {test::synthetic_log({})};
   const Identification result = identify(logs, form_of("pseudo_kinematic"));
   const Eigen::VectorXd estimate = simulate(logs, motion_parameters(result.joint));
-  EXPECT_DOUBLE_EQ(result.joint.fit->rmse_rad, rms(logs[0].q2_rad - estimate));
+  EXPECT_DOUBLE_EQ(result.joint.fit->rmse, rms(logs[0].q2_rad - estimate));
   EXPECT_DOUBLE_EQ(result.joint.fit->gof_percent, goodness_of_fit_percent(logs[0].q2_rad, estimate));
 }
 
@@ -111,7 +111,7 @@ TEST(Identify, ModelsOfLaterVersionsAreRefusedAndUnknownOnesAreBadInput) {
   try {
     terms_of_model("dynamic");
   } catch (const Refusal& refusal) {
-    EXPECT_NE(std::string(refusal.what()).find("kinematic and pseudo_kinematic"), std::string::npos);
+    EXPECT_NE(std::string(refusal.what()).find("kinematic, pseudo_kinematic and rigid_dynamics"), std::string::npos);
   }
 }
 

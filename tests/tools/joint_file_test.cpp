@@ -37,7 +37,7 @@ TEST(JointFile, BytesThatAreNoTextAreRefusedWithTheirLineBeforeTheyReachTheParse
 TEST(JointFile, LettersOutsideAsciiSurviveInNamesOfLogsAndAreRefusedAsKeys) {
   const std::string log = "\u00fcbung ~x41 30\u00b0.csv";
   JointFile joint = parse_joint_file("# \u00b0\n" + kHead + kRatio, "joint.toml");
-  joint.fit = FitSummary{.rmse_rad = 0.1, .gof_percent = 90.0, .samples = 5, .logs = {log}};
+  joint.fit = FitSummary{.rmse = 0.1, .gof_percent = 90.0, .samples = 5, .logs = {log}};
   const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
   ASSERT_TRUE(again.fit.has_value());
   EXPECT_EQ(again.fit->logs, std::vector<std::string>{log});
@@ -83,7 +83,7 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(again.terms, joint.terms);
   EXPECT_EQ(again.steady_torque->backward_nm, joint.steady_torque->backward_nm);
   EXPECT_EQ(again.fit->logs, joint.fit->logs);
-  EXPECT_EQ(again.fit->rmse_rad, joint.fit->rmse_rad);
+  EXPECT_EQ(again.fit->rmse, joint.fit->rmse);
 }
 
 TEST(JointFile, EveryMistakeGetsItsLineAndACure) {

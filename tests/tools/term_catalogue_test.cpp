@@ -52,5 +52,37 @@ TEST(TermCatalogue, ColumnsTimesCoefficientsAreTheLawItself) {
   EXPECT_LT((by_columns - simulate(logs, law)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+TEST(EffortCatalogue, HasEveryNameOfTheContract) {
+  for (const char* name :
+       {"viscous_friction", "coulomb_friction", "friction_asymmetry", "stribeck_friction", "play_friction", "offset",
+        "gravity", "axis_coupling", "angle_periodic", "transport_delay", "thermal_drift"}) {
+    EXPECT_TRUE(effort_catalogue(AxisKind::kRotary).has(name)) << name;
+  }
+  EXPECT_EQ(effort_catalogue(AxisKind::kRotary).target(), TargetKind::kEffort);
+}
+
+TEST(EffortCatalogue, UnitsFollowTheKindOfAxis) {
+  const auto unit = [](AxisKind axis, const char* term) {
+    return std::string(effort_catalogue(axis).term(term).coefficients[0].unit);
+  };
+  EXPECT_EQ(unit(AxisKind::kRotary, "inertia"), "kgm2");
+  EXPECT_EQ(unit(AxisKind::kLinear, "inertia"), "kg");
+  EXPECT_EQ(unit(AxisKind::kRotary, "viscous_friction"), "Nms/rad");
+  EXPECT_EQ(unit(AxisKind::kLinear, "viscous_friction"), "Ns/m");
+  EXPECT_EQ(unit(AxisKind::kRotary, "angle_periodic"), "Nm");
+  EXPECT_EQ(unit(AxisKind::kLinear, "angle_periodic"), "N");
+  EXPECT_EQ(unit(AxisKind::kRotary, "axis_coupling"), "Nm/rad");
+  EXPECT_STREQ(effort_catalogue(AxisKind::kLinear).term("play_friction").shapes[0].unit, "m");
+  EXPECT_EQ(effort_catalogue(AxisKind::kLinear).target_unit(), "N");
+  EXPECT_FALSE(effort_catalogue(AxisKind::kLinear).has("gravity"));
+}
+
+TEST(EffortCatalogue, InertiaIsPerRadPerSecondSquared) {
+  Samples samples(1);
+  samples[0].ddq1 = 0.25;  // krad/s2
+  const auto columns = effort_catalogue(AxisKind::kRotary).term("inertia").columns(samples, 0.001, {});
+  EXPECT_DOUBLE_EQ(columns(0, 0), 250.0);
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -3,7 +3,6 @@
 
 #include <iostream>
 #include <memory>
-#include <numbers>
 
 #include "tools/capstan/commands.hpp"
 #include "tools/capstan/options.hpp"
@@ -21,8 +20,10 @@ struct CommandOptions {
   std::string base, target, json, report, output;
 };
 
-auto degrees(double rad) -> std::string {
-  return rounded(rad * 180.0 / std::numbers::pi, 3);
+/// An effort's error is read beside the effort.
+auto reported(const ErrorSummary& error, const std::string& unit) -> std::string {
+  return error_text(error.rmse, unit) +
+         (unit == "rad" ? "" : ", " + rounded(error.relative_percent, 3) + " % of the effort");
 }
 
 void print_diagnosis(const Diagnosis& d) {
@@ -30,31 +31,20 @@ void print_diagnosis(const Diagnosis& d) {
   if (d.traces.measured.size() == 0) {
     return;
   }
-  std::cout << "  error on rows set aside (RMSE): before " << rounded(d.before.rmse) << " rad ("
-            << degrees(d.before.rmse) << " deg)";
+  std::cout << "  error on rows set aside (RMSE): before " << reported(d.before, d.unit);
   if (!d.effects.empty()) {
-    std::cout << ", after " << rounded(d.after.rmse) << " rad (" << degrees(d.after.rmse) << " deg), ratio 95 % ["
-              << rounded(d.ratio_ci95[0], 3) << ", " << rounded(d.ratio_ci95[1], 3) << "]";
+    std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "
+              << rounded(d.ratio_ci95[1], 3) << "]";
   }
-  std::cout << "; noise floor " << rounded(d.noise_floor) << " rad\n" << law_table(d.law, {});
+  std::cout << "; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n" << law_table(d.law, {});
   if (d.next_experiment) {
     std::cout << "  next: " << *d.next_experiment << "\n";
   }
 }
 
-void check_target(const std::string& target) {
-  for (const char* unit : {"_Nm", "_N", "_A", "_V"}) {
-    if (target.ends_with(unit)) {
-      throw Refusal("the target " + target +
-                    " is an effort; this version diagnoses joint angles, such as axis0/q2_rad");
-    }
-  }
-}
-
 auto run_diagnose(const CommandOptions& options) -> int {
-  check_target(options.target);
   AxisRequest request;
-  request.target = options.target;
+  request_target(options.target, options.base, request);
   request.needs_torque = options.base == kDefaultModel;
   const auto logs = options.logs.read(request);
   DiagnoseOptions wanted;
@@ -86,8 +76,11 @@ void add_diagnose(CLI::App& app, int& exit_status) {
       app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
   options->logs.add_to(*command, true);
   command->add_option("--base", options->base,
-                      "law to start from: kinematic or pseudo_kinematic (default where torque is logged)");
-  command->add_option("--target", options->target, "column with the measured joint angle (default axis<N>/q2_rad)");
+                      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), or "
+                      "rigid_dynamics (default where the target is an effort)");
+  command->add_option("--target", options->target,
+                      "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
+                      "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N");
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
   command->add_option("-o,--output", options->output, "write the law with the effects added, for instance joint.toml");

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/identify/identify.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
-#include <numbers>
 
 #include "tools/capstan/commands.hpp"
 #include "tools/capstan/identify_force.hpp"
@@ -17,18 +17,19 @@ namespace {
 struct IdentifyOptions {
   LogOptions logs;
   std::string model = kDefaultModel;
-  std::string output;
+  std::string target, output;
 };
 
 auto run_identify(const IdentifyOptions& options) -> int {
   if (is_force_model(options.model)) {
     return identify_force(options.logs, options.model, options.output);
   }
-  LawForm form;
-  form.terms = terms_of_model(options.model);
+  const auto terms = terms_of_model(options.model);
   AxisRequest request;
-  request.needs_torque = form.has("tendon_elongation");
+  request_target(options.target, options.model, request);
+  request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
   const auto logs = options.logs.read(request);
+  const LawForm form = form_of_model(options.model, logs);
   const Identification result = identify(logs, form);
   for (const auto& note : result.notes) {
     std::cerr << "note: " << note << "\n";
@@ -36,9 +37,8 @@ auto run_identify(const IdentifyOptions& options) -> int {
   std::cout << "model " << options.model << ", " << result.joint.fit->samples << " samples\n"
             << "  parameter                                 value  95 % interval              unit\n"
             << law_table(result.joint, result.undetermined);
-  const double rmse = result.joint.fit->rmse_rad;
-  std::cout << "  error (RMSE) " << rounded(rmse) << " rad (" << rounded(rmse * 180.0 / std::numbers::pi)
-            << " deg), goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
+  std::cout << "  error (RMSE) " << error_text(result.joint.fit->rmse, form.catalogue->target_unit())
+            << ", goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
   if (!result.undetermined.empty()) {
     throw Refusal("the log can not determine " + joined(result.undetermined) +
                   "; record a motion with reversals at several amplitudes and loads" +
@@ -59,8 +59,11 @@ void add_identify(CLI::App& app, int& exit_status) {
   options->logs.add_to(*command, true);
   command
       ->add_option("--model", options->model,
-                   "law to fit: kinematic, pseudo_kinematic; of the joint torque: pull_push, preisach")
+                   "law to fit: kinematic, pseudo_kinematic; of the joint torque: pull_push, preisach; of an effort: "
+                   "rigid_dynamics")
       ->capture_default_str();
+  command->add_option("--target", options->target,
+                      "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");
   command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_identify(*options); });
 }

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <numbers>
 
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/joint_file/joint_file.hpp"
+#include "tools/identify/identify.hpp"
+#include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -74,6 +75,20 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
     }
   }
   return table;
+}
+
+auto error_text(double rmse, const std::string& unit) -> std::string {
+  const std::string text = rounded(rmse) + " " + unit;
+  return unit == "rad" ? text + " (" + rounded(rmse * 180.0 / std::numbers::pi, 3) + " deg)" : text;
+}
+
+void request_target(const std::string& target, const std::string& model, AxisRequest& request) {
+  if (target.ends_with("_A") || target.ends_with("_V")) {
+    throw Refusal("the target " + target + " is a current or a voltage; turn it into a torque with " +
+                  "--map \"axis0/tau_Nm=" + target + "*FACTOR\" --target axis0/tau_Nm");
+  }
+  request.target = target;
+  request.effort = is_effort_column(target) || (model == kEffortModel && !target.ends_with("_rad"));
 }
 
 }  // namespace capstan::tools

@@ -23,4 +23,11 @@ struct LogOptions {
 /// "value [low, high] unit" lines of a law, one per parameter, for people.
 auto law_table(const struct JointFile& joint, const std::vector<std::string>& left_out) -> std::string;
 
+/// "0.01 rad (0.573 deg)", "3.2 N".
+auto error_text(double rmse, const std::string& unit) -> std::string;
+
+/// Makes the request one for an effort where the target or the model asks for that. Throws Refusal for a current or a
+/// voltage, which is no effort yet.
+void request_target(const std::string& target, const std::string& model, AxisRequest& request);
+
 }  // namespace capstan::tools

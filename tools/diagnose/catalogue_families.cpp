@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tools/diagnose/family.hpp"
 
@@ -106,7 +107,14 @@ class Builder {
   };
 
   void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, Family& family, Best& best) const {
+    const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
     for (const auto& shapes : grid) {
+      // Less than three quarters of a period is a smooth curve like any other, and friction behind a play that the
+      // motion hardly crosses is a spring.
+      if ((term.name == "angle_periodic" && shapes[0] * q1_range < 1.5 * std::numbers::pi) ||
+          (term.name == "play_friction" && 4.0 * shapes[0] > q1_range)) {
+        continue;
+      }
       Eigen::MatrixXd columns = term.acts_on_output ? change_of_law(term, shapes) : sum_columns(term, shapes);
       if (columns.cwiseAbs().maxCoeff() <= 0.0) {
         continue;
@@ -166,8 +174,12 @@ class Builder {
 auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family> {
   const Builder builder(p, law, residual);
   std::vector<Family> families;
+  auto stands = [&law](const CatalogueTerm& term) {
+    return term.builds_on.empty() ||
+           std::any_of(term.builds_on.begin(), term.builds_on.end(), [&](const auto& name) { return law.has(name); });
+  };
   for (const auto& term : *law.catalogue) {
-    if (!law.has(term.name)) {
+    if (!law.has(term.name) && stands(term)) {
       Family family = builder.build(term);
       if (!family.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
         families.push_back(std::move(family));

@@ -35,7 +35,9 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
     torque = torque && log.has_torque;
   }
   d.rate_hz = logs.front().rate_hz();
-  d.base_model = options.base_model.empty() ? (torque ? "pseudo_kinematic" : "kinematic") : options.base_model;
+  const bool effort = logs.front().effort.size() > 0;
+  const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");
+  d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
 
 auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
@@ -53,7 +55,7 @@ auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Ve
     return Verdict::kUnknown;
   }
   d.reason = "What the law leaves can not be told from noise.";
-  d.warnings.push_back("smallest contributions that this log would have shown, rms in rad: " +
+  d.warnings.push_back("smallest contributions that this log would have shown, rms in " + d.unit + ": " +
                        joined(search.detectable));
   if (!p.repeats) {
     d.warnings.push_back(
@@ -118,7 +120,7 @@ void keep_base_only(Diagnosis& d) {
 /// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
 void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
   d.base = causal_law(p, base);
-  d.traces.before = simulate(p.logs, motion_parameters(d.base));
+  d.traces.before = estimates(p.logs, p.causal, d.base);
   d.before = report_error(p, d.traces.before);
   d.effects = search.effects;
   if (search.effects.empty() || is_refusal(d.verdict)) {
@@ -126,7 +128,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
     return;
   }
   d.law = causal_law(p, search.law);
-  d.traces.after = simulate(p.logs, motion_parameters(d.law));
+  d.traces.after = estimates(p.logs, p.causal, d.law);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
   if (d.ratio_ci95[1] >= 1.0) {
@@ -149,8 +151,10 @@ auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std:
 auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis {
   Diagnosis d;
   describe_logs(logs, options, d);
-  LawForm base;
-  base.terms = terms_of_model(d.base_model);
+  const LawForm base = form_of_model(d.base_model, logs);
+  d.unit = base.catalogue->target_unit();
+  d.motion_unit = base.catalogue->motion_unit();
+  d.base = d.law = JointFile(*base.catalogue);
   if (const std::string unfit = reason_unfit(logs); !unfit.empty()) {
     d.verdict = Verdict::kDataUnfit;
     d.reason = "The log is not fit for a diagnosis: " + unfit + ".";

@@ -56,6 +56,7 @@ struct AddedEffect {
 /// Free-running error on the rows that took no part in choice or fit.
 struct ErrorSummary {
   double rmse = 0.0;
+  double relative_percent = 0.0;  ///< of the target's own rms
   double gof_percent = 0.0;
 };
 
@@ -69,6 +70,7 @@ struct Diagnosis {
   std::string reason;  ///< one sentence
   std::optional<std::string> next_experiment;
   std::string target, base_model;
+  std::string unit = "rad", motion_unit = "rad";  ///< of the target, of q1
   long samples = 0;
   double rate_hz = 0.0;
   long repeats = 0;
@@ -85,12 +87,13 @@ struct Diagnosis {
 };
 
 struct DiagnoseOptions {
-  std::string base_model;  ///< empty: pseudo_kinematic where torque is logged, else kinematic
+  std::string
+      base_model;  ///< empty: rigid_dynamics for an effort, pseudo_kinematic where torque is logged, else kinematic
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 
-/// Finds what the base law lacks on these logs. @pre every log has q2
-/// Throws Refusal and BadInput for base models as terms_of_model() does.
+/// Finds what the base law lacks on these logs. @pre every log has the target
+/// Throws Refusal and BadInput for base models as form_of_model() does.
 auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis;
 
 /// The contract's JSON, schema capstan.diagnosis/1.

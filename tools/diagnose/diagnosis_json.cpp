@@ -54,6 +54,10 @@ auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
             {"grade", d.floor_from_repeats ? "confirmed" : "indicated"}}}};
 }
 
+auto error_json(const ErrorSummary& error) -> Json {
+  return {{"rmse", error.rmse}, {"gof_percent", error.gof_percent}, {"relative_percent", error.relative_percent}};
+}
+
 }  // namespace
 
 auto diagnosis_json(const Diagnosis& d) -> std::string {
@@ -67,8 +71,8 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
   for (const auto& effect : d.effects) {
     json["effects"].push_back(effect_json(d, effect));
   }
-  json["before"] = {{"rmse", d.before.rmse}, {"gof_percent", d.before.gof_percent}};
-  json["after"] = {{"rmse", d.after.rmse}, {"gof_percent", d.after.gof_percent}};
+  json["before"] = error_json(d.before);
+  json["after"] = error_json(d.after);
   json["ratio_ci95"] = d.ratio_ci95;
   json["noise_floor"] = d.noise_floor;
   json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);

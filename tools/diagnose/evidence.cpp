@@ -52,7 +52,9 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
     }
     evidence.noise = fit_noise(pure_error(residual.error, cycles), pieces, kLargestOrder);
   } else {
-    evidence.noise = fit_noise(residual.error, p.split.learned(), kLargestOrder);
+    // Noise has no mean: a constant is an effect, and an effort's law has none to begin with.
+    const double mean = stacked(residual.error, p.split.learned()).mean();
+    evidence.noise = fit_noise(residual.error.array() - mean, p.split.learned(), kLargestOrder);
   }
 }
 
@@ -173,11 +175,13 @@ auto fit_family(const Projected& projected, const Layout& layout, const Family& 
 auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual& residual) -> Evidence {
   Evidence evidence;
   evidence.error = residual.error;
+  evidence.by_energy = law.catalogue->target() == TargetKind::kEffort;
   evidence.families = catalogue_families(p, law, residual);
   for (auto& family : probe_families(p, *law.catalogue, residual)) {
     evidence.families.push_back(std::move(family));
   }
-  evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals)), evidence.families, evidence.layout);
+  evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals, law.catalogue->target())),
+                             evidence.families, evidence.layout);
   model_noise(p, residual, evidence);
   sort_blocks(p.split, evidence);
   const Blocks blocks = p.split.learned();

@@ -68,6 +68,9 @@ struct Evidence {
   Layout layout;
   AutoregressiveNoise noise;
   bool noise_from_repeats = false;
+  /// Confirmation and choice go by the energy explained out of fold, not by likelihoods. What an effort law leaves is
+  /// least like noise where the motion is jerked; whitened, that little outweighs all friction.
+  bool by_energy = false;
   double innovation_variance = 0.0;               ///< per whitened row: pure error, or the law's own residual
   std::vector<std::size_t> fit, choose, learned;  ///< blocks by role
   std::vector<BlockGrams> raw_white;              ///< [0] raw, [1] white

@@ -47,8 +47,8 @@ auto parameter_count(const Family& family) -> std::size_t;
 auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
     -> std::vector<Family>;
 
-/// Smooth bumps over (q1, dq1, tau) and time: with all families together, the flexible model that no law can be
-/// expected to beat.
-auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd;
+/// Smooth bumps over (q1, dq1, tau; of an effort ddq1 and the way since the reversal instead of tau) and time: with all
+/// families together, the flexible model that no law can be expected to beat.
+auto flexible_features(const CoarseSignals& signals, TargetKind target) -> Eigen::MatrixXd;
 
 }  // namespace capstan::tools

@@ -13,10 +13,12 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   const Blocks learned = refined(p.split, p.factor).learned();
   const LawForm settled = refine_shapes(p.causal, p.target, learned, form);
   JointFile joint = law_with_intervals(p.causal, p.target, learned, settled, p.conditioner);
-  joint.steady_torque = steady_torque(p.logs, p.causal);
+  if (form.catalogue->target() == TargetKind::kAngle) {
+    joint.steady_torque = steady_torque(p.logs, p.causal);
+  }
   FitSummary summary;
-  const Eigen::VectorXd estimate = simulate(p.logs, motion_parameters(joint));
-  summary.rmse_rad = rms(p.target - estimate);
+  const Eigen::VectorXd estimate = estimates(p.logs, p.causal, joint);
+  summary.rmse = rms(p.target - estimate);
   summary.gof_percent = goodness_of_fit_percent(p.target, estimate);
   summary.samples = p.target.size();
   for (const auto& log : p.logs) {
@@ -30,7 +32,8 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
   const Blocks rows = refined(p.split, p.factor).of(Role::kReport);
   const Eigen::VectorXd measured = stacked(p.target, rows);
   const Eigen::VectorXd estimated = stacked(estimate, rows);
-  return {rms(measured - estimated), goodness_of_fit_percent(measured, estimated)};
+  const double error = rms(measured - estimated);
+  return {error, 100.0 * error / rms(measured), goodness_of_fit_percent(measured, estimated)};
 }
 
 auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {

@@ -14,7 +14,8 @@ namespace {
 constexpr Eigen::Index kEnoughRows = 8000;
 constexpr double kLongestRowS = 0.04;
 constexpr double kGapS = 0.1;
-constexpr Eigen::Index kShortestGap = 10;  // at least the noise model's order
+constexpr Eigen::Index kDerivativeReach = 2;  // samples to either side
+constexpr Eigen::Index kShortestGap = 10;     // at least the noise model's order
 
 auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index {
   Eigen::Index total = 0;
@@ -24,9 +25,12 @@ auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index {
   return total;
 }
 
-auto choose_factor(const std::vector<AxisLog>& logs) -> Eigen::Index {
+/// `averaged`: half width of the mean that an effort's columns have been through. Rows closer than that would only
+/// repeat each other, and whitening would bring out what little they differ by.
+auto choose_factor(const std::vector<AxisLog>& logs, Eigen::Index averaged) -> Eigen::Index {
   const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / logs.front().period_s));
-  return std::clamp<Eigen::Index>(total_samples(logs) / kEnoughRows, 1, longest);
+  const Eigen::Index enough = std::clamp<Eigen::Index>(total_samples(logs) / kEnoughRows, 1, longest);
+  return std::max(enough, 1 + averaged);
 }
 
 /// Noise in the torque is noise in a regressor, and a law that happens to average it, as a fractional delay does, would
@@ -48,8 +52,8 @@ auto choose_smoothing(const std::vector<AxisLog>& logs) -> Eigen::Index {
 
 void trim(AxisLog& log, Eigen::Index factor) {
   const Eigen::Index rows = log.samples() / factor * factor;
-  for (Eigen::VectorXd* signal : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad}) {
-    signal->conservativeResize(rows);
+  for (Eigen::VectorXd* signal : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad, &log.effort}) {
+    signal->conservativeResize(std::min(rows, signal->size()));
   }
   for (auto& side : log.side) {
     side.values.conservativeResize(rows);
@@ -115,14 +119,15 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-/// Hindsight for all logs; `uncertain` gets the coarse rows touched by uncertain samples.
+/// Samples in hindsight of all logs; `uncertain` gets the coarse rows touched by uncertain samples.
 auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner,
                   const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing, Blocks& uncertain)
-    -> LawDesign {
+    -> std::vector<Samples> {
   std::vector<Samples> samples;
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
-    Hindsight hindsight = hindsight_samples(log, conditioner, noise);
+    Hindsight hindsight =
+        log.effort.size() > 0 ? given_motion(log, conditioner, noise) : hindsight_samples(log, conditioner, noise);
     for (const auto& rows : hindsight.uncertain) {
       const Eigen::Index first = std::max<Eigen::Index>(0, rows.begin - smoothing);
       const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
@@ -131,7 +136,7 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
     samples.push_back(std::move(hindsight.samples));
     begin += log.samples() / factor;
   }
-  return {logs, std::move(samples)};
+  return samples;
 }
 
 }  // namespace
@@ -147,30 +152,6 @@ auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::Ma
     }
   }
   return coarse;
-}
-
-auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
-    -> Eigen::MatrixXd {
-  if (half_width == 0) {
-    return columns;
-  }
-  Eigen::MatrixXd means(columns.rows(), columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    Eigen::Index begin = 0;
-    for (const Eigen::Index rows : log_rows) {
-      Eigen::VectorXd sums(rows + 1);
-      sums[0] = 0.0;
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        sums[i + 1] = sums[i] + columns(begin + i, c);
-      }
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        const Eigen::Index h = std::min({half_width, i, rows - 1 - i});
-        means(begin + i, c) = (sums[i + h + 1] - sums[i - h]) / static_cast<double>(2 * h + 1);
-      }
-      begin += rows;
-    }
-  }
-  return means;
 }
 
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -195,30 +176,36 @@ auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixX
 
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   constexpr Eigen::Index kFewestSamples = 400;
-  constexpr double kFewestNoises = 30.0;  // the motion's range in standard deviations of the sensors
+  constexpr double kFewestNoises = 30.0;       // the motion's range in standard deviations of the sensors
+  constexpr double kFewestEffortNoises = 6.0;  // efforts are noisier, and averaged before they are looked at
   if (total_samples(logs) < kFewestSamples) {
     return "only " + std::to_string(total_samples(logs)) + " samples; record at least 10 s at 100 Hz or more";
   }
   const AngleNoise noise = motor_angle_noise(logs);
   std::size_t reversals = 0;
   double q1_range = 0.0;
-  double q2_range = 0.0;
-  double q2_noise = 0.0;
+  const bool effort = logs.front().effort.size() > 0;
+  double range = 0.0;
+  double target_noise = 0.0;
   for (const auto& log : logs) {
     ConditionerShape<double> shape;
     shape.direction_threshold_rad = direction_thresholds(logs, noise).back();
     reversals += direction_changes(causal_samples(log, shape)).size();
     q1_range = std::max(q1_range, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
-    q2_range = std::max(q2_range, log.q2_rad.maxCoeff() - log.q2_rad.minCoeff());
-    q2_noise = std::max({q2_noise, white_noise_level(log.q2_rad), quantisation_step(log.q2_rad)});
+    range = std::max(range, log.measured().maxCoeff() - log.measured().minCoeff());
+    target_noise = std::max({target_noise, white_noise_level(log.measured()), quantisation_step(log.measured())});
   }
   if (q1_range < kFewestNoises * std::max(noise.step_rad, noise.white_rad)) {
     return "the motor moves by " + rounded(q1_range, 2) +
            " rad only, hardly more than its sensor's noise; record a larger motion";
   }
-  if (q2_range < kFewestNoises * q2_noise) {
-    return "the joint moves by " + rounded(q2_range, 2) + " rad only, hardly more than its sensor's noise of " +
-           rounded(q2_noise, 2) + " rad; record a larger motion or a better joint sensor";
+  if (effort && range < kFewestEffortNoises * target_noise) {
+    return "the effort varies by " + rounded(range, 2) + " only, hardly more than its noise of " +
+           rounded(target_noise, 2) + "; record a faster motion or a better sensor";
+  }
+  if (!effort && range < kFewestNoises * target_noise) {
+    return "the joint moves by " + rounded(range, 2) + " rad only, hardly more than its sensor's noise of " +
+           rounded(target_noise, 2) + " rad; record a larger motion or a better joint sensor";
   }
   if (reversals == 0) {
     return "the motor never reverses; record a motion that goes there and back several times at several speeds";
@@ -227,21 +214,29 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
 }
 
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
-  const Eigen::Index factor = choose_factor(logs);
+  const bool effort = base.catalogue->target() == TargetKind::kEffort;
+  const AngleNoise noise = motor_angle_noise(logs);
+  // An effort's columns are averaged when they are made, twice.
+  const Eigen::Index before = effort ? effort_smoothing(logs, noise) : 0;
+  const Eigen::Index factor = choose_factor(logs, before);
   for (auto& log : logs) {
     trim(log, factor);
   }
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
-  const AngleNoise noise = motor_angle_noise(logs);
-  const Eigen::Index smoothing = choose_smoothing(logs);
+  const Eigen::Index smoothing = effort ? 0 : choose_smoothing(logs);
   Blocks uncertain;
+  const LawDesign hindsight(logs, hindsight_of(logs, conditioner, noise, factor, smoothing + 2 * before, uncertain),
+                            before);
+  if (effort) {
+    notes.push_back(averaging_note(hindsight));
+  }
   Preparation p{logs,
                 conditioner,
                 noise,
-                LawDesign(logs, conditioner),
-                hindsight_of(logs, conditioner, noise, factor, smoothing, uncertain),
-                stacked_target(logs),
+                effort ? hindsight : LawDesign(logs, conditioner),
+                hindsight,
+                hindsight.smoothed(stacked_target(logs)),
                 factor,
                 smoothing,
                 static_cast<double>(factor) * logs.front().period_s,
@@ -255,7 +250,9 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const Eigen::Index rows = logs[i].samples() / factor;
-    p.coarse_logs.push_back({row + warm_up(p.hindsight.samples()[i]) / factor, row + rows});
+    // Derivatives and means have no neighbours beyond the ends.
+    const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
+    p.coarse_logs.push_back({row + std::max(edge, warm_up(p.hindsight.samples()[i]) / factor), row + rows - edge});
     row += rows;
   }
   p.signals = coarse_signals(p);

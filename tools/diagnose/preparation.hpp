@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/hindsight.hpp"
 #include "tools/diagnose/split.hpp"
+#include "tools/identify/given_motion.hpp"
 #include "tools/identify/identify.hpp"
 
 namespace capstan::tools {
@@ -22,10 +22,10 @@ struct Preparation {
   std::vector<AxisLog> logs;
   ConditionerShape<double> conditioner;
   AngleNoise noise;
-  LawDesign causal, hindsight;
-  Eigen::VectorXd target;      ///< q2, every sample
-  Eigen::Index factor = 1;     ///< samples per coarse row
-  Eigen::Index smoothing = 0;  ///< half width of the moving mean before that, samples
+  LawDesign causal, hindsight;  ///< of an effort both are the given motion's
+  Eigen::VectorXd target;       ///< q2 or the effort, every sample
+  Eigen::Index factor = 1;      ///< samples per coarse row
+  Eigen::Index smoothing = 0;   ///< half width of the moving mean before that, samples
   double coarse_period_s = 0.0;
   Blocks coarse_logs;              ///< rows of each log, warm-up left out
   std::optional<Repeats> repeats;  ///< in coarse rows
@@ -44,14 +44,10 @@ struct Preparation {
 /// Mean of every `factor` rows. @pre the number of rows is a multiple of it
 auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
 
-/// Mean over 2 h + 1 neighbours within each log; fewer at its ends.
-auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
-    -> Eigen::MatrixXd;
-
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;
 
-/// @pre reason_unfit() is empty; every log has q2
+/// @pre reason_unfit() is empty; every log has the target
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation;
 
 }  // namespace capstan::tools

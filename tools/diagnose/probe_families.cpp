@@ -23,8 +23,13 @@ class Probes {
   }
 
   auto all() -> std::vector<Family> {
-    of_direction();
-    of_torque();
+    if (catalogue_.target() == TargetKind::kEffort) {
+      of_speed();
+      of_friction();
+    } else {
+      of_direction();
+      of_torque();
+    }
     of_angle();
     of_time();
     of_timing();
@@ -104,6 +109,40 @@ class Probes {
     add("load_inertia", {{s_.ddq1}});
   }
 
+  /// Of an effort: drag that is not in proportion to the speed, and what pulls back.
+  void of_speed() {
+    const auto v = s_.dq1.array();
+    add("quadratic_drag", {{(v * v.abs()).matrix()}, {v.cube().matrix()}});
+    const double fastest = v.abs().maxCoeff();
+    std::vector<std::vector<Column>> thinning;
+    for (const double share : {0.03, 0.1, 0.3}) {
+      thinning.push_back({(v / (1.0 + v.abs() / (share * fastest))).matrix()});
+    }
+    add("shear_thinning", std::move(thinning));
+    const auto centred = s_.q1.array() - s_.q1.mean();
+    add("stiffness", {{centred.matrix()},
+                      {centred.matrix(), centred.cube().matrix()},
+                      {(centred.square() - centred.square().mean()).matrix()}});
+    std::vector<std::vector<Column>> relaxing;
+    for (const double time_s : {0.1, 0.3, 1.0, 3.0, 10.0}) {
+      if (time_s < span_s_ / 3.0) {
+        relaxing.push_back({s_.q1 - low_pass(s_.q1, time_s)});
+      }
+    }
+    add("relaxation", std::move(relaxing));
+  }
+
+  /// Of an effort: friction that is not the same everywhere and always, less what is.
+  void of_friction() {
+    const auto place = (s_.q1.array() - s_.q1.mean()) / q1_range_;
+    const auto side = direction_.array();
+    auto varied = [&side](const auto& by) { return std::vector<Column>{(side * (by - by.mean())).matrix()}; };
+    add("angle_dependent_friction", {varied(place), varied(place.abs()), varied(place.square())});
+    const auto time = s_.time_s.array() / span_s_ - 0.5;
+    add("wear", {varied(time), {(s_.dq1.array() * time).matrix()}});
+    add("inertia_change", {{(s_.ddq1.array() * place).matrix()}, {(s_.ddq1.array() * place.square()).matrix()}});
+  }
+
   void of_torque() {
     if (tau_range_ <= 0.0) {
       return;
@@ -133,7 +172,9 @@ class Probes {
   }
 
   void of_angle() {
-    add("gravity", {{s_.q1.array().sin().matrix(), s_.q1.array().cos().matrix()}});
+    if (catalogue_.motion_unit() == "rad") {
+      add("gravity", {{s_.q1.array().sin().matrix(), s_.q1.array().cos().matrix()}});
+    }
     std::vector<std::vector<Column>> periodic;
     for (double order = 2.0; order < 70.0; order *= 1.15) {
       const auto angle = order * s_.q1.array();
@@ -162,13 +203,19 @@ class Probes {
     std::vector<std::vector<Column>> steps;
     constexpr int kSteps = 16;
     for (int i = 1; i < kSteps; ++i) {
-      steps.push_back({(s_.time_s.array() > span_s_ * i / kSteps).cast<double>().matrix()});
+      const auto later = (s_.time_s.array() > span_s_ * i / kSteps).cast<double>();
+      steps.push_back({(later - later.mean()).matrix()});  // the mean is an offset, and not foreign
     }
     add("jump", std::move(steps));
   }
 
   /// The motor's own measurement is late: the opposite of transport_delay.
   void of_timing() {
+    if (catalogue_.target() ==
+        TargetKind::kEffort) {  // the law has the acceleration already, so what leads is the jerk
+      add("motor_delay", {{local_slope(s_.ddq1, 1, p_.coarse_period_s)}}, Sign::kNonNegative);
+      return;
+    }
     const Column fitted = decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
     const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
@@ -206,13 +253,14 @@ auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawR
   return Probes(p, catalogue, residual).all();
 }
 
-auto flexible_features(const CoarseSignals& signals) -> Eigen::MatrixXd {
+auto flexible_features(const CoarseSignals& signals, TargetKind target) -> Eigen::MatrixXd {
   constexpr Eigen::Index kBumps = 32;
   constexpr Eigen::Index kTimeBumps = 6;
   constexpr double kWidth = 0.35;  // of each signal's range
   Eigen::MatrixXd inputs(signals.q1.size(), 5);
-  inputs << unit_range(signals.q1), unit_range(signals.dq1), unit_range(signals.tau), unit_range(signals.forward),
-      unit_range(signals.tau_rev);
+  const bool effort = target == TargetKind::kEffort;  // then the torque is no input, and the way since a reversal is
+  inputs << unit_range(signals.q1), unit_range(signals.dq1), unit_range(effort ? signals.ddq1 : signals.tau),
+      unit_range(signals.forward), unit_range(effort ? Eigen::VectorXd(signals.q1 - signals.q1_rev) : signals.tau_rev);
   Eigen::MatrixXd features(inputs.rows(), kBumps + kTimeBumps);
   Random random(0x5EEDu);
   for (Eigen::Index i = 0; i < kBumps; ++i) {

@@ -61,9 +61,12 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round {
 
 auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
   const FamilyTrial* best = nullptr;
+  auto merit = [&round](const FamilyTrial& trial) {
+    return round.evidence.by_energy ? trial.explained : trial.log_likelihood;
+  };
   for (const auto& trial : round.trials) {
     const bool eligible = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
-    if (eligible && passes(trial, round.evidence) && (best == nullptr || trial.log_likelihood > best->log_likelihood)) {
+    if (eligible && passes(trial, round.evidence) && (best == nullptr || merit(trial) > merit(*best))) {
       best = &trial;
     }
   }

@@ -97,9 +97,55 @@ class Searcher {
   }
 
  private:
+  static auto confusable(const Round& round, const FamilyTrial& trial) -> std::vector<std::size_t> {
+    if (!round.evidence.by_energy) {
+      return confusable_with(round.evidence, round.trials, trial.family, round.adequacy.ceiling_energy.sum());
+    }
+    std::vector<std::size_t> families;
+    for (const auto& other : round.trials) {
+      if (other.family != trial.family && other.possible && !clearly_positive(other.energies - trial.energies)) {
+        families.push_back(other.family);
+      }
+    }
+    return families;
+  }
+
+  auto special_cases(const Round& round, std::size_t family) const -> std::vector<std::string> {
+    const Family& one = round.evidence.families[family];
+    return one.in_catalogue ? search_.law.catalogue->term(one.name).special_cases : std::vector<std::string>{};
+  }
+
+  /// The trial itself, or the special case of it that this log can not tell from it.
+  auto simplest(const Round& round, const FamilyTrial* best) const -> const FamilyTrial* {
+    if (best == nullptr) {
+      return best;
+    }
+    const auto names = names_of(round, confusable(round, *best));
+    for (const auto& special : special_cases(round, best->family)) {
+      const FamilyTrial* trial = trial_of(round, special);
+      if (std::find(names.begin(), names.end(), special) != names.end() && passes(*trial, round.evidence)) {
+        return trial;
+      }
+    }
+    return best;
+  }
+
+  /// Those that this log can not tell from the trial, without those that contain it: these never are told apart.
+  auto rivals(const Round& round, const FamilyTrial& trial) const -> std::vector<std::size_t> {
+    const std::string& name = round.evidence.families[trial.family].name;
+    auto families = confusable(round, trial);
+    families.erase(std::remove_if(families.begin(), families.end(),
+                                  [&](std::size_t family) {
+                                    const auto special = special_cases(round, family);
+                                    return std::find(special.begin(), special.end(), name) != special.end();
+                                  }),
+                   families.end());
+    return families;
+  }
+
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
-    const FamilyTrial* best = best_passing(round, false);
+    const FamilyTrial* best = simplest(round, best_passing(round, false));
     const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
     if (search_.effects.empty() && round.adequacy.lacks_something && too_little && add_pair(round)) {
       return true;
@@ -108,7 +154,7 @@ class Searcher {
       search_.rounds.push_back(summary_of(round, nullptr, {}));
       return false;
     }
-    auto confusable = confusable_with(round.evidence, round.trials, best->family, round.adequacy.ceiling_energy.sum());
+    auto confusable = rivals(round, *best);
     const FamilyTrial* chosen = best;
     if (!round.evidence.families[best->family].in_catalogue) {
       chosen = best_passing(round, true);
@@ -199,6 +245,10 @@ class Searcher {
   void check_backward(Round& round) {
     for (std::size_t i = 0; search_.effects.size() > 1 && i + 1 < search_.effects.size();) {
       const std::string name = search_.effects[i].name;
+      if (others_build_on(name)) {
+        ++i;
+        continue;
+      }
       progress_("checking " + name + " again");
       Round without = hold_round(p_, law_without(search_.law, name));
       const FamilyTrial* trial = trial_of(without, name);
@@ -210,6 +260,13 @@ class Searcher {
       search_.effects.erase(search_.effects.begin() + static_cast<std::ptrdiff_t>(i));
       round = std::move(without);
     }
+  }
+
+  auto others_build_on(const std::string& name) const -> bool {
+    return std::any_of(search_.effects.begin(), search_.effects.end(), [&](const auto& effect) {
+      const auto& below = search_.law.catalogue->term(effect.name).builds_on;
+      return std::find(below.begin(), below.end(), name) != below.end();
+    });
   }
 
   void conclude(const Round& round) {

@@ -21,7 +21,7 @@ auto sign_holds(double value, Sign sign) -> bool {
 /// Residuals of pure noise: resampled innovations through the autoregression. One column per draw.
 auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd {
   Random random(0x51E7E);
-  const Eigen::VectorXd& pool = evidence.white_error;
+  const Eigen::VectorXd pool = evidence.white_error.array() - evidence.white_error.mean();
   const Eigen::Index order = evidence.noise.order();
   Eigen::MatrixXd draws(rows, kDraws);
   Eigen::VectorXd series(rows + kBurnIn);

@@ -13,6 +13,8 @@ namespace {
 constexpr int kDraws = 499;
 /// One-sided 5 % point of the normal: the worse of two laws is called worse no sooner.
 constexpr double kVuong = 1.645;
+/// Student's t, over some 40 blocks at a half of kAlpha, of what is explained out of fold.
+constexpr double kConfirmed = 2.7;
 /// Times the evidence that any confirmation needs: beyond this no doubt about what neither law explains is left.
 constexpr double kOverwhelming = 3.0;
 
@@ -185,6 +187,10 @@ auto try_families(const Preparation& p, const Evidence& evidence, const SieveRes
 auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool {
   const bool whitened = trial.p_value <= 0.5 * kAlpha && trial.log_evidence >= evidence_needed(evidence);
   const bool across_halves = trial.p_sieve <= 0.5 * kAlpha;
+  if (evidence.by_energy) {
+    const bool detected = std::min(trial.p_value, trial.p_sieve) <= 0.5 * kAlpha;
+    return trial.possible && trial.explained > 0.0 && detected && trial.explained_t > kConfirmed;
+  }
   return trial.possible && trial.explained > 0.0 && (whitened || across_halves);
 }
 

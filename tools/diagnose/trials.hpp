@@ -43,8 +43,9 @@ auto evidence_needed(const Evidence& evidence) -> double;
 /// make the mean uncertain.
 auto clearly_positive(const Eigen::VectorXd& margin) -> bool;
 
-/// Detected and confirmed on other rows, by either of two ways with half the error rate each: whitened gain and split
-/// likelihood, or prediction across halves against the sieve bootstrap. And of use in the measured quantity.
+/// Detected and confirmed on other rows (of an effort by the energy explained there), by either of two ways with half
+/// the error rate each: whitened gain and split likelihood, or prediction across halves against the sieve bootstrap.
+/// And of use in the measured quantity.
 auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool;
 
 /// Indices of the families that these rows can not tell from `best`, which itself is left out. A family is ruled out

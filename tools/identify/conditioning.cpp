@@ -66,4 +66,28 @@ auto direction_changes(const Samples& samples) -> std::vector<std::size_t> {
   return changes;
 }
 
+auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
+    -> Eigen::MatrixXd {
+  if (half_width == 0) {
+    return columns;
+  }
+  Eigen::MatrixXd means(columns.rows(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    Eigen::Index begin = 0;
+    for (const Eigen::Index rows : log_rows) {
+      Eigen::VectorXd sums(rows + 1);
+      sums[0] = 0.0;
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        sums[i + 1] = sums[i] + columns(begin + i, c);
+      }
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        const Eigen::Index h = std::min({half_width, i, rows - 1 - i});
+        means(begin + i, c) = (sums[i + h + 1] - sums[i - h]) / static_cast<double>(2 * h + 1);
+      }
+      begin += rows;
+    }
+  }
+  return means;
+}
+
 }  // namespace capstan::tools

@@ -26,4 +26,8 @@ auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& no
 /// Samples per direction between two switches, and the torque of steady motion.
 auto direction_changes(const Samples& samples) -> std::vector<std::size_t>;
 
+/// Mean over 2 h + 1 neighbours within each log; fewer at its ends.
+auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
+    -> Eigen::MatrixXd;
+
 }  // namespace capstan::tools

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/identify/given_motion.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/statistics.hpp"
 #include "tools/support/text.hpp"
@@ -60,13 +61,52 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == "pseudo_kinematic") {
     return {"motor_angle", "joint_offset", "tendon_elongation"};
   }
-  const std::vector<std::string> planned = {"pretensioned", "dynamic",  "multi_dof",
-                                            "pull_push",    "preisach", "rigid_dynamics"};
-  const std::string available = "available in this version are kinematic and pseudo_kinematic";
+  if (model == kEffortModel) {
+    return {"inertia", "viscous_friction"};
+  }
+  const std::vector<std::string> planned = {"pretensioned", "dynamic", "multi_dof", "pull_push", "preisach"};
+  const std::string available = "available in this version are kinematic, pseudo_kinematic and rigid_dynamics";
   if (std::find(planned.begin(), planned.end(), model) != planned.end()) {
     throw Refusal("the model " + model + " can not be fitted yet; " + available);
   }
   throw BadInput("there is no model " + model + "; " + available);
+}
+
+auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm {
+  LawForm form;
+  form.terms = terms_of_model(model);
+  const bool effort = logs.front().effort.size() > 0;
+  if (effort != (model == kEffortModel)) {
+    throw BadInput(effort ? "the model " + model + " explains a joint angle, and the target " + logs.front().target +
+                                " is an effort; choose " + kEffortModel
+                          : "the model " + model + " explains an effort, and the target " + logs.front().target +
+                                " is a joint angle; name the effort with --target axis0/tau_Nm");
+  }
+  if (effort) {
+    form.catalogue = &effort_catalogue(logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary);
+    form.shapes = form.catalogue->initial_shapes();
+  }
+  return form;
+}
+
+auto design_for(const std::vector<AxisLog>& logs, const LawForm& form, const ConditionerShape<double>& conditioner)
+    -> LawDesign {
+  if (form.catalogue->target() == TargetKind::kAngle) {
+    return {logs, conditioner};
+  }
+  const AngleNoise noise = motor_angle_noise(logs);
+  std::vector<Samples> samples;
+  for (const auto& log : logs) {
+    samples.push_back(given_motion(log, conditioner, noise).samples);
+  }
+  return {logs, std::move(samples), effort_smoothing(logs, noise)};
+}
+
+auto averaging_note(const LawDesign& design) -> std::string {
+  const double span_ms = 2e3 * static_cast<double>(2 * design.smoothing() + 1) * design.period_s(0);
+  return design.smoothing() == 0 ? "effort and law are compared sample by sample"
+                                 : "effort and law are averaged alike, over " + rounded(span_ms, 2) +
+                                       " ms with a triangular weight, against the noise of the acceleration";
 }
 
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
@@ -92,9 +132,10 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
     how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) +
           " rad up";
   }
-  notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + " rad: " + how +
-                  " (resolution " + rounded(noise.step_rad, 3) + " rad, noise " + rounded(noise.white_rad, 2) +
-                  " rad)");
+  const std::string unit = " " + form.catalogue->motion_unit();
+  notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + unit + ": " + how +
+                  " (resolution " + rounded(noise.step_rad, 3) + unit + ", noise " + rounded(noise.white_rad, 2) +
+                  unit + ")");
   return shape;
 }
 
@@ -189,8 +230,8 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
 auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification {
   Identification result;
   const auto conditioner = choose_conditioner(logs, form, result.notes);
-  const LawDesign design(logs, conditioner);
-  const Eigen::VectorXd target = stacked_target(logs);
+  const LawDesign design = design_for(logs, form, conditioner);
+  const Eigen::VectorXd target = design.smoothed(stacked_target(logs));
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
   const LinearFit first = fit_columns(columns, target, even_blocks(design.log_rows(), 2), signs);
@@ -199,10 +240,14 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identifi
   note_bounds(fit, form, result.notes);
   result.undetermined = undetermined_coefficients(fit, form, columns, target);
   result.joint = law_with_intervals(design, target, blocks, form, conditioner);
-  result.joint.steady_torque = steady_torque(logs, design);
-  result.estimate = simulate(logs, motion_parameters(result.joint));
+  if (form.catalogue->target() == TargetKind::kAngle) {
+    result.joint.steady_torque = steady_torque(logs, design);
+  } else {
+    result.notes.push_back(averaging_note(design));
+  }
+  result.estimate = estimates(logs, design, result.joint);
   FitSummary summary;
-  summary.rmse_rad = rms(target - result.estimate);
+  summary.rmse = rms(target - result.estimate);
   summary.gof_percent = goodness_of_fit_percent(target, result.estimate);
   summary.samples = target.size();
   for (const auto& log : logs) {

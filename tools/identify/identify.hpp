@@ -12,6 +12,12 @@ namespace capstan::tools {
 /// BadInput for one that nobody has.
 auto terms_of_model(const std::string& model) -> std::vector<std::string>;
 inline constexpr const char* kDefaultModel = "pseudo_kinematic";
+/// The base law of an effort: q1'' and q1'.
+inline constexpr const char* kEffortModel = "rigid_dynamics";
+
+/// The same as a form, with the catalogue that these logs need. Throws BadInput where the model explains an effort and
+/// the logs have a joint angle as target, or the other way round.
+auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm;
 
 struct Identification {
   JointFile joint;
@@ -28,11 +34,19 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
 /// Blocks for intervals: longer than what the residual remembers, as many as that allows (8 to 60).
 auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks;
 
-/// Fits a law to logs of one joint. @pre every log has q2
+/// Samples for a fit: causal ones, as the firmware has them, or for an effort those of the given motion, with rates
+/// that do not lag, every column averaged as the effort has to be.
+auto design_for(const std::vector<AxisLog>& logs, const LawForm& form, const ConditionerShape<double>& conditioner)
+    -> LawDesign;
+
+/// Fits a law to logs of one joint. @pre every log has the target
 auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification;
 
-/// Median torque of steady motion forward and backward.
+/// Median torque of steady motion forward and backward; nothing for an effort law, which has the torque as its target.
 auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque>;
+
+/// How far an effort law's design averages, for people.
+auto averaging_note(const LawDesign& design) -> std::string;
 
 /// Names of coefficients that the fit leaves undetermined.
 auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const Eigen::MatrixXd& columns,

@@ -64,7 +64,8 @@ auto shape_step(const ShapeInfo& info, double value) -> double {
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
     : LawDesign(logs, all_causal_samples(logs, conditioner)) {}
 
-LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples) : samples_(std::move(samples)) {
+LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing)
+    : samples_(std::move(samples)), smoothing_(smoothing) {
   for (const auto& log : logs) {
     periods_.push_back(log.period_s);
     log_rows_.push_back(log.samples());
@@ -79,7 +80,11 @@ auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -
     result.middleRows(row, log_rows_[i]) = term.columns(samples_[i], periods_[i], shapes);
     row += log_rows_[i];
   }
-  return result;
+  return smoothed(result);
+}
+
+auto LawDesign::smoothed(const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd {
+  return moving_mean(moving_mean(signals, log_rows_, smoothing_), log_rows_, smoothing_);
 }
 
 auto LawDesign::apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const
@@ -104,7 +109,7 @@ auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd {
   Eigen::VectorXd target(rows);
   rows = 0;
   for (const auto& log : logs) {
-    target.segment(rows, log.samples()) = log.q2_rad;
+    target.segment(rows, log.samples()) = log.measured();
     rows += log.samples();
   }
   return target;
@@ -256,6 +261,21 @@ auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law
     }
   }
   return estimate;
+}
+
+auto estimates(const std::vector<AxisLog>& logs, const LawDesign& design, const JointFile& joint) -> Eigen::VectorXd {
+  if (joint.catalogue->target() == TargetKind::kAngle) {
+    return simulate(logs, motion_parameters(joint));
+  }
+  const Eigen::MatrixXd columns = law_columns(design, {joint.catalogue, joint.terms, joint.parameters.shapes});
+  Eigen::VectorXd theta(columns.cols());
+  Eigen::Index next = 0;
+  for (const auto& term : *joint.catalogue) {
+    for (std::size_t i = 0; joint.has(term.name) && i < term.coefficients.size(); ++i) {
+      theta[next++] = joint.parameters.coefficients[term.first_coefficient + i];
+    }
+  }
+  return columns * theta;
 }
 
 }  // namespace capstan::tools

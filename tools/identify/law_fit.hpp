@@ -15,12 +15,16 @@ namespace capstan::tools {
 class LawDesign {
  public:
   LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner);
-  /// With samples prepared by the caller, for decisions that may look at the future.
-  LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples);
+  /// With samples prepared by the caller, for decisions that may look at the future. `smoothing` is the half width in
+  /// samples of the mean that is taken twice over every column of a term; the target needs the same.
+  LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing = 0);
 
   [[nodiscard]] auto rows() const -> Eigen::Index { return rows_; }
   [[nodiscard]] auto log_rows() const -> const std::vector<Eigen::Index>& { return log_rows_; }
   [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
+  [[nodiscard]] auto smoothing() const -> Eigen::Index { return smoothing_; }
+  /// Signals over all logs averaged as the columns are.
+  [[nodiscard]] auto smoothed(const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd;
   [[nodiscard]] auto period_s(std::size_t log) const -> double { return periods_[log]; }
 
   /// One column per coefficient of a sum term, over all logs.
@@ -34,9 +38,10 @@ class LawDesign {
   std::vector<double> periods_;
   std::vector<Eigen::Index> log_rows_;
   Eigen::Index rows_ = 0;
+  Eigen::Index smoothing_ = 0;
 };
 
-/// q2 of all logs, one below the other. @pre every log has it
+/// The targets of all logs, one below the other. @pre every log has one
 auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd;
 
 /// A law to be fitted: its terms (names of its catalogue) and a full set of shapes, of which those of the terms count.
@@ -71,5 +76,9 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
 
 /// What a joint sensor would report under the law, over all logs: MotionLaw<double> itself, causal, free-running.
 auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law) -> Eigen::VectorXd;
+
+/// What a law of either family gives over the logs of the design: MotionLaw<double>, or the sum of the effort's terms,
+/// whose motion is given.
+auto estimates(const std::vector<AxisLog>& logs, const LawDesign& design, const JointFile& joint) -> Eigen::VectorXd;
 
 }  // namespace capstan::tools

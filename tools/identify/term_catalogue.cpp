@@ -110,6 +110,25 @@ void take_si_inertia(CatalogueTerm& term) {
   term.coefficients[0].doc = "effort per acceleration";
 }
 
+/// How the terms of an effort hang together.
+void relate(std::vector<CatalogueTerm>& terms) {
+  const std::vector<std::string> dry = {"coulomb_friction", "play_friction"};
+  static const std::map<std::string, std::vector<std::string>> kSpecialCases = {
+      {"friction_asymmetry", {"offset"}},
+      {"play_friction", {"coulomb_friction"}},
+      {"thermal_drift", {"offset"}},
+      {"gravity", {"offset"}},
+      {"angle_periodic", {"offset", "gravity"}}};
+  for (auto& term : terms) {
+    if (term.name == "stribeck_friction" || term.name == "friction_asymmetry") {
+      term.builds_on = dry;
+    }
+    if (const auto found = kSpecialCases.find(term.name); found != kSpecialCases.end()) {
+      term.special_cases = found->second;
+    }
+  }
+}
+
 /// A linear axis: metres and newtons. Its weight does not turn with it, so that is part of the offset.
 void make_linear(std::vector<CatalogueTerm>& terms) {
   static const UnitTable kLinear = {{"rad", "m"},        {"rad/s", "m/s"}, {"Nm", "N"},   {"Nm/rad", "N/m"},
@@ -139,6 +158,7 @@ auto efforts(AxisKind axis) -> Catalogue {
   take_si_inertia(terms.front());
   add_shared_terms(terms);
   add_output_terms(terms);
+  relate(terms);
   if (axis == AxisKind::kLinear) {
     make_linear(terms);
     return {TargetKind::kEffort, "N", "m", std::move(terms)};

@@ -21,6 +21,11 @@ struct CatalogueTerm {
   std::size_t first_coefficient = 0;  ///< in the flat list of the catalogue's coefficients
   std::size_t first_shape = 0;        ///< in that of its shapes
   bool acts_on_output = false;
+  /// A difference from one of these, so no effect of its own before one of them is in the law; empty: stands alone.
+  std::vector<std::string> builds_on = {};
+  /// Terms that it can stand for by a choice of its shapes or coefficients. Where one of them does as well, the answer
+  /// is that one.
+  std::vector<std::string> special_cases = {};
 
   /// Sum terms: one column per coefficient over consecutive samples of one log, by the term's own update().
   std::function<Eigen::MatrixXd(const Samples&, double period_s, const Shapes&)> columns;

@@ -45,10 +45,9 @@ auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string
   return text;
 }
 
-auto fit_text(const FitSummary& fit) -> std::string {
-  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse_rad, "rad", {}) +
-                     "gof_percent = " + exact(fit.gof_percent) + "\nsamples = " + std::to_string(fit.samples) +
-                     "\nlogs = [";
+auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
+  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse, unit, {}) + "gof_percent = " + exact(fit.gof_percent) +
+                     "\nsamples = " + std::to_string(fit.samples) + "\nlogs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
   }
@@ -98,12 +97,15 @@ auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
 }
 
 auto joint_file_text(const JointFile& joint) -> std::string {
-  std::string text =
-      "# A joint's law: y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n"
-      "schema = \"capstan.joint/1\"\n\n[conditioner]\n";
+  const bool angle = joint.catalogue->target() == TargetKind::kAngle;
+  std::string text = std::string("# A law of ") + (angle ? "a joint" : "an effort") +
+                     ": y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n" +
+                     "schema = \"" + (angle ? kJointSchema : kEffortSchema) + "\"\n\n[conditioner]\n";
   const auto& conditioner = joint.parameters.conditioner;
-  text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, "rad", {});
-  text += "rate_time_constant = " + quantity(conditioner.rate_time_constant_s, "s", {});
+  text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, joint.catalogue->motion_unit(), {});
+  if (angle) {  // an effort's rates come from a given motion and do not lag
+    text += "rate_time_constant = " + quantity(conditioner.rate_time_constant_s, "s", {});
+  }
   for (const auto& term : *joint.catalogue) {
     text += joint.has(term.name) ? term_text(joint, term) : "";
   }
@@ -112,7 +114,7 @@ auto joint_file_text(const JointFile& joint) -> std::string {
     text += "torque_forward = " + quantity(joint.steady_torque->forward_nm, "Nm", {});
     text += "torque_backward = " + quantity(joint.steady_torque->backward_nm, "Nm", {});
   }
-  return text + (joint.fit ? fit_text(*joint.fit) : "");
+  return text + (joint.fit ? fit_text(*joint.fit, joint.catalogue->target_unit()) : "");
 }
 
 void write_joint_file(const std::string& path, const JointFile& joint) {

@@ -28,13 +28,17 @@ struct LawNumbers {
 
 /// How well the law reproduced the logs it was fitted to.
 struct FitSummary {
-  double rmse_rad = 0.0;
+  double rmse = 0.0;  ///< in the target's unit
   double gof_percent = 0.0;
   long samples = 0;
   std::vector<std::string> logs;
 };
 
-/// A law as a file (schema "capstan.joint/1"): the numbers with units and intervals. Terms that are absent are off.
+inline constexpr const char* kJointSchema = "capstan.joint/1";
+/// Written for people and other programs; nothing here reads it back, for nothing runs a law of an effort.
+inline constexpr const char* kEffortSchema = "capstan.effort/1";
+
+/// A law as a file: the numbers with units and intervals. Terms that are absent are off.
 struct JointFile {
   /// With every effect off and shapes at their initial values; beta = 1 where there is one.
   JointFile() : JointFile(term_catalogue()) {}

@@ -211,7 +211,7 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   }
   reader.only(*table, {"rmse", "gof_percent", "samples", "logs"}, "[fit]");
   FitSummary fit;
-  fit.rmse_rad = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
+  fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
   if (const auto* gof = table->get("gof_percent")) {
     fit.gof_percent = reader.number(*gof, "gof_percent");
   }
@@ -249,7 +249,13 @@ auto parse_ascii(const std::string& text, const std::string& name) -> JointFile 
                    std::string(error.description()) + "; repair the line or write the file anew with capstan identify");
   }
   const Reader reader(name);
-  if (root["schema"].value<std::string>() != "capstan.joint/1") {
+  const auto schema = root["schema"].value<std::string>();
+  if (schema == kEffortSchema) {
+    throw BadInput(place(name, 1) +
+                   "this is a law of an effort, and boards run laws of the joint angle; make one with " +
+                   "capstan identify --model pseudo_kinematic");
+  }
+  if (schema != kJointSchema) {
     throw BadInput(place(name, 1) +
                    "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
                    "with capstan identify");

@@ -95,21 +95,13 @@ void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
   }
 }
 
-}  // namespace
-
-auto axis_column(int axis, const std::string& quantity) -> std::string {
-  return "axis" + std::to_string(axis) + "/" + quantity;
+/// A linear axis may have its own names for motion and effort.
+auto rotary_or_linear(const CsvLog& csv, int axis, const char* rotary, const char* linear) -> std::string {
+  const std::string name = axis_column(axis, rotary);
+  return !csv.has(name) && csv.has(axis_column(axis, linear)) ? axis_column(axis, linear) : name;
 }
 
-auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
-  AxisLog axis;
-  axis.name = csv.name();
-  axis.warnings = csv.warnings();
-  axis.time_s = csv.time();
-  check_timing(csv, axis);
-  const std::string q1 = axis_column(request.axis, "q1_rad");
-  axis.q1_rad = csv.column(q1);
-  check_motion(csv, axis, q1, axis.q1_rad);
+void read_angle(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   const std::string tau = axis_column(request.axis, "tau_Nm");
   axis.has_torque = request.needs_torque || csv.has(tau);
   axis.tau_nm = axis.has_torque ? csv.column(tau) : Eigen::VectorXd::Zero(axis.samples());
@@ -121,6 +113,43 @@ auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
       check_motion(csv, axis, target, axis.q2_rad);
       check_held(csv, axis);
     }
+  }
+}
+
+void read_effort(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
+  axis.target = request.target.empty() ? rotary_or_linear(csv, request.axis, "tau_Nm", "tau_N") : request.target;
+  axis.effort = csv.column(axis.target);
+  axis.linear = axis.target.ends_with("_N") || csv.source_name(axis.target).ends_with("_N");
+  check_motion(csv, axis, axis.target, axis.effort);
+  axis.tau_nm = Eigen::VectorXd::Zero(axis.samples());
+  if (const std::string q2 = axis_column(request.axis, "q2_rad"); csv.has(q2)) {
+    axis.q2_rad = csv.column(q2);
+  }
+}
+
+}  // namespace
+
+auto is_effort_column(const std::string& name) -> bool {
+  return name.ends_with("_Nm") || name.ends_with("_N");
+}
+
+auto axis_column(int axis, const std::string& quantity) -> std::string {
+  return "axis" + std::to_string(axis) + "/" + quantity;
+}
+
+auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
+  AxisLog axis;
+  axis.name = csv.name();
+  axis.warnings = csv.warnings();
+  axis.time_s = csv.time();
+  check_timing(csv, axis);
+  const std::string q1 = rotary_or_linear(csv, request.axis, "q1_rad", request.effort ? "q1_m" : "q1_rad");
+  axis.q1_rad = csv.column(q1);
+  check_motion(csv, axis, q1, axis.q1_rad);
+  if (request.effort) {
+    read_effort(csv, request, axis);
+  } else {
+    read_angle(csv, request, axis);
   }
   read_side_signals(csv, request.axis, axis);
   return axis;

@@ -23,11 +23,15 @@ struct AxisLog {
   Eigen::VectorXd time_s, q1_rad;
   Eigen::VectorXd tau_nm;  ///< zero if not logged
   Eigen::VectorXd q2_rad;  ///< empty if not logged
+  Eigen::VectorXd effort;  ///< torque or force that a law is to explain; empty where the target is the joint angle
+  bool linear = false;     ///< metres and newtons instead of radians and newton metres
   bool has_torque = false;
   std::vector<SideSignal> side;  ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
+  /// The target: effort or joint angle.
+  [[nodiscard]] auto measured() const -> const Eigen::VectorXd& { return effort.size() > 0 ? effort : q2_rad; }
   [[nodiscard]] auto rate_hz() const -> double { return 1.0 / period_s; }
 };
 
@@ -36,11 +40,15 @@ struct AxisRequest {
   std::string target = {};  ///< column with the measured joint angle; empty: axis<N>/q2_rad
   bool needs_target = true;
   bool needs_torque = false;
+  bool effort = false;  ///< the target is an effort (empty: axis<N>/tau_Nm, or tau_N of a linear axis), no input
 };
 
 /// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing
 /// moves.
 auto read_axis(const CsvLog& log, const AxisRequest& request) -> AxisLog;
+
+/// Whether a column's name says that it is a torque or a force.
+auto is_effort_column(const std::string& name) -> bool;
 
 /// Column name by the contract: "axis0/q1_rad".
 auto axis_column(int axis, const std::string& quantity) -> std::string;

@@ -123,6 +123,11 @@ auto CsvLog::has(const std::string& wanted) const -> bool {
   return find(wanted).has_value();
 }
 
+auto CsvLog::source_name(const std::string& wanted) const -> std::string {
+  const auto source = find(wanted);
+  return source && source->factor == 1.0 ? names_[source->index] : wanted;
+}
+
 auto CsvLog::missing(const std::string& wanted) const -> std::string {
   std::string source = wanted;
   for (const auto& mapping : mappings_) {

@@ -26,6 +26,8 @@ class CsvLog {
 
   /// True if column(wanted) would find its cells, under its own name or by a mapping.
   [[nodiscard]] auto has(const std::string& wanted) const -> bool;
+  /// Name in the file of the column that wanted is read from as it is; `wanted` itself where a factor changes the unit.
+  [[nodiscard]] auto source_name(const std::string& wanted) const -> std::string;
   /// Every cell as a finite number, the mapping's factor applied. Throws BadInput: missing column, or a cell that is
   /// not a number.
   [[nodiscard]] auto column(const std::string& wanted) const -> Eigen::VectorXd;

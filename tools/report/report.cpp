@@ -34,8 +34,13 @@ struct Picture {
   Plot plot;
 };
 
-auto degrees(double rad, int digits = 3) -> std::string {
-  return rounded(rad * kDegrees, digits);
+/// Angles are shown in degrees, everything else as it is.
+struct Shown {
+  std::string unit;
+  double factor = 1.0;
+};
+auto shown(const std::string& unit) -> Shown {
+  return unit == "rad" ? Shown{"deg", kDegrees} : Shown{unit, 1.0};
 }
 
 auto cell(const std::string& text, bool numeric = false) -> std::string {
@@ -52,24 +57,33 @@ auto running_time(const Eigen::VectorXd& time_s) -> Eigen::VectorXd {
   return running;
 }
 
-auto loop_plot(const Traces& t, const Eigen::VectorXd& estimate, double beta, const std::string& which,
-               const char* colour) -> Plot {
+auto loop_plot(const Diagnosis& d, const Eigen::VectorXd& estimate, const std::string& which, const char* colour)
+    -> Plot {
+  const Traces& t = d.traces;
+  const Shown motion = shown(d.motion_unit);
+  const Shown target = shown(d.unit);
+  const bool angle = d.base.catalogue->target() == TargetKind::kAngle;
+  // A joint angle is nearly beta q1: its loop only shows beside that.
+  const double beta =
+      angle ? d.base.parameters.coefficients[d.base.catalogue->term("motor_angle").first_coefficient] : 0.0;
   Plot plot;
   plot.title = "Loop " + which;
-  plot.x_label = "motor angle q1 [deg]";
-  plot.y_label = "q2 less beta q1 [deg]";
-  plot.series = {{"measured", kMeasuredColour, t.q1 * kDegrees, (t.measured - beta * t.q1) * kDegrees},
-                 {"law " + which, colour, t.q1 * kDegrees, (estimate - beta * t.q1) * kDegrees}};
+  plot.x_label = "motion q1 [" + motion.unit + "]";
+  plot.y_label = (angle ? "q2 less beta q1 [" : "effort [") + target.unit + "]";
+  plot.series = {{"measured", kMeasuredColour, t.q1 * motion.factor, (t.measured - beta * t.q1) * target.factor},
+                 {"law " + which, colour, t.q1 * motion.factor, (estimate - beta * t.q1) * target.factor}};
   return plot;
 }
 
-auto residual_plot(const Traces& t, const Eigen::VectorXd& estimate, const std::string& which, const char* colour)
+auto residual_plot(const Diagnosis& d, const Eigen::VectorXd& estimate, const std::string& which, const char* colour)
     -> Plot {
+  const Traces& t = d.traces;
+  const Shown target = shown(d.unit);
   Plot plot;
   plot.title = "Residual " + which;
   plot.x_label = "time [s]";
-  plot.y_label = "measured less estimated [deg]";
-  plot.series = {{"law " + which, colour, running_time(t.time_s), (t.measured - estimate) * kDegrees}};
+  plot.y_label = "measured less estimated [" + target.unit + "]";
+  plot.series = {{"law " + which, colour, running_time(t.time_s), (t.measured - estimate) * target.factor}};
   return plot;
 }
 
@@ -77,12 +91,11 @@ auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
   if (d.traces.measured.size() == 0) {
     return {};
   }
-  const double beta = d.base.parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
-  std::vector<Plot> loops = {loop_plot(d.traces, d.traces.before, beta, "before", kBeforeColour)};
-  std::vector<Plot> residuals = {residual_plot(d.traces, d.traces.before, "before", kBeforeColour)};
+  std::vector<Plot> loops = {loop_plot(d, d.traces.before, "before", kBeforeColour)};
+  std::vector<Plot> residuals = {residual_plot(d, d.traces.before, "before", kBeforeColour)};
   if (!d.effects.empty()) {
-    loops.push_back(loop_plot(d.traces, d.traces.after, beta, "after", kAfterColour));
-    residuals.push_back(residual_plot(d.traces, d.traces.after, "after", kAfterColour));
+    loops.push_back(loop_plot(d, d.traces.after, "after", kAfterColour));
+    residuals.push_back(residual_plot(d, d.traces.after, "after", kAfterColour));
   }
   std::vector<Picture> pictures;
   const auto loop_range = common_range(loops);
@@ -98,11 +111,13 @@ auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
 }
 
 auto error_table(const Diagnosis& d) -> std::string {
-  std::string html =
-      "<h2>Error on rows that took no part in fit or choice</h2>\n<table><tr><th></th><th>RMSE [rad]</th>"
-      "<th>RMSE [deg]</th><th>goodness of fit [%]</th></tr>\n";
+  const bool angle = d.unit == "rad";  // shown in degrees too; an effort is shown beside itself
+  std::string html = "<h2>Error on rows that took no part in fit or choice</h2>\n<table><tr><th></th><th>RMSE [" +
+                     d.unit + "]</th><th>" + (angle ? "RMSE [deg]" : "of the effort [%]") +
+                     "</th><th>goodness of fit [%]</th></tr>\n";
   auto row = [&](const std::string& name, const ErrorSummary& e) {
-    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) + cell(degrees(e.rmse), true) +
+    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) +
+            cell(rounded(angle ? e.rmse * kDegrees : e.relative_percent, 3), true) +
             cell(rounded(e.gof_percent), true) + "</tr>\n";
   };
   row("before: " + d.base_model, d.before);
@@ -112,7 +127,8 @@ auto error_table(const Diagnosis& d) -> std::string {
   html += "<tr>" +
           cell(std::string("noise floor (") + (d.floor_from_repeats ? "from repeated cycles" : "of a flexible model") +
                ")") +
-          cell(rounded(d.noise_floor), true) + cell(degrees(d.noise_floor), true) + cell("") + "</tr>\n</table>\n";
+          cell(rounded(d.noise_floor), true) + cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) +
+          cell("") + "</tr>\n</table>\n";
   if (!d.effects.empty()) {
     html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " +
             rounded(d.ratio_ci95[1], 3) + ". The effects explain " + rounded(100.0 * d.explained_share, 3) +

@@ -1,43 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/exponential.hpp"
+#include "model/low_pass.hpp"
 #include "model/term.hpp"
 
 namespace capstan::effort {
 
-/// Friction that engages through a play: after a reversal it builds up over a way of 2 w instead of jumping,
-///   F (q1 - p) / w,  p = play(q1, w)
-/// in [-1, 1]: Coulomb's friction behind a spring. A band on a drum and a bristle on a rail do so.
+/// Friction that engages through a play: after a reversal it builds up over a way of 2 w instead of jumping. Three
+/// elements side by side share the play, each in [-1, 1]:
+///   slider   s = (q1 - p) / w, p = play(q1, w)         Coulomb's friction behind a spring
+///   grip     s beyond +-1/2, stretched to +-1          the same behind a slack: nothing rubs in the middle of the play
+///   bristle  w/2 db = dq1 - |dq1| b                    gives way more and more, Dahl
+/// A rail is mostly bristle; a band wrapped on a drum, which first goes slack and then grips, mostly grip.
 template <typename Scalar>
 class PlayFriction {
  public:
-  static constexpr TermInfo<1, 1> kInfo = {
+  static constexpr TermInfo<3, 1> kInfo = {
       .name = "play_friction",
-      .equation = "F (q1 - p) / w, p = play(q1, w)",
-      .source = "play operator; Prandtl's elastic-plastic element",
+      .equation = "F_s s + F_g grip(s) + F_b b, s = (q1 - play(q1, w)) / w, w/2 db = dq1 - |dq1| b",
+      .source = "play operator; Prandtl's elastic-plastic element; Dahl 1968",
       .confusable_with = "coulomb_friction, stribeck_friction",
       .exciting_motion = "reversals with amplitudes below and above w, at several speeds",
-      .coefficients = {{{"level", "Nm", Sign::kNonNegative, "friction once engaged"}}},
-      .shapes = {{{"half_width", "rad", 0.0005, 2.0, 0.02, "half the way over which it engages"}}},
+      .coefficients = {{{"slider", "Nm", Sign::kNonNegative, "friction that builds up evenly over the play"},
+                        {"grip", "Nm", Sign::kNonNegative, "friction that comes once half of the play is left"},
+                        {"bristle", "Nm", Sign::kNonNegative, "friction that builds up fast, then slowly"}}},
+      .shapes = {{{"half_width", "rad", 0.0005, 2.0, 0.02, "w: half the way over which it engages"}}},
   };
 
-  constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : half_width_(shape[0]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
+  constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
+      : half_width_(shape[0]), bristle_way_(shape[0] * kHalf) {}
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
     if (!started_) {
       started_ = true;
-      position_ = s.q1;
+      position_ = q1_ = s.q1;
+    }
+    if (half_width_ <= Scalar{}) {
+      return settled(s);
+    }
+    const Scalar step = s.q1 - q1_;
+    q1_ = s.q1;
+    if (step != Scalar{}) {
+      bristle_.approach(step > Scalar{} ? kOne : -kOne, share_gone(step, bristle_way_));
     }
     position_ = clamp(position_, s.q1 - half_width_, s.q1 + half_width_);
-    return half_width_ > Scalar{} ? std::array<Scalar, 1>{(s.q1 - position_) / half_width_} : settled(s);
+    const Scalar slider = (s.q1 - position_) / half_width_;
+    const Scalar beyond = slider - clamp(slider, -kHalf, kHalf);
+    return {slider, beyond + beyond, bristle_.value()};
   }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
-    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time
-    return {s.forward ? kOne : -kOne};
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
+    const Scalar all = s.forward ? kOne : -kOne;
+    return {all, all, all};
   }
 
  private:
-  Scalar half_width_;
+  // Constants: the target converts no double at run time.
+  static constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+  static constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
+
+  Scalar half_width_, bristle_way_;
   Scalar position_{};
+  Scalar q1_{};
+  WideState<Scalar> bristle_{};
   bool started_ = false;
 };
 

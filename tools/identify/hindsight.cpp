@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/hindsight.hpp"
+#include "tools/identify/hindsight.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -85,9 +85,13 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     -> Hindsight {
   Hindsight result{causal_samples(log, conditioner), {}};
   const auto changes = direction_changes(result.samples);
-  const Eigen::VectorXd rate = local_slope(log.q1_rad, rate_half_window(log, noise), log.period_s);
+  constexpr double kKiloRadPerRad = 1e-3;
+  const Eigen::Index half_window = rate_half_window(log, noise);
+  const Eigen::VectorXd rate = local_slope(log.q1_rad, half_window, log.period_s);
+  const Eigen::VectorXd acceleration = local_slope(rate, half_window, log.period_s);
   for (std::size_t i = 0; i < result.samples.size(); ++i) {
     result.samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
+    result.samples[i].ddq1 = kKiloRadPerRad * acceleration[static_cast<Eigen::Index>(i)];
   }
   const double visible = noise.step_rad > 0.0 ? 1.01 * noise.step_rad : 3.0 * noise.white_rad;
   Eigen::Index stroke_begin = 0;

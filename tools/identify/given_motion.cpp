@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/identify/given_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kLongestS = 0.015;
+
+/// Moves reversals to where the speed passes zero, if it does so once within a few samples: dry friction jumps there.
+void sharpen_reversals(Samples& samples) {
+  constexpr std::size_t kReach = 4;
+  for (const std::size_t change : direction_changes(samples)) {
+    if (change < kReach || change + kReach >= samples.size()) {
+      continue;
+    }
+    const bool forward = samples[change].forward;
+    std::size_t turn = 0;
+    std::size_t turns = 0;
+    for (std::size_t i = change - kReach + 1; i <= change + kReach; ++i) {
+      if ((samples[i].dq1 > 0.0) != (samples[i - 1].dq1 > 0.0)) {
+        turn = i;
+        ++turns;
+      }
+    }
+    if (turns == 1 && (samples[turn].dq1 > 0.0) == forward) {
+      for (std::size_t i = change - kReach; i <= change + kReach; ++i) {
+        samples[i].forward = i < turn ? !forward : forward;
+      }
+    }
+  }
+}
+
+/// Second derivative by five points, right to (w dt)^4 / 90 at a frequency w; at the ends that of the neighbour.
+auto second_difference(const Eigen::VectorXd& signal, double period_s) -> Eigen::VectorXd {
+  const Eigen::Index n = signal.size();
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 2; i + 2 < n; ++i) {
+    result[i] = (-signal[i - 2] + 16.0 * signal[i - 1] - 30.0 * signal[i] + 16.0 * signal[i + 1] - signal[i + 2]) /
+                (12.0 * period_s * period_s);
+  }
+  if (n > 4) {
+    result.head(2).setConstant(result[2]);
+    result.tail(2).setConstant(result[n - 3]);
+  }
+  return result;
+}
+
+auto twice_averaged(const Eigen::VectorXd& signal, Eigen::Index half) -> Eigen::VectorXd {
+  const std::vector<Eigen::Index> rows = {signal.size()};
+  return moving_mean(moving_mean(signal, rows, half), rows, half);
+}
+
+/// Share of the speed's energy that is left by an average.
+auto motion_kept(const std::vector<AxisLog>& logs, const AngleNoise& noise, Eigen::Index half) -> double {
+  double before = 0.0;
+  double after = 0.0;
+  for (const auto& log : logs) {
+    const Eigen::VectorXd speed = local_slope(log.q1_rad, rate_half_window(log, noise), log.period_s);
+    before += speed.squaredNorm();
+    after += twice_averaged(speed, half).squaredNorm();
+  }
+  return after / before;
+}
+
+/// Inertia by a first fit of inertia and drag, averaged as far as may be.
+auto rough_inertia(const AxisLog& log, const AngleNoise& noise, Eigen::Index half) -> double {
+  Eigen::MatrixXd motion(log.samples(), 2);
+  motion.col(0) = twice_averaged(second_difference(log.q1_rad, log.period_s), half);
+  motion.col(1) = twice_averaged(local_slope(log.q1_rad, rate_half_window(log, noise), log.period_s), half);
+  const Eigen::VectorXd rigid = motion.colPivHouseholderQr().solve(twice_averaged(log.measured(), half));
+  return std::max(0.0, rigid[0]);
+}
+
+/// From `half` on, the first average that leaves little noise in one log.
+auto against_noise(const AxisLog& log, const AngleNoise& noise, Eigen::Index half, Eigen::Index longest)
+    -> Eigen::Index {
+  constexpr double kNoiseShare = 0.02;
+  const double largest = kNoiseShare * rms(log.measured());
+  const double angle_noise = std::hypot(noise.white_rad, noise.step_rad / std::sqrt(12.0));
+  const double by_inertia = rough_inertia(log, noise, longest) * angle_noise;
+  const double own = white_noise_level(log.measured());
+  // What unit noise becomes is the root of the squares of what a unit impulse becomes.
+  const Eigen::Index reach = 2 * longest + 4;
+  const Eigen::VectorXd impulse = Eigen::VectorXd::Unit(2 * reach + 1, reach);
+  const Eigen::VectorXd rated = second_difference(impulse, log.period_s);
+  auto noisy = [&] {
+    return by_inertia * twice_averaged(rated, half).norm() > largest ||
+           own * twice_averaged(impulse, half).norm() > largest;
+  };
+  while (half < longest && noisy()) {
+    ++half;
+  }
+  return half;
+}
+
+}  // namespace
+
+auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> Hindsight {
+  constexpr double kKilo = 1e-3;
+  Hindsight result = hindsight_samples(log, conditioner, noise);
+  const Eigen::VectorXd acceleration = second_difference(log.q1_rad, log.period_s);
+  for (std::size_t i = 0; i < result.samples.size(); ++i) {
+    result.samples[i].ddq1 = kKilo * acceleration[static_cast<Eigen::Index>(i)];
+  }
+  sharpen_reversals(result.samples);
+  return result;
+}
+
+auto effort_smoothing(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> Eigen::Index {
+  constexpr double kKept = 0.9997;
+  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestS / logs.front().period_s));
+  Eigen::Index half = 0;
+  while (half < longest && motion_kept(logs, noise, half + 1) >= kKept) {
+    ++half;
+  }
+  for (const auto& log : logs) {
+    half = against_noise(log, noise, half, longest);
+  }
+  return half;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/identify/hindsight.hpp"
+
+namespace capstan::tools {
+
+/// Samples of an effort's log in hindsight, the motion being given: the acceleration is the second difference, which
+/// passes the whole band of the motion. Its noise is left to the averaging that effort and columns share; a longer
+/// window would take from the acceleration what it does not take from the effort.
+auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> Hindsight;
+
+/// How far an effort and everything that is to explain it are averaged alike, half width in samples of a mean taken
+/// twice. A rigid law holds in the band of the motion: as far as the speed keeps 99.97 % of its energy. Further only
+/// where the noise of the effort, or of the acceleration times the inertia, is above 2 % of the effort; to 15 ms at
+/// most.
+auto effort_smoothing(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> Eigen::Index;
+
+}  // namespace capstan::tools
