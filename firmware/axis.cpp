@@ -102,7 +102,7 @@ void Axis::rt_count(const AxisSensed& sensed) {
   last_counts_ = sensed.encoder_counts;
 }
 
-void Axis::rt_estimate(const AxisSensed& sensed) {
+void Axis::rt_sense(const AxisSensed& sensed) {
   sensor_faults_ = quality_fault(sensed.encoder) | quality_fault(sensed.current);
   telemetry_.limits = 0;
   telemetry_.estimate_valid = false;
@@ -117,10 +117,21 @@ void Axis::rt_estimate(const AxisSensed& sensed) {
     telemetry_.current_a = sensed.current_a;
     telemetry_.tau_nm = sensed.current_a * config_.motor.torque_per_current_nm_per_a;
   }
-  if (sensor_faults_ != 0) {
-    return;  // an estimate from an old value would be a guess
+}
+
+void Axis::rt_estimate(const Axis* other) {
+  if (sensor_faults_ != 0 || (other != nullptr && other->sensor_faults_ != 0)) {
+    return;  // an estimate from an old value would be a guess; the fault is the sensor's own
   }
-  const Estimate<Q24> estimate = law_.update(telemetry_.q1_rad, telemetry_.tau_nm);
+  Measured<Q24> now;
+  now.q1 = telemetry_.q1_rad;
+  now.tau = telemetry_.tau_nm;
+  if (other != nullptr) {
+    now.other_q1 = other->telemetry_.q1_rad;
+    now.other_tau = other->telemetry_.tau_nm;
+    now.other_forward = other->law_.sample().forward;
+  }
+  const Estimate<Q24> estimate = law_.update(now);
   telemetry_.q2_rad = estimate.q2;
   telemetry_.q2_reported_rad = estimate.q2_reported;
   telemetry_.estimate_valid = !estimate.saturated;

@@ -58,8 +58,10 @@ class Axis {
   /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
   /// jump, after which the position is not known. Torque must be off.
   void rt_zero(Q24 q1_rad);
-  /// Converts the sensors and runs the law.
-  void rt_estimate(const AxisSensed& sensed);
+  /// Converts the sensors.
+  void rt_sense(const AxisSensed& sensed);
+  /// Runs the law. `other`: the axis whose motor pulls at this one; nullptr if there is none.
+  void rt_estimate(const Axis* other);
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   [[nodiscard]] auto rt_faults(bool energised) -> FaultSet;
   /// Takes a command. Only while energised. A move outside the limits or without speed is refused: false, and nothing

@@ -61,6 +61,7 @@ struct AxisConfig {
   ControlConfig control;
   LimitConfig limits;
   LawParameters<Q24> law;
+  std::int32_t coupled_to = -1;  ///< joint whose motor pulls at this one, for axis_coupling; -1: none
 
   constexpr AxisConfig() { law.coefficients[0] = Q24::from_int(1); }  // rigid until a model is loaded
 };

@@ -24,19 +24,24 @@ void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   reference_ = SampleConditioner<Q24>(kPeriod, kReferenceShape);
   branch_ = kHalf;
   last_q2_ = q2_rad;
-  integral_ = law.sample().q1 - rt_inverse(gains, law, q2_rad, Q24{});
+  Sample<Q24> rest = law.sample();
+  rest.dq1 = rest.ddq1 = Q24{};
+  motor_reference_ = rest.q1;
+  integral_ = rest.q1 - rt_inverse(gains, law, q2_rad, rest);
 }
 
-auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const
+auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
     -> Q24 {
-  Sample<Q24> motion;
-  motion.dq1 = motor_speed;
-  motion.tau = gains.torque_backward_nm;
-  motion.forward = false;
-  const Q24 backward = law.invert(q2, motion);
-  motion.tau = gains.torque_forward_nm;
-  motion.forward = true;
-  return mix(backward, law.invert(q2, motion), branch_);
+  const auto inverse_on = [&](bool forward) {
+    Sample<Q24> on = motion;
+    on.forward = forward;
+    on.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
+    if (forward != motion.forward) {  // it will have turned out of the other steady motion
+      on.tau_reversal = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
+    }
+    return law.invert(q2, on);
+  };
+  return mix(inverse_on(false), inverse_on(true), branch_);
 }
 
 auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {
@@ -57,13 +62,16 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
     const Q24 target = reference.forward != crossed ? kOne : Q24{};
     branch_ += (target - branch_) * kPeriod.filter_gain(gains.reversal_time_s);
   }
-  const Q24 motor_speed = reference.dq1 / law.beta();
+  Sample<Q24> motion = law.sample();
+  motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
+  motion.dq1 = reference.dq1 / law.beta();
+  motion.ddq1 = reference.ddq1 / law.beta();
   const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
   last_q2_ = q2;
-  const Q24 motor_reference = rt_inverse(gains, law, q2_reference, motor_speed) + correction;
+  motor_reference_ = rt_inverse(gains, law, q2_reference, motion) + correction;
   const Q24 feedforward = mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
-  return feedforward + gains.stiffness_nm_per_rad * (motor_reference - law.sample().q1) +
-         gains.damping_nms_per_rad * (motor_speed - law.sample().dq1);
+  return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - law.sample().q1) +
+         gains.damping_nms_per_rad * (motion.dq1 - law.sample().dq1);
 }
 
 }  // namespace capstan

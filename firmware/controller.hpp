@@ -22,15 +22,17 @@ class Controller {
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
 
  private:
-  /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Q24 motor_speed) const
-      -> Q24;
+  /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on. `motion`: the
+  /// motor's angle, rate and acceleration there, the rest as the law last saw it.
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2,
+                                Sample<Q24> motion) const -> Q24;
   /// Both arguments in the motor's direction.
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
   SampleConditioner<Q24> reference_;
   Q24 integral_;
   Q24 last_q2_;
+  Q24 motor_reference_;  // of the last cycle
   Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
 };
 

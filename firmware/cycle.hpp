@@ -70,6 +70,13 @@ struct CycleState {
   FaultSet board_faults = 0;  ///< set by whoever knows the board, since start
 };
 
+/// The axis whose motor pulls at axis `i`, by its parameters; nullptr if there is none.
+template <std::size_t Axes>
+auto coupled_axis(const std::array<Axis, Axes>& axes, std::size_t i) -> const Axis* {
+  const auto other = static_cast<std::size_t>(axes[i].config().coupled_to);
+  return other < Axes && other != i ? &axes[other] : nullptr;
+}
+
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure
 /// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
 template <std::size_t Axes>
@@ -84,7 +91,10 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     if (!had_torque && command.axis[i].kind == AxisCommand::Kind::kZero) {
       state.axis[i].rt_zero(command.axis[i].position_rad);
     }
-    state.axis[i].rt_estimate(sensed.axis[i]);
+    state.axis[i].rt_sense(sensed.axis[i]);
+  }
+  for (std::size_t i = 0; i < Axes; ++i) {
+    state.axis[i].rt_estimate(coupled_axis(state.axis, i));
     if (had_torque) {
       static_cast<void>(state.axis[i].rt_command(command.axis[i]));
     }

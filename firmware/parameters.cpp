@@ -98,6 +98,8 @@ constexpr std::array kFixedParameters = {
          kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
     real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",
          kConditioner + offsetof(ConditionerShape<Q24>, rate_time_constant_s), 0.0, 1.0),
+    integer("axis_coupling", "joint", "1", "joint whose motor pulls at this one; -1: none",
+            offsetof(AxisConfig, coupled_to), -1, 3),
 };
 
 constexpr double kCoefficientLimit = 100.0;

@@ -3,14 +3,23 @@
 
 #include <tuple>
 
+#include "model/terms/angle_periodic.hpp"
+#include "model/terms/axis_coupling.hpp"
+#include "model/terms/gravity.hpp"
 #include "model/terms/joint_offset.hpp"
+#include "model/terms/load_inertia.hpp"
 #include "model/terms/motor_angle.hpp"
 #include "model/terms/play.hpp"
+#include "model/terms/presliding.hpp"
 #include "model/terms/pretension_offset.hpp"
+#include "model/terms/reversal_memory.hpp"
 #include "model/terms/slip_propagation.hpp"
+#include "model/terms/stiffness_hardening.hpp"
 #include "model/terms/tendon_elongation.hpp"
+#include "model/terms/thermal_drift.hpp"
 #include "model/terms/transmission_viscous.hpp"
 #include "model/terms/transport_delay.hpp"
+#include "model/terms/viscoelastic_creep.hpp"
 
 namespace capstan {
 
@@ -32,8 +41,9 @@ struct TermList {
 
 /// The catalogue. A new effect is one file in terms/ and one word here: parameters, shell, storage, fit and diagnosis
 /// follow.
-using SumTerms =
-    TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset, SlipPropagation, Play>;
+using SumTerms = TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset,
+                          ReversalMemory, SlipPropagation, Play, Presliding, Gravity, AxisCoupling, ViscoelasticCreep,
+                          ThermalDrift, AnglePeriodic, StiffnessHardening, LoadInertia>;
 /// Effects of the joint's own sensor, applied to the finished sum in this order.
 using OutputTerms = TermList<TransportDelay>;
 

@@ -6,29 +6,15 @@
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
 #include "model/tension_state.hpp"
-#include "model/terms/angle_periodic.hpp"
-#include "model/terms/axis_coupling.hpp"
-#include "model/terms/gravity.hpp"
-#include "model/terms/load_inertia.hpp"
-#include "model/terms/presliding.hpp"
-#include "model/terms/reversal_memory.hpp"
-#include "model/terms/stiffness_hardening.hpp"
-#include "model/terms/thermal_drift.hpp"
-#include "model/terms/viscoelastic_creep.hpp"
 
 namespace capstan {
 namespace {
-
-/// Transmission effects that are ready but not in the catalogue.
-using CandidateTerms = TermList<ReversalMemory, Presliding, Gravity, AxisCoupling, ViscoelasticCreep, ThermalDrift,
-                                AnglePeriodic, StiffnessHardening, LoadInertia>;
 
 template <typename Scalar>
 constexpr auto all_sum_terms_meet_the_concept() -> bool {
   bool ok = true;
   const auto meets = [&ok]<typename Term>() { ok = ok && SumTerm<Term, Scalar>; };
   SumTerms::for_each<Scalar>(meets);
-  CandidateTerms::for_each<Scalar>(meets);
   EffortTerms::for_each<Scalar>(meets);
   OutputTerms::for_each<Scalar>([&ok]<typename Term>() { ok = ok && OutputTerm<Term, Scalar>; });
   return ok;
@@ -42,24 +28,6 @@ template class SampleConditioner<double>;
 template class SampleConditioner<Q24>;
 template class MotionLaw<double>;
 template class MotionLaw<Q24>;
-template class ReversalMemory<double>;
-template class ReversalMemory<Q24>;
-template class Presliding<double>;
-template class Presliding<Q24>;
-template class Gravity<double>;
-template class Gravity<Q24>;
-template class AxisCoupling<double>;
-template class AxisCoupling<Q24>;
-template class ViscoelasticCreep<double>;
-template class ViscoelasticCreep<Q24>;
-template class ThermalDrift<double>;
-template class ThermalDrift<Q24>;
-template class AnglePeriodic<double>;
-template class AnglePeriodic<Q24>;
-template class StiffnessHardening<double>;
-template class StiffnessHardening<Q24>;
-template class LoadInertia<double>;
-template class LoadInertia<Q24>;
 template class effort::Inertia<double>;
 template class effort::Inertia<Q24>;
 template class effort::ViscousFriction<double>;

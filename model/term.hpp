@@ -21,6 +21,12 @@ struct CoefficientInfo {
   const char* doc;
 };
 
+/// How the settings of a shape lie that are worth telling apart.
+enum class ShapeScale : std::uint8_t {
+  kRatio,    ///< in equal ratios: a time, a width
+  kPeriods,  ///< in equal steps: periods per angle
+};
+
 /// A parameter inside a term: it bends the regressors, so a fit has to search for it.
 struct ShapeInfo {
   const char* name;
@@ -29,6 +35,7 @@ struct ShapeInfo {
   double maximum;
   double initial;
   const char* doc;
+  ShapeScale scale = ShapeScale::kRatio;
 };
 
 /// Everything a person, a fit and a parameter table need to know about a term.

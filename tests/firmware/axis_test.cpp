@@ -27,10 +27,15 @@ auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
           .current = Quality::kOk};
 }
 
+void estimate(Axis& axis, const AxisSensed& sensed) {
+  axis.rt_sense(sensed);
+  axis.rt_estimate(nullptr);
+}
+
 /// One cycle at an angle with a measured current, in which a torque is asked for. The default torque constant is 0.1
 /// Nm/A.
 auto gated(Axis& axis, double q1_rad, double current_a, double wanted_a, bool energised = true) -> double {
-  axis.rt_estimate(sensed_at(q1_rad, current_a));
+  estimate(axis, sensed_at(q1_rad, current_a));
   const AxisDrive drive = axis.rt_limit(q(0.1 * wanted_a), energised);
   EXPECT_EQ(drive.enabled, energised);
   EXPECT_EQ(drive.current_a, axis.telemetry().drive_a);
@@ -177,7 +182,7 @@ TEST(AxisEncoder, AnglesHaveTheConfiguredScaleAndSign) {
   Axis axis(config);
   AxisSensed sensed = sensed_at(0.0, 0.0);
   sensed.encoder_counts = 250;
-  axis.rt_estimate(sensed);
+  estimate(axis, sensed);
   EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), -1.5707963267948966, 1e-7);
 }
 
@@ -186,10 +191,10 @@ TEST(AxisEncoder, JustBelowTheSpeedLimitIsNoJumpAndJustAboveIs) {
   config.motor.speed_limit_rad_s = q(60.0);
   for (const double sign : {1.0, -1.0}) {
     Axis axis(config);
-    axis.rt_estimate(sensed_at(0.0, 0.0));
-    axis.rt_estimate(sensed_at(sign * 0.0599, 0.0));
+    estimate(axis, sensed_at(0.0, 0.0));
+    estimate(axis, sensed_at(sign * 0.0599, 0.0));
     EXPECT_EQ(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
-    axis.rt_estimate(sensed_at(sign * (0.0599 + 0.0602), 0.0));
+    estimate(axis, sensed_at(sign * (0.0599 + 0.0602), 0.0));
     EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U);
   }
 }
@@ -201,7 +206,7 @@ TEST(AxisEncoder, TheCountersWrapIsNeitherAJumpNorALossOfPosition) {
   std::uint32_t counts = 0x7FFFFC00U;
   for (int i = 0; i <= 20; ++i) {
     sensed.encoder_counts = static_cast<std::int32_t>(counts + 100U * static_cast<unsigned>(i));
-    axis.rt_estimate(sensed);
+    estimate(axis, sensed);
     ASSERT_EQ(axis.rt_faults(false) & bit(Fault::kEncoderJump), 0U) << sensed.encoder_counts;
   }
   EXPECT_LT(sensed.encoder_counts, 0) << "the counter has wrapped";
@@ -216,9 +221,9 @@ TEST(AxisEncoder, AfterAZeroTheMotorStandsWhereItWasSaidToStandWithAnyScaleAndSi
         config.motor.encoder_sign = sign;
         config.motor.encoder_counts_per_turn = counts_per_turn;
         Axis axis(config);
-        axis.rt_estimate(sensed_at(0.7, 0.0));
+        estimate(axis, sensed_at(0.7, 0.0));
         axis.rt_zero(q(angle));
-        axis.rt_estimate(sensed_at(0.7, 0.0));
+        estimate(axis, sensed_at(0.7, 0.0));
         EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), angle, 3.1416 / counts_per_turn + 1e-7);
         EXPECT_EQ(axis.rt_faults(false), 0U);
       }
@@ -228,7 +233,7 @@ TEST(AxisEncoder, AfterAZeroTheMotorStandsWhereItWasSaidToStandWithAnyScaleAndSi
 
 TEST(AxisEncoder, AnAngleBeyondTheFormatIsAnEstimatorFaultAndNotAWrongAngle) {
   Axis axis(AxisConfig{});
-  axis.rt_estimate(sensed_at(200.0, 0.0));
+  estimate(axis, sensed_at(200.0, 0.0));
   EXPECT_NE(axis.rt_faults(false) & bit(Fault::kEstimatorRange), 0U);
   EXPECT_FALSE(axis.telemetry().estimate_valid);
 }
@@ -237,11 +242,11 @@ TEST(AxisConfiguration, ANewEncoderScaleOrSignStartsTheLawAfresh) {
   AxisConfig config = test::lossy_config();
   Axis axis(config);
   for (int i = 0; i < 100; ++i) {
-    axis.rt_estimate(sensed_at(2.0 + 0.0001 * i, 0.0));
+    estimate(axis, sensed_at(2.0 + 0.0001 * i, 0.0));
   }
   config.motor.encoder_sign = -1;
   axis.rt_configure(config);
-  axis.rt_estimate(sensed_at(2.01, 0.0));
+  estimate(axis, sensed_at(2.01, 0.0));
   EXPECT_EQ(axis.rt_faults(false), 0U) << "the jump from +2 to -2 rad is no motion";
   // A fresh law at rest: beta q1 + offset, since play starts where the motor is.
   EXPECT_NEAR(axis.telemetry().q2_rad.to_double(), -1.08 * 2.01 + 0.05, 1e-3);
@@ -258,8 +263,8 @@ TEST(AxisConfiguration, NewGainsLeaveTheLawsMemoryAlone) {
       changed.rt_configure(config);
     }
     const AxisSensed sensed = sensed_at(0.5 * std::sin(0.02 * i), 0.3);
-    changed.rt_estimate(sensed);
-    untouched.rt_estimate(sensed);
+    estimate(changed, sensed);
+    estimate(untouched, sensed);
     ASSERT_EQ(changed.telemetry().q2_rad, untouched.telemetry().q2_rad) << "cycle " << i;
   }
 }
@@ -267,7 +272,7 @@ TEST(AxisConfiguration, NewGainsLeaveTheLawsMemoryAlone) {
 /// An axis at rest with torque.
 auto armed_axis(const AxisConfig& config) -> Axis {
   Axis axis(config);
-  axis.rt_estimate(sensed_at(0.0, 0.0));
+  estimate(axis, sensed_at(0.0, 0.0));
   axis.rt_arm();
   return axis;
 }
@@ -290,7 +295,7 @@ TEST(AxisCommands, AMoveIsNoFasterThanTheJointsLimitWhateverIsAskedFor) {
   ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(2.0), q(100.0)}));
   Q24 last;
   for (int i = 0; i < 2000; ++i) {
-    axis.rt_estimate(sensed_at(0.0, 0.0));
+    estimate(axis, sensed_at(0.0, 0.0));
     static_cast<void>(axis.rt_control());
     ASSERT_LE(axis.telemetry().q2_reference_rad - last, q(0.002) + Q24::from_raw(1));
     last = axis.telemetry().q2_reference_rad;
@@ -303,7 +308,7 @@ TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
     Axis axis = armed_axis(AxisConfig{});
     Q24 last;
     for (int i = 0; i < 1500; ++i) {
-      axis.rt_estimate(sensed_at(0.0, 0.0));
+      estimate(axis, sensed_at(0.0, 0.0));
       EXPECT_FALSE(axis.rt_command({AxisCommand::Kind::kFollow, q(wild), {}}));
       static_cast<void>(axis.rt_control());
       const Q24 now = axis.telemetry().q2_reference_rad;
@@ -318,12 +323,12 @@ TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
 TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
   Axis axis = armed_axis(AxisConfig{});
   for (int i = 0; i < 100; ++i) {
-    axis.rt_estimate(sensed_at(0.0, 0.0));
+    estimate(axis, sensed_at(0.0, 0.0));
     static_cast<void>(axis.rt_command({AxisCommand::Kind::kFollow, q(0.001 * i), {}}));
     static_cast<void>(axis.rt_control());
   }
   const Q24 before = axis.telemetry().q2_reference_rad;
-  axis.rt_estimate(sensed_at(0.0, 0.0));
+  estimate(axis, sensed_at(0.0, 0.0));
   ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(-1.0), q(1.0)}));
   static_cast<void>(axis.rt_control());
   // The stream ran at 1 rad/s, and a cycle at 10 rad/s2 takes 0.01 rad/s of it.
@@ -335,13 +340,13 @@ TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce
     Axis axis = armed_axis(AxisConfig{});
     Q24 last;
     for (int i = 1; i <= 500; ++i) {
-      axis.rt_estimate(sensed_at(0.0, 0.0));
+      estimate(axis, sensed_at(0.0, 0.0));
       static_cast<void>(axis.rt_command({AxisCommand::Kind::kFollow, q(0.001 * speed * i), {}}));
       static_cast<void>(axis.rt_control());
       last = axis.telemetry().q2_reference_rad;
     }
     const double began = last.to_double();
-    axis.rt_estimate(sensed_at(0.0, 0.0));
+    estimate(axis, sensed_at(0.0, 0.0));
     ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kStop, {}, {}}));
     double before = 0.001 * speed;
     int cycles = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every effect that is not in the catalogue, in fixed point against double, at the limits of its declared range.
+// Every effect by itself, in fixed point against double, at the limits of its declared range.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,15 +7,6 @@
 
 #include "model/declared_range.hpp"
 #include "model/effort_catalogue.hpp"
-#include "model/terms/angle_periodic.hpp"
-#include "model/terms/axis_coupling.hpp"
-#include "model/terms/gravity.hpp"
-#include "model/terms/load_inertia.hpp"
-#include "model/terms/presliding.hpp"
-#include "model/terms/reversal_memory.hpp"
-#include "model/terms/stiffness_hardening.hpp"
-#include "model/terms/thermal_drift.hpp"
-#include "model/terms/viscoelastic_creep.hpp"
 #include "tests/model/support.hpp"
 
 namespace capstan {

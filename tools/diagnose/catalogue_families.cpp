@@ -21,16 +21,40 @@ auto geometric(double low, double high, std::size_t count) -> std::vector<double
   return values;
 }
 
+/// Smallest value of a shape on its grid: ranges that begin at nothing are cut where nothing can be told from nothing.
+auto smallest(const ShapeInfo& info) -> double {
+  constexpr double kSmallestShare = 1.0 / 400.0;  // of the largest value
+  return std::max(info.minimum, kSmallestShare * info.maximum);
+}
+
+/// Periods per angle can be told apart as finely as the motion is long: a quarter of a period over the whole range.
+auto periods_step(double q1_range) -> double {
+  return 0.5 * std::numbers::pi / q1_range;
+}
+
+/// One shape's grid: equal ratios, or equal steps for periods per angle.
+auto grid_of(const ShapeInfo& info, std::size_t points, double q1_range) -> std::vector<double> {
+  if (info.scale == ShapeScale::kRatio) {
+    return geometric(smallest(info), info.maximum, points);
+  }
+  constexpr std::size_t kMostPeriods = 120;
+  std::vector<double> values;
+  // Less than three quarters of a period is a smooth curve like any other.
+  double order = std::max(info.minimum, 1.5 * std::numbers::pi / q1_range);
+  for (; order < info.maximum && values.size() < kMostPeriods; order += periods_step(q1_range)) {
+    values.push_back(order);
+  }
+  return values;
+}
+
 /// Every combination of the shapes' grids; a term without shapes has one, empty.
-auto shape_grid(const CatalogueTerm& term) -> std::vector<Shapes> {
-  constexpr double kSmallestShare = 1.0 / 400.0;  // of the largest value, for shapes that may be zero
+auto shape_grid(const CatalogueTerm& term, double q1_range) -> std::vector<Shapes> {
   const std::size_t points = term.shapes.size() > 1 ? 6 : kGridPoints;
   std::vector<Shapes> grid = {{}};
   for (const auto& info : term.shapes) {
     std::vector<Shapes> next;
     for (const auto& start : grid) {
-      for (const double value :
-           geometric(std::max(info.minimum, kSmallestShare * info.maximum), info.maximum, points)) {
+      for (const double value : grid_of(info, points, q1_range)) {
         next.push_back(start);
         next.back().push_back(value);
       }
@@ -41,14 +65,14 @@ auto shape_grid(const CatalogueTerm& term) -> std::vector<Shapes> {
 }
 
 /// A few settings around the best, closer than the grid.
-auto fine_grid(const CatalogueTerm& term, const Shapes& best) -> std::vector<Shapes> {
+auto fine_grid(const CatalogueTerm& term, const Shapes& best, double q1_range) -> std::vector<Shapes> {
   std::vector<Shapes> grid;
   for (std::size_t s = 0; s < best.size(); ++s) {
-    const double reach =
-        std::pow(term.shapes[s].maximum / std::max(term.shapes[s].minimum, term.shapes[s].maximum / 400.0),
-                 1.0 / static_cast<double>(kGridPoints - 1));
+    const ShapeInfo& info = term.shapes[s];
+    const double ratio = std::pow(info.maximum / smallest(info), 1.0 / static_cast<double>(kGridPoints - 1));
+    const double reach = info.scale == ShapeScale::kRatio ? ratio : 1.0 + periods_step(q1_range) / best[s];
     for (const double value : geometric(best[s] / reach, best[s] * reach, kFinePoints + 2)) {
-      if (value > term.shapes[s].minimum && value < term.shapes[s].maximum) {
+      if (value > info.minimum && value < info.maximum) {
         grid.push_back(best);
         grid.back()[s] = value;
       }
@@ -90,9 +114,10 @@ class Builder {
       family.signs = {Sign::kNonNegative};
     }
     Best best;
-    add(term, shape_grid(term), family, best);
+    const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
+    add(term, shape_grid(term, q1_range), family, best);
     if (!term.shapes.empty() && !family.variants.empty()) {
-      add(term, fine_grid(term, best.shapes), family, best);
+      add(term, fine_grid(term, best.shapes, q1_range), family, best);
     }
     if (term.acts_on_output) {
       family.variants.insert(family.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});

@@ -58,6 +58,13 @@ void trim(AxisLog& log, Eigen::Index factor) {
   for (auto& side : log.side) {
     side.values.conservativeResize(rows);
   }
+  if (log.temperature_c.size() > 0) {
+    log.temperature_c.conservativeResize(rows);
+  }
+  if (log.other) {
+    log.other->q1_rad.conservativeResize(rows);
+    log.other->tau_nm.conservativeResize(rows);
+  }
 }
 
 /// Rows before the second reversal, where terms with memory still depend on a past that was not logged; a twentieth at
@@ -69,30 +76,14 @@ auto warm_up(const Samples& samples) -> Eigen::Index {
   return std::min(settled, rows / 20);
 }
 
-/// Torque around a sample, averaged so that one noisy value does not stand for the reversal.
-auto torque_near(const AxisLog& log, std::size_t at) -> double {
-  const auto reach = std::max<Eigen::Index>(1, std::lround(0.005 / log.period_s));
-  const Eigen::Index begin = std::max<Eigen::Index>(0, static_cast<Eigen::Index>(at) - reach);
-  const Eigen::Index end = std::min(log.samples(), static_cast<Eigen::Index>(at) + 1);
-  return log.tau_nm.segment(begin, end - begin).mean();
-}
-
 /// Columns q1, dq1, ddq1, tau, forward, tau_rev, q1_rev, time of one log at full rate.
-auto signal_columns(const AxisLog& log, const Samples& samples, Eigen::Index half_window, double start_s)
-    -> Eigen::MatrixXd {
+auto signal_columns(const AxisLog& log, const Samples& samples, double start_s) -> Eigen::MatrixXd {
   Eigen::MatrixXd columns(log.samples(), 8);
-  double tau_rev = torque_near(log, 0);
-  double q1_rev = log.q1_rad[0];
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const auto& sample = samples[static_cast<std::size_t>(i)];
-    if (i > 0 && sample.forward != samples[static_cast<std::size_t>(i - 1)].forward) {
-      tau_rev = torque_near(log, static_cast<std::size_t>(i));
-      q1_rev = sample.q1;
-    }
-    columns.row(i) << sample.q1, sample.dq1, 0.0, sample.tau, (sample.forward ? 1.0 : 0.0), tau_rev, q1_rev,
-        start_s + log.time_s[i] - log.time_s[0];
+    columns.row(i) << sample.q1, sample.dq1, sample.ddq1, sample.tau, (sample.forward ? 1.0 : 0.0),
+        sample.tau_reversal, sample.q1_reversal, start_s + log.time_s[i] - log.time_s[0];
   }
-  columns.col(2) = local_slope(columns.col(1), half_window, log.period_s);
   return columns;
 }
 
@@ -103,7 +94,7 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   for (std::size_t i = 0; i < p.logs.size(); ++i) {
     const auto& log = p.logs[i];
     all.middleRows(row, log.samples()) =
-        signal_columns(log, p.hindsight.samples()[i], rate_half_window(log, p.noise), start_s);
+        signal_columns(log, p.hindsight.samples()[i], start_s);
     row += log.samples();
     start_s += static_cast<double>(log.samples()) * log.period_s;
   }

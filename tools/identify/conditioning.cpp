@@ -15,14 +15,54 @@ constexpr double kLargestShareOfMotion = 0.02;
 /// Half a step of the firmware's numbers would be no threshold at all.
 constexpr double kSmallestThresholdRad = 1e-6;
 
+/// A quantised signal's third difference shows its steps as noise: they are counted once.
+auto threshold_above(double step_rad, double white_rad) -> double {
+  const double white = step_rad > 0.0 && white_rad < step_rad ? 0.0 : white_rad;
+  return std::max({kStepsAboveResolution * step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
+}
+
+/// Direction of the other axis at every sample, by a conditioner of its own.
+void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measured<double>>& series) {
+  const double step = quantisation_step(other.q1_rad);
+  const double white = white_noise_level(other.q1_rad);
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = threshold_above(step, white);
+  SampleConditioner<double> conditioner(SamplePeriod<double>(period_s), shape);
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    series[i].other_q1 = other.q1_rad[row];
+    series[i].other_tau = other.tau_nm[row];
+    series[i].other_forward = conditioner.update(other.q1_rad[row], other.tau_nm[row]).forward;
+  }
+}
+
 }  // namespace
+
+auto measured_series(const AxisLog& log) -> std::vector<Measured<double>> {
+  std::vector<Measured<double>> series(static_cast<std::size_t>(log.samples()));
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    series[i].q1 = log.q1_rad[row];
+    series[i].tau = log.tau_nm[row];
+    if (log.temperature_c.size() > 0) {
+      series[i].temperature = log.temperature_c[row];
+    }
+  }
+  if (log.other) {
+    add_other_axis(*log.other, log.period_s, series);
+  }
+  return series;
+}
 
 auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -> Samples {
   SampleConditioner<double> conditioner(SamplePeriod<double>(log.period_s), shape);
   Samples samples;
   samples.reserve(static_cast<std::size_t>(log.samples()));
-  for (Eigen::Index i = 0; i < log.samples(); ++i) {
-    samples.push_back(conditioner.update(log.q1_rad[i], log.tau_nm[i]));
+  for (Measured<double> now : measured_series(log)) {
+    if (log.q2_rad.size() > 0) {
+      now.q2 = log.q2_rad[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(samples.size())) - 1];
+    }
+    samples.push_back(conditioner.update(now));
   }
   return samples;
 }
@@ -42,10 +82,7 @@ auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& no
     range = std::max(range, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
   }
   const double largest = kLargestShareOfMotion * range;
-  // A quantised signal's third difference shows its steps as noise: count them once.
-  const double white = noise.step_rad > 0.0 && noise.white_rad < noise.step_rad ? 0.0 : noise.white_rad;
-  double threshold =
-      std::max({kStepsAboveResolution * noise.step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
+  double threshold = threshold_above(noise.step_rad, noise.white_rad);
   std::vector<double> thresholds;
   for (; threshold < largest && thresholds.size() < 8; threshold *= 2.0) {
     thresholds.push_back(threshold);

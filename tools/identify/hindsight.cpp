@@ -41,6 +41,28 @@ auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double vis
   return {std::max(last - seeing, first) + 1, {std::max(last - 2 * seeing, first), last + 1}};
 }
 
+/// Torque up to a sample, averaged so that one noisy value does not stand for the reversal.
+auto torque_near(const AxisLog& log, Eigen::Index at) -> double {
+  const auto reach = std::max<Eigen::Index>(1, std::lround(0.005 / log.period_s));
+  const Eigen::Index begin = std::max<Eigen::Index>(0, at - reach);
+  const Eigen::Index end = std::min(log.samples(), at + 1);
+  return log.tau_nm.segment(begin, end - begin).mean();
+}
+
+/// Angle and torque of the last reversal, where the direction is known to turn.
+void remember_reversals(const AxisLog& log, Samples& samples) {
+  double tau = torque_near(log, 0);
+  double q1 = log.q1_rad[0];
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i > 0 && samples[i].forward != samples[i - 1].forward) {
+      tau = torque_near(log, static_cast<Eigen::Index>(i));
+      q1 = samples[i].q1;
+    }
+    samples[i].tau_reversal = tau;
+    samples[i].q1_reversal = q1;
+  }
+}
+
 }  // namespace
 
 auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index {
@@ -107,6 +129,7 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     }
     stroke_begin = noticed;
   }
+  remember_reversals(log, result.samples);
   return result;
 }
 

@@ -7,7 +7,8 @@
 namespace capstan::tools {
 
 /// Samples as they are known afterwards, for deciding which effect it is: the direction turns when the motor did
-/// instead of when the causal switch notices it, and the rate has no lag. What is reported in the end is the causal
+/// instead of when the causal switch notices it, torque and angle are those of that reversal, and neither rate nor
+/// acceleration lags. What is reported in the end is the causal
 /// law's error.
 struct Hindsight {
   Samples samples;

@@ -256,8 +256,8 @@ auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law
   rows = 0;
   for (const auto& log : logs) {
     MotionLaw<double> motion(SamplePeriod<double>(log.period_s), law);
-    for (Eigen::Index i = 0; i < log.samples(); ++i) {
-      estimate[rows++] = motion.update(log.q1_rad[i], log.tau_nm[i]).q2_reported;
+    for (const auto& now : measured_series(log)) {
+      estimate[rows++] = motion.update(now).q2_reported;
     }
   }
   return estimate;

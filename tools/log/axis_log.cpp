@@ -74,9 +74,31 @@ void check_held(const CsvLog& csv, AxisLog& axis) {
   }
 }
 
-/// Motion of the other axes and the temperature: not part of any law here, but a possible cause of what the law misses.
+constexpr int kAxesLookedFor = 16;
+
+auto varies(const Eigen::VectorXd& values) -> bool {
+  return values.maxCoeff() > values.minCoeff();
+}
+
+/// The other axis and the temperature, which terms of the law may read.
+void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& result) {
+  constexpr const char* kTemperature = "temperature_C";
+  if (csv.has(kTemperature) && varies(csv.column(kTemperature))) {
+    result.temperature_c = csv.column(kTemperature);
+  }
+  for (int other = 0; other < kAxesLookedFor && !result.other; ++other) {
+    const std::string q1 = axis_column(other, "q1_rad");
+    const bool wanted = request.other_axis ? other == *request.other_axis : csv.has(q1) && varies(csv.column(q1));
+    if (other != request.axis && wanted) {
+      const std::string tau = axis_column(other, "tau_Nm");
+      result.other = OtherAxis{other, csv.column(q1),
+                               csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))};
+    }
+  }
+}
+
+/// Every signal beside the axis: a possible cause of what the law misses.
 void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
-  constexpr int kAxesLookedFor = 16;
   std::vector<std::string> names = {"temperature_C"};
   for (int other = 0; other < kAxesLookedFor; ++other) {
     if (other != axis) {
@@ -89,7 +111,7 @@ void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
       continue;
     }
     SideSignal signal{name, csv.column(name)};
-    if (signal.values.maxCoeff() > signal.values.minCoeff()) {
+    if (varies(signal.values)) {
       result.side.push_back(std::move(signal));
     }
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,13 @@ struct SideSignal {
   Eigen::VectorXd values;
 };
 
+/// The axis that may pull at this one.
+struct OtherAxis {
+  int number = 0;
+  Eigen::VectorXd q1_rad;
+  Eigen::VectorXd tau_nm;  ///< zero if not logged
+};
+
 /// One axis of one log, evenly sampled for all that follows.
 struct AxisLog {
   std::string name;         ///< file
@@ -26,6 +34,8 @@ struct AxisLog {
   Eigen::VectorXd effort;  ///< torque or force that a law is to explain; empty where the target is the joint angle
   bool linear = false;     ///< metres and newtons instead of radians and newton metres
   bool has_torque = false;
+  std::optional<OtherAxis> other = {};  ///< the one asked for, else the first other axis that moves
+  Eigen::VectorXd temperature_c;        ///< empty if not logged or constant
   std::vector<SideSignal> side;  ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
 
@@ -41,6 +51,7 @@ struct AxisRequest {
   bool needs_target = true;
   bool needs_torque = false;
   bool effort = false;  ///< the target is an effort (empty: axis<N>/tau_Nm, or tau_N of a linear axis), no input
+  std::optional<int> other_axis = {};  ///< the axis that may pull at this one; else the first other that moves
 };
 
 /// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "tools/identify/conditioning.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
 
@@ -14,11 +15,22 @@ constexpr std::int32_t kFirmwareRateHz = 1000;
 template <typename Scalar, typename ToScalar, typename ToDouble>
 auto run(const AxisLog& log, MotionLaw<Scalar> law, ToScalar&& to_scalar, ToDouble&& to_double) -> Replayed {
   Replayed result{Eigen::VectorXd(log.samples()), Eigen::VectorXd(log.samples()), 0};
-  for (Eigen::Index i = 0; i < log.samples(); ++i) {
-    const Estimate<Scalar> estimate = law.update(to_scalar(log.q1_rad[i]), to_scalar(log.tau_nm[i]));
+  Eigen::Index i = 0;
+  for (const auto& logged : measured_series(log)) {
+    Measured<Scalar> now;
+    now.q1 = to_scalar(logged.q1);
+    now.tau = to_scalar(logged.tau);
+    now.other_q1 = to_scalar(logged.other_q1);
+    now.other_tau = to_scalar(logged.other_tau);
+    now.other_forward = logged.other_forward;
+    if (log.temperature_c.size() > 0) {
+      now.temperature = to_scalar(logged.temperature);
+    }
+    const Estimate<Scalar> estimate = law.update(now);
     result.q2[i] = to_double(estimate.q2);
     result.reported[i] = to_double(estimate.q2_reported);
     result.saturated += estimate.saturated ? 1 : 0;
+    ++i;
   }
   return result;
 }

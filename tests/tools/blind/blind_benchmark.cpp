@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Diagnoses joints whose missing effect is drawn by chance, and counts how often the answer is right.
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cstdio>
+#include <map>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include "tests/tools/blind/blind_joint.hpp"
+#include "tools/diagnose/diagnosis.hpp"
+#include "tools/support/statistics.hpp"
+
+namespace capstan::tools::blind {
+namespace {
+
+enum class Answer { kRight, kInSet, kMissed, kRefused, kWrong };
+
+struct Outcome {
+  Case drawn;
+  Diagnosis diagnosis;
+  Answer answer = Answer::kWrong;
+};
+
+auto names_in(const Diagnosis& d) -> std::vector<std::string> {
+  std::vector<std::string> names;
+  for (const auto& effect : d.effects) {
+    names.push_back(effect.name);
+  }
+  return names;
+}
+
+auto contains(const std::vector<std::string>& names, const std::string& name) -> bool {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+auto judge(const Case& c, const Diagnosis& d) -> Answer {
+  const auto names = names_in(d);
+  bool all = true;
+  bool in_set = !c.truths.empty();
+  for (const auto& truth : c.truths) {
+    all = all && contains(names, truth);
+    const bool alternative = !d.effects.empty() && contains(d.effects.front().alternatives, truth);
+    in_set = in_set && (contains(names, truth) || alternative);
+  }
+  if (d.verdict == Verdict::kEffect && all && names.size() == c.truths.size()) {
+    return Answer::kRight;
+  }
+  if (d.verdict == Verdict::kNothingMissing) {
+    return c.truths.empty() ? Answer::kRight : Answer::kMissed;
+  }
+  if (is_refusal(d.verdict)) {
+    return Answer::kRefused;
+  }
+  return in_set ? Answer::kInSet : Answer::kWrong;
+}
+
+struct Tally {
+  int counts[5] = {};
+  void add(Answer answer) { ++counts[static_cast<std::size_t>(answer)]; }
+};
+
+struct Options {
+  int seeds = 1;
+  std::uint64_t first_seed = 0;
+  std::vector<std::string> only;
+  std::vector<double> strengths = {1.0, 3.0, 10.0};
+  bool pairs = false;
+  bool verbose = false;
+};
+
+auto cases_of(const Options& options) -> std::vector<Case> {
+  std::vector<std::vector<std::string>> truths = {{}};
+  for (const auto& names : {listed_effects(), unlisted_effects()}) {
+    for (const auto& name : names) {
+      truths.push_back({name});
+    }
+  }
+  if (options.pairs) {
+    truths.clear();
+    const auto& names = listed_effects();
+    for (std::size_t a = 0; a < names.size(); ++a) {
+      for (std::size_t b = a + 1; b < names.size(); ++b) {
+        truths.push_back({names[a], names[b]});
+      }
+    }
+  }
+  std::vector<Case> cases;
+  std::uint64_t seed = options.first_seed;
+  for (const auto& names : truths) {
+    if (!options.only.empty() && (names.empty() ? !contains(options.only, "none") : !contains(options.only, names[0]))) {
+      continue;
+    }
+    for (const Motion motion : kMotions) {
+      for (const double strength : options.strengths) {
+        for (const bool repeats : {true, false}) {
+          for (int i = 0; i < options.seeds; ++i) {
+            cases.push_back({names, motion, strength, repeats, ++seed});
+          }
+        }
+      }
+    }
+  }
+  return cases;
+}
+
+auto title(const Case& c) -> std::string {
+  return c.truths.empty() ? "none" : c.truths.size() == 1 ? c.truths[0] : c.truths[0] + " + " + c.truths[1];
+}
+
+void print_outcome(const Outcome& o) {
+  constexpr const char* kWords[] = {"right", "in set", "missed", "refused", "WRONG"};
+  std::string names;
+  for (const auto& effect : o.diagnosis.effects) {
+    names += " " + effect.name;
+    for (const auto& other : effect.alternatives) {
+      names += "|" + other;
+    }
+  }
+  std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f\n", title(o.drawn).c_str(),
+              motion_name(o.drawn.motion), o.drawn.strength, o.drawn.repeats ? "repeats" : "single",
+              static_cast<unsigned long long>(o.drawn.seed), kWords[static_cast<std::size_t>(o.answer)],
+              verdict_word(o.diagnosis.verdict), names.c_str(), o.diagnosis.reason.c_str(),
+              o.diagnosis.after.rmse / noise_of(o.drawn));
+}
+
+void print_table(const std::vector<Outcome>& outcomes) {
+  std::map<std::string, Tally> by_truth;
+  Tally listed;
+  Tally foreign;
+  std::vector<double> after;
+  for (const auto& o : outcomes) {
+    by_truth[title(o.drawn)].add(o.answer);
+    const bool is_foreign = o.drawn.truths.empty() || contains(unlisted_effects(), o.drawn.truths[0]);
+    (is_foreign ? foreign : listed).add(o.answer);
+    if (!is_foreign && o.answer == Answer::kRight) {
+      after.push_back(o.diagnosis.after.rmse / noise_of(o.drawn));
+    }
+  }
+  std::printf("%-44s %6s %6s %6s %7s %6s\n", "truth", "right", "in set", "missed", "refused", "wrong");
+  for (const auto& [name, t] : by_truth) {
+    std::printf("%-44s %6d %6d %6d %7d %6d\n", name.c_str(), t.counts[0], t.counts[1], t.counts[2], t.counts[3],
+                t.counts[4]);
+  }
+  const int named = listed.counts[0] + listed.counts[1] + listed.counts[4];
+  const int all = named + listed.counts[2] + listed.counts[3];
+  const int none = foreign.counts[0] + foreign.counts[1] + foreign.counts[2] + foreign.counts[3] + foreign.counts[4];
+  if (all > 0) {
+    std::printf("listed: %d of %d answered; right name alone %.1f %%, truth in the answer %.1f %% of those answered\n",
+                named, all, 100.0 * listed.counts[0] / std::max(1, named),
+                100.0 * (listed.counts[0] + listed.counts[1]) / std::max(1, named));
+  }
+  if (none > 0) {
+    std::printf("none or unlisted: %d of %d were given a name (%.1f %%)\n", foreign.counts[4], none,
+                100.0 * foreign.counts[4] / none);
+  }
+  if (!after.empty()) {
+    const Eigen::VectorXd ratios = Eigen::Map<Eigen::VectorXd>(after.data(), static_cast<Eigen::Index>(after.size()));
+    std::printf("error after over noise floor where named right: median %.3f\n", median(ratios));
+  }
+}
+
+auto run(const Options& options) -> int {
+  const std::vector<Case> cases = cases_of(options);
+  std::vector<Outcome> outcomes(cases.size());
+  std::atomic<std::size_t> next{0};
+  std::mutex printing;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cases.size(); i = next++) {
+      outcomes[i].drawn = cases[i];
+      outcomes[i].diagnosis = diagnose({blind_log(cases[i])}, {});
+      outcomes[i].answer = judge(cases[i], outcomes[i].diagnosis);
+      outcomes[i].diagnosis.traces = {};
+      if (options.verbose) {
+        const std::lock_guard<std::mutex> lock(printing);
+        print_outcome(outcomes[i]);
+        std::fflush(stdout);
+      }
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned k = 0; k < std::max(1U, std::thread::hardware_concurrency()); ++k) {
+    threads.emplace_back(work);
+  }
+  for (auto& thread : threads) {
+    thread.join();
+  }
+  print_table(outcomes);
+  return 0;
+}
+
+}  // namespace
+}  // namespace capstan::tools::blind
+
+auto main(int argc, char** argv) -> int {
+  using namespace capstan::tools::blind;
+  CLI::App app{"Diagnoses joints with an effect drawn by chance and counts the right, refused and wrong answers."};
+  Options options;
+  options.first_seed = std::random_device{}();
+  app.add_option("--seeds", options.seeds, "joints per cell of effect, motion, strength and repetition");
+  app.add_option("--seed", options.first_seed, "first seed, to repeat a run; fresh otherwise");
+  app.add_option("--only", options.only, "effects to try (none: no effect)");
+  app.add_option("--strengths", options.strengths, "rms of the effect outside the base law, over the sensor's noise");
+  app.add_flag("--pairs", options.pairs, "two effects at once");
+  app.add_flag("--verbose", options.verbose, "a line for every joint");
+  CLI11_PARSE(app, argc, argv);
+  std::printf("first seed %llu\n", static_cast<unsigned long long>(options.first_seed));
+  return run(options);
+}

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tools/log/axis_log.hpp"
+
+namespace capstan::tools::blind {
+
+enum class Motion { kSine, kMultisine, kLadder, kTriangles };
+inline constexpr Motion kMotions[] = {Motion::kSine, Motion::kMultisine, Motion::kLadder, Motion::kTriangles};
+auto motion_name(Motion motion) -> const char*;
+
+/// Effects with a name in the catalogue, and effects that nobody has a name for.
+auto listed_effects() -> const std::vector<std::string>&;
+auto unlisted_effects() -> const std::vector<std::string>&;
+
+struct Case {
+  std::vector<std::string> truths;  ///< none, one or two
+  Motion motion = Motion::kLadder;
+  double strength = 1.0;  ///< rms of each effect outside the span of the base law, over the rms of the sensor's noise
+  bool repeats = true;    ///< the same cycle four times; else one long motion
+  std::uint64_t seed = 1;
+};
+
+/// A log of a joint that is drawn anew for every seed: ratio, elasticity, friction, load, noise, rate and the form and
+/// size of its effects. No code in common with the laws. Torque and motor angle are what sensors make of them.
+auto blind_log(const Case& drawn) -> AxisLog;
+
+/// Standard deviation of the joint sensor's noise, rad.
+auto noise_of(const Case& drawn) -> double;
+
+}  // namespace capstan::tools::blind
