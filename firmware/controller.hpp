@@ -24,8 +24,8 @@ class Controller {
  private:
   /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on. `motion`: the
   /// motor's angle, rate and acceleration there, the rest as the law last saw it.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2,
-                                Sample<Q24> motion) const -> Q24;
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
+      -> Q24;
   /// Both arguments in the motor's direction.
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
@@ -33,7 +33,7 @@ class Controller {
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;  // of the last cycle
-  Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
+  Q24 branch_;           // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
 };
 
 }  // namespace capstan

@@ -28,8 +28,8 @@ struct DeclaredRange {
 };
 
 /// The range of the further effects: each is within 2e-5 rad of its double form there, whatever its motion in the range
-/// above (tests/model/terms_accuracy_test.cpp). Not all may be reached at once beside the law above, whose sum has 3 rad
-/// left; a law that leaves the numbers' range says so (Estimate::saturated).
+/// above (tests/model/terms_accuracy_test.cpp). Not all may be reached at once beside the law above, whose sum has 3
+/// rad left; a law that leaves the numbers' range says so (Estimate::saturated).
 struct DeclaredEffectRange {
   static constexpr double kMemoryRadPerNm = 5.5;
   static constexpr double kPreslidingGain = 2.0;

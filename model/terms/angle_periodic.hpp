@@ -21,8 +21,7 @@ class AnglePeriodic {
       .exciting_motion = "two turns or more at two speeds and two loads, slowly: at least 2 N samples a turn",
       .coefficients = {{{"sine", "rad", Sign::kAny, "angle per sin(N q1)"},
                         {"cosine", "rad", Sign::kAny, "angle per cos(N q1)"}}},
-      .shapes = {{{"order", "1", 0.5, 120.0, 5.0, "N: periods per turn of the input pulley",
-                   ShapeScale::kPeriods}}},
+      .shapes = {{{"order", "1", 0.5, 120.0, 5.0, "N: periods per turn of the input pulley", ShapeScale::kPeriods}}},
   };
 
   constexpr AnglePeriodic(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : phase_(shape[0]) {}

@@ -11,6 +11,9 @@ namespace {
 
 constexpr std::size_t kGridPoints = 22;
 constexpr std::size_t kFinePoints = 6;
+/// Neighbours on the grid are nearly the same: the best is looked for among all, but only every so many take part in
+/// what follows.
+constexpr std::size_t kKeptOfGrid = 3;
 
 /// Values from low to high in equal ratios.
 auto geometric(double low, double high, std::size_t count) -> std::vector<double> {
@@ -115,9 +118,9 @@ class Builder {
     }
     Best best;
     const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
-    add(term, shape_grid(term, q1_range), family, best);
+    add(term, shape_grid(term, q1_range), kKeptOfGrid, family, best);
     if (!term.shapes.empty() && !family.variants.empty()) {
-      add(term, fine_grid(term, best.shapes, q1_range), family, best);
+      add(term, fine_grid(term, best.shapes, q1_range), 1, family, best);
     }
     if (term.acts_on_output) {
       family.variants.insert(family.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});
@@ -131,13 +134,12 @@ class Builder {
     Shapes shapes;
   };
 
-  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, Family& family, Best& best) const {
-    const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
-    for (const auto& shapes : grid) {
-      // Less than three quarters of a period is a smooth curve like any other, and friction behind a play that the
-      // motion hardly crosses is a spring.
-      if ((term.name == "angle_periodic" && shapes[0] * q1_range < 1.5 * std::numbers::pi) ||
-          (term.name == "play_friction" && 4.0 * shapes[0] > q1_range)) {
+  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, std::size_t keep_every, Family& family,
+           Best& best) const {
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      const Shapes& shapes = grid[i];
+      // Friction behind a play that the motion hardly crosses is a spring.
+      if (term.name == "play_friction" && 4.0 * shapes[0] > p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff()) {
         continue;
       }
       Eigen::MatrixXd columns = term.acts_on_output ? change_of_law(term, shapes) : sum_columns(term, shapes);
@@ -148,7 +150,9 @@ class Builder {
       if (energy < best.energy) {
         best = {energy, shapes};
       }
-      family.variants.push_back({shapes, std::move(columns)});
+      if (i % keep_every == 0) {
+        family.variants.push_back({shapes, std::move(columns)});
+      }
     }
   }
 

@@ -81,8 +81,8 @@ auto signal_columns(const AxisLog& log, const Samples& samples, double start_s) 
   Eigen::MatrixXd columns(log.samples(), 8);
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const auto& sample = samples[static_cast<std::size_t>(i)];
-    columns.row(i) << sample.q1, sample.dq1, sample.ddq1, sample.tau, (sample.forward ? 1.0 : 0.0),
-        sample.tau_reversal, sample.q1_reversal, start_s + log.time_s[i] - log.time_s[0];
+    columns.row(i) << sample.q1, sample.dq1, sample.ddq1, sample.tau, (sample.forward ? 1.0 : 0.0), sample.tau_reversal,
+        sample.q1_reversal, start_s + log.time_s[i] - log.time_s[0];
   }
   return columns;
 }
@@ -93,8 +93,7 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   double start_s = 0.0;
   for (std::size_t i = 0; i < p.logs.size(); ++i) {
     const auto& log = p.logs[i];
-    all.middleRows(row, log.samples()) =
-        signal_columns(log, p.hindsight.samples()[i], start_s);
+    all.middleRows(row, log.samples()) = signal_columns(log, p.hindsight.samples()[i], start_s);
     row += log.samples();
     start_s += static_cast<double>(log.samples()) * log.period_s;
   }

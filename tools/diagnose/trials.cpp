@@ -18,10 +18,12 @@ constexpr double kConfirmed = 2.7;
 /// Times the evidence that any confirmation needs: beyond this no doubt about what neither law explains is left.
 constexpr double kOverwhelming = 3.0;
 
-/// Square root of a positive semidefinite matrix, for drawing normal vectors.
+/// A matrix R with R R' = covariance, which is positive semidefinite: R times independent normals has that covariance.
 auto square_root(const Eigen::MatrixXd& covariance) -> Eigen::MatrixXd {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance);
-  return solver.eigenvectors() * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factors(covariance);
+  const Eigen::VectorXd spread = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd lower = factors.matrixL();
+  return factors.transpositionsP().transpose() * (lower * spread.asDiagonal());
 }
 
 /// Gain, in noise variances, of the luckiest family in draws of noise alone; sorted.
@@ -31,13 +33,14 @@ auto luckiest_gains(const Evidence& evidence, const Projected& rows) -> std::vec
   drawn.gram /= evidence.innovation_variance;
   const Eigen::MatrixXd root = square_root(drawn.gram.block(1, 1, variants, variants));
   Random random(0xCA95);
+  Eigen::MatrixXd normals(variants, kDraws);
+  for (double& value : normals.reshaped()) {
+    value = random.normal();
+  }
+  const Eigen::MatrixXd products = root * normals;
   std::vector<double> largest;
-  Eigen::VectorXd normal(variants);
   for (int draw = 0; draw < kDraws; ++draw) {
-    for (double& value : normal) {
-      value = random.normal();
-    }
-    drawn.gram.col(0).segment(1, variants) = root * normal;
+    drawn.gram.col(0).segment(1, variants) = products.col(draw);
     double gain = 0.0;
     for (const auto& family : evidence.families) {
       gain = std::max(gain, fit_family(drawn, evidence.layout, family).gain);

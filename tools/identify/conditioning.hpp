@@ -12,8 +12,8 @@ namespace capstan::tools {
 /// What a running law is given at each sample of a log. The joint angle is left to the law.
 auto measured_series(const AxisLog& log) -> std::vector<Measured<double>>;
 
-/// What the firmware's conditioner makes of a log, sample by sample. The joint angle of the last cycle is the measured one, where
-/// there is one: a fit has no estimate yet.
+/// What the firmware's conditioner makes of a log, sample by sample. The joint angle of the last cycle is the measured
+/// one, where there is one: a fit has no estimate yet.
 auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -> Samples;
 
 /// Resolution and noise of the motor angle, rad.

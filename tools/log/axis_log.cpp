@@ -91,8 +91,9 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
     const bool wanted = request.other_axis ? other == *request.other_axis : csv.has(q1) && varies(csv.column(q1));
     if (other != request.axis && wanted) {
       const std::string tau = axis_column(other, "tau_Nm");
-      result.other = OtherAxis{other, csv.column(q1),
-                               csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))};
+      result.other =
+          OtherAxis{other, csv.column(q1),
+                    csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))};
     }
   }
 }
@@ -173,6 +174,7 @@ auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
   } else {
     read_angle(csv, request, axis);
   }
+  read_surroundings(csv, request, axis);
   read_side_signals(csv, request.axis, axis);
   return axis;
 }

@@ -36,7 +36,7 @@ struct AxisLog {
   bool has_torque = false;
   std::optional<OtherAxis> other = {};  ///< the one asked for, else the first other axis that moves
   Eigen::VectorXd temperature_c;        ///< empty if not logged or constant
-  std::vector<SideSignal> side;  ///< motion of other axes and temperature, where logged
+  std::vector<SideSignal> side;         ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }

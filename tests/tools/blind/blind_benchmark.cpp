@@ -20,6 +20,7 @@ enum class Answer { kRight, kInSet, kMissed, kRefused, kWrong };
 struct Outcome {
   Case drawn;
   Diagnosis diagnosis;
+  double floor = 0.0;
   Answer answer = Answer::kWrong;
 };
 
@@ -89,7 +90,8 @@ auto cases_of(const Options& options) -> std::vector<Case> {
   std::vector<Case> cases;
   std::uint64_t seed = options.first_seed;
   for (const auto& names : truths) {
-    if (!options.only.empty() && (names.empty() ? !contains(options.only, "none") : !contains(options.only, names[0]))) {
+    if (!options.only.empty() &&
+        (names.empty() ? !contains(options.only, "none") : !contains(options.only, names[0]))) {
       continue;
     }
     for (const Motion motion : kMotions) {
@@ -122,7 +124,7 @@ void print_outcome(const Outcome& o) {
               motion_name(o.drawn.motion), o.drawn.strength, o.drawn.repeats ? "repeats" : "single",
               static_cast<unsigned long long>(o.drawn.seed), kWords[static_cast<std::size_t>(o.answer)],
               verdict_word(o.diagnosis.verdict), names.c_str(), o.diagnosis.reason.c_str(),
-              o.diagnosis.after.rmse / noise_of(o.drawn));
+              o.diagnosis.after.rmse / o.floor);
 }
 
 void print_table(const std::vector<Outcome>& outcomes) {
@@ -135,7 +137,7 @@ void print_table(const std::vector<Outcome>& outcomes) {
     const bool is_foreign = o.drawn.truths.empty() || contains(unlisted_effects(), o.drawn.truths[0]);
     (is_foreign ? foreign : listed).add(o.answer);
     if (!is_foreign && o.answer == Answer::kRight) {
-      after.push_back(o.diagnosis.after.rmse / noise_of(o.drawn));
+      after.push_back(o.diagnosis.after.rmse / o.floor);
     }
   }
   std::printf("%-44s %6s %6s %6s %7s %6s\n", "truth", "right", "in set", "missed", "refused", "wrong");
@@ -169,7 +171,9 @@ auto run(const Options& options) -> int {
   const auto work = [&] {
     for (std::size_t i = next++; i < cases.size(); i = next++) {
       outcomes[i].drawn = cases[i];
-      outcomes[i].diagnosis = diagnose({blind_log(cases[i])}, {});
+      const AxisLog log = blind_log(cases[i]);
+      outcomes[i].floor = floor_of(cases[i], log);
+      outcomes[i].diagnosis = diagnose({log}, {});
       outcomes[i].answer = judge(cases[i], outcomes[i].diagnosis);
       outcomes[i].diagnosis.traces = {};
       if (options.verbose) {

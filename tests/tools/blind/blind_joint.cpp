@@ -34,9 +34,9 @@ class Draw {
 struct World {
   Signal time, q, speed, acceleration, tau, joint;
   Signal other_q, other_tau;
-  Signal sign;              // direction of the motor, 1 or -1, kept at rest
-  Signal tau_turned;        // torque at the last reversal
-  Signal temperature;       // degrees Celsius
+  Signal sign;         // direction of the motor, 1 or -1, kept at rest
+  Signal tau_turned;   // torque at the last reversal
+  Signal temperature;  // degrees Celsius
   double beta = 1.0;
   double tau_span = 1.0, q_span = 1.0, duration = 1.0;
 };
@@ -72,11 +72,11 @@ auto sines(const Signal& time, double cycle_s, const std::vector<int>& harmonics
   return q;
 }
 
-auto triangles(const Signal& time, double cycle_s, Draw& draw) -> Signal {
+auto triangles(const Signal& time, double cycle_s, int wealth, Draw& draw) -> Signal {
   std::vector<double> points = {0.0};
   std::vector<double> lengths;
   for (const double speed : {0.2, 0.5, 1.2, 3.0}) {
-    for (int k = 0; k < 2; ++k) {
+    for (int k = 0; k < 2 * wealth; ++k) {
       points.push_back((points.size() % 2 == 1 ? 1.0 : -1.0) * draw.between(0.4, 1.2));
       lengths.push_back(std::abs(points.back() - points[points.size() - 2]) / speed);
     }
@@ -120,20 +120,22 @@ auto slope_of(const Signal& signal) -> Signal {
 }
 
 /// A motor that can not jump: what is asked for, through two lags.
-auto motor_motion(const Case& c, const Signal& time, double cycle_s, Draw& draw) -> Signal {
+/// `wealth`: how many cycles' worth of different motion one cycle has.
+auto motor_motion(const Case& c, const Signal& time, double cycle_s, int wealth, Draw& draw) -> Signal {
   Signal wanted;
   switch (c.motion) {
     case Motion::kSine:
       wanted = (2.0 * kPi * std::round(cycle_s / draw.between(3.0, 8.0)) / cycle_s * time).sin();
       break;
     case Motion::kMultisine:
-      wanted = sines(time, cycle_s, {2, 3, 5, 8, 13, 21, 34}, -0.5, draw) * 0.6;
+      wanted = wealth == 1 ? sines(time, cycle_s, {2, 3, 5, 8, 13, 21, 34}, -0.5, draw) * 0.6
+                           : sines(time, cycle_s, {7, 13, 19, 33, 53, 85, 137}, -0.5, draw) * 1.2;
       break;
     case Motion::kLadder: {
       std::vector<double> points = {0.0};
       std::vector<double> lengths;
-      for (int k = 0; k < 10; ++k) {
-        const double next = k == 9 ? 0.0 : (k % 2 == 0 ? 1.0 : -1.0) * draw.between(0.05, 1.2);
+      for (int k = 0; k < 10 * wealth; ++k) {
+        const double next = k == 10 * wealth - 1 ? 0.0 : (k % 2 == 0 ? 1.0 : -1.0) * draw.between(0.05, 1.2);
         lengths.push_back(draw.ratio_between(0.3, 2.0));
         points.push_back(next);
       }
@@ -141,7 +143,7 @@ auto motor_motion(const Case& c, const Signal& time, double cycle_s, Draw& draw)
       break;
     }
     case Motion::kTriangles:
-      wanted = triangles(time, cycle_s, draw);
+      wanted = triangles(time, cycle_s, wealth, draw);
       break;
   }
   return low_passed(low_passed(wanted, 0.03), 0.03);
@@ -230,10 +232,8 @@ auto listed() -> const std::map<std::string, Effect>& {
       {"slip_propagation", slip},
       {"play", [](const World& w, Draw& d) { return Signal(play(w.q, d.ratio_between(0.008, 0.05)) - w.q); }},
       {"presliding", [](const World& w, Draw& d) { return Signal(-bristle(w.q, d.ratio_between(0.03, 0.2))); }},
-      {"gravity",
-       [](const World& w, Draw& d) { return Signal((w.joint + d.between(0.0, 2.0 * kPi)).sin()); }},
-      {"axis_coupling",
-       [](const World& w, Draw& d) { return Signal(w.other_q + d.between(0.0, 2.0) * w.other_tau); }},
+      {"gravity", [](const World& w, Draw& d) { return Signal((w.joint + d.between(0.0, 2.0 * kPi)).sin()); }},
+      {"axis_coupling", [](const World& w, Draw& d) { return Signal(w.other_q + d.between(0.0, 2.0) * w.other_tau); }},
       {"viscoelastic_creep",
        [](const World& w, Draw& d) { return Signal(-low_passed(w.tau, d.ratio_between(0.4, 4.0))); }},
       {"thermal_drift",
@@ -259,7 +259,8 @@ auto listed() -> const std::map<std::string, Effect>& {
 
 auto unlisted() -> const std::map<std::string, Effect>& {
   static const std::map<std::string, Effect> kEffects = {
-      {"torque_ripple", [](const World& w, Draw& d) { return Signal(w.tau * (5.0 * w.q + d.between(0.0, 6.0)).sin()); }},
+      {"torque_ripple",
+       [](const World& w, Draw& d) { return Signal(w.tau * (5.0 * w.q + d.between(0.0, 6.0)).sin()); }},
       {"sticky_spot",
        [](const World& w, Draw& d) {
          return Signal(-w.sign * (-((w.q - d.between(-0.4, 0.4)) / 0.15).square()).exp());
@@ -267,9 +268,7 @@ auto unlisted() -> const std::map<std::string, Effect>& {
       {"rate_ripple", [](const World& w, Draw&) { return Signal((3.0 * w.q).sin() * w.speed); }},
       {"wear", [](const World& w, Draw&) { return Signal(w.tau * (w.time / w.duration - 0.5)); }},
       {"knock",
-       [](const World& w, Draw& d) {
-         return Signal((w.time > d.between(0.3, 0.7) * w.duration).cast<double>());
-       }},
+       [](const World& w, Draw& d) { return Signal((w.time > d.between(0.3, 0.7) * w.duration).cast<double>()); }},
       {"root_drag", [](const World& w, Draw&) { return Signal(-w.sign * w.speed.abs().sqrt()); }},
       {"coupled_stiffness", [](const World& w, Draw&) { return Signal(w.other_q * w.tau); }},
       {"bent_drum", [](const World& w, Draw&) { return Signal((w.q - 0.2).max(0.0)); }},
@@ -298,25 +297,11 @@ auto world_of(const Case& c, Draw& draw) -> World {
   const auto steps = static_cast<Eigen::Index>(w.duration / kStep);
   w.time = Signal::LinSpaced(steps, 0.0, static_cast<double>(steps - 1) * kStep);
   const double repeated_s = c.repeats ? cycle_s : w.duration;
-  // A long motion that does not repeat has a cycle's wealth four times over, not four times slower.
-  Case long_case = c;
-  w.q = motor_motion(c, w.time, repeated_s, draw);
-  for (int k = 1; k < 4 && !c.repeats && c.motion != Motion::kSine; ++k) {
-    Signal more = motor_motion(long_case, w.time, cycle_s, draw);
-    const auto first = steps * k / 4;
-    if (k == 1) {
-      w.q.head(first) = motor_motion(long_case, w.time, cycle_s, draw).head(first);
-    }
-    w.q.segment(first, steps - first) = more.head(steps - first);
-  }
-  if (!c.repeats) {
-    w.q = low_passed(w.q, 0.05);  // no jump where one part follows the other
-  }
+  w.q = motor_motion(c, w.time, repeated_s, c.repeats ? 1 : 4, draw);
   w.q *= draw.between(0.8, 1.6);
   w.speed = slope_of(w.q);
   w.acceleration = low_passed(slope_of(w.speed), 0.005);
-  const Signal other_time = w.time;
-  w.other_q = sines(other_time, repeated_s, {3, 7, 11}, -0.3, draw) * 0.5;
+  w.other_q = sines(w.time, repeated_s, {3, 7, 11}, -0.3, draw) * 0.5;
   w.other_tau = 0.05 * w.other_q + 0.02 * (slope_of(w.other_q) / 0.05).tanh();
   const Signal load = draw.between(0.01, 0.03) * sines(w.time, repeated_s, {3, 7}, 0.0, draw);
   w.tau = draw.between(0.02, 0.05) * w.q + draw.between(0.015, 0.03) / 0.01 * bristle(w.q, 0.01) +
@@ -329,6 +314,11 @@ auto world_of(const Case& c, Draw& draw) -> World {
   w.tau_span = w.tau.maxCoeff() - w.tau.minCoeff();
   w.q_span = w.q.maxCoeff() - w.q.minCoeff();
   return w;
+}
+
+/// Of the torque's span.
+auto torque_noise_of(const Case& drawn) -> double {
+  return Draw(drawn.seed + 78).between(0.0, 0.006);
 }
 
 }  // namespace
@@ -364,6 +354,12 @@ auto noise_of(const Case& drawn) -> double {
   return Draw(drawn.seed + 77).ratio_between(0.0004, 0.002);
 }
 
+auto floor_of(const Case& drawn, const AxisLog& log) -> double {
+  constexpr double kTypicalElongation = 0.7;  // rad/Nm: noise of the torque comes through the best law of all
+  return std::hypot(noise_of(drawn),
+                    kTypicalElongation * torque_noise_of(drawn) * (log.tau_nm.maxCoeff() - log.tau_nm.minCoeff()));
+}
+
 auto blind_log(const Case& c) -> AxisLog {
   Draw draw(c.seed);
   World w = world_of(c, draw);
@@ -377,7 +373,7 @@ auto blind_log(const Case& c) -> AxisLog {
   constexpr std::array<int, 4> kEvery = {1, 2, 5, 10};
   const int every = kEvery[static_cast<std::size_t>(draw.one_of(4))];
   const double step = 2.0 * kPi / draw.ratio_between(8192.0, 160000.0);
-  const double torque_noise = draw.between(0.0, 0.006) * w.tau_span;
+  const double torque_noise = torque_noise_of(c) * w.tau_span;
   const double memory = std::exp(-kStep * every / draw.ratio_between(0.01, 0.15));
   const double coloured_share = draw.between(0.0, 0.8);
   AxisLog log;
@@ -398,8 +394,8 @@ auto blind_log(const Case& c) -> AxisLog {
     log.time_s[i] = w.time[at];
     log.q1_rad[i] = std::round(w.q[at] / step) * step;
     log.tau_nm[i] = w.tau[at] + torque_noise * draw.normal();
-    log.q2_rad[i] = joint[at] + noise * (std::sqrt(coloured_share) * coloured +
-                                         std::sqrt(1.0 - coloured_share) * draw.normal());
+    log.q2_rad[i] =
+        joint[at] + noise * (std::sqrt(coloured_share) * coloured + std::sqrt(1.0 - coloured_share) * draw.normal());
     other.q1_rad[i] = std::round(w.other_q[at] / step) * step;
     other.tau_nm[i] = w.other_tau[at];
     log.temperature_c[i] = w.temperature[at] + 0.05 * draw.normal();

@@ -32,4 +32,7 @@ auto blind_log(const Case& drawn) -> AxisLog;
 /// Standard deviation of the joint sensor's noise, rad.
 auto noise_of(const Case& drawn) -> double;
 
+/// What no law that reads these sensors can go below, rad: noise of the joint sensor, and of the torque.
+auto floor_of(const Case& drawn, const AxisLog& log) -> double;
+
 }  // namespace capstan::tools::blind
