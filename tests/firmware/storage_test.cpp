@@ -167,6 +167,9 @@ TEST(Storage, TheVeryFirstSaveCutShortIsNeitherASetNorCorruptionAndTheNextOneWor
       banks.power_left = cut;
       banks.tears_last_byte = torn;
       EXPECT_FALSE(saved(banks, set_of(1)));
+      if (banks.memory == whole.memory) {
+        continue;  // the half of the last byte that was torn had nothing left to write
+      }
       Set set{};
       const LoadResult result = loaded(banks, set);
       ASSERT_TRUE(result == LoadResult::kEmpty || result == LoadResult::kUnfinished) << "cut at " << cut;

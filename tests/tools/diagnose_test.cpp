@@ -94,9 +94,20 @@ TEST(Diagnose, TheMissingElongationIsNamedWhenTheBaseHasNone) {
   EXPECT_NEAR(coefficient_of(d, "tendon_elongation", 1), -0.6, 0.1);
 }
 
+TEST(Diagnose, EveryOtherEffectOfTheCatalogueIsNamedToo) {
+  const std::pair<Truth, const char*> named[] = {{Truth::kAngleRipple, "angle_periodic"},
+                                                 {Truth::kCreep, "viscoelastic_creep"},
+                                                 {Truth::kHardening, "stiffness_hardening"},
+                                                 {Truth::kPresliding, "presliding"},
+                                                 {Truth::kDrift, "thermal_drift"}};
+  for (const auto& [truth, name] : named) {
+    SCOPED_TRACE(name);
+    expect_named(diagnosis_of(small_request(truth)), name);
+  }
+}
+
 TEST(Diagnose, AnEffectThatIsInNoListIsUnknown) {
-  for (const Truth truth :
-       {Truth::kAngleRipple, Truth::kCreep, Truth::kHardening, Truth::kStickySpot, Truth::kCoulomb}) {
+  for (const Truth truth : {Truth::kTorqueRipple, Truth::kStickySpot, Truth::kCoulomb}) {
     const Diagnosis d = diagnosis_of(small_request(truth));
     EXPECT_EQ(d.verdict, Verdict::kUnknown) << test::truth_name(truth) << ": " << d.reason;
     EXPECT_TRUE(d.effects.empty());
