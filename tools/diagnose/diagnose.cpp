@@ -9,8 +9,10 @@
 namespace capstan::tools {
 namespace {
 
-/// The effects found must explain more than half of what can be explained, or none of them is named.
+/// The effects found must explain more than this of what can be explained, or none of them is named.
 constexpr double kNamedShare = 0.5;
+/// And more than this where something is still missing beside them: it may be what they stood in for.
+constexpr double kNamedShareBesideUnlisted = 0.8;
 
 auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*signal) -> Eigen::VectorXd {
   Eigen::Index rows = 0;
@@ -92,7 +94,7 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
     names.push_back(effect.name);
   }
   const std::string found = joined(names, " and ");
-  if (search.share.lower < kNamedShare) {
+  if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
     d.reason = "Something is missing from the law; " + found + " explains only " +
                rounded(100.0 * search.share.value, 2) + " % of what can be explained, so it is not named.";
     return Verdict::kUnknown;

@@ -106,6 +106,8 @@ class Probes {
       stribeck.push_back({(direction_.array() * (-ratio.square()).exp()).matrix()});
     }
     add("stribeck_friction", std::move(stribeck));
+    add("curved_drag", {{(direction_.array() * s_.dq1.array().abs().sqrt()).matrix()},
+                        {(direction_.array() * s_.dq1.array().square()).matrix()}});
     add("load_inertia", {{s_.ddq1}});
   }
 
@@ -190,6 +192,12 @@ class Probes {
       spots.push_back({bell, bell.cwiseProduct(direction_)});
     }
     add("local_spot", std::move(spots));
+    std::vector<std::vector<Column>> bends;
+    for (int i = 1; i < kSpots; ++i) {
+      const double at = s_.q1.minCoeff() + q1_range_ * i / kSpots;
+      bends.push_back({(s_.q1.array() - at).max(0.0).matrix()});
+    }
+    add("bent_ratio", std::move(bends));
   }
 
   void of_time() {

@@ -2,6 +2,7 @@
 #include "tools/diagnose/round.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace capstan::tools {
 namespace {
@@ -60,14 +61,21 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round {
 }
 
 auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
-  const FamilyTrial* best = nullptr;
-  auto merit = [&round](const FamilyTrial& trial) {
-    return round.evidence.by_energy ? trial.explained : trial.log_likelihood;
-  };
+  std::vector<const FamilyTrial*> eligible;
+  double likeliest = -std::numeric_limits<double>::infinity();
   for (const auto& trial : round.trials) {
-    const bool eligible = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
-    if (eligible && passes(trial, round.evidence) && (best == nullptr || merit(trial) > merit(*best))) {
-      best = &trial;
+    const bool listed = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
+    if (listed && passes(trial, round.evidence)) {
+      eligible.push_back(&trial);
+      likeliest = std::max(likeliest, trial.log_likelihood);
+    }
+  }
+  const FamilyTrial* best = nullptr;
+  for (const auto* trial : eligible) {
+    const bool as_likely = round.evidence.by_energy ||
+                           trial->log_likelihood > likeliest - evidence_needed(round.evidence);
+    if (as_likely && (best == nullptr || trial->explained > best->explained)) {
+      best = trial;
     }
   }
   return best;
