@@ -84,7 +84,7 @@ TEST_F(Command, DiagnoseWritesJsonReportAndLaw) {
 
 TEST_F(Command, AnUnknownEffectIsARefusal) {
   test::SyntheticRequest request = short_log(100.0);
-  request.truth = test::Truth::kHardening;
+  request.truth = test::Truth::kStickySpot;
   request.cycles = 4;
   request.cycle_s = 25.0;
   const Outcome outcome = run("diagnose " + write_log(request));

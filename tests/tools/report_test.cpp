@@ -53,7 +53,7 @@ TEST_F(Report, IsOnePageThatNeedsNoNetworkWithPicturesBeforeAndAfter) {
 }
 
 TEST_F(Report, OfAnUnknownEffectShowsTheRankingAndNoAfter) {
-  const std::string page = page_of(test::Truth::kCreep);
+  const std::string page = page_of(test::Truth::kStickySpot);
   EXPECT_NE(page.find("<b>unknown</b>"), std::string::npos);
   EXPECT_TRUE(exists("residual_before.svg"));
   EXPECT_FALSE(exists("residual_after.svg"));

@@ -36,6 +36,15 @@ void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measure
   }
 }
 
+/// The joint angle as far as a straight line in motor angle and torque gives it: what stands for the estimate that a
+/// running law would have. The measured angle itself must not: a law could then copy what it is fitted to.
+auto joint_by_motor(const AxisLog& log) -> Eigen::VectorXd {
+  Eigen::MatrixXd columns(log.samples(), 3);
+  columns << log.q1_rad, Eigen::VectorXd::Ones(log.samples()), log.tau_nm;
+  const Eigen::MatrixXd gram = columns.transpose() * columns;
+  return columns * gram.completeOrthogonalDecomposition().solve(columns.transpose() * log.q2_rad);
+}
+
 }  // namespace
 
 auto measured_series(const AxisLog& log) -> std::vector<Measured<double>> {
@@ -58,10 +67,9 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
   SampleConditioner<double> conditioner(SamplePeriod<double>(log.period_s), shape);
   Samples samples;
   samples.reserve(static_cast<std::size_t>(log.samples()));
+  const Eigen::VectorXd joint = log.q2_rad.size() > 0 ? joint_by_motor(log) : log.q1_rad;
   for (Measured<double> now : measured_series(log)) {
-    if (log.q2_rad.size() > 0) {
-      now.q2 = log.q2_rad[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(samples.size())) - 1];
-    }
+    now.q2 = joint[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(samples.size())) - 1];
     samples.push_back(conditioner.update(now));
   }
   return samples;
