@@ -72,8 +72,8 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   }
   const FamilyTrial* best = nullptr;
   for (const auto* trial : eligible) {
-    const bool as_likely = round.evidence.by_energy ||
-                           trial->log_likelihood > likeliest - evidence_needed(round.evidence);
+    const bool as_likely =
+        round.evidence.by_energy || trial->log_likelihood > likeliest - evidence_needed(round.evidence);
     if (as_likely && (best == nullptr || trial->explained > best->explained)) {
       best = trial;
     }
