@@ -129,13 +129,22 @@ TEST_F(Command, ForceLawOfALogWithoutJointTorqueIsBadInput) {
   }
 }
 
+TEST_F(Command, EveryLawOfTheJointAngleIsFittedByItsName) {
+  const std::string log = write_log(short_log(200.0));
+  const std::pair<const char*, const char*> models[] = {{"pretensioned", "pretension_offset.contrast"},
+                                                        {"dynamic", "transmission_viscous.top"},
+                                                        {"multi_dof", "axis_coupling.angle"}};
+  for (const auto& [model, parameter] : models) {
+    const Outcome outcome = run("identify " + log + " --model " + model);
+    EXPECT_NE(outcome.output.find(parameter), std::string::npos) << model << ": " << outcome.output;
+  }
+}
+
 TEST_F(Command, RefusalsEndWithStatusOne) {
   const std::string log = write_log(short_log(200.0));
-  const Outcome model = run("identify " + log + " --model dynamic");
+  const Outcome model = run("diagnose " + log + " --base preisach");
   EXPECT_EQ(model.status, 1);
-  EXPECT_NE(model.output.find("available in this version are kinematic, pseudo_kinematic and rigid_dynamics"),
-            std::string::npos)
-      << model.output;
+  EXPECT_NE(model.output.find("is a force law"), std::string::npos) << model.output;
   run("identify " + log + " -o \"" + path("joint.toml") + "\"");
   const Outcome rate = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
   EXPECT_EQ(rate.status, 1);

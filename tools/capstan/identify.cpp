@@ -59,7 +59,8 @@ void add_identify(CLI::App& app, int& exit_status) {
   options->logs.add_to(*command, true);
   command
       ->add_option("--model", options->model,
-                   "law to fit: kinematic, pseudo_kinematic; of the joint torque: pull_push, preisach; of an effort: "
+                   "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
+                   "pull_push, preisach; of an effort: "
                    "rigid_dynamics")
       ->capture_default_str();
   command->add_option("--target", options->target,

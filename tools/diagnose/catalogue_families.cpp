@@ -35,6 +35,11 @@ auto periods_step(double q1_range) -> double {
   return 0.5 * std::numbers::pi / q1_range;
 }
 
+/// Less than three quarters of a period is a smooth curve like any other.
+auto fewest_periods(const ShapeInfo& info, double q1_range) -> double {
+  return std::max(info.minimum, 1.5 * std::numbers::pi / q1_range);
+}
+
 /// One shape's grid: equal ratios, or equal steps for periods per angle.
 auto grid_of(const ShapeInfo& info, std::size_t points, double q1_range) -> std::vector<double> {
   if (info.scale == ShapeScale::kRatio) {
@@ -42,8 +47,7 @@ auto grid_of(const ShapeInfo& info, std::size_t points, double q1_range) -> std:
   }
   constexpr std::size_t kMostPeriods = 120;
   std::vector<double> values;
-  // Less than three quarters of a period is a smooth curve like any other.
-  double order = std::max(info.minimum, 1.5 * std::numbers::pi / q1_range);
+  double order = fewest_periods(info, q1_range);
   for (; order < info.maximum && values.size() < kMostPeriods; order += periods_step(q1_range)) {
     values.push_back(order);
   }
@@ -73,9 +77,11 @@ auto fine_grid(const CatalogueTerm& term, const Shapes& best, double q1_range) -
   for (std::size_t s = 0; s < best.size(); ++s) {
     const ShapeInfo& info = term.shapes[s];
     const double ratio = std::pow(info.maximum / smallest(info), 1.0 / static_cast<double>(kGridPoints - 1));
-    const double reach = info.scale == ShapeScale::kRatio ? ratio : 1.0 + periods_step(q1_range) / best[s];
+    const bool in_ratio = info.scale == ShapeScale::kRatio;
+    const double reach = in_ratio ? ratio : 1.0 + periods_step(q1_range) / best[s];
+    const double least = in_ratio ? info.minimum : fewest_periods(info, q1_range);
     for (const double value : geometric(best[s] / reach, best[s] * reach, kFinePoints + 2)) {
-      if (value > info.minimum && value < info.maximum) {
+      if (value > least && value < info.maximum) {
         grid.push_back(best);
         grid.back()[s] = value;
       }

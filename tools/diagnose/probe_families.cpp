@@ -28,6 +28,7 @@ class Probes {
       of_friction();
     } else {
       of_direction();
+      of_ratio();
       of_torque();
     }
     of_angle();
@@ -145,6 +146,17 @@ class Probes {
     add("inertia_change", {{(s_.ddq1.array() * place).matrix()}, {(s_.ddq1.array() * place.square()).matrix()}});
   }
 
+  /// Of a joint angle: a ratio that changes along the way, as that of a drum that is not round.
+  void of_ratio() {
+    constexpr int kBends = 9;
+    std::vector<std::vector<Column>> bends;
+    for (int i = 1; i < kBends; ++i) {
+      const double at = s_.q1.minCoeff() + q1_range_ * i / kBends;
+      bends.push_back({(s_.q1.array() - at).max(0.0).matrix()});
+    }
+    add("bent_ratio", std::move(bends));
+  }
+
   void of_torque() {
     if (tau_range_ <= 0.0) {
       return;
@@ -192,12 +204,6 @@ class Probes {
       spots.push_back({bell, bell.cwiseProduct(direction_)});
     }
     add("local_spot", std::move(spots));
-    std::vector<std::vector<Column>> bends;
-    for (int i = 1; i < kSpots; ++i) {
-      const double at = s_.q1.minCoeff() + q1_range_ * i / kSpots;
-      bends.push_back({(s_.q1.array() - at).max(0.0).matrix()});
-    }
-    add("bent_ratio", std::move(bends));
   }
 
   void of_time() {

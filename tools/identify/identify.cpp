@@ -61,15 +61,26 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == "pseudo_kinematic") {
     return {"motor_angle", "joint_offset", "tendon_elongation"};
   }
+  if (model == "pretensioned") {  // (5.30)
+    return {"motor_angle", "joint_offset", "tendon_elongation", "pretension_offset"};
+  }
+  if (model == "dynamic") {  // (6.21)
+    return {"motor_angle", "joint_offset", "tendon_elongation", "transmission_viscous"};
+  }
+  if (model == "multi_dof") {  // a row of (6.8)
+    return {"motor_angle", "joint_offset", "tendon_elongation", "axis_coupling"};
+  }
   if (model == kEffortModel) {
     return {"inertia", "viscous_friction"};
   }
-  const std::vector<std::string> planned = {"pretensioned", "dynamic", "multi_dof", "pull_push", "preisach"};
-  const std::string available = "available in this version are kinematic, pseudo_kinematic and rigid_dynamics";
-  if (std::find(planned.begin(), planned.end(), model) != planned.end()) {
-    throw Refusal("the model " + model + " can not be fitted yet; " + available);
+  if (model == "pull_push" || model == "preisach") {
+    throw Refusal("the model " + model +
+                  " is a force law: capstan identify fits it, and diagnosis has no effects for it yet");
   }
-  throw BadInput("there is no model " + model + "; " + available);
+  throw BadInput(
+      "there is no model " + model +
+      "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, rigid_dynamics, pull_push " +
+      "and preisach");
 }
 
 auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm {
