@@ -35,9 +35,9 @@ auto periods_step(double q1_range) -> double {
   return 0.5 * std::numbers::pi / q1_range;
 }
 
-/// Less than three quarters of a period is a smooth curve like any other.
+/// Less than one period is a smooth curve like any other.
 auto fewest_periods(const ShapeInfo& info, double q1_range) -> double {
-  return std::max(info.minimum, 1.5 * std::numbers::pi / q1_range);
+  return std::max(info.minimum, 2.0 * std::numbers::pi / q1_range);
 }
 
 /// One shape's grid: equal ratios, or equal steps for periods per angle.

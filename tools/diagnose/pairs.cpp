@@ -62,16 +62,23 @@ auto contains(const EffectPair& pair, std::size_t family) -> bool {
   return pair.family[0] == family || pair.family[1] == family;
 }
 
+/// Effects that pass for each other alone bend, as a pair, into almost anything of their kind.
+auto are_doubles(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
+  return a.confusable_with.find(b.name) != std::string::npos || b.confusable_with.find(a.name) != std::string::npos;
+}
+
 }  // namespace
 
-auto best_pair(const Evidence& evidence) -> std::optional<EffectPair> {
+auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair> {
   const Eigen::MatrixXd fit_products = evidence.raw().sum(evidence.fit);
   std::vector<EffectPair> pairs;
   for (std::size_t a = 0; a < evidence.families.size(); ++a) {
     for (std::size_t b = a + 1; b < evidence.families.size(); ++b) {
-      const bool both_listed = evidence.families[a].in_catalogue && evidence.families[b].in_catalogue;
-      const bool both_output = evidence.families[a].acts_on_output && evidence.families[b].acts_on_output;
-      if (both_listed && !both_output) {
+      const Family& first = evidence.families[a];
+      const Family& second = evidence.families[b];
+      const bool both_output = first.acts_on_output && second.acts_on_output;
+      if (first.in_catalogue && second.in_catalogue && !both_output &&
+          !are_doubles(catalogue.term(first.name), catalogue.term(second.name))) {
         pairs.push_back(fit_pair(evidence, fit_products, a, b));
       }
     }

@@ -16,6 +16,7 @@ struct EffectPair {
 
 /// The best pair, when every pair without one or the other of its two is clearly worse over blocks; nothing otherwise.
 /// Two strong effects can hide each other from a search that adds one at a time.
-auto best_pair(const Evidence& evidence) -> std::optional<EffectPair>;
+/// Effects that the catalogue calls confusable with each other are no pair.
+auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair>;
 
 }  // namespace capstan::tools

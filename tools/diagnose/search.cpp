@@ -199,7 +199,7 @@ class Searcher {
 
   /// Two effects at once, each of which has to pass where the other is already in the law.
   auto add_pair(Round& round) -> bool {
-    const auto pair = best_pair(round.evidence);
+    const auto pair = best_pair(round.evidence, *search_.law.catalogue);
     if (!pair ||
         explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
       return false;
