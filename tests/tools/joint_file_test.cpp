@@ -49,6 +49,17 @@ TEST(JointFile, AHeaderThatIsNoKeyIsRefusedWithItsLine) {
   EXPECT_EQ(refusal.rfind("joint.toml:2: this is not TOML: ", 0), 0U) << refusal;
 }
 
+TEST(JointFile, TheAxisThatPullsIsKept) {
+  JointFile joint = parse_joint_file(kHead + kRatio + "[coupling]\njoint = 2\n", "joint.toml");
+  EXPECT_EQ(joint.coupled_to, 2);
+  joint = parse_joint_file(joint_file_text(joint), "joint.toml");
+  EXPECT_EQ(joint.coupled_to, 2);
+  for (const char* bad : {"joint = 4", "joint = -1", "joint = 0.5", "axis = 1"}) {
+    const std::string refusal = refusal_of(kHead + kRatio + "[coupling]\n" + bad + "\n");
+    EXPECT_EQ(refusal.rfind("joint.toml:", 0), 0U) << bad << ": " << refusal;
+  }
+}
+
 TEST(JointFile, TermsThatAreMissingAreOff) {
   const JointFile joint = parse_joint_file(kHead + kRatio, "joint.toml");
   EXPECT_EQ(coefficient_of(joint, "motor_angle"), 1.08);

@@ -52,6 +52,9 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   const ConditionerShape<double>& conditioner = joint.parameters.conditioner;
   write.set("conditioner", "direction_threshold", conditioner.direction_threshold_rad, "rad");
   write.set("conditioner", "rate_time_constant", conditioner.rate_time_constant_s, "s");
+  if (joint.coupled_to) {
+    lines.push_back("set joint" + std::to_string(axis) + ".axis_coupling.joint " + std::to_string(*joint.coupled_to));
+  }
   if (joint.steady_torque) {
     write.set("control", "torque_forward", joint.steady_torque->forward_nm, "Nm");
     write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");

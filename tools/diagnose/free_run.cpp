@@ -13,18 +13,7 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   const Blocks learned = refined(p.split, p.factor).learned();
   const LawForm settled = refine_shapes(p.causal, p.target, learned, form);
   JointFile joint = law_with_intervals(p.causal, p.target, learned, settled, p.conditioner);
-  if (form.catalogue->target() == TargetKind::kAngle) {
-    joint.steady_torque = steady_torque(p.logs, p.causal);
-  }
-  FitSummary summary;
-  const Eigen::VectorXd estimate = estimates(p.logs, p.causal, joint);
-  summary.rmse = rms(p.target - estimate);
-  summary.gof_percent = goodness_of_fit_percent(p.target, estimate);
-  summary.samples = p.target.size();
-  for (const auto& log : p.logs) {
-    summary.logs.push_back(log.name);
-  }
-  joint.fit = summary;
+  describe_logs(p.logs, p.causal, p.target, estimates(p.logs, p.causal, joint), joint);
   return joint;
 }
 

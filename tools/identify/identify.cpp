@@ -238,6 +238,24 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
   return undetermined;
 }
 
+void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                   const Eigen::VectorXd& estimate, JointFile& joint) {
+  if (joint.catalogue->target() == TargetKind::kAngle) {
+    joint.steady_torque = steady_torque(logs, design);
+  }
+  if (joint.has("axis_coupling") && logs.front().other) {
+    joint.coupled_to = logs.front().other->number;
+  }
+  FitSummary summary;
+  summary.rmse = rms(target - estimate);
+  summary.gof_percent = goodness_of_fit_percent(target, estimate);
+  summary.samples = target.size();
+  for (const auto& log : logs) {
+    summary.logs.push_back(log.name);
+  }
+  joint.fit = summary;
+}
+
 auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification {
   Identification result;
   const auto conditioner = choose_conditioner(logs, form, result.notes);
@@ -251,20 +269,11 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identifi
   note_bounds(fit, form, result.notes);
   result.undetermined = undetermined_coefficients(fit, form, columns, target);
   result.joint = law_with_intervals(design, target, blocks, form, conditioner);
-  if (form.catalogue->target() == TargetKind::kAngle) {
-    result.joint.steady_torque = steady_torque(logs, design);
-  } else {
+  if (form.catalogue->target() == TargetKind::kEffort) {
     result.notes.push_back(averaging_note(design));
   }
   result.estimate = estimates(logs, design, result.joint);
-  FitSummary summary;
-  summary.rmse = rms(target - result.estimate);
-  summary.gof_percent = goodness_of_fit_percent(target, result.estimate);
-  summary.samples = target.size();
-  for (const auto& log : logs) {
-    summary.logs.push_back(log.name);
-  }
-  result.joint.fit = summary;
+  describe_logs(logs, design, target, result.estimate, result.joint);
   return result;
 }
 

@@ -114,6 +114,10 @@ auto joint_file_text(const JointFile& joint) -> std::string {
     text += "torque_forward = " + quantity(joint.steady_torque->forward_nm, "Nm", {});
     text += "torque_backward = " + quantity(joint.steady_torque->backward_nm, "Nm", {});
   }
+  if (joint.coupled_to) {
+    text +=
+        "\n# The axis whose motor pulls at this one.\n[coupling]\njoint = " + std::to_string(*joint.coupled_to) + "\n";
+  }
   return text + (joint.fit ? fit_text(*joint.fit, joint.catalogue->target_unit()) : "");
 }
 

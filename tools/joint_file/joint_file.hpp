@@ -49,6 +49,7 @@ struct JointFile {
   std::vector<std::string> terms;  ///< names of the terms that are on, in the order of the catalogue
   std::vector<std::optional<Interval>> coefficient_ci95, shape_ci95;
   std::optional<SteadyTorque> steady_torque;
+  std::optional<int> coupled_to;  ///< number of the axis whose motor pulls at this one, for axis_coupling
   std::optional<FitSummary> fit;
 
   [[nodiscard]] auto has(const std::string& term) const -> bool;

@@ -204,6 +204,21 @@ void read_steady_torque(const Reader& reader, const toml::table& root, JointFile
   }
 }
 
+void read_coupling(const Reader& reader, const toml::table& root, JointFile& joint) {
+  const toml::table* table = reader.table(root, "coupling");
+  if (table == nullptr) {
+    return;
+  }
+  constexpr double kLastJoint = 3.0;
+  reader.only(*table, {"joint"}, "[coupling]");
+  const toml::node* node = table->get("joint");
+  const double number = node != nullptr ? reader.number(*node, "coupling.joint") : -1.0;
+  if (number < 0.0 || number > kLastJoint || number != std::floor(number)) {
+    reader.fail(*table, "coupling.joint is not the number of an axis; write the one whose motor pulls, 0 to 3");
+  }
+  joint.coupled_to = static_cast<int>(number);
+}
+
 void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   const toml::table* table = reader.table(root, "fit");
   if (table == nullptr) {
@@ -260,11 +275,12 @@ auto parse_ascii(const std::string& text, const std::string& name) -> JointFile 
                    "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
                    "with capstan identify");
   }
-  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "fit", "force"}, "the file");
+  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "coupling", "fit", "force"}, "the file");
   JointFile joint;
   read_conditioner(reader, root, joint);
   reader.terms(root, joint);
   read_steady_torque(reader, root, joint);
+  read_coupling(reader, root, joint);
   read_fit(reader, root, joint);
   return joint;
 }

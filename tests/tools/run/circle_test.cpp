@@ -48,6 +48,16 @@ TEST(Circle, IdentifiedLawHalvesAndBetterTheErrorOfTheRatioAloneOnUnseenMotion) 
   EXPECT_LT(by_law.summary.joints[0].estimation_rmse_rad, 0.4 * by_ratio.summary.joints[0].estimation_rmse_rad);
 }
 
+TEST(Circle, TheAxisThatPullsIsSetOnTheBoard) {
+  JointFile joint;
+  EXPECT_EQ(model_lines(joint, 1).size() + 1, [&joint] {
+    joint.coupled_to = 2;
+    return model_lines(joint, 1).size();
+  }());
+  const auto lines = model_lines(joint, 1);
+  EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint1.axis_coupling.joint 2"), lines.end());
+}
+
 TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
   const Recorded recorded = record("identify_play.toml", {});
   const JointFile base = identified(recorded, "pseudo_kinematic");
