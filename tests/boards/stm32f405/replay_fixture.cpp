@@ -163,7 +163,7 @@ auto record(std::uint32_t seconds, const std::string& path, Visited& visited) ->
   OutputFile file(path);
   const Config<1> config{lively_config()};
   std::vector<std::uint8_t> head(8 + 4 * parameters().size());
-  detail::ByteWriter header(head);
+  stm32f405::detail::ByteWriter header(head);
   header.u32(kReplayMagic);
   header.u32(static_cast<std::uint32_t>(parameters().size()));
   for (const ParameterInfo& parameter : parameters()) {
