@@ -26,8 +26,8 @@ constexpr double kNoise = 1e-6;  // above the rounding of a table in either form
 /// The small real instrument of these tests: 11 levels over [-5, 5], saturations that differ.
 template <typename Scalar>
 auto table() -> const ReversalTable<Scalar, 11>& {
-  static const auto cached = convert_table<Scalar>(Relays(20).table<11>(11));
-  return cached;
+  static const auto kCached = convert_table<Scalar>(Relays(20).table<11>(11));
+  return kCached;
 }
 
 template <typename Scalar, std::size_t Depth = 64>
