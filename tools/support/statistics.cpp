@@ -25,7 +25,8 @@ auto rms(const Eigen::VectorXd& values) -> double {
 auto student_t95(double degrees_of_freedom) -> double {
   // Cornish-Fisher expansion of the t quantile about the normal one, exact to 0.3 % from 3 degrees of freedom on.
   const double v = std::max(degrees_of_freedom, 1.0);
-  constexpr double z = 1.959964;
+  constexpr double kNormal = 1.959964;
+  const double z = kNormal;
   const double z3 = z * z * z;
   const double z5 = z3 * z * z;
   const double z7 = z5 * z * z;
