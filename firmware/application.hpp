@@ -62,7 +62,7 @@ class Application final : public Machine {
   auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
   auto settled() const -> bool override { return request_box_.empty() && config_box_.empty() && scope_.settled(); }
   auto save() -> bool override {
-    const bool saved = !has_torque() && storage_.save(config_);
+    const bool saved = !has_torque() && storage_.save(config_, key_);
     if (saved) {
       parameter_faults_.store(0, std::memory_order_relaxed);
     }
@@ -73,13 +73,15 @@ class Application final : public Machine {
       return LoadResult::kRefused;
     }
     Config<kAxes> next{};
-    const LoadResult result = storage_.load(next);
+    const LoadResult result = storage_.load(next, &key_);
     if (result == LoadResult::kLoaded) {
       static_cast<void>(configure(next));  // the box is empty and torque is off
       parameter_faults_.store(0, std::memory_order_relaxed);
     }
     return result;
   }
+  auto maintenance_key() const -> KeyDigest override { return key_; }
+  void set_maintenance_key(const KeyDigest& key) override { key_ = key; }
   void record(bool on, std::size_t axis) override {
     recorded_axis_.store(on ? static_cast<std::uint32_t>(axis) : kNoAxis, std::memory_order_relaxed);
   }
@@ -93,12 +95,13 @@ class Application final : public Machine {
     std::array<AxisTelemetry, kAxes> axis{};
   };
   struct Stored {
-    explicit Stored(Banks& banks) : result(ParameterStorage(banks).load(config)) {
+    explicit Stored(Banks& banks) : result(ParameterStorage(banks).load(config, &key)) {
       if (result != LoadResult::kLoaded) {
         config = {};
       }
     }
     Config<kAxes> config{};
+    KeyDigest key;
     LoadResult result;
   };
   static constexpr std::uint32_t kNoAxis = 0xFFFFFFFF;
@@ -107,6 +110,7 @@ class Application final : public Machine {
       : io_(io),
         storage_(banks),
         config_(stored.config),
+        key_(stored.key),
         state_(stored.config),
         parameter_faults_(stored.result == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
                           : stored.result == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
@@ -176,6 +180,7 @@ class Application final : public Machine {
   Io& io_;
   ParameterStorage storage_;
   Config<kAxes> config_;     // the background's copy
+  KeyDigest key_;            // the background's own
   CycleState<kAxes> state_;  // the cycle's
   bool acknowledge_ = false;
   Mailbox<Config<kAxes>> config_box_;

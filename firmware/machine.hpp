@@ -44,6 +44,10 @@ class Machine {
   virtual auto save() -> bool = 0;
   /// Takes the stored parameters into force.
   virtual auto load() -> LoadResult = 0;
+  /// Digest of the maintenance key in force, as loaded or set last; save() keeps it. Who may set it is the caller's
+  /// business.
+  [[nodiscard]] virtual auto maintenance_key() const -> KeyDigest = 0;
+  virtual void set_maintenance_key(const KeyDigest& key) = 0;
   /// Starts or stops recording of one axis; samples that find no room are dropped and counted.
   virtual void record(bool on, std::size_t axis) = 0;
   virtual auto next_sample(LogSample& sample) -> bool = 0;

@@ -35,6 +35,7 @@ constexpr auto integer(const char* group, const char* name, const char* unit, co
 }
 
 constexpr auto kTunable = ParameterChange::kAnyTime;
+constexpr auto kSafety = ParameterChange::kMaintenance;
 constexpr std::size_t kMotor = offsetof(AxisConfig, motor);
 constexpr std::size_t kControl = offsetof(AxisConfig, control);
 constexpr std::size_t kLimits = offsetof(AxisConfig, limits);
@@ -49,7 +50,7 @@ constexpr std::array kFixedParameters = {
     real("motor", "torque_per_current", "Nm/A", "torque at the input pulley per motor current",
          kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
     real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
-         kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0),
+         kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0, kSafety),
     real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad",
          kControl + offsetof(ControlConfig, kp), 0.0, 20.0, kTunable),
     real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0,
@@ -69,31 +70,31 @@ constexpr std::array kFixedParameters = {
          kControl + offsetof(ControlConfig, torque_backward_nm), -50.0, 50.0, kTunable),
     real("control", "reversal_time", "s", "the feedforward changes direction within about this time",
          kControl + offsetof(ControlConfig, reversal_time_s), 0.001, 2.0, kTunable),
-    real("limits", "current", "A", "peak current", kLimits + offsetof(LimitConfig, current_a), 0.001, 100.0),
+    real("limits", "current", "A", "peak current", kLimits + offsetof(LimitConfig, current_a), 0.001, 100.0, kSafety),
     real("limits", "continuous_current", "A", "current the winding stands for ever",
-         kLimits + offsetof(LimitConfig, continuous_current_a), 0.001, 100.0),
+         kLimits + offsetof(LimitConfig, continuous_current_a), 0.001, 100.0, kSafety),
     real("limits", "thermal_time", "s", "thermal time constant of the winding",
-         kLimits + offsetof(LimitConfig, thermal_time_s), 0.1, 120.0),
+         kLimits + offsetof(LimitConfig, thermal_time_s), 0.1, 120.0, kSafety),
     real("limits", "current_rate", "A/cycle", "largest change of the set value in one cycle",
-         kLimits + offsetof(LimitConfig, current_rate_a_per_cycle), 0.0001, 100.0),
+         kLimits + offsetof(LimitConfig, current_rate_a_per_cycle), 0.0001, 100.0, kSafety),
     real("limits", "motor_min", "rad", "tendon travel: no torque further out",
-         kLimits + offsetof(LimitConfig, motor_min_rad), -125.0, 125.0),
+         kLimits + offsetof(LimitConfig, motor_min_rad), -125.0, 125.0, kSafety),
     real("limits", "motor_max", "rad", "tendon travel: no torque further out",
-         kLimits + offsetof(LimitConfig, motor_max_rad), -125.0, 125.0),
+         kLimits + offsetof(LimitConfig, motor_max_rad), -125.0, 125.0, kSafety),
     real("limits", "joint_min", "rad", "smallest reference", kLimits + offsetof(LimitConfig, joint_min_rad), -125.0,
-         125.0),
+         125.0, kSafety),
     real("limits", "joint_max", "rad", "largest reference", kLimits + offsetof(LimitConfig, joint_max_rad), -125.0,
-         125.0),
+         125.0, kSafety),
     real("limits", "joint_speed", "rad/s", "largest speed of a reference",
-         kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0),
+         kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0, kSafety),
     real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
-         kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0),
+         kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0, kSafety),
     real("limits", "following_error", "rad", "larger for longer than following_time is a fault",
-         kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0),
+         kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0, kSafety),
     real("limits", "following_time", "s", "how long following_error may be exceeded",
-         kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0),
+         kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0, kSafety),
     real("limits", "current_mismatch", "A", "measured and wanted current may differ by this for 50 ms",
-         kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0),
+         kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0, kSafety),
     real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
          kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
     real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",
@@ -176,11 +177,20 @@ void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int3
 
 auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool {
   for (const ParameterInfo& parameter : kTable) {
-    if (parameter.change == ParameterChange::kDisarmed && raw_value(now, parameter) != raw_value(next, parameter)) {
+    if (parameter.change != ParameterChange::kAnyTime && raw_value(now, parameter) != raw_value(next, parameter)) {
       return true;
     }
   }
   return false;
+}
+
+auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo* {
+  for (const ParameterInfo& parameter : kTable) {
+    if (parameter.change == ParameterChange::kMaintenance && raw_value(now, parameter) != raw_value(next, parameter)) {
+      return &parameter;
+    }
+  }
+  return nullptr;
 }
 
 auto check(const AxisConfig& config) -> const char* {

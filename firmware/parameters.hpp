@@ -12,7 +12,11 @@ namespace capstan {
 enum class ParameterType : std::uint8_t { kReal, kInteger };
 
 /// When a parameter may be changed.
-enum class ParameterChange : std::uint8_t { kAnyTime, kDisarmed };
+enum class ParameterChange : std::uint8_t {
+  kAnyTime,
+  kDisarmed,
+  kMaintenance,  ///< a safety limit: only without torque, and over the shell only while maintenance is open
+};
 
 /// One parameter of a joint. The table feeds shell, storage and documentation; there is no second list.
 struct ParameterInfo {
@@ -38,6 +42,9 @@ void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int3
 
 /// True if the two sets differ in what may change only without torque: model, motor, limits.
 auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool;
+
+/// The first safety limit in which the two sets differ, or nullptr.
+auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo*;
 
 /// What no single range can say: nullptr if the set is sound, else a sentence with the cure.
 auto check(const AxisConfig& config) -> const char*;

@@ -39,6 +39,11 @@ auto Shell::skip_escape(char c) -> bool {
   return true;
 }
 
+auto Shell::hides() const -> bool {
+  std::string_view rest(line_.data(), length_);
+  return next_word(rest) == "maintenance" && !rest.empty();
+}
+
 void Shell::receive(char c) {
   constexpr char kBackspace = '\b';
   constexpr char kDelete = 0x7F;
@@ -57,8 +62,12 @@ void Shell::receive(char c) {
       out_ << "\r\n";
     }
     const std::size_t length = length_;
+    const bool secret = hides();
     length_ = 0;
     execute(std::string_view(line_.data(), length));
+    if (secret) {
+      line_.fill('\0');
+    }
     return;
   }
   if (c == kBackspace || c == kDelete) {
@@ -92,9 +101,10 @@ void Shell::receive(char c) {
     too_long_ = true;
     return;
   }
+  const bool secret = hides();
   line_[length_++] = c;
   if (echo_) {
-    out_ << c;
+    out_ << (secret ? '*' : c);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "firmware/board.hpp"
 #include "firmware/machine.hpp"
+#include "firmware/maintenance.hpp"
 #include "firmware/parameter_text.hpp"
 
 namespace capstan {
@@ -32,6 +33,8 @@ class Shell {
   /// The operator wants torque off although an answer is under way: takes it away at once and ends what streams. The
   /// `disarm` itself is still to be received and answered in its turn.
   void disarm_now();
+  /// Whoever was there has gone: the next one does not find maintenance open.
+  void peer_left() { maintenance_.close(); }
 
  private:
   friend struct ShellCommands;
@@ -42,6 +45,8 @@ class Shell {
     const ParameterInfo* parameter = nullptr;
   };
 
+  /// What is typed now is shown as stars: it may be a key.
+  [[nodiscard]] auto hides() const -> bool;
   auto skip_escape(char c) -> bool;
   void execute(std::string_view line);
   void prompt();
@@ -77,6 +82,7 @@ class Shell {
   Activity activity_ = Activity::kIdle;
   std::array<AxisConfig, kMaxAxes> staged_{};
   bool staging_ = false;
+  Maintenance maintenance_;
   std::size_t log_axis_ = 0;
   std::uint32_t log_left_ = 0;
   std::uint32_t log_every_ = 1;

@@ -42,6 +42,7 @@ struct ShellCommands {
   static void watch(Shell& shell, std::string_view arguments);
   static void scope(Shell& shell, std::string_view arguments);
   static void model(Shell& shell, std::string_view arguments);
+  static void maintenance(Shell& shell, std::string_view arguments);
   static void timing(Shell& shell, std::string_view arguments);
   static void reboot(Shell& shell, std::string_view arguments);
 
@@ -49,6 +50,9 @@ struct ShellCommands {
   static void replay_lines(Shell& shell, bool changed_only);
   static void post(Shell& shell, const Request& request, Shell::Activity activity);
   static void begin_staging(Shell& shell);
+  static void maintenance_status(Shell& shell);
+  static void maintenance_open(Shell& shell, std::string_view key);
+  static void maintenance_key(Shell& shell, std::string_view key);
   static void scope_status(Shell& shell);
   static void scope_signals(Shell& shell);
   static void scope_channels(Shell& shell, std::string_view arguments);

@@ -2,6 +2,7 @@
 #include "firmware/shell_input.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace capstan {
 namespace {
@@ -47,13 +48,18 @@ void ShellInput::take(char c, bool urgent) {
 void ShellInput::poll() {
   shell_.poll();
   while (count_ > 0 && !shell_.busy()) {
-    const char c = waiting_[first_];
+    const char c = std::exchange(waiting_[first_], '\0');  // a key leaves nothing behind
     first_ = (first_ + 1) % waiting_.size();
     --count_;
     in_line_ = !ends_line(c);
     shell_.receive(c);
   }
   shell_.poll();
+}
+
+void ShellInput::peer_left() {
+  forget();
+  shell_.peer_left();
 }
 
 void ShellInput::forget() {

@@ -24,11 +24,13 @@ class ShellInput {
   void take(char c, bool urgent = true);
   /// Lets the shell go on and hands it what it can take. Call it in the background loop.
   void poll();
-  /// The peer is gone: so is what it still had to say, and what streams to it.
-  void forget();
+  /// The peer is gone: so is what it still had to say, what streams to it and what it had opened.
+  void peer_left();
 
  private:
   auto ends_disarm(char c) -> bool;
+  /// What waits and what streams.
+  void forget();
 
   Shell& shell_;
   std::array<char, 256> waiting_{};  // a ring

@@ -83,6 +83,13 @@ void Shell::commit() {
             "'disarm' first");
       return;
     }
+    const ParameterInfo* limit = changed_safety_limit(now[axis], staged_[axis]);
+    if (limit != nullptr && !maintenance_.is_open(machine_.telemetry().tick)) {
+      out_ << "error maintenance: " << limit->group << '.' << limit->name
+           << " is a safety limit, and nothing was changed; 'maintenance open' first, with the key if one is set\r\n";
+      prompt();
+      return;
+    }
     if (const char* problem = check(staged_[axis])) {
       out_ << "error inconsistent: nothing was changed, because " << problem << "\r\n";  // it ends in its own cure
       prompt();

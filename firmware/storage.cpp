@@ -54,31 +54,49 @@ auto take(std::span<const std::uint8_t> bytes) -> std::uint32_t {
 }
 
 /// FNV-1a over axis, group and name.
-auto hash_of(std::size_t axis, const ParameterInfo& parameter) -> std::uint32_t {
+auto hash_of(std::size_t axis, std::string_view group, std::string_view name) -> std::uint32_t {
   std::uint32_t hash = 2166136261U;
   auto add = [&hash](std::uint8_t byte) { hash = (hash ^ byte) * 16777619U; };
   add(static_cast<std::uint8_t>(axis));
-  for (const char c : std::string_view(parameter.group)) {
+  for (const char c : group) {
     add(static_cast<std::uint8_t>(c));
   }
   add('.');
-  for (const char c : std::string_view(parameter.name)) {
+  for (const char c : name) {
     add(static_cast<std::uint8_t>(c));
   }
   return hash;
 }
+auto hash_of(std::size_t axis, const ParameterInfo& parameter) -> std::uint32_t {
+  return hash_of(axis, parameter.group, parameter.name);
+}
 
-/// Calls each(entry bytes) for every parameter of every axis, in order.
+/// Of the key's words, which belong to no joint.
+auto hash_of_key(std::size_t word) -> std::uint32_t {
+  constexpr std::size_t kMachine = 0xFF;
+  constexpr std::array<std::string_view, 4> kNames = {"key0", "key1", "key2", "key3"};
+  return hash_of(kMachine, "maintenance", kNames[word]);
+}
+
+/// Calls each(entry bytes) for every parameter of every axis, in order, and for the key's words if there is one.
 template <typename Each>
-auto for_each_entry(std::span<const AxisConfig> axes, Each&& each) -> bool {
+auto for_each_entry(std::span<const AxisConfig> axes, const KeyDigest& key, Each&& each) -> bool {
+  const auto pass = [&each](std::uint32_t hash, std::uint32_t value) {
+    std::array<std::uint8_t, kEntryBytes> entry{};
+    put(std::span(entry).first(4), hash);
+    put(std::span(entry).last(4), value);
+    return each(std::span<const std::uint8_t>(entry));
+  };
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     for (const ParameterInfo& parameter : parameters()) {
-      std::array<std::uint8_t, kEntryBytes> entry{};
-      put(std::span(entry).first(4), hash_of(axis, parameter));
-      put(std::span(entry).last(4), static_cast<std::uint32_t>(raw_value(axes[axis], parameter)));
-      if (!each(std::span<const std::uint8_t>(entry))) {
+      if (!pass(hash_of(axis, parameter), static_cast<std::uint32_t>(raw_value(axes[axis], parameter)))) {
         return false;
       }
+    }
+  }
+  for (std::size_t i = 0; key.is_set() && i < key.words.size(); ++i) {
+    if (!pass(hash_of_key(i), key.words[i])) {
+      return false;
     }
   }
   return true;
@@ -169,6 +187,14 @@ auto newest(Banks& banks, Header& header, BankState& worst) -> int {
   return best;
 }
 
+void restore_key(KeyDigest& key, std::uint32_t hash, std::uint32_t value) {
+  for (std::size_t i = 0; i < key.words.size(); ++i) {
+    if (hash_of_key(i) == hash) {
+      key.words[i] = value;
+    }
+  }
+}
+
 void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw) {
   for (std::size_t axis = 0; axis < axes.size(); ++axis) {
     for (const ParameterInfo& parameter : parameters()) {
@@ -181,13 +207,14 @@ void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw) {
 
 }  // namespace
 
-auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
+auto ParameterStorage::save(std::span<const AxisConfig> axes, const KeyDigest& key) -> bool {
   Header old;
   BankState worst = BankState::kEmpty;
   const int bank = newest(banks_, old, worst) == 0 ? 1 : 0;
   Header header;
   header.sequence = old.sequence + 1;
-  header.length = static_cast<std::uint32_t>(axes.size() * parameters().size() * kEntryBytes);
+  const std::size_t entries = axes.size() * parameters().size() + (key.is_set() ? key.words.size() : 0);
+  header.length = static_cast<std::uint32_t>(entries * kEntryBytes);
   if (header.length > kLongestPayload || !banks_.erase(bank)) {
     return false;
   }
@@ -195,7 +222,7 @@ auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
   const auto unsealed = header_bytes(header);
   crc.add(std::span(unsealed).first(16));
   std::size_t at = kHeaderBytes;
-  const bool written = for_each_entry(axes, [&](std::span<const std::uint8_t> entry) {
+  const bool written = for_each_entry(axes, key, [&](std::span<const std::uint8_t> entry) {
     crc.add(entry);
     const bool ok = banks_.write(bank, at, entry);
     at += entry.size();
@@ -206,7 +233,7 @@ auto ParameterStorage::save(std::span<const AxisConfig> axes) -> bool {
   return written && banks_.write(bank, 0, header_bytes(header)) && inspect(banks_, bank, check) == BankState::kValid;
 }
 
-auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
+auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadResult {
   Header header;
   BankState worst = BankState::kEmpty;
   const int bank = newest(banks_, header, worst);
@@ -216,6 +243,7 @@ auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
            : worst == BankState::kUnsealed ? LoadResult::kUnfinished
                                            : LoadResult::kEmpty;
   }
+  KeyDigest stored_key;
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
     if (!banks_.read(bank, kHeaderBytes + at, entry)) {
@@ -223,11 +251,15 @@ auto ParameterStorage::load(std::span<AxisConfig> axes) -> LoadResult {
     }
     const std::span<const std::uint8_t> all(entry);
     restore(axes, take(all.first(4)), static_cast<std::int32_t>(take(all.last(4))));
+    restore_key(stored_key, take(all.first(4)), take(all.last(4)));
   }
   for (const AxisConfig& axis : axes) {
     if (check(axis) != nullptr) {
       return LoadResult::kCorrupt;  // values of several versions that do not go together
     }
+  }
+  if (key != nullptr) {
+    *key = stored_key;
   }
   return LoadResult::kLoaded;
 }

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "firmware/config.hpp"
+#include "firmware/maintenance.hpp"
 
 namespace capstan {
 
@@ -42,16 +43,16 @@ enum class LoadResult : std::uint8_t {
   kRefused,     ///< nothing was tried, because torque is on or the last change is still under way
 };
 
-/// Parameters in two banks. A save goes to the bank that does not hold the newest set and becomes valid with its last
-/// word, the header; a cut at any byte leaves the old set. Entries carry a hash of the parameter's name, so sets from
-/// other versions load as far as names agree.
+/// Parameters and the digest of the maintenance key in two banks. A save goes to the bank that does not hold the newest
+/// set and becomes valid with its last word, the header; a cut at any byte leaves the old set. Entries carry a hash of
+/// the parameter's name, so sets from other versions load as far as names agree.
 class ParameterStorage {
  public:
   explicit ParameterStorage(Banks& banks) : banks_(banks) {}
-  auto save(std::span<const AxisConfig> axes) -> bool;
+  auto save(std::span<const AxisConfig> axes, const KeyDigest& key = {}) -> bool;
   /// Entries that are unknown or outside today's range are left at the values `axes` came with. After anything but
-  /// kLoaded what is in `axes` is not to be used. Never kRefused.
-  auto load(std::span<AxisConfig> axes) -> LoadResult;
+  /// kLoaded what is in `axes` is not to be used. Never kRefused. `key`: where the key goes; nullptr: nowhere.
+  auto load(std::span<AxisConfig> axes, KeyDigest* key = nullptr) -> LoadResult;
 
  private:
   Banks& banks_;

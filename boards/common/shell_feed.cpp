@@ -25,7 +25,7 @@ auto ShellFeed::poll() -> bool {
     ended_ = console_.is_script();
     lost = !ended_;
     if (lost) {
-      input_.forget();
+      input_.peer_left();
     }
   }
   input_.poll();
@@ -37,7 +37,7 @@ auto ShellFeed::poll() -> bool {
     ended_ = shell_.busy();
     lost = !ended_;
     if (lost) {
-      input_.forget();  // a watch at the script's end ends with it
+      input_.peer_left();  // a watch at the script's end ends with it
     }
   }
   return lost;

@@ -59,6 +59,7 @@ TEST(ShellParameters, SetChangesThatParameterAndNoOther) {
 
 TEST(ShellParameters, SetReachesTheCycle) {
   Bench bench;
+  bench.say("maintenance open");
   bench.say("set joint0.limits.joint_max 0.2");
   bench.say("arm");
   EXPECT_TRUE(refused(bench.say("move joint0 0.3"), "range"));
@@ -66,6 +67,7 @@ TEST(ShellParameters, SetReachesTheCycle) {
 
 TEST(ShellParameters, UnitsThatPeopleTypeAreConverted) {
   Bench bench;
+  bench.say("maintenance open");
   for (const auto& [line, value] : {std::pair{"joint0.limits.following_time 250 ms", 0.25},
                                     {"joint0.limits.following_time 300ms", 0.3},
                                     {"joint0.limits.following_time 0.5 s", 0.5},
@@ -131,6 +133,7 @@ TEST(ShellParameters, BlanksAndTabsMaySeparateWords) {
 
 TEST(ShellParameters, StagedChangesComeIntoForceTogetherAtCommit) {
   Bench bench;
+  bench.say("maintenance open");
   EXPECT_EQ(verdict(bench.say("begin")), "ok");
   EXPECT_EQ(verdict(bench.say("set joint0.limits.motor_min 7")), "ok") << "above motor_max for the moment";
   EXPECT_EQ(verdict(bench.say("set joint0.limits.motor_max 9")), "ok");
@@ -143,6 +146,7 @@ TEST(ShellParameters, StagedChangesComeIntoForceTogetherAtCommit) {
 
 TEST(ShellParameters, AnInconsistentCommitChangesNothingAndCanBeMended) {
   Bench bench;
+  bench.say("maintenance open");
   bench.say("begin");
   bench.say("set joint1.control.kp 3");
   bench.say("set joint1.limits.joint_min 5");
@@ -224,6 +228,7 @@ void put_in_force(Bench& bench, std::uint32_t seed) {
 
 TEST(ShellParameters, ADumpPastedBackRestoresEveryParameterExactly) {
   Bench bench;
+  bench.say("maintenance open");
   for (std::uint32_t seed = 0; seed < 20; seed += 2) {
     put_in_force(bench, seed);
     const auto dump = lines_of(bench.say("dump"));

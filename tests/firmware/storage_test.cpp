@@ -99,6 +99,21 @@ TEST(Storage, ASavedSetLoadsWithEveryParameterOfEveryJoint) {
   EXPECT_TRUE(same_set(set, set_of(1)));
 }
 
+TEST(Storage, AKeyIsSavedWithTheParametersAndASetWithoutOneHasNone) {
+  FlashBanks banks;
+  const KeyDigest key = digest_of("tendon-27");
+  const Set all = set_of(1);
+  ASSERT_TRUE(ParameterStorage(banks).save(all, key));
+  Set set{};
+  KeyDigest found;
+  ASSERT_EQ(ParameterStorage(banks).load(set, &found), LoadResult::kLoaded);
+  EXPECT_EQ(found, key);
+  EXPECT_TRUE(same_set(set, all));
+  ASSERT_TRUE(ParameterStorage(banks).save(all));
+  ASSERT_EQ(ParameterStorage(banks).load(set, &found), LoadResult::kLoaded);
+  EXPECT_FALSE(found.is_set());
+}
+
 TEST(Storage, ThreeHundredSavesInARowEachLoadBack) {
   FlashBanks banks;
   for (std::uint32_t i = 0; i < 300; ++i) {
