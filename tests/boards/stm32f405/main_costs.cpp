@@ -7,6 +7,7 @@
 #include <limits>
 #include <string_view>
 
+#include "boards/stm32f405/host_sink.hpp"
 #include "firmware/text.hpp"
 #include "hal/stm32f4/memory_map.hpp"
 #include "hal/stm32f4/semihosting.hpp"
@@ -27,16 +28,6 @@ constexpr std::uint32_t kCoreHz = 168'000'000;  // at which the emulator's timer
 constexpr int kCalls = 1000;
 
 stm32f4::Tick<stm32f4::MemoryRegister> tick{stm32f4::systick_registers()};
-
-/// The host's standard output.
-class HostSink final : public TextSink {
- private:
-  void do_write(std::string_view text) override {
-    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-    static_cast<void>(output_.write(bytes));
-  }
-  semihosting::File output_{std::string_view(":tt"), semihosting::File::Mode::kWrite};
-};
 
 /// Numbers that look like chance, the same every run.
 class Chance {
@@ -318,7 +309,7 @@ void rt_usart1_isr() {
 }  // extern "C"
 
 int main() {
-  HostSink sink;
+  stm32f405::HostSink sink;
   Print out(sink);
   if (!tick.start(kCoreHz, 1000)) {
     semihosting::exit(21);

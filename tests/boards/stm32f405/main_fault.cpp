@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "boards/stm32f405/host_sink.hpp"
 #include "boards/stm32f405/startup.hpp"
 #include "firmware/text.hpp"
 #include "hal/stm32f4/memory_map.hpp"
@@ -14,15 +15,6 @@ namespace {
 
 using namespace capstan;
 namespace semihosting = stm32f4::semihosting;
-
-class HostSink final : public TextSink {
- private:
-  void do_write(std::string_view text) override {
-    semihosting::File output(std::string_view(":tt"), semihosting::File::Mode::kWrite);
-    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-    static_cast<void>(output.write(bytes));
-  }
-};
 
 volatile std::uint32_t zero = 0;
 
@@ -51,7 +43,7 @@ void fail(std::string_view how) {
 extern "C" {
 
 void rt_release_outputs() {
-  HostSink sink;
+  stm32f405::HostSink sink;
   Print(sink) << "released\n";
 }
 void rt_systick_isr() {}
@@ -64,7 +56,7 @@ int main() {
   std::array<char, 256> text{};
   std::string_view words(text.data(), semihosting::command_line(text));
   static_cast<void>(next_word(words));  // the image itself
-  HostSink sink;
+  stm32f405::HostSink sink;
   Print out(sink);
   stm32f405::FaultRecord record;
   if (!stm32f405::take_fault_record(record)) {
