@@ -13,20 +13,23 @@
 /// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
 /// endian.
 ///
-///   input:  "CRP1", number of parameters u32, their raw values i32 each | records of kInputSize bytes
-///   output: records of kOutputSize bytes, one for each input record
+///   input:  "CRP2", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
+///   bytes output: records of kOutputSize bytes, one for each input record
 namespace capstan::stm32f405 {
 
-inline constexpr std::uint32_t kReplayMagic = 0x31505243;  // "CRP1"
-inline constexpr std::size_t kInputSize = 24;
-inline constexpr std::size_t kOutputSize = 36;
+inline constexpr std::uint32_t kReplayMagic = 0x32505243;  // "CRP2"
+template <std::size_t Axes>
+inline constexpr std::size_t kInputSize = 5 + 18 * Axes;
+template <std::size_t Axes>
+inline constexpr std::size_t kOutputSize = 6 + 27 * Axes;
 
 enum class ReplayResult : std::uint8_t { kOk = 0, kBadHeader = 10, kTruncated = 11, kWriteFailed = 12 };
 
 /// What one cycle is given.
+template <std::size_t Axes>
 struct ReplayInput {
-  Sensed<1> sensed;
-  Command<1> command;
+  Sensed<Axes> sensed;
+  Command<Axes> command;
 };
 
 namespace detail {
@@ -68,90 +71,100 @@ class ByteReader {
 }  // namespace detail
 
 /// One input record.
-inline void encode(const ReplayInput& input, std::span<std::uint8_t, kInputSize> bytes) {
+template <std::size_t Axes>
+void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<Axes>> bytes) {
   detail::ByteWriter out(bytes);
-  const AxisSensed& sensed = input.sensed.axis[0];
-  const AxisCommand& command = input.command.axis[0];
-  out.u32(static_cast<std::uint32_t>(sensed.encoder_counts));
-  out.q24(sensed.current_a);
-  out.u8(
-      static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
   out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
                                    (input.command.disarm ? 4U : 0U)));
-  out.u8(static_cast<std::uint8_t>(command.kind));
-  out.u8(0);
   out.u32(input.sensed.overruns);
-  out.q24(command.position_rad);
-  out.q24(command.speed_rad_s);
+  for (std::size_t i = 0; i < Axes; ++i) {
+    const AxisSensed& sensed = input.sensed.axis[i];
+    const AxisCommand& command = input.command.axis[i];
+    out.u32(static_cast<std::uint32_t>(sensed.encoder_counts));
+    out.q24(sensed.current_a);
+    out.u8(
+        static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
+    out.u8(static_cast<std::uint8_t>(command.kind));
+    out.q24(command.position_rad);
+    out.q24(command.speed_rad_s);
+  }
 }
 
-inline auto decode(std::span<const std::uint8_t, kInputSize> bytes) -> ReplayInput {
+template <std::size_t Axes>
+auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInput<Axes> {
   detail::ByteReader in(bytes);
-  ReplayInput input;
-  AxisSensed& sensed = input.sensed.axis[0];
-  AxisCommand& command = input.command.axis[0];
-  sensed.encoder_counts = static_cast<std::int32_t>(in.u32());
-  sensed.current_a = in.q24();
-  const std::uint8_t qualities = in.u8();
-  sensed.encoder = static_cast<Quality>(qualities & 0xFU);
-  sensed.current = static_cast<Quality>(qualities >> 4U);
+  ReplayInput<Axes> input;
   const std::uint8_t flags = in.u8();
   input.sensed.estop = (flags & 1U) != 0;
   input.command.arm = (flags & 2U) != 0;
   input.command.disarm = (flags & 4U) != 0;
-  command.kind = static_cast<AxisCommand::Kind>(in.u8());
-  static_cast<void>(in.u8());
   input.sensed.overruns = in.u32();
-  command.position_rad = in.q24();
-  command.speed_rad_s = in.q24();
+  for (std::size_t i = 0; i < Axes; ++i) {
+    AxisSensed& sensed = input.sensed.axis[i];
+    AxisCommand& command = input.command.axis[i];
+    sensed.encoder_counts = static_cast<std::int32_t>(in.u32());
+    sensed.current_a = in.q24();
+    const std::uint8_t qualities = in.u8();
+    sensed.encoder = static_cast<Quality>(qualities & 0xFU);
+    sensed.current = static_cast<Quality>(qualities >> 4U);
+    command.kind = static_cast<AxisCommand::Kind>(in.u8());
+    command.position_rad = in.q24();
+    command.speed_rad_s = in.q24();
+  }
   return input;
 }
 
-/// One output record: the set value and everything the cycle reports.
-inline void encode(const Drive<1>& drive, const CycleState<1>& state, std::span<std::uint8_t, kOutputSize> bytes) {
+/// One output record: the set values and everything the cycle reports.
+template <std::size_t Axes>
+void encode(const Drive<Axes>& drive, const CycleState<Axes>& state, std::span<std::uint8_t, kOutputSize<Axes>> bytes) {
   detail::ByteWriter out(bytes);
-  const AxisTelemetry& axis = state.axis[0].telemetry();
-  out.q24(drive.axis[0].current_a);
-  out.u8(drive.axis[0].enabled ? 1 : 0);
   out.u8(static_cast<std::uint8_t>(state.telemetry.state));
   out.u8(static_cast<std::uint8_t>(state.telemetry.first_fault));
-  out.u8(axis.limits);
   out.u32(state.telemetry.conditions);
-  for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad}) {
-    out.q24(value);
+  for (std::size_t i = 0; i < Axes; ++i) {
+    const AxisTelemetry& axis = state.axis[i].telemetry();
+    out.q24(drive.axis[i].current_a);
+    out.u8(drive.axis[i].enabled ? 1 : 0);
+    out.u8(axis.limits);
+    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad}) {
+      out.q24(value);
+    }
+    out.u8(axis.estimate_valid ? 1 : 0);
   }
-  out.u32(axis.estimate_valid ? 1 : 0);
 }
 
 /// Plays a whole run. Source: read(bytes) -> how many, fewer only at the end. Sink: write(bytes) -> done.
 /// Meter: begin() and end() are called around each cycle, to time it where that means something.
-template <typename Source, typename Sink, typename Meter>
+template <std::size_t Axes, typename Source, typename Sink, typename Meter>
 [[nodiscard]] auto replay(Source& source, Sink& sink, Meter& meter) -> ReplayResult {
-  std::array<std::uint8_t, 8> head{};
+  std::array<std::uint8_t, 12> head{};
   detail::ByteReader header(head);
-  if (source.read(head) != head.size() || header.u32() != kReplayMagic || header.u32() != parameters().size()) {
+  if (source.read(head) != head.size() || header.u32() != kReplayMagic || header.u32() != Axes ||
+      header.u32() != parameters().size()) {
     return ReplayResult::kBadHeader;  // of another firmware
   }
-  Config<1> config{};
-  for (const ParameterInfo& parameter : parameters()) {
-    std::array<std::uint8_t, 4> word{};
-    if (source.read(word) != word.size()) {
-      return ReplayResult::kTruncated;
+  Config<Axes> config{};
+  for (AxisConfig& axis : config) {
+    for (const ParameterInfo& parameter : parameters()) {
+      std::array<std::uint8_t, 4> word{};
+      if (source.read(word) != word.size()) {
+        return ReplayResult::kTruncated;
+      }
+      set_raw_value(axis, parameter, static_cast<std::int32_t>(detail::ByteReader(word).u32()));
     }
-    set_raw_value(config[0], parameter, static_cast<std::int32_t>(detail::ByteReader(word).u32()));
   }
-  CycleState<1> state(config);
-  std::array<std::uint8_t, kInputSize> in{};
-  std::array<std::uint8_t, kOutputSize> out{};
+  static CycleState<Axes> state(config);  // once per run, and too large for the target's stack
+  std::array<std::uint8_t, kInputSize<Axes>> in{};
+  std::array<std::uint8_t, kOutputSize<Axes>> out{};
   for (std::size_t got = source.read(in); got != 0; got = source.read(in)) {
     if (got != in.size()) {
       return ReplayResult::kTruncated;
     }
-    const ReplayInput input = decode(in);
+    const ReplayInput<Axes> input = decode<Axes>(in);
     meter.begin();
-    const Drive<1> drive = cycle(state, input.sensed, input.command);
+    const Drive<Axes> drive = cycle(state, input.sensed, input.command);
     meter.end();
-    encode(drive, state, out);
+    encode<Axes>(drive, state, out);
     if (!sink.write(out)) {
       return ReplayResult::kWriteFailed;
     }

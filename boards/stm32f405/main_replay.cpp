@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include "boards/stm32f405/board.hpp"
 #include "boards/stm32f405/cycle_replay.hpp"
+#include "boards/stm32f405/host_sink.hpp"
 #include "boards/stm32f405/startup.hpp"
 #include "firmware/text.hpp"
 #include "hal/stm32f4/memory_map.hpp"
@@ -78,10 +80,10 @@ class CostMeter {
   }
   void print(Print& out) const {
     const auto mean = cycles_ == 0 ? 0U : static_cast<std::uint32_t>(total_ / cycles_);
-    out << "replay: " << cycles_ << " cycles, " << stm32f4::emulated_instructions(mean, kCoreHz)
-        << " instructions each on average, " << stm32f4::emulated_instructions(max_, kCoreHz)
-        << " at most, stack unused " << stm32f405::stack_unused_bytes() << " of " << stm32f405::stack_size_bytes()
-        << " bytes\n";
+    out << "replay: " << cycles_ << " cycles of " << static_cast<std::uint32_t>(stm32f405::kAxes) << " axes, "
+        << stm32f4::emulated_instructions(mean, kCoreHz) << " instructions each on average, "
+        << stm32f4::emulated_instructions(max_, kCoreHz) << " at most, stack unused " << stm32f405::stack_unused_bytes()
+        << " of " << stm32f405::stack_size_bytes() << " bytes\n";
   }
 
  private:
@@ -89,16 +91,6 @@ class CostMeter {
   std::uint32_t max_ = 0;
   std::uint32_t cycles_ = 0;
   std::uint64_t total_ = 0;
-};
-
-/// The host's standard output.
-class HostSink final : public TextSink {
- private:
-  void do_write(std::string_view text) override {
-    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-    static_cast<void>(output_.write(bytes));
-  }
-  semihosting::File output_{std::string_view(":tt"), semihosting::File::Mode::kWrite};
 };
 
 // Too large for the stack.
@@ -118,9 +110,9 @@ auto run() -> std::uint32_t {
     return kUsageStatus;
   }
   CostMeter meter;
-  const stm32f405::ReplayResult result = stm32f405::replay(input, output, meter);
+  const stm32f405::ReplayResult result = stm32f405::replay<stm32f405::kAxes>(input, output, meter);
   const bool flushed = output.flush();
-  HostSink sink;
+  stm32f405::HostSink sink;
   Print out(sink);
   meter.print(out);
   return static_cast<std::uint32_t>(flushed ? result : stm32f405::ReplayResult::kWriteFailed);

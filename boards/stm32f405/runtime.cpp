@@ -33,7 +33,7 @@ auto start_core() noexcept -> StartReport {
 void start_pins(std::span<const stm32f4::Pin> pins) noexcept {
   namespace rcc = stm32f4::rcc;
   auto& registers = stm32f4::rcc_registers();
-  stm32f4::set_bits(registers.ahb1enr, rcc::kAhb1GpioA | rcc::kAhb1GpioB | rcc::kAhb1GpioC);
+  stm32f4::set_bits(registers.ahb1enr, rcc::kAhb1GpioA | rcc::kAhb1GpioB | rcc::kAhb1GpioC | rcc::kAhb1GpioD);
   stm32f4::set_bits(registers.apb2enr, rcc::kApb2Usart1);
   for (const stm32f4::Pin& pin : kCommonPins) {
     stm32f4::configure_pin(stm32f4::gpio_registers(pin.port), pin);

@@ -110,6 +110,9 @@ class Runtime final : public Board {
     const stm32f4::UsartErrors errors = console_.errors();
     out << "console: received characters lost " << errors.ring_overruns + errors.hardware_overruns << ", damaged "
         << errors.line_errors << "\r\n";
+    if constexpr (requires { io_.supply_v(); }) {
+      out << "supply of the amplifiers " << io_.supply_v() << " V\r\n";
+    }
   }
   void reboot() override {
     const std::uint32_t begin = tick_.count();

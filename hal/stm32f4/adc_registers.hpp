@@ -30,14 +30,15 @@ struct AdcCommonRegisters {
 };
 
 namespace adc {
-inline constexpr std::uint32_t kSrEndOfConversion = 1U << 1;
 inline constexpr std::uint32_t kSrOverrun = 1U << 5;
 inline constexpr std::uint32_t kCr2On = 1U << 0;
-inline constexpr std::uint32_t kCr2EachConversion = 1U
-                                                    << 10;  // EOCS: the end flag, and the overrun check, per conversion
+inline constexpr std::uint32_t kCr1Scan = 1U << 8;
+inline constexpr std::uint32_t kCr2Dma = 1U << 8;
+inline constexpr std::uint32_t kCr2DmaGoesOn = 1U << 9;  // DDS: requests after the last transfer of a round too
 inline constexpr std::uint32_t kCr2Start = 1U << 30;
 inline constexpr std::uint32_t kCcrClockMask = 3U << 16;
 inline constexpr std::uint32_t kCcrClockDiv4 = 1U << 16;
+inline constexpr std::uint32_t kSqrLengthShift = 20;
 inline constexpr std::uint32_t kSample28Cycles = 2U;  // field of SMPR
 }  // namespace adc
 

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "hal/stm32f4/adc_registers.hpp"
+#include "hal/stm32f4/dma_registers.hpp"
 #include "hal/stm32f4/gpio.hpp"
 #include "hal/stm32f4/registers.hpp"
 #include "hal/stm32f4/timer_registers.hpp"
@@ -42,14 +43,22 @@ inline auto usart2_registers() noexcept -> auto& {
 inline auto tim1_registers() noexcept -> auto& {
   return detail::at<TimerRegisters<Memory>, 0x4001'0000>();
 }
-inline auto tim2_registers() noexcept -> auto& {
-  return detail::at<TimerRegisters<Memory>, 0x4000'0000>();
+inline auto tim8_registers() noexcept -> auto& {
+  return detail::at<TimerRegisters<Memory>, 0x4001'0400>();
+}
+/// TIM2 to TIM5 follow each other at 1 KB.
+inline auto encoder_timer_registers(std::uint32_t number) noexcept -> TimerRegisters<Memory>& {
+  // NOLINTNEXTLINE(performance-no-int-to-ptr)
+  return *reinterpret_cast<TimerRegisters<Memory>*>(0x4000'0000U + 0x400U * (number - 2));
 }
 inline auto adc1_registers() noexcept -> auto& {
   return detail::at<AdcRegisters<Memory>, 0x4001'2000>();
 }
 inline auto adc_common_registers() noexcept -> auto& {
   return detail::at<AdcCommonRegisters<Memory>, 0x4001'2300>();
+}
+inline auto dma2_registers() noexcept -> auto& {
+  return detail::at<DmaRegisters<Memory>, 0x4002'6400>();
 }
 inline auto systick_registers() noexcept -> auto& {
   return detail::at<SysTickRegisters<Memory>, 0xE000'E010>();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 
@@ -32,6 +33,14 @@ struct CurrentScale {
 };
 static_assert(CurrentScale::kZero == 1U << 11U);
 
+/// Divider of the amplifiers' supply at its analogue input.
+struct SupplyScale {
+  Q24 full_scale_v = Q24::from_int(36);  ///< supply that gives the full range
+  [[nodiscard]] constexpr auto voltage(std::uint32_t raw) const -> Q24 {
+    return Q24::from_wide(shift_right_rounded<12>(std::int64_t{raw} * full_scale_v.raw()));
+  }
+};
+
 /// One axis' share of the board, all built by the board's main.
 template <RegisterCell Cell>
 struct AxisHardware {
@@ -39,49 +48,71 @@ struct AxisHardware {
   PwmSetValue<Cell>& set_value;
   GpioRegisters<Cell>& enable_port;
   Pin enable;
-  std::uint32_t current_channel;
-  CurrentScale current_scale;
 };
 
-/// Joint input and output of the motor board: encoders on timers, currents by the analogue converter, set values by
-/// pulse width, one enable line per amplifier, one emergency-stop line that is also the timer's break input.
+/// Where the emergency stop is read: the pins of the break inputs themselves, one for each timer in use.
+template <RegisterCell Cell>
+struct StopInput {
+  const GpioRegisters<Cell>& port;
+  Pin pin;
+};
+
+/// Joint input and output of the motor board: encoders on timers, currents and supply by the analogue converter, set
+/// values by pulse width, one enable line per amplifier, one emergency-stop line that is also both timers' break input.
 template <RegisterCell Cell, std::size_t Axes>
 class MotorBoardIo {
  public:
   static constexpr std::size_t kAxes = Axes;
+  /// Results in this order: the axes' currents, the supply.
+  using Analogue = AdcScan<Cell, Axes + 1>;
 
-  MotorBoardIo(std::array<AxisHardware<Cell>, Axes> axes, Adc<Cell>& adc, const GpioRegisters<Cell>& estop_port,
-               const Pin& estop) noexcept
-      : axes_(axes), adc_(adc), estop_port_(estop_port), estop_(estop) {}
+  struct Scales {
+    CurrentScale current;
+    SupplyScale supply;
+  };
+
+  MotorBoardIo(const std::array<AxisHardware<Cell>, Axes>& axes, Analogue& analogue,
+               const std::array<StopInput<Cell>, 2>& stop, const Scales& scales) noexcept
+      : axes_(axes), analogue_(analogue), stop_(stop), scales_(scales) {}
 
   [[nodiscard]] auto read(Sensed<Axes>& in) noexcept -> Status {
+    analogue_.rt_begin();  // converts while the rest is read
     in = {};
     in.overruns = overruns_;
-    in.estop = !pin_is_high(estop_port_, estop_);
+    for (const StopInput<Cell>& input : stop_) {
+      in.estop = in.estop || !pin_is_high(input.port, input.pin);
+    }
     Status status = Status::kOk;
     for (std::size_t i = 0; i < Axes; ++i) {
       in.estop = in.estop || axes_[i].set_value.rt_break_seen();
-      read_axis(axes_[i], in.axis[i]);
-      if (in.axis[i].encoder == Quality::kMissing || in.axis[i].current == Quality::kMissing) {
+      if (axes_[i].encoder.rt_read(in.axis[i].encoder_counts)) {
+        in.axis[i].encoder = Quality::kOk;
+      } else {
         status = Status::kTimeout;
       }
     }
-    return status;
+    return read_analogue(in) ? status : Status::kTimeout;
   }
 
   /// kFailed: an output that should be on is held off by the break input.
   [[nodiscard]] auto write(const Drive<Axes>& out) noexcept -> Status {
     Status status = Status::kOk;
+    bool any = false;
     for (std::size_t i = 0; i < Axes; ++i) {
       AxisHardware<Cell>& axis = axes_[i];
+      any = any || out.axis[i].enabled;
       if (!out.axis[i].enabled) {
         rt_release_axis(axis);
-        axis.set_value.rt_rearm();  // a past break has been reported by read(); the next enabling may try again
       } else if (axis.set_value.rt_drive(out.axis[i].current_a)) {
         set_pin(axis.enable_port, axis.enable, true);  // last: the amplifier wakes to a set value that is right already
       } else {
         rt_release_axis(axis);
         status = Status::kFailed;
+      }
+    }
+    if (!any) {  // a past break has been reported by read(); the next enabling may try again
+      for (AxisHardware<Cell>& axis : axes_) {
+        axis.set_value.rt_rearm();
       }
     }
     return status;
@@ -96,16 +127,25 @@ class MotorBoardIo {
   /// Cycles the board skipped or began late since start: handed on in every snapshot.
   void set_overruns(std::uint32_t overruns) noexcept { overruns_ = overruns; }
 
+  /// The amplifiers' supply in the last snapshot, V; 0 if it was missing. Callable from the background.
+  [[nodiscard]] auto supply_v() const noexcept -> Q24 {
+    return scales_.supply.voltage(supply_raw_.load(std::memory_order_relaxed));
+  }
+
  private:
-  void read_axis(AxisHardware<Cell>& axis, AxisSensed& in) noexcept {
-    if (axis.encoder.rt_read(in.encoder_counts)) {
-      in.encoder = Quality::kOk;
+  /// False: no result.
+  [[nodiscard]] auto read_analogue(Sensed<Axes>& in) noexcept -> bool {
+    std::array<std::uint32_t, Axes + 1> raw{};
+    if (!analogue_.rt_finish(raw)) {
+      supply_raw_.store(0, std::memory_order_relaxed);
+      return false;
     }
-    std::uint32_t raw = 0;
-    if (adc_.rt_convert(axis.current_channel, raw)) {
-      in.current = axis.current_scale.plausible(raw) ? Quality::kOk : Quality::kInvalid;
-      in.current_a = axis.current_scale.current(raw);
+    for (std::size_t i = 0; i < Axes; ++i) {
+      in.axis[i].current = scales_.current.plausible(raw[i]) ? Quality::kOk : Quality::kInvalid;
+      in.axis[i].current_a = scales_.current.current(raw[i]);
     }
+    supply_raw_.store(raw[Axes], std::memory_order_relaxed);
+    return true;
   }
 
   static void rt_release_axis(AxisHardware<Cell>& axis) noexcept {
@@ -114,11 +154,13 @@ class MotorBoardIo {
   }
 
   std::array<AxisHardware<Cell>, Axes> axes_;
-  Adc<Cell>& adc_;
-  const GpioRegisters<Cell>& estop_port_;
-  Pin estop_;
+  Analogue& analogue_;
+  std::array<StopInput<Cell>, 2> stop_;
+  Scales scales_;
   std::uint32_t overruns_ = 0;
+  std::atomic<std::uint32_t> supply_raw_{0};
 };
 static_assert(JointIo<MotorBoardIo<MemoryRegister, 1>>);
+static_assert(JointIo<MotorBoardIo<MemoryRegister, 4>>);
 
 }  // namespace capstan::stm32f4

@@ -26,8 +26,9 @@ struct PwmScale {
   }
 };
 
-/// One output channel of an advanced timer (TIM1, TIM8) whose break input cuts the output in hardware, without the
-/// core. A break is latched by the timer: however short it was, the output stays off until rt_rearm().
+/// One output channel of an advanced timer (TIM1, TIM8) whose break input cuts all of its outputs in hardware, without
+/// the core. A break is latched by the timer: however short it was, the outputs stay off until rt_rearm(). Channels of
+/// one timer share its break and its main output, which goes off with the last of them.
 template <RegisterCell Cell>
 class PwmSetValue {
  public:
@@ -35,7 +36,8 @@ class PwmSetValue {
   PwmSetValue(TimerRegisters<Cell>& registers, std::uint32_t channel) noexcept
       : registers_(registers), channel_(channel) {}
 
-  /// Starts with the output off. The break input is active low: an open wire is an emergency stop.
+  /// Starts with the output off; channels of one timer one after the other, and with the same period. The break input
+  /// is active low: an open wire is an emergency stop.
   void start(const PwmScale& scale) noexcept {
     scale_ = scale;
     registers_.cr1.write(0);
@@ -45,7 +47,7 @@ class PwmSetValue {
     registers_.ccr[channel_].write(scale_.compare(Q24{}));
     const std::uint32_t shift = 8 * (channel_ % 2);
     modify(registers_.ccmr[channel_ / 2], 0xFFU << shift, timer::kCcmrPwm << shift);
-    set_bits(registers_.ccer, 1U << (4 * channel_));
+    clear_bits(registers_.ccer, output_bit());
     registers_.egr.write(timer::kEgrUpdate);  // takes the preloaded values over before the first period
     registers_.cr1.write(timer::kCr1PreloadReload | timer::kCr1Enable);
   }
@@ -56,6 +58,7 @@ class PwmSetValue {
     if (rt_break_seen()) {
       return false;
     }
+    set_bits(registers_.ccer, output_bit());
     // Written only when it is off: a read-modify-write every cycle could undo a break that fell between its two halves.
     if ((registers_.bdtr.read() & timer::kBdtrMainOutput) == 0) {
       set_bits(registers_.bdtr, timer::kBdtrMainOutput);
@@ -65,16 +68,21 @@ class PwmSetValue {
 
   /// Output off, then the set value back to zero. Legal at any time, from any interrupt.
   void rt_release() noexcept {
-    clear_bits(registers_.bdtr, timer::kBdtrMainOutput);
+    clear_bits(registers_.ccer, output_bit());
+    if ((registers_.ccer.read() & timer::kCcerOutputs) == 0) {
+      clear_bits(registers_.bdtr, timer::kBdtrMainOutput);
+    }
     registers_.ccr[channel_].write(scale_.compare(Q24{}));
   }
 
-  /// Forgets a past break. While the input is still active the flag comes straight back.
+  /// Forgets a past break of the timer. While the input is still active the flag comes straight back.
   void rt_rearm() noexcept { registers_.sr.write(~timer::kSrBreak); }
 
   [[nodiscard]] auto rt_break_seen() const noexcept -> bool { return (registers_.sr.read() & timer::kSrBreak) != 0; }
 
  private:
+  [[nodiscard]] auto output_bit() const noexcept -> std::uint32_t { return 1U << (4 * channel_); }
+
   TimerRegisters<Cell>& registers_;
   std::uint32_t channel_;
   PwmScale scale_;

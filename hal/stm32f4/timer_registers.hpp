@@ -28,12 +28,14 @@ inline constexpr std::uint32_t kCr1Enable = 1U << 0;
 inline constexpr std::uint32_t kCr1PreloadReload = 1U << 7;
 inline constexpr std::uint32_t kSmcrQuadrature = 3U;  // count on both edges of both inputs
 inline constexpr std::uint32_t kEgrUpdate = 1U << 0;
+inline constexpr std::uint32_t kSrUpdate = 1U << 0;
 inline constexpr std::uint32_t kSrBreak = 1U << 7;
 /// Both channels of CCMR1 as inputs on their own pins, with a filter field of four bits each.
 inline constexpr std::uint32_t kCcmrInputs = (1U << 0) | (1U << 8);
 inline constexpr std::uint32_t kCcmrFilter1Shift = 4;
 inline constexpr std::uint32_t kCcmrFilter2Shift = 12;
 inline constexpr std::uint32_t kCcerInvert1 = 1U << 1;
+inline constexpr std::uint32_t kCcerOutputs = (1U << 0) | (1U << 4) | (1U << 8) | (1U << 12);  // all four channels
 /// One output channel's byte of CCMR: PWM mode 1 (high while the counter is below the compare value), preloaded.
 inline constexpr std::uint32_t kCcmrPwm = (6U << 4) | (1U << 3);
 inline constexpr std::uint32_t kBdtrIdleDriven = 1U

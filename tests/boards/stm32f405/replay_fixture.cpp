@@ -3,15 +3,18 @@
 // every effect of its law switched on, through moves, streamed references and every kind of sensor trouble. INPUT gets
 // what the cycle was given, EXPECTED what this machine's cycle made of it when it replayed that file. Status 1 when the
 // run did not visit all it is meant to visit, since a comparison of idle cycles would prove nothing.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <random>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "boards/stm32f405/board.hpp"
 #include "boards/stm32f405/cycle_replay.hpp"
 #include "hal/sim/plant.hpp"
 #include "hal/sim/sim_io.hpp"
@@ -44,8 +47,10 @@ struct NoMeter {
   void end() {}
 };
 
-/// A law in which no term is idle.
-auto lively_config() -> AxisConfig {
+using Input = ReplayInput<kAxes>;
+
+/// A law in which no term is idle, a little different for each axis; every axis but the first feels the one before it.
+auto lively_config(std::size_t axis) -> AxisConfig {
   AxisConfig config;
   const auto set = [&config](const char* name, double value) {
     const ParameterInfo* parameter = find_parameter(name);
@@ -55,7 +60,7 @@ auto lively_config() -> AxisConfig {
     }
     set_raw_value(config, *parameter, Q24::from_double(value).raw());
   };
-  set("motor_angle.beta", 0.97);
+  set("motor_angle.beta", 0.97 + 0.02 * static_cast<double>(axis));
   set("joint_offset.offset", 0.012);
   set("tendon_elongation.top", -0.11);
   set("tendon_elongation.bottom", -0.09);
@@ -65,6 +70,12 @@ auto lively_config() -> AxisConfig {
   set("play.gain", 0.05);
   set("play.half_width", 0.01);
   set("transport_delay.delay", 0.03);
+  if (axis > 0) {
+    set("axis_coupling.angle", 0.02);
+    set("axis_coupling.top", -0.003);
+    set("axis_coupling.bottom", -0.002);
+    config.coupled_to = static_cast<std::int32_t>(axis) - 1;
+  }
   set("control.torque_forward", 0.05);
   set("control.torque_backward", -0.04);
   return config;
@@ -73,23 +84,13 @@ auto lively_config() -> AxisConfig {
 /// What the operator does and what goes wrong, by cycle.
 class Story {
  public:
-  void tell(std::uint32_t cycle, ReplayInput& input) {
+  void tell(std::uint32_t cycle, Input& input) {
     const std::uint32_t second = cycle / 1000;
     const std::uint32_t within = cycle % 1000;
-    AxisCommand& command = input.command.axis[0];
-    if (within == 0) {
-      input.command.disarm = second % 4 == 0;     // clears what the last story left latched
-    } else if (within == 1 && second % 4 == 0) {  // and a jump's loss of position; the motor is where its encoder says
-      constexpr double kRadPerCount = 6.283185307179586 / 40960.0;
-      command = {AxisCommand::Kind::kZero, Q24::from_double(kRadPerCount * input.sensed.axis[0].encoder_counts), {}};
-    } else if (within == 2) {
-      input.command.arm = second % 4 == 0;
-    } else if (within == 20) {
-      command = {AxisCommand::Kind::kMove, angle(1.2), Q24::from_double(1.5)};
-    } else if (second % 4 == 1 && within > 200) {
-      command = {AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within)), {}};
-    } else if (within == 700) {
-      command.kind = AxisCommand::Kind::kStop;
+    input.command.disarm = within == 0 && second % 4 == 0;  // clears what the last story left latched
+    input.command.arm = within == 2 && second % 4 == 0;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      input.command.axis[i] = order(second, within, i, input.sensed.axis[i]);
     }
     if (second % 4 == 3) {
       trouble(second, within, input);
@@ -97,15 +98,32 @@ class Story {
   }
 
  private:
+  auto order(std::uint32_t second, std::uint32_t within, std::size_t axis, const AxisSensed& sensed) -> AxisCommand {
+    if (within == 1 && second % 4 == 0) {  // after a jump's loss of position; the motor is where its encoder says
+      constexpr double kRadPerCount = 6.283185307179586 / 40960.0;
+      return {AxisCommand::Kind::kZero, Q24::from_double(kRadPerCount * sensed.encoder_counts), {}};
+    }
+    if (within == 20 + axis) {
+      return {AxisCommand::Kind::kMove, angle(1.2), Q24::from_double(1.5)};
+    }
+    if (second % 4 == 1 && within > 200) {
+      return {AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within + axis)), {}};
+    }
+    if (within == 700) {
+      return {AxisCommand::Kind::kStop, {}, {}};
+    }
+    return {};
+  }
+
   auto angle(double half_range) -> Q24 {
     return Q24::from_double(std::uniform_real_distribution<double>(-half_range, half_range)(random_));
   }
 
-  void trouble(std::uint32_t second, std::uint32_t within, ReplayInput& input) {
-    AxisSensed& sensed = input.sensed.axis[0];
+  void trouble(std::uint32_t second, std::uint32_t within, Input& input) {
     if (within < 500 || within > 505) {
       return;
     }
+    AxisSensed& sensed = input.sensed.axis[second / 4 % kAxes];
     switch (second / 4 % 7) {
       case 0:
         sensed.encoder = Quality::kMissing;
@@ -141,53 +159,80 @@ struct Visited {
   std::set<State> states;
   std::set<Fault> faults;
   unsigned limits = 0;
-  double travel_rad = 0.0;
+  std::array<double, kAxes> travel_rad{};
 
-  void note(const CycleState<1>& state) {
-    const AxisTelemetry& axis = state.axis[0].telemetry();
+  void note(const CycleState<kAxes>& state) {
     states.insert(state.telemetry.state);
     faults.insert(state.telemetry.first_fault);
-    limits |= axis.limits;
-    const double moved = std::abs((axis.q2_rad - last_q2).to_double());
-    travel_rad += moved < 0.01 ? moved : 0.0;  // more in a millisecond is one of the story's jumps
-    last_q2 = axis.q2_rad;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      const AxisTelemetry& axis = state.axis[i].telemetry();
+      limits |= axis.limits;
+      const double moved = std::abs((axis.q2_rad - last_q2[i]).to_double());
+      travel_rad[i] += moved < 0.01 ? moved : 0.0;  // more in a millisecond is one of the story's jumps
+      last_q2[i] = axis.q2_rad;
+    }
+  }
+  [[nodiscard]] auto least_travel_rad() const -> double {
+    return *std::min_element(travel_rad.begin(), travel_rad.end());
   }
   [[nodiscard]] auto enough(std::uint32_t seconds) const -> bool {
-    return states.size() == kStateNames.size() && travel_rad > 0.2 * seconds && (seconds < 32 || faults.size() >= 5) &&
-           limits != 0;
+    return states.size() == kStateNames.size() && least_travel_rad() > 0.2 * seconds &&
+           (seconds < 32 || faults.size() >= 5) && limits != 0;
   }
-  Q24 last_q2;
+  std::array<Q24, kAxes> last_q2{};
+};
+
+auto head_of(const Config<kAxes>& config) -> std::vector<std::uint8_t> {
+  std::vector<std::uint8_t> head(12 + 4 * kAxes * parameters().size());
+  stm32f405::detail::ByteWriter header(head);
+  header.u32(kReplayMagic);
+  header.u32(kAxes);
+  header.u32(static_cast<std::uint32_t>(parameters().size()));
+  for (const AxisConfig& axis : config) {
+    for (const ParameterInfo& parameter : parameters()) {
+      header.u32(static_cast<std::uint32_t>(raw_value(axis, parameter)));
+    }
+  }
+  return head;
+}
+
+/// One joint for each axis, each with noise of its own.
+struct Joint {
+  explicit Joint(std::uint64_t seed) : plant(sim::PlantParameters{}, seed), io(plant) {}
+  sim::Plant plant;
+  SimIo io;
 };
 
 auto record(std::uint32_t seconds, const std::string& path, Visited& visited) -> bool {
   OutputFile file(path);
-  const Config<1> config{lively_config()};
-  std::vector<std::uint8_t> head(8 + 4 * parameters().size());
-  stm32f405::detail::ByteWriter header(head);
-  header.u32(kReplayMagic);
-  header.u32(static_cast<std::uint32_t>(parameters().size()));
-  for (const ParameterInfo& parameter : parameters()) {
-    header.u32(static_cast<std::uint32_t>(raw_value(config[0], parameter)));
+  Config<kAxes> config;
+  std::vector<std::unique_ptr<Joint>> joints;
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    config[i] = lively_config(i);
+    joints.push_back(std::make_unique<Joint>(5 + i));
   }
-  bool good = file.write(head);
-
-  sim::Plant plant(sim::PlantParameters{}, 5);
-  SimIo io(plant);
-  CycleState<1> state(config);
+  bool good = file.write(head_of(config));
+  CycleState<kAxes> state(config);
   Story story;
-  ReplayInput input;
+  std::uint32_t overruns = 0;
   for (std::uint32_t cycle_count = 0; good && cycle_count < seconds * 1000; ++cycle_count) {
-    const std::uint32_t overruns = input.sensed.overruns;
-    input = {};
+    Input input;
     input.sensed.overruns = overruns;
-    static_cast<void>(io.read(input.sensed));
-    input.sensed.overruns = overruns;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      Sensed<1> one;
+      static_cast<void>(joints[i]->io.read(one));
+      input.sensed.axis[i] = one.axis[0];
+    }
     story.tell(cycle_count, input);
-    std::array<std::uint8_t, kInputSize> bytes{};
-    encode(input, bytes);
-    const Drive<1> drive = cycle(state, input.sensed, input.command);
+    overruns = input.sensed.overruns;
+    std::array<std::uint8_t, kInputSize<kAxes>> bytes{};
+    encode<kAxes>(input, bytes);
+    const Drive<kAxes> drive = cycle(state, input.sensed, input.command);
     visited.note(state);
-    good = file.write(bytes) && io.write(drive) == Status::kOk;
+    good = file.write(bytes);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      good = good && joints[i]->io.write({{drive.axis[i]}}) == Status::kOk;
+    }
   }
   return good;
 }
@@ -205,8 +250,11 @@ int main(int count, char** words) {
     std::fprintf(stderr, "%s: the run could not be recorded; is the disk full?\n", words[2]);
     return 1;
   }
-  std::printf("fixture: %u s, %zu states, %zu kinds of fault, joint travel %.1f rad\n", seconds, visited.states.size(),
-              visited.faults.size(), visited.travel_rad);
+  std::printf(
+      "fixture: %u s, %zu axes, records of %zu and %zu bytes, %zu states, %zu kinds of fault, joint travel %.1f "
+      "rad\n",
+      seconds, kAxes, kInputSize<kAxes>, kOutputSize<kAxes>, visited.states.size(), visited.faults.size(),
+      visited.least_travel_rad());
   if (!visited.enough(seconds)) {
     std::fprintf(stderr, "the run visited too little to prove anything; look at Story in replay_fixture.cpp\n");
     return 1;
@@ -214,5 +262,5 @@ int main(int count, char** words) {
   InputFile input(words[2]);
   OutputFile output(words[3]);
   NoMeter meter;
-  return static_cast<int>(replay(input, output, meter));
+  return static_cast<int>(replay<kAxes>(input, output, meter));
 }

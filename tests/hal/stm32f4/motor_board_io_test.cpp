@@ -4,15 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include <vector>
-
+#include "tests/hal/stm32f4/fake_analogue.hpp"
 #include "tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 namespace {
 
-constexpr Pin kEnable{.port = Port::kC, .number = 10, .mode = PinMode::kOutput};
-constexpr Pin kStop{.port = Port::kB, .number = 12, .mode = PinMode::kAlternate};
+constexpr Pin kStop1{.port = Port::kB, .number = 12, .mode = PinMode::kAlternate};
+constexpr Pin kStop8{.port = Port::kB, .number = 6, .mode = PinMode::kAlternate};
 constexpr std::uint32_t kPeriod = 33'600;
 constexpr Q24 kFullScale = Q24::from_int(5);
 
@@ -54,203 +53,263 @@ TEST(CurrentScale, ReadingsAtTheRailsAreNotPlausible) {
   EXPECT_TRUE(scale.plausible(2048));
 }
 
-/// One axis of the board. The break input clears the main output at once and latches its flag, which software clears by
-/// writing 0 and which comes back while the input is low.
+TEST(SupplyScale, FullRangeIsFullScale) {
+  const SupplyScale scale{.full_scale_v = Q24::from_double(36.3)};
+  EXPECT_EQ(scale.voltage(0).raw(), 0);
+  EXPECT_NEAR(scale.voltage(2708).to_double(), 24.0, 0.01);  // 24 V behind 11:1 are 2.1818 V of 3.3 V
+}
+
+/// The board with four axes, two on each advanced timer. A break input clears its timer's main output at once and
+/// latches the flag, which software clears by writing 0 and which comes back while the input is low.
 class MotorBoard : public testing::Test {
  protected:
-  using Io = MotorBoardIo<FakeRegister, 1>;
+  static constexpr std::size_t kAxes = 4;
+  using Io = MotorBoardIo<FakeRegister, kAxes>;
+  using Encoder = QuadratureEncoder<FakeRegister>;
+  using SetValue = PwmSetValue<FakeRegister>;
+  static constexpr std::array<std::uint32_t, kAxes> kChannels = {0, 3, 2, 3};
+
   MotorBoard()
-      : encoder(tim2),
-        set_value(tim1, 0),
-        adc(adc1, adc_common),
-        io({AxisHardware<FakeRegister>{encoder, set_value, port_c, kEnable, 10, {Q24::from_int(6)}}}, adc, port_b,
-           kStop) {
-    port_b.idr.value = kStop.mask();
-    tim1.bdtr.on_write = [this](std::uint32_t, std::uint32_t written) {
-      return stop_pressed() ? written & ~timer::kBdtrMainOutput : written;
-    };
-    tim1.sr.on_write = [this](std::uint32_t old, std::uint32_t written) {
-      return stop_pressed() ? old : write_zero_to_clear(timer::kSrBreak)(old, written);
-    };
+      : io({AxisHardware<FakeRegister>{encoders[0], set_values[0], port_c, enables[0]},
+            AxisHardware<FakeRegister>{encoders[1], set_values[1], port_c, enables[1]},
+            AxisHardware<FakeRegister>{encoders[2], set_values[2], port_c, enables[2]},
+            AxisHardware<FakeRegister>{encoders[3], set_values[3], port_c, enables[3]}},
+           analogue, {StopInput<FakeRegister>{port_b, kStop1}, StopInput<FakeRegister>{port_b, kStop8}},
+           {.current = {Q24::from_int(6)}, .supply = {Q24::from_int(36)}}) {
+    chip.memory_neighbour = this;
+    port_b.idr.value = kStop1.mask() | kStop8.mask();
+    behave(tim1, kStop1);
+    behave(tim8, kStop8);
     port_c.bsrr.on_write = [this](std::uint32_t old, std::uint32_t written) {
-      enabled = (written & kEnable.mask()) != 0 || (enabled && (written & (kEnable.mask() << 16U)) == 0);
+      lines = (lines & ~(written >> 16U)) | (written & 0xFFFFU);
       return old;
     };
-    adc1.cr2.on_write = [this](std::uint32_t, std::uint32_t written) {
-      if ((written & adc::kCr2Start) != 0 && adc_answers) {
-        adc1.sr.value |= adc::kSrEndOfConversion | (adc_overruns ? adc::kSrOverrun : 0U);
-        adc1.dr.value = channel_values.at(adc1.sqr[2].value & 0x1FU);
-      }
-      return written & ~adc::kCr2Start;
-    };
-    adc1.dr.on_read = [this](std::uint32_t value) {
-      adc1.sr.value &= ~adc::kSrEndOfConversion;
-      return value;
-    };
-    adc.start();
-    EXPECT_TRUE(encoder.start(5, false));
-    set_value.start({.period = kPeriod, .full_scale_a = kFullScale});
+    analogue.start({10, 11, 12, 13, 14});
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      EXPECT_TRUE(encoders[i].start(5, false));
+      set_values[i].start({.period = kPeriod, .full_scale_a = kFullScale});
+    }
   }
 
-  [[nodiscard]] auto stop_pressed() const -> bool { return (port_b.idr.value & kStop.mask()) == 0; }
-  void press_stop() {
-    port_b.idr.value = 0;
-    tim1.bdtr.value &= ~timer::kBdtrMainOutput;
-    tim1.sr.value |= timer::kSrBreak;
+  void behave(TimerRegisters<FakeRegister>& timer, const Pin& stop) {
+    timer.bdtr.on_write = [this, &stop](std::uint32_t, std::uint32_t written) {
+      return pressed(stop) ? written & ~timer::kBdtrMainOutput : written;
+    };
+    timer.sr.on_write = [this, &stop](std::uint32_t old, std::uint32_t written) {
+      return pressed(stop) ? old : write_zero_to_clear(0xFFFF)(old, written);
+    };
   }
-  void let_go_of_stop() { port_b.idr.value = kStop.mask(); }
-  [[nodiscard]] auto output_on() const -> bool { return (tim1.bdtr.value & timer::kBdtrMainOutput) != 0; }
-  auto drive(double current_a, bool on) -> Status {
-    Drive<1> out;
-    out.axis[0] = {.current_a = Q24::from_double(current_a), .enabled = on};
+  [[nodiscard]] auto pressed(const Pin& stop) const -> bool { return (port_b.idr.value & stop.mask()) == 0; }
+  void press(TimerRegisters<FakeRegister>& timer, const Pin& stop) {
+    port_b.idr.value &= ~stop.mask();
+    timer.bdtr.value &= ~timer::kBdtrMainOutput;
+    timer.sr.value |= timer::kSrBreak;
+  }
+  void press_stop() {
+    press(tim1, kStop1);
+    press(tim8, kStop8);
+  }
+  void let_go_of_stop() { port_b.idr.value = kStop1.mask() | kStop8.mask(); }
+  [[nodiscard]] auto timer_of(std::size_t axis) const -> const TimerRegisters<FakeRegister>& {
+    return axis < 2 ? tim1 : tim8;
+  }
+  [[nodiscard]] auto output_on(std::size_t axis) const -> bool {
+    const auto& timer = timer_of(axis);
+    return (timer.bdtr.value & timer::kBdtrMainOutput) != 0 &&
+           (timer.ccer.value & (1U << (4 * kChannels.at(axis)))) != 0;
+  }
+  [[nodiscard]] auto enabled(std::size_t axis) const -> bool { return (lines & enables.at(axis).mask()) != 0; }
+  void expect_off() {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      EXPECT_FALSE(output_on(i)) << i;
+      EXPECT_FALSE(enabled(i)) << i;
+      EXPECT_EQ(timer_of(i).ccr.at(kChannels.at(i)).value, kPeriod / 2) << i;
+    }
+    EXPECT_EQ(tim1.bdtr.value & timer::kBdtrMainOutput, 0U);
+    EXPECT_EQ(tim8.bdtr.value & timer::kBdtrMainOutput, 0U);
+  }
+  /// The axes of the mask `on` get 0.5 A more each.
+  auto drive(double current_a, unsigned on = 0xF) -> Status {
+    Drive<kAxes> out;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      out.axis[i] = {.current_a = Q24::from_double(current_a + 0.5 * static_cast<double>(i)),
+                     .enabled = ((on >> i) & 1U) != 0};
+    }
     return io.write(out);
   }
 
-  TimerRegisters<FakeRegister> tim1, tim2;
-  AdcRegisters<FakeRegister> adc1;
-  AdcCommonRegisters<FakeRegister> adc_common;
+  const std::array<Pin, kAxes> enables = {{{.port = Port::kC, .number = 10, .mode = PinMode::kOutput},
+                                           {.port = Port::kC, .number = 11, .mode = PinMode::kOutput},
+                                           {.port = Port::kC, .number = 12, .mode = PinMode::kOutput},
+                                           {.port = Port::kC, .number = 2, .mode = PinMode::kOutput}}};
+  TimerRegisters<FakeRegister> tim1, tim8, tim2, tim3, tim4, tim5;
+  FakeAnalogue chip;
   GpioRegisters<FakeRegister> port_b, port_c;
-  QuadratureEncoder<FakeRegister> encoder;
-  PwmSetValue<FakeRegister> set_value;
-  Adc<FakeRegister> adc;
+  std::array<Encoder, kAxes> encoders = {
+      {{tim2, CounterWidth::k32}, {tim5, CounterWidth::k32}, {tim3, CounterWidth::k16}, {tim4, CounterWidth::k16}}};
+  std::array<SetValue, kAxes> set_values = {{{tim1, 0}, {tim1, 3}, {tim8, 2}, {tim8, 3}}};
+  Io::Analogue analogue{chip.adc1, chip.adc_common, chip.dma2};
   Io io;
-  std::vector<std::uint32_t> channel_values = std::vector<std::uint32_t>(19, 2048);
-  bool adc_answers = true;
-  bool adc_overruns = false;
-  bool enabled = false;
-  Sensed<1> in;
+  std::uint32_t lines = 0;
+  Sensed<kAxes> in;
 };
 
-TEST_F(MotorBoard, EncoderCountsBothEdgesOfBothInputsOver32Bits) {
-  EXPECT_EQ(tim2.smcr.value & 7U, 3U);
-  EXPECT_EQ(tim2.arr.value, 0xFFFF'FFFFU);
-  EXPECT_EQ(tim2.ccmr[0].value, 0x5151U);
-  tim2.cnt.value = 0xFFFF'FFFE;
+TEST_F(MotorBoard, EveryAxisReadsItsOwnEncoderAndItsOwnCurrent) {
+  tim2.cnt.value -= 2;
+  tim5.cnt.value += 3;
+  tim3.cnt.value -= 4;
+  tim4.cnt.value += 5;
+  chip.channel_values[10] = 2048 + 512;
+  chip.channel_values[11] = 2048 - 512;
+  chip.channel_values[12] = 2048 + 1024;
+  chip.channel_values[13] = 2048 - 1024;
   ASSERT_EQ(io.read(in), Status::kOk);
-  EXPECT_EQ(in.axis[0].encoder_counts, -2);
-  EXPECT_EQ(in.axis[0].encoder, Quality::kOk);
+  const std::array<std::int32_t, kAxes> counts = {-2, 3, -4, 5};
+  const std::array<double, kAxes> currents = {1.5, -1.5, 3.0, -3.0};
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    EXPECT_EQ(in.axis[i].encoder, Quality::kOk);
+    EXPECT_EQ(in.axis[i].encoder_counts, counts.at(i));
+    EXPECT_EQ(in.axis[i].current, Quality::kOk);
+    EXPECT_NEAR(in.axis[i].current_a.to_double(), currents.at(i), 1e-6);
+  }
 }
 
-TEST_F(MotorBoard, EncoderDirectionCanBeTurnedRound) {
-  EXPECT_EQ(tim2.ccer.value, 0U);
-  ASSERT_TRUE(encoder.start(0, true));
-  EXPECT_EQ(tim2.ccer.value, 2U);
-}
-
-TEST_F(MotorBoard, EncoderTimerThatLostItsSettingIsMissingNotAtRest) {
-  tim2.smcr.value = 0;
-  EXPECT_EQ(io.read(in), Status::kTimeout);
-  EXPECT_EQ(in.axis[0].encoder, Quality::kMissing);
-  EXPECT_EQ(in.axis[0].current, Quality::kOk);
-}
-
-TEST_F(MotorBoard, EncoderWithoutAClockDoesNotStart) {
-  TimerRegisters<FakeRegister> dead;
-  dead.cr1.on_write = [](std::uint32_t, std::uint32_t) { return 0U; };
-  QuadratureEncoder<FakeRegister> other(dead);
-  EXPECT_FALSE(other.start(5, false));
-}
-
-TEST_F(MotorBoard, CurrentComesFromItsOwnChannel) {
-  channel_values[10] = 2048 + 512;
-  channel_values[11] = 100;
+TEST_F(MotorBoard, SupplyIsMeasuredBesideTheCurrents) {
+  chip.channel_values[14] = 2731;
   ASSERT_EQ(io.read(in), Status::kOk);
-  EXPECT_NEAR(in.axis[0].current_a.to_double(), 1.5, 1e-6);
-  EXPECT_EQ(in.axis[0].current, Quality::kOk);
+  EXPECT_NEAR(io.supply_v().to_double(), 24.0, 0.01);
+  chip.converter_answers = false;
+  static_cast<void>(io.read(in));
+  EXPECT_EQ(io.supply_v().raw(), 0) << "no old voltage is shown as today's";
 }
 
-TEST_F(MotorBoard, ConverterThatNeverFinishesIsMissingAfterABoundedWait) {
-  adc_answers = false;
-  const std::uint32_t before = adc1.sr.reads;
+TEST_F(MotorBoard, EncoderThatLostItsSettingsIsMissingForItsAxisOnly) {
+  tim3.smcr.value = 0;
   EXPECT_EQ(io.read(in), Status::kTimeout);
-  EXPECT_EQ(in.axis[0].current, Quality::kMissing);
-  EXPECT_LE(adc1.sr.reads - before, 1000U);
+  EXPECT_EQ(in.axis[2].encoder, Quality::kMissing);
+  EXPECT_EQ(in.axis[2].current, Quality::kOk);
+  EXPECT_EQ(in.axis[1].encoder, Quality::kOk);
+  EXPECT_EQ(in.axis[3].encoder, Quality::kOk);
+}
+
+TEST_F(MotorBoard, ConverterThatNeverFinishesLeavesEveryCurrentMissing) {
+  chip.converter_answers = false;
+  EXPECT_EQ(io.read(in), Status::kTimeout);
+  for (const AxisSensed& axis : in.axis) {
+    EXPECT_EQ(axis.current, Quality::kMissing);
+    EXPECT_EQ(axis.encoder, Quality::kOk);
+  }
 }
 
 TEST_F(MotorBoard, OverrunConversionIsMissingAndTheNextOneIsFine) {
-  adc_overruns = true;
+  chip.overrun_at = 1;
   EXPECT_EQ(io.read(in), Status::kTimeout);
   EXPECT_EQ(in.axis[0].current, Quality::kMissing);
-  adc_overruns = false;
   EXPECT_EQ(io.read(in), Status::kOk);
 }
 
-TEST_F(MotorBoard, MonitorAtTheRailIsInvalid) {
-  channel_values[10] = 0;
+TEST_F(MotorBoard, MonitorAtTheRailIsInvalidForItsAxisOnly) {
+  chip.channel_values[12] = 0;
   EXPECT_EQ(io.read(in), Status::kOk);
-  EXPECT_EQ(in.axis[0].current, Quality::kInvalid);
+  EXPECT_EQ(in.axis[2].current, Quality::kInvalid);
+  EXPECT_EQ(in.axis[3].current, Quality::kOk);
 }
 
-TEST_F(MotorBoard, StartsWithEveryOutputOff) {
-  EXPECT_FALSE(output_on());
-  EXPECT_FALSE(enabled);
-  EXPECT_NE(tim1.bdtr.value & timer::kBdtrBreakEnable, 0U);
-  EXPECT_EQ(tim1.bdtr.value & timer::kBdtrBreakHigh, 0U) << "an open wire must stop the board";
+TEST_F(MotorBoard, StartsWithEveryOutputOffAndBreaksThatAnOpenWireTrips) {
+  expect_off();
+  for (const auto* timer : {&tim1, &tim8}) {
+    EXPECT_NE(timer->bdtr.value & timer::kBdtrBreakEnable, 0U);
+    EXPECT_EQ(timer->bdtr.value & timer::kBdtrBreakHigh, 0U);
+  }
 }
 
-TEST_F(MotorBoard, EnabledAxisGetsItsSetValueAndItsEnableLine) {
-  EXPECT_EQ(drive(2.5, true), Status::kOk);
-  EXPECT_EQ(tim1.ccr[0].value, kPeriod * 7 / 10);
-  EXPECT_TRUE(output_on());
-  EXPECT_TRUE(enabled);
+TEST_F(MotorBoard, EnabledAxesGetTheirSetValuesAndTheirEnableLines) {
+  EXPECT_EQ(drive(2.5), Status::kOk);
+  for (std::size_t i = 0; i < kAxes; ++i) {
+    const double duty = 0.5 + 0.4 * (2.5 + 0.5 * static_cast<double>(i)) / 5.0;
+    EXPECT_NEAR(timer_of(i).ccr.at(kChannels.at(i)).value, kPeriod * duty, 0.51) << i;
+    EXPECT_TRUE(output_on(i)) << i;
+    EXPECT_TRUE(enabled(i)) << i;
+  }
 }
 
-TEST_F(MotorBoard, DisabledAxisIsOffWhateverTheCurrentSays) {
-  ASSERT_EQ(drive(2.5, true), Status::kOk);
-  EXPECT_EQ(drive(2.5, false), Status::kOk);
-  EXPECT_FALSE(output_on());
-  EXPECT_FALSE(enabled);
-  EXPECT_EQ(tim1.ccr[0].value, kPeriod / 2);
+TEST_F(MotorBoard, DisabledAxisIsOffAndItsNeighbourOnTheSameTimerGoesOn) {
+  ASSERT_EQ(drive(2.5), Status::kOk);
+  EXPECT_EQ(drive(2.5, 0b1101), Status::kOk);
+  EXPECT_FALSE(output_on(1));
+  EXPECT_FALSE(enabled(1));
+  EXPECT_EQ(tim1.ccr[3].value, kPeriod / 2);
+  EXPECT_TRUE(output_on(0));
+  EXPECT_TRUE(enabled(0));
+  EXPECT_EQ(drive(2.5, 0b1100), Status::kOk);
+  EXPECT_EQ(tim1.bdtr.value & timer::kBdtrMainOutput, 0U) << "the main output goes with its last channel";
+  EXPECT_TRUE(output_on(2));
 }
 
 TEST_F(MotorBoard, ReleaseIsLegalAtAnyTimeAndTurnsEverythingOff) {
-  ASSERT_EQ(drive(1.0, true), Status::kOk);
+  ASSERT_EQ(drive(1.0), Status::kOk);
   io.release();
-  EXPECT_FALSE(output_on());
-  EXPECT_FALSE(enabled);
+  expect_off();
   io.release();
-  EXPECT_FALSE(output_on());
+  expect_off();
 }
 
-TEST_F(MotorBoard, EmergencyStopIsSensedAndHoldsTheOutputOff) {
-  ASSERT_EQ(drive(1.0, true), Status::kOk);
+TEST_F(MotorBoard, EmergencyStopIsSensedAndHoldsEveryOutputOff) {
+  ASSERT_EQ(drive(1.0), Status::kOk);
   press_stop();
   EXPECT_EQ(io.read(in), Status::kOk);
   EXPECT_TRUE(in.estop);
-  EXPECT_EQ(drive(1.0, true), Status::kFailed);
-  EXPECT_FALSE(output_on());
-  EXPECT_FALSE(enabled);
+  EXPECT_EQ(drive(1.0), Status::kFailed);
+  expect_off();
 }
 
-TEST_F(MotorBoard, StopShorterThanACycleIsStillSeenAndKeepsTheOutputOff) {
-  ASSERT_EQ(drive(1.0, true), Status::kOk);
+TEST_F(MotorBoard, StopWireOfOneTimerAloneIsAnEmergencyStop) {
+  for (const Pin* stop : {&kStop1, &kStop8}) {
+    port_b.idr.value = (kStop1.mask() | kStop8.mask()) & ~stop->mask();
+    EXPECT_EQ(io.read(in), Status::kOk);
+    EXPECT_TRUE(in.estop);
+  }
+}
+
+TEST_F(MotorBoard, StopShorterThanACycleIsStillSeenAndKeepsTheOutputsOff) {
+  ASSERT_EQ(drive(1.0), Status::kOk);
   press_stop();
   let_go_of_stop();
   EXPECT_EQ(io.read(in), Status::kOk);
   EXPECT_TRUE(in.estop);
-  EXPECT_EQ(drive(1.0, true), Status::kFailed);
-  EXPECT_FALSE(output_on());
+  EXPECT_EQ(drive(1.0), Status::kFailed);
+  expect_off();
 }
 
-TEST_F(MotorBoard, AfterAStopTheAxisComesBackOnlyThroughDisabled) {
-  ASSERT_EQ(drive(1.0, true), Status::kOk);
+TEST_F(MotorBoard, BreakOfOneTimerIsNotForgottenWhileAnyAxisIsToBeDriven) {
+  ASSERT_EQ(drive(1.0), Status::kOk);
+  press(tim8, kStop8);
+  let_go_of_stop();
+  EXPECT_EQ(drive(1.0, 0b0111), Status::kFailed);  // axis 3 is off, which alone must not re-arm the timer of axis 2
+  EXPECT_EQ(drive(1.0, 0b0111), Status::kFailed);
+  EXPECT_FALSE(output_on(2));
+}
+
+TEST_F(MotorBoard, AfterAStopTheAxesComeBackOnlyThroughDisabled) {
+  ASSERT_EQ(drive(1.0), Status::kOk);
   press_stop();
-  EXPECT_EQ(drive(0.0, false), Status::kOk);
+  EXPECT_EQ(drive(0.0, 0), Status::kOk);
   ASSERT_EQ(io.read(in), Status::kOk);
   EXPECT_TRUE(in.estop) << "still pressed";
   let_go_of_stop();
-  EXPECT_EQ(drive(0.0, false), Status::kOk);
+  EXPECT_EQ(drive(0.0, 0), Status::kOk);
   ASSERT_EQ(io.read(in), Status::kOk);
   EXPECT_FALSE(in.estop);
-  EXPECT_EQ(drive(1.0, true), Status::kOk);
-  EXPECT_TRUE(output_on());
+  EXPECT_EQ(drive(1.0), Status::kOk);
+  EXPECT_TRUE(output_on(0));
+  EXPECT_TRUE(output_on(3));
 }
 
 TEST_F(MotorBoard, BreakRegisterIsNotRewrittenWhileTheOutputIsOn) {
-  ASSERT_EQ(drive(1.0, true), Status::kOk);
-  const std::uint32_t writes = tim1.bdtr.writes;
-  ASSERT_EQ(drive(1.1, true), Status::kOk);
-  EXPECT_EQ(tim1.bdtr.writes, writes);
+  ASSERT_EQ(drive(1.0), Status::kOk);
+  const std::uint32_t writes = tim1.bdtr.writes + tim8.bdtr.writes;
+  ASSERT_EQ(drive(1.1), Status::kOk);
+  EXPECT_EQ(tim1.bdtr.writes + tim8.bdtr.writes, writes);
 }
 
 TEST_F(MotorBoard, OverrunsOfTheBoardAreInEverySnapshot) {
