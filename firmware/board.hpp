@@ -9,6 +9,9 @@ namespace capstan {
 class Board {
  public:
   [[nodiscard]] virtual auto name() const -> const char* = 0;
+  /// What tells this very image from others of its version, as words that follow the version; nothing where a board has
+  /// no images.
+  virtual void print_image(Print& /*out*/) const {}
   /// How well the cycle keeps its time and what the console lost, in lines that end in CR LF.
   virtual void print_timing(Print& out) const = 0;
   /// Starts the firmware anew, after the answer has gone out. The shell has seen to it that no joint has torque.

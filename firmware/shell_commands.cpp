@@ -67,7 +67,9 @@ void ShellCommands::help(Shell& shell, std::string_view /*arguments*/) {
 void ShellCommands::version(Shell& shell, std::string_view /*arguments*/) {
   shell.out_ << "capstan " << kVersion << " board " << shell.board_.name() << " joints "
              << static_cast<std::uint32_t>(shell.machine_.axes()) << " parameters "
-             << static_cast<std::uint32_t>(parameters().size()) << "\r\n";
+             << static_cast<std::uint32_t>(parameters().size());
+  shell.board_.print_image(shell.out_);
+  shell.out_ << "\r\n";
   shell.ok();
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "firmware/crc32.hpp"
 #include "firmware/parameters.hpp"
 
 namespace capstan {
@@ -20,23 +21,6 @@ struct Header {
   std::uint32_t sequence = 0;
   std::uint32_t length = 0;
   std::uint32_t crc = 0;
-};
-
-/// CRC-32 (reflected 0x04C11DB7), bit by bit: small, and saving is not in a hurry.
-class Crc32 {
- public:
-  void add(std::span<const std::uint8_t> bytes) {
-    for (const std::uint8_t byte : bytes) {
-      crc_ ^= byte;
-      for (int bit = 0; bit < 8; ++bit) {
-        crc_ = (crc_ >> 1) ^ ((crc_ & 1U) != 0 ? 0xEDB88320U : 0U);
-      }
-    }
-  }
-  [[nodiscard]] auto value() const -> std::uint32_t { return ~crc_; }
-
- private:
-  std::uint32_t crc_ = 0xFFFFFFFFU;
 };
 
 void put(std::span<std::uint8_t> bytes, std::uint32_t value) {

@@ -3,6 +3,7 @@
 #include "boards/stm32f405/banks.hpp"
 #include "boards/stm32f405/board.hpp"
 #include "boards/stm32f405/motor_hardware.hpp"
+#include "boards/stm32f405/own_image.hpp"
 #include "boards/stm32f405/runtime.hpp"
 #include "hal/stm32f4/memory_map.hpp"
 
@@ -13,6 +14,9 @@ extern "C" capstan::stm32f4::MemoryRegister capstan_bank_b[];
 namespace {
 
 using namespace capstan;
+constexpr const char* kBoardName = "stm32f405";
+[[gnu::section(".image"), gnu::used]] constinit const stm32f405::ImageHeader kImage = stm32f405::own_header(kBoardName);
+
 using stm32f4::MemoryRegister;
 using stm32f405::MotorHardware;
 
@@ -26,7 +30,7 @@ stm32f405::FlashBanks<MemoryRegister> banks{
     watchdog,
     {std::span(capstan_bank_a, kBankWords), std::span(capstan_bank_b, kBankWords)}};
 MotorHardware hardware;
-stm32f405::Runtime<MotorHardware::Io> runtime{hardware.io(), {console, tick, watchdog, banks}, "stm32f405"};
+stm32f405::Runtime<MotorHardware::Io> runtime{hardware.io(), {console, tick, watchdog, banks}, kBoardName};
 
 }  // namespace
 

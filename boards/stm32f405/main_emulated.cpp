@@ -3,6 +3,7 @@
 // USART2, and its parameter banks, since the emulator has no flash controller.
 #include "boards/stm32f405/banks.hpp"
 #include "boards/stm32f405/board.hpp"
+#include "boards/stm32f405/own_image.hpp"
 #include "boards/stm32f405/runtime.hpp"
 #include "hal/plant_link/plant_link_io.hpp"
 #include "hal/stm32f4/memory_map.hpp"
@@ -10,6 +11,9 @@
 namespace {
 
 using namespace capstan;
+constexpr const char* kBoardName = "stm32f405-emulated";
+[[gnu::section(".image"), gnu::used]] constinit const stm32f405::ImageHeader kImage = stm32f405::own_header(kBoardName);
+
 using stm32f4::MemoryRegister;
 using stm32f405::BoardTick;
 using stm32f405::SerialPort;
@@ -59,7 +63,7 @@ stm32f405::RamBanks banks;
 LookCounter looks;
 PlantLink link{plant, looks, kPlantPatience};
 PlantIo io{link, tick};
-stm32f405::Runtime<PlantIo> runtime{io, {console, tick, watchdog, banks}, "stm32f405-emulated"};
+stm32f405::Runtime<PlantIo> runtime{io, {console, tick, watchdog, banks}, kBoardName};
 
 /// "Bridges off", ready to send: encoded by the compiler, so the fault handler needs no working memory for it.
 constexpr auto kReleaseFrame =

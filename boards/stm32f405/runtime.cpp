@@ -5,17 +5,12 @@
 #include "hal/stm32f4/nvic.hpp"
 
 namespace capstan::stm32f405 {
-namespace {
 
-/// "0x" and eight digits.
 void print_hex(Print& out, std::uint32_t value) {
-  out << "0x";
   for (int shift = 28; shift >= 0; shift -= 4) {
-    out << "0123456789ABCDEF"[(value >> shift) & 0xFU];
+    out << "0123456789abcdef"[(value >> shift) & 0xFU];
   }
 }
-
-}  // namespace
 
 auto start_core() noexcept -> StartReport {
   auto& rcc = stm32f4::rcc_registers();
@@ -53,13 +48,13 @@ void print_start(Print& out, const StartReport& report) {
            "this comes back\r\n";
   }
   if (report.faulted) {
-    out << "# the last run ended in a " << fault_name(report.fault) << " at ";
+    out << "# the last run ended in a " << fault_name(report.fault) << " at 0x";
     print_hex(out, report.fault.program_counter);
-    out << " called from ";
+    out << " called from 0x";
     print_hex(out, report.fault.link_register);
-    out << ", status ";
+    out << ", status 0x";
     print_hex(out, report.fault.fault_status);
-    out << " address ";
+    out << " address 0x";
     print_hex(out, report.fault.address);
     out << "; look both up in the image's map and report it\r\n";
   }

@@ -7,6 +7,7 @@
 
 #include "boards/stm32f405/board.hpp"
 #include "boards/stm32f405/console.hpp"
+#include "boards/stm32f405/own_image.hpp"
 #include "boards/stm32f405/startup.hpp"
 #include "firmware/application.hpp"
 #include "firmware/shell.hpp"
@@ -43,6 +44,8 @@ struct Timing {
   stm32f4::CycleMeter hardware;  ///< its input and output, core cycles
   std::atomic<std::uint32_t> overruns{0};
 };
+/// Eight hexadecimal digits.
+void print_hex(Print& out, std::uint32_t value);
 void print_timing(Print& out, const Timing& timing, std::uint32_t core_hz);
 
 /// What the firmware needs of the board besides its joint I/O; built once by main.
@@ -113,6 +116,10 @@ class Runtime final : public Board {
     if constexpr (requires { io_.supply_v(); }) {
       out << "supply of the amplifiers " << io_.supply_v() << " V\r\n";
     }
+  }
+  void print_image(Print& out) const override {
+    out << " image ";
+    print_hex(out, own_hash());
   }
   void reboot() override {
     const std::uint32_t begin = tick_.count();

@@ -14,6 +14,7 @@ void add_shell(CLI::App& app, int& exit_status);
 void add_identify(CLI::App& app, int& exit_status);
 void add_replay(CLI::App& app, int& exit_status);
 void add_diagnose(CLI::App& app, int& exit_status);
+void add_flash(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 
 }  // namespace capstan::tools

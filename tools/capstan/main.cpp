@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   add_faults(app, exit_status);
   add_apply(app, exit_status);
   add_shell(app, exit_status);
+  add_flash(app, exit_status);
   add_identify(app, exit_status);
   add_replay(app, exit_status);
   add_diagnose(app, exit_status);

@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+// `capstan flash` with programs in PATH that write a file instead of a chip, and a board that is a socket.
+#include <arpa/inet.h>
+#include <elf.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+
+#include "hal/linux/file_descriptor.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kSector0Size = 0x300;
+constexpr std::size_t kCodeAt = 0xC000;
+constexpr std::size_t kCodeSize = 1000;
+
+void put_word(std::string& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[at + i] = static_cast<char>(value >> (8 * i));
+  }
+}
+
+/// An image as BIN, by the layout in boards/stm32f405/image.hpp.
+auto bin_image(const std::string& board) -> std::string {
+  std::string bytes(kCodeAt + kCodeSize, '\xFF');
+  for (std::size_t i = 0; i < kSector0Size; ++i) {
+    bytes[i] = static_cast<char>(i * 7);
+  }
+  for (std::size_t i = 0; i < kCodeSize; ++i) {
+    bytes[kCodeAt + i] = static_cast<char>(i * 13 + 1);
+  }
+  std::string header(56, '\0');
+  header.replace(0, 8, "CAPSTAN1");
+  header.replace(8, board.size(), board);
+  header.replace(32, 5, "1.2.3");
+  put_word(header, 48, 0x0800'0000 + kSector0Size);
+  put_word(header, 52, 0x0800'0000 + kCodeAt + kCodeSize);
+  bytes.replace(0x200, header.size(), header);
+  return bytes;
+}
+
+/// As BIN without the gap: the two pieces after each other.
+auto pieces(const std::string& bin) -> std::string {
+  return bin.substr(0, kSector0Size) + bin.substr(kCodeAt);
+}
+
+auto hex_record(std::uint32_t address, int kind, const std::string& data) -> std::string {
+  std::string bytes = {static_cast<char>(data.size()), static_cast<char>(address >> 8U), static_cast<char>(address),
+                       static_cast<char>(kind)};
+  bytes += data;
+  std::uint8_t sum = 0;
+  std::string text = ":";
+  const auto add = [&text](std::uint8_t byte) {
+    text += "0123456789ABCDEF"[byte >> 4U];
+    text += "0123456789ABCDEF"[byte & 15U];
+  };
+  for (const char byte : bytes) {
+    sum = static_cast<std::uint8_t>(sum + static_cast<std::uint8_t>(byte));
+    add(static_cast<std::uint8_t>(byte));
+  }
+  add(static_cast<std::uint8_t>(-sum));
+  return text + "\r\n";
+}
+
+auto hex_image(const std::string& bin) -> std::string {
+  std::string text = hex_record(0, 4, {"\x08\x00", 2});
+  for (std::size_t at = 0; at < bin.size(); at += 16) {
+    if (at < kSector0Size || at >= kCodeAt) {
+      text += hex_record(static_cast<std::uint32_t>(at), 0, bin.substr(at, 16));
+    }
+  }
+  return text + hex_record(0, 5, {"\x08\x00\x00\x01", 4}) + hex_record(0, 1, "");
+}
+
+auto elf_image(const std::string& bin) -> std::string {
+  Elf32_Ehdr head{};
+  std::memcpy(head.e_ident, ELFMAG, SELFMAG);
+  head.e_ident[EI_CLASS] = ELFCLASS32;
+  head.e_ident[EI_DATA] = ELFDATA2LSB;
+  head.e_machine = EM_ARM;
+  head.e_phoff = sizeof head;
+  head.e_phentsize = sizeof(Elf32_Phdr);
+  head.e_phnum = 2;
+  std::array<Elf32_Phdr, 2> parts{};
+  const std::size_t data_at = sizeof head + sizeof parts;
+  parts[0].p_type = parts[1].p_type = PT_LOAD;
+  parts[0].p_offset = static_cast<Elf32_Off>(data_at);
+  parts[0].p_vaddr = parts[0].p_paddr = 0x0800'0000;
+  parts[0].p_filesz = kSector0Size;
+  parts[1].p_offset = static_cast<Elf32_Off>(data_at + kSector0Size);
+  parts[1].p_vaddr = 0x2000'0000;  // where it runs is not where it lies
+  parts[1].p_paddr = 0x0800'0000 + kCodeAt;
+  parts[1].p_filesz = kCodeSize;
+  return std::string(reinterpret_cast<const char*>(&head), sizeof head) +
+         std::string(reinterpret_cast<const char*>(parts.data()), sizeof parts) + pieces(bin);
+}
+
+/// CRC-32 by the definition: remainder of the whole message, bit by bit from the highest.
+auto crc_of(const std::string& bytes) -> std::string {
+  std::uint32_t crc = 0xFFFFFFFF;
+  for (const char c : bytes) {
+    for (int bit = 0; bit < 8; ++bit) {
+      const std::uint32_t in = (static_cast<unsigned char>(c) >> bit) & 1U;
+      const std::uint32_t out = (crc >> 31U) ^ in;
+      crc = (crc << 1U) ^ (out != 0 ? 0x04C11DB7U : 0U);
+    }
+  }
+  std::uint32_t mirrored = 0;
+  for (int bit = 0; bit < 32; ++bit) {
+    mirrored |= ((crc >> bit) & 1U) << (31 - bit);
+  }
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", ~mirrored);
+  return text.data();
+}
+
+/// Answers every line with what the test says, like a board's console on a socket.
+class FakeBoard {
+ public:
+  FakeBoard(std::string version, std::string state) : version_(std::move(version)), state_(std::move(state)) {
+    door_ = FileDescriptor(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(door_.get(), reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::listen(door_.get(), 4), 0);
+    EXPECT_EQ(::getsockname(door_.get(), reinterpret_cast<sockaddr*>(&address), &size), 0);
+    port_ = ntohs(address.sin_port);
+    server_ = std::thread([this] { serve(); });
+  }
+  ~FakeBoard() {
+    ::shutdown(door_.get(), SHUT_RDWR);
+    server_.join();
+  }
+  [[nodiscard]] auto port() const -> std::string { return "tcp:" + std::to_string(port_); }
+
+ private:
+  void serve() {
+    for (;;) {
+      const FileDescriptor line(::accept(door_.get(), nullptr, nullptr));
+      if (!line) {
+        return;
+      }
+      std::array<char, 256> buffer{};
+      for (ssize_t count = 0; (count = ::read(line.get(), buffer.data(), buffer.size())) > 0;) {
+        const std::string asked(buffer.data(), static_cast<std::size_t>(count));
+        const std::string answer = asked.starts_with("version") ? version_ : "state " + state_ + " fault none";
+        const std::string text = "# a line of another kind\r\n" + answer + "\r\nok\r\n";
+        if (::write(line.get(), text.data(), text.size()) < 0) {
+          break;
+        }
+      }
+    }
+  }
+
+  std::string version_, state_;
+  FileDescriptor door_;
+  std::uint16_t port_ = 0;
+  std::thread server_;
+};
+
+class FlashCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              ("capstan_flash_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "bin");
+    write_text_file(path("image.bin"), bin_);
+    write_text_file(path("image.hex"), hex_image(bin_));
+    write_text_file(path("image.elf"), elf_image(bin_));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  [[nodiscard]] auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
+
+  /// A program that notes its words and keeps copies of the files that were among them.
+  void install(const std::string& name, int status = 0) {
+    const std::string file = path("bin/" + name);
+    write_text_file(
+        file, "#!/bin/sh\necho \"$(basename $0) $*\" >> " + path("calls") +
+                  "\nfor word in $*; do word=${word#?}; case \"$word\" in *sector0.bin*) cat \"/${word%\\}}\" > " +
+                  path("sector0") + " ;; *code.bin*) cat \"/${word%\\}}\" > " + path("code") +
+                  " ;; esac; done 2>/dev/null\nexit " + std::to_string(status) + "\n");
+    fs::permissions(file, fs::perms::owner_all);
+  }
+  auto run(const std::string& arguments) -> int {
+    const std::string command = "PATH=" + path("bin") + ":/usr/bin:/bin \"" + CAPSTAN_PROGRAM + "\" flash " +
+                                arguments + " > \"" + path("output") + "\" 2>&1";
+    const int result = std::system(command.c_str());
+    output_ = read_text_file(path("output"));
+    return WIFEXITED(result) ? WEXITSTATUS(result) : -1;
+  }
+  [[nodiscard]] auto calls() const -> std::string {
+    return fs::exists(path("calls")) ? read_text_file(path("calls")) : "";
+  }
+  [[nodiscard]] auto says(const std::string& text) const -> bool { return output_.find(text) != std::string::npos; }
+  void expect_written() {
+    EXPECT_EQ(read_text_file(path("sector0")), bin_.substr(0, kSector0Size));
+    EXPECT_EQ(read_text_file(path("code")), bin_.substr(kCodeAt));
+  }
+
+  const std::string bin_ = bin_image("stm32f405");
+  const std::string hash_ = crc_of(pieces(bin_));
+  fs::path folder_;
+  std::string output_;
+};
+
+TEST_F(FlashCommand, EveryFormatWritesTheSameTwoPiecesAndLeavesTheBanksAlone) {
+  install("st-flash");
+  for (const char* name : {"image.bin", "image.hex", "image.elf"}) {
+    fs::remove(path("calls"));
+    ASSERT_EQ(run("stm32f405 " + path(name)), 0) << output_;
+    EXPECT_TRUE(says("stm32f405 1.2.3 image " + hash_)) << output_;
+    expect_written();
+    EXPECT_NE(calls().find("code.bin 0x0800C000\n"), std::string::npos) << calls();
+    EXPECT_NE(calls().find("sector0.bin 0x08000000\n"), std::string::npos) << calls();
+    EXPECT_LT(calls().find("code.bin"), calls().find("sector0.bin")) << "vectors last";
+    EXPECT_TRUE(says("not read back; give --port"));
+  }
+}
+
+TEST_F(FlashCommand, TakesWhicheverProgramIsThereInOrder) {
+  install("stm32flash");
+  EXPECT_EQ(run("stm32f405 " + path("image.hex")), 1) << "stm32flash needs to know its device";
+  EXPECT_TRUE(says("no program that writes the board is installed; install openocd"));
+  EXPECT_EQ(calls(), "");
+  ASSERT_EQ(run("stm32f405 --boot-port /dev/ttyUSB7 " + path("image.hex")), 0) << output_;
+  EXPECT_NE(calls().find("stm32flash -w"), std::string::npos);
+  EXPECT_NE(calls().find("-v -S 0x0800C000 /dev/ttyUSB7\n"), std::string::npos) << calls();
+  EXPECT_NE(calls().find("-S 0x08000000 -g 0x08000000 /dev/ttyUSB7\n"), std::string::npos) << calls();
+  for (const char* name : {"dfu-util", "st-flash", "openocd"}) {
+    fs::remove(path("calls"));
+    install(name);
+    ASSERT_EQ(run("stm32f405 " + path("image.hex")), 0) << output_;
+    EXPECT_TRUE(calls().starts_with(name)) << calls();
+    expect_written();
+  }
+  EXPECT_NE(calls().find("verify reset exit 0x08000000"), std::string::npos);
+  fs::remove(path("calls"));
+  ASSERT_EQ(run("stm32f405 --tool dfu-util " + path("image.hex")), 0);
+  EXPECT_NE(calls().find("dfu-util -d 0483:df11 -a 0 -s 0x08000000:leave -D "), std::string::npos) << calls();
+}
+
+TEST_F(FlashCommand, DryRunPrintsTheCommandsAndRunsNothing) {
+  install("openocd");
+  ASSERT_EQ(run("stm32f405 --dry-run " + path("image.elf")), 0) << output_;
+  EXPECT_TRUE(says("openocd -f interface/stlink.cfg"));
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, ImageForAnotherBoardIsRefused) {
+  install("st-flash");
+  write_text_file(path("other.bin"), bin_image("stm32f405-emulated"));
+  EXPECT_EQ(run("stm32f405 " + path("other.bin")), 1);
+  EXPECT_TRUE(says("the image is for 'stm32f405-emulated', not for 'stm32f405'; choose the other")) << output_;
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, WhatIsNoImageOrDamagedIsRefusedWithItsSentence) {
+  install("st-flash");
+  struct Case {
+    std::string text;
+    int status;
+    std::string sentence;
+  };
+  const std::string hex = hex_image(bin_);
+  std::string flipped = hex;
+  flipped[flipped.find('\n') + 12] ^= 1;
+  std::string banks = bin_;
+  banks[0x5000] = 0;
+  std::string longer = bin_ + "x";
+  std::string elf = elf_image(bin_);
+  std::string foreign = elf;
+  foreign[18] = EM_386;
+  const std::vector<Case> cases = {
+      {"nothing", 1, "no image of Capstan for this board; build one with"},
+      {"", 1, "no image of Capstan"},
+      {flipped, 2, ":2: the HEX record is damaged; copy the file again"},
+      {hex.substr(0, hex.size() - 13), 2, "the HEX file has no end"},
+      {hex_record(0, 4, {"\x20\x00", 2}) + hex_record(0, 0, "data") + hex_record(0, 1, ""), 1,
+       "bytes outside the board's flash"},
+      {banks, 1, "write over the parameter banks"},
+      {longer, 2, "not as long as its header says"},
+      {bin_.substr(0, bin_.size() - 1), 2, "not as long as its header says"},
+      {elf.substr(0, elf.size() - 1), 2, "the ELF file is damaged"},
+      {elf.substr(0, 30), 2, "the ELF file is damaged"},
+      {foreign, 1, "for another processor"},
+  };
+  for (const Case& one : cases) {
+    write_text_file(path("bad"), one.text);
+    EXPECT_EQ(run("stm32f405 " + path("bad")), one.status) << one.sentence << "\n" << output_;
+    EXPECT_TRUE(says(one.sentence)) << output_;
+  }
+  EXPECT_EQ(run("stm32f405 " + path("none")), 2) << output_;
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, BoardThatAnswersWithTheImageIsTheProof) {
+  install("st-flash");
+  const FakeBoard board("capstan 1.2.3 board stm32f405 joints 4 parameters 60 image " + hash_, "disarmed");
+  EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 0) << output_;
+  EXPECT_TRUE(says("board answers: capstan 1.2.3 board stm32f405")) << output_;
+}
+
+TEST_F(FlashCommand, BoardThatStillRunsTheOldImageIsToldApart) {
+  install("st-flash");
+  const FakeBoard board("capstan 1.2.3 board stm32f405 joints 4 parameters 60 image 00000000", "disarmed");
+  EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1);
+  EXPECT_TRUE(says("image " + hash_ + " was written; press its reset")) << output_;
+}
+
+TEST_F(FlashCommand, AnotherBoardAtThePortIsRefusedBeforeAnythingIsWritten) {
+  install("st-flash");
+  const FakeBoard board("capstan 1.2.3 board linux_rt joints 1 parameters 60", "disarmed");
+  EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1);
+  EXPECT_TRUE(says("is 'linux_rt' and the image is for 'stm32f405'; connect the right board")) << output_;
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, BoardWithTorqueOnIsLeftAlone) {
+  install("st-flash");
+  for (const char* state : {"armed", "holding"}) {
+    const FakeBoard board("capstan 1.2.3 board stm32f405 joints 4 parameters 60 image " + hash_, state);
+    EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1);
+    EXPECT_TRUE(says("has torque on; bring its joints to rest and 'disarm' first")) << output_;
+  }
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, ProgramThatFailsIsReportedAndNothingIsCalledDone) {
+  install("st-flash", 9);
+  EXPECT_EQ(run("stm32f405 " + path("image.hex")), 1);
+  EXPECT_TRUE(says("st-flash failed with status 9")) << output_;
+  EXPECT_EQ(calls().find("sector0"), std::string::npos) << "no vectors for code that is not there";
+}
+
+TEST_F(FlashCommand, WrongNamesAreBadInput) {
+  EXPECT_EQ(run("sim " + path("image.hex")), 2);
+  EXPECT_TRUE(says("'sim' is no board that is flashed")) << output_;
+  EXPECT_EQ(run("stm32f405 --tool hammer " + path("image.hex")), 2);
+  EXPECT_TRUE(says("use one of openocd, st-flash, dfu-util, stm32flash")) << output_;
+  EXPECT_EQ(run("stm32f405 --tool stm32flash " + path("image.hex")), 2);
+  EXPECT_EQ(run("stm32f405 --tool openocd " + path("image.hex")), 1);
+  EXPECT_TRUE(says("openocd is not installed")) << output_;
+}
+
+}  // namespace
+}  // namespace capstan::tools
