@@ -60,7 +60,10 @@ class Application final : public Machine {
     return true;
   }
   auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
-  auto settled() const -> bool override { return request_box_.empty() && config_box_.empty() && scope_.settled(); }
+  auto settled() const -> bool override {
+    return request_box_.empty() && config_box_.empty() && scope_.settled() && recorder_.settled() &&
+           experiment_box_.empty();
+  }
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_, key_);
     if (saved) {
@@ -82,12 +85,11 @@ class Application final : public Machine {
   }
   auto maintenance_key() const -> KeyDigest override { return key_; }
   void set_maintenance_key(const KeyDigest& key) override { key_ = key; }
-  void record(bool on, std::size_t axis) override {
-    recorded_axis_.store(on ? static_cast<std::uint32_t>(axis) : kNoAxis, std::memory_order_relaxed);
-  }
-  auto next_sample(LogSample& sample) -> bool override { return samples_.pop(sample); }
-  auto dropped_samples() const -> std::uint32_t override { return samples_.dropped(); }
+  auto recorder() -> Recorder& override { return recorder_; }
   auto scope() -> Scope& override { return scope_; }
+  auto begin_experiment(const ExperimentSetup& setup) -> bool override {
+    return setup.axis < kAxes && experiment_box_.offer(setup);
+  }
 
  private:
   struct Snapshot {
@@ -104,7 +106,6 @@ class Application final : public Machine {
     KeyDigest key;
     LoadResult result;
   };
-  static constexpr std::uint32_t kNoAxis = 0xFFFFFFFF;
 
   Application(Io& io, Banks& banks, const Stored& stored)
       : io_(io),
@@ -119,6 +120,24 @@ class Application final : public Machine {
   /// Also while a request that may give torque is under way.
   [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
 
+  /// The experiment's command, if one runs and the joints are still its own.
+  void rt_experiment(Command<kAxes>& command) {
+    const State state = state_.supervisor.state();
+    if (const ExperimentSetup* setup = experiment_box_.rt_peek()) {
+      experiment_.rt_start(*setup);
+      if (state != State::kHolding) {
+        experiment_.rt_end();
+      }
+      experiment_taken_ = true;
+    } else if (!energised(state)) {
+      experiment_.rt_end();
+    }
+    if (experiment_.active()) {
+      command.axis[experiment_.axis()] = experiment_.rt_step(state_.axis[experiment_.axis()]);
+      command.experiment = experiment_.active();
+    }
+  }
+
   void rt_take_config() {
     if (const Config<kAxes>* next = config_box_.rt_peek()) {
       for (std::size_t i = 0; i < kAxes; ++i) {
@@ -130,9 +149,18 @@ class Application final : public Machine {
     state_.model_faults = parameter_faults_.load(std::memory_order_relaxed);
   }
 
-  /// Streamed references, and over them what the shell asked for.
+  /// The operator takes the joint back.
+  void rt_end_experiment(Command<kAxes>& command, std::size_t axis) {
+    if (axis == experiment_.axis()) {
+      experiment_.rt_end();
+      command.experiment = false;
+    }
+  }
+
+  /// Streamed references, over them an experiment's, and over them what the shell asked for.
   auto rt_command(const Streamed& streamed) -> Command<kAxes> {
     Command<kAxes> command{.axis = streamed};
+    rt_experiment(command);
     if (const Request* request = request_box_.rt_peek()) {
       switch (request->kind) {
         case Request::Kind::kArm:
@@ -142,9 +170,11 @@ class Application final : public Machine {
           command.disarm = true;
           break;
         case Request::Kind::kMove:
+          rt_end_experiment(command, request->axis);
           command.axis[request->axis] = {AxisCommand::Kind::kMove, request->position_rad, request->speed_rad_s};
           break;
         case Request::Kind::kStop:
+          rt_end_experiment(command, request->axis);
           command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
           break;
         case Request::Kind::kZero:
@@ -163,17 +193,20 @@ class Application final : public Machine {
   void rt_publish() {
     Snapshot now;
     now.machine = state_.telemetry;
+    now.machine.experiment = experiment_.phase();
     for (std::size_t i = 0; i < kAxes; ++i) {
       now.axis[i] = state_.axis[i].telemetry();
     }
+    recorder_.rt_step(now.machine, now.axis);  // first: who sees that a run is over finds all of it
     published_.rt_publish(now);
-    if (const std::uint32_t axis = recorded_axis_.load(std::memory_order_relaxed); axis < kAxes) {
-      samples_.rt_push({now.machine.tick, now.axis[axis]});
-    }
     scope_.rt_step(now.machine, now.axis);
     if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
       acknowledge_ = false;
       request_box_.rt_taken();
+    }
+    if (experiment_taken_) {
+      experiment_taken_ = false;
+      experiment_box_.rt_taken();
     }
   }
 
@@ -186,8 +219,10 @@ class Application final : public Machine {
   Mailbox<Config<kAxes>> config_box_;
   Mailbox<Request> request_box_;
   Published<Snapshot> published_;
-  SpscRing<LogSample, 128> samples_;
-  std::atomic<std::uint32_t> recorded_axis_ = kNoAxis;
+  Recorder recorder_;
+  Experiment experiment_;
+  bool experiment_taken_ = false;
+  Mailbox<ExperimentSetup> experiment_box_;
   Scope scope_;
   std::atomic<bool> link_lost_ = false;
   std::atomic<FaultSet> board_faults_ = 0;

@@ -190,12 +190,18 @@ auto Axis::rt_faults(bool energised) -> FaultSet {
     cycles_off_reference_ = 0;
     still_cycles_ = 0;
     following_ = false;
+    in_torque_ = false;
   }
   return telemetry_.faults;
 }
 
 auto Axis::rt_command(const AxisCommand& command) -> bool {
   const LimitConfig& limits = config_.limits;
+  const bool takes_over = command.kind == AxisCommand::Kind::kStop || command.kind == AxisCommand::Kind::kMove ||
+                          command.kind == AxisCommand::Kind::kFollow;
+  if (in_torque_ && takes_over) {
+    rt_hold_here();
+  }
   const bool inside = command.position_rad >= limits.joint_min_rad && command.position_rad <= limits.joint_max_rad;
   switch (command.kind) {
     case AxisCommand::Kind::kNone:
@@ -221,16 +227,37 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
       following_ = true;
       cycles_since_reference_ = 0;
       return inside;
+    case AxisCommand::Kind::kTorque:
+      torque_target_nm_ = command.torque_nm;
+      trailing_q2_ = in_torque_ ? trailing_q2_ : telemetry_.q2_rad;
+      in_torque_ = true;
+      following_ = true;
+      cycles_since_reference_ = 0;
+      return true;
   }
   return false;
 }
 
-void Axis::rt_arm() {
+void Axis::rt_hold_here() {
   trajectory_.rt_reset(telemetry_.q2_rad);
   telemetry_.q2_reference_rad = telemetry_.q2_rad;
   following_ = false;
+  in_torque_ = false;
   controller_.rt_start(config_.control, law_, telemetry_.q2_rad);
+}
+
+void Axis::rt_arm() {
+  rt_hold_here();
   last_drive_a_ = Q24{};
+}
+
+/// Too far, or faster than moves may be. By how far a low-pass lags, because a rate from counts is mostly noise.
+auto Axis::rt_runs_away() -> bool {
+  constexpr Q24 kTrailS = Q24::from_double(0.02);
+  const LimitConfig& limits = config_.limits;
+  trailing_q2_ += (telemetry_.q2_rad - trailing_q2_) * kPeriod.filter_gain(kTrailS);
+  return telemetry_.q2_rad > limits.joint_max_rad || telemetry_.q2_rad < limits.joint_min_rad ||
+         abs(telemetry_.q2_rad - trailing_q2_) > limits.joint_speed_rad_s * kTrailS;
 }
 
 auto Axis::rt_reference() -> Q24 {
@@ -249,6 +276,14 @@ auto Axis::rt_reference() -> Q24 {
 }
 
 auto Axis::rt_control() -> Q24 {
+  if (in_torque_ && rt_runs_away()) {
+    rt_flag(Limit::kReference);
+    rt_hold_here();
+  }
+  if (in_torque_) {
+    telemetry_.q2_reference_rad = telemetry_.q2_rad;  // nothing is asked of the position
+    return torque_target_nm_;
+  }
   telemetry_.q2_reference_rad = rt_reference();
   return controller_.rt_update(config_, law_, telemetry_.q2_reference_rad, telemetry_.q2_rad);
 }

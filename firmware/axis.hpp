@@ -16,10 +16,13 @@ struct AxisCommand {
     kStop,    ///< brake and stand
     kFollow,  ///< a streamed reference: position_rad now, the next one within 100 ms
     kZero,    ///< the motor stands at position_rad, whatever its encoder says; only without torque
+    kTorque,  ///< streamed too: motor-side torque_nm instead of a position. A joint that gets faster than its moves may
+              ///< or leaves its range is held where it then is
   };
   Kind kind = Kind::kNone;
   Q24 position_rad{};
   Q24 speed_rad_s{};
+  Q24 torque_nm{};
 };
 
 /// Normal, reported, and each names the setting behind it; not faults.
@@ -70,6 +73,8 @@ class Axis {
   /// Gets ready for torque: stand where the joint is.
   void rt_arm();
   [[nodiscard]] auto in_motion() const -> bool { return following_ || !trajectory_.finished(); }
+  /// Torque is commanded, not a position.
+  [[nodiscard]] auto in_torque() const -> bool { return in_torque_; }
   /// Motor-side torque wanted, N m.
   auto rt_control() -> Q24;
   /// The one gate every output passes: state, thermal and peak current, tendon travel, rate.
@@ -85,6 +90,9 @@ class Axis {
   /// Monitors of what the joint was asked to do.
   [[nodiscard]] auto rt_motion_faults() -> FaultSet;
   auto rt_reference() -> Q24;
+  /// Position control takes over without a jump: stand where the joint is.
+  void rt_hold_here();
+  [[nodiscard]] auto rt_runs_away() -> bool;
   void rt_warm();
   /// True for a current that pulls further out where the tendon travel ends.
   [[nodiscard]] auto rt_outward(Q24 current_a) const -> bool;
@@ -103,8 +111,11 @@ class Axis {
   bool lost_ = false;    // the encoder jumped, so counts_ may be anything until rt_zero
   FaultSet sensor_faults_ = 0;
 
-  bool following_ = false;
+  bool following_ = false;  // a stream, of positions or torques
+  bool in_torque_ = false;
   Q24 follow_target_;
+  Q24 torque_target_nm_;
+  Q24 trailing_q2_;  // in torque: the joint's angle, as long ago as kTrailS
   std::int32_t cycles_since_reference_ = 0;
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;

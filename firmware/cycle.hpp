@@ -13,7 +13,17 @@ template <std::size_t Axes>
 struct Command {
   bool arm = false;
   bool disarm = false;
+  bool experiment = false;  ///< the commands to the joints come from an experiment
   std::array<AxisCommand, Axes> axis{};
+};
+
+/// Where an experiment is.
+enum class ExperimentPhase : std::uint8_t {
+  kIdle,         ///< there was none since start
+  kApproaching,  ///< to its offset, and waiting there for a moment
+  kRunning,
+  kDone,
+  kEnded,  ///< before its end: torque went away, somebody else took the joint, or it left its limits
 };
 
 /// The machine as a whole, after a cycle.
@@ -23,6 +33,7 @@ struct MachineTelemetry {
   Fault first_fault = Fault::kNone;
   FaultSet conditions = 0;  ///< faults present now; while disarmed they are what blocks arming
   std::uint32_t overruns = 0;
+  ExperimentPhase experiment = ExperimentPhase::kIdle;  ///< set by whoever runs one
 };
 
 /// Cycles that may begin late within a second before torque is taken away: one is noise, three are a pattern.
@@ -102,7 +113,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     in_motion |= state.axis[i].in_motion();
   }
 
-  const State now = state.supervisor.rt_step({faults, command.arm, command.disarm, in_motion});
+  const State now = state.supervisor.rt_step({faults, command.arm, command.disarm, command.experiment, in_motion});
 
   Drive<Axes> drive;
   for (std::size_t i = 0; i < Axes; ++i) {

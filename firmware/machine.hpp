@@ -4,6 +4,8 @@
 #include <span>
 
 #include "firmware/cycle.hpp"
+#include "firmware/experiment.hpp"
+#include "firmware/recorder.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/storage.hpp"
 
@@ -16,12 +18,6 @@ struct Request {
   std::size_t axis = 0;
   Q24 position_rad{};
   Q24 speed_rad_s{};
-};
-
-/// One line of the log.
-struct LogSample {
-  std::uint32_t tick = 0;
-  AxisTelemetry axis;
 };
 
 /// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other.
@@ -48,11 +44,11 @@ class Machine {
   /// business.
   [[nodiscard]] virtual auto maintenance_key() const -> KeyDigest = 0;
   virtual void set_maintenance_key(const KeyDigest& key) = 0;
-  /// Starts or stops recording of one axis; samples that find no room are dropped and counted.
-  virtual void record(bool on, std::size_t axis) = 0;
-  virtual auto next_sample(LogSample& sample) -> bool = 0;
-  [[nodiscard]] virtual auto dropped_samples() const -> std::uint32_t = 0;
+  virtual auto recorder() -> Recorder& = 0;
   virtual auto scope() -> Scope& = 0;
+  /// Hands an experiment to the cycle, which begins it if every joint holds still. @pre check_experiment() has nothing
+  /// against it. False: the last one is still under way to the cycle, or there is no such joint.
+  virtual auto begin_experiment(const ExperimentSetup& setup) -> bool = 0;
 
  protected:
   ~Machine() = default;  // never owned through this face: a virtual one would need operator delete

@@ -20,7 +20,7 @@ enum class ScopeTrigger : std::uint8_t {
 };
 
 struct ScopeSetup {
-  static constexpr std::size_t kMostChannels = 8;
+  static constexpr std::size_t kMostChannels = kMostSignals;
   std::array<Signal, kMostChannels> channels{};
   std::size_t channel_count = 0;
   ScopeTrigger trigger = ScopeTrigger::kNow;

@@ -38,7 +38,17 @@ class Shell {
 
  private:
   friend struct ShellCommands;
-  enum class Activity : std::uint8_t { kIdle, kArming, kDisarming, kMoving, kApplying, kLogging, kDumping, kWatching };
+  enum class Activity : std::uint8_t {
+    kIdle,
+    kArming,
+    kDisarming,
+    kMoving,
+    kApplying,
+    kLogging,
+    kDumping,
+    kWatching,
+    kExperimenting
+  };
   /// joint number and group.name of "joint0.control.kp"
   struct Name {
     std::size_t axis = 0;
@@ -56,6 +66,10 @@ class Shell {
   void finish_arming();
   void print_fault(const char* what, const FaultInfo& entry);
   void go_on_logging();
+  void go_on_experimenting();
+  auto begin_recording(std::size_t axis, std::uint32_t every) -> bool;
+  void end_recording();
+  void print_row(const SignalSample& sample);
   void go_on_dumping();
   void go_on_watching();
   void end_stream();
@@ -83,9 +97,9 @@ class Shell {
   std::array<AxisConfig, kMaxAxes> staged_{};
   bool staging_ = false;
   Maintenance maintenance_;
-  std::size_t log_axis_ = 0;
-  std::uint32_t log_left_ = 0;
-  std::uint32_t log_every_ = 1;
+  RecorderSetup recorded_;
+  std::int32_t log_site_ = -1;  ///< the site that is palpated; -1: none
+  std::uint32_t log_left_ = 0;  ///< rows; of an experiment 0 when it is to end
   std::uint32_t log_dropped_before_ = 0;
   ScopeSetup scope_;           ///< as typed so far
   std::size_t dump_next_ = 0;  ///< sample

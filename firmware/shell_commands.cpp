@@ -41,6 +41,15 @@ constexpr std::array kCommands = {
                  "says at which motor angle the joint stands now (disarmed only)", ShellCommands::zero},
     ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms",
                  ShellCommands::log},
+    ShellCommand{"experiment",
+                 "jointN sine_ladder|multisine|decaying_sine|triangle|speed_ladder|reversals|torque_triangle "
+                 "[amplitude=A] [offset=A] [frequencies=F,F..|speeds=V,V..|rates=R] [decay=D] [levels=N] [duration=S] "
+                 "[cycles=N] [repeats=N] [every=MS]",
+                 kAnyNumber, "moves a joint as a law needs it to be identified, within its limits, and prints the log",
+                 ShellCommands::experiment},
+    ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS]", kAnyNumber,
+                 "presses with torque triangles where the joint stands, and prints the log of that site",
+                 ShellCommands::palpate},
     ShellCommand{"watch", "[EVERY] SIGNAL...", 1 + ScopeSetup::kMostChannels,
                  "prints signals every EVERY ms (200) until the next line or Ctrl-C", ShellCommands::watch},
     ShellCommand{"scope", "[signals|channels SIGNAL...|trigger WHAT|start [SAMPLES [BEFORE [EVERY]]]|stop|dump]",
@@ -199,7 +208,8 @@ void ShellCommands::zero(Shell& shell, std::string_view arguments) {
 void ShellCommands::timing(Shell& shell, std::string_view /*arguments*/) {
   const MachineTelemetry now = shell.machine_.telemetry();
   shell.out_ << "cycles " << now.tick << " of 1 ms, overruns " << now.overruns << ", log samples dropped "
-             << shell.machine_.dropped_samples() << ", console characters dropped " << shell.sink_.dropped() << "\r\n";
+             << shell.machine_.recorder().dropped() << ", console characters dropped " << shell.sink_.dropped()
+             << "\r\n";
   shell.board_.print_timing(shell.out_);
   shell.ok();
 }

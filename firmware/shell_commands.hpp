@@ -13,6 +13,8 @@ struct ShellCommand {
   void (*run)(Shell& shell, std::string_view arguments);
 };
 
+struct RecipeInfo;
+
 /// Every command there is; `help` prints from it.
 auto shell_commands() -> std::span<const ShellCommand>;
 
@@ -39,6 +41,8 @@ struct ShellCommands {
   static void hold(Shell& shell, std::string_view arguments);
   static void zero(Shell& shell, std::string_view arguments);
   static void log(Shell& shell, std::string_view arguments);
+  static void experiment(Shell& shell, std::string_view arguments);
+  static void palpate(Shell& shell, std::string_view arguments);
   static void watch(Shell& shell, std::string_view arguments);
   static void scope(Shell& shell, std::string_view arguments);
   static void model(Shell& shell, std::string_view arguments);
@@ -53,6 +57,7 @@ struct ShellCommands {
   static void maintenance_status(Shell& shell);
   static void maintenance_open(Shell& shell, std::string_view key);
   static void maintenance_key(Shell& shell, std::string_view key);
+  static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
   static void scope_status(Shell& shell);
   static void scope_signals(Shell& shell);
   static void scope_channels(Shell& shell, std::string_view arguments);

@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shell's commands that record or show signals over time: log, watch, scope.
+// The shell's commands that show signals over time: watch, scope.
 #include <algorithm>
 
 #include "firmware/shell_commands.hpp"
 
 namespace capstan {
 namespace {
-
-/// A time in s from milliseconds, with three decimals: exact without any division of time.
-void print_seconds(Print& out, std::uint32_t ms) {
-  const std::uint32_t thousandths = ms % 1000;
-  out << ms / 1000 << '.' << thousandths / 100 << thousandths / 10 % 10 << thousandths % 10;
-}
 
 struct TriggerName {
   std::string_view name;
@@ -60,58 +54,8 @@ constexpr std::int32_t kMostEvery = 1000;
 
 }  // namespace
 
-void ShellCommands::log(Shell& shell, std::string_view arguments) {
-  constexpr std::int32_t kLongest = 1'000'000;
-  std::string_view joint = next_word(arguments);
-  const std::string_view count_text = next_word(arguments);
-  std::int32_t count = 0;
-  std::int32_t every = 1;
-  if (!shell.parse_axis(joint, shell.log_axis_) || !joint.empty() ||
-      parse_integer(count_text, count) != ParseResult::kOk || count < 1 || count > kLongest ||
-      !optional_number(next_word(arguments), 1, kMostEvery, every)) {
-    shell.error("usage", "log takes a joint, a count up to 1000000 and a spacing of 1 to 1000 ms",
-                "write 'log joint0 100 10'");
-    return;
-  }
-  LogSample stale;
-  while (shell.machine_.next_sample(stale)) {
-  }
-  shell.log_left_ = static_cast<std::uint32_t>(count);
-  shell.log_every_ = static_cast<std::uint32_t>(every);
-  shell.log_dropped_before_ = shell.machine_.dropped_samples();
-  const auto axis = static_cast<std::uint32_t>(shell.log_axis_);
-  Print& out = shell.out_;
-  out << "time_s";
-  for (const char* column : {"q1_rad", "tau_Nm", "q2_est_rad", "q2_ref_rad", "current_A"}) {
-    out << ",axis" << axis << '/' << column;
-  }
-  out << "\r\n";
-  shell.machine_.record(true, shell.log_axis_);
-  shell.activity_ = Shell::Activity::kLogging;
-}
-
-void Shell::go_on_logging() {
-  LogSample sample;
-  while (log_left_ > 0 && machine_.next_sample(sample)) {
-    if (sample.tick % log_every_ != 0) {
-      continue;
-    }
-    --log_left_;
-    print_seconds(out_, sample.tick);
-    out_ << ',' << sample.axis.q1_rad << ',' << sample.axis.tau_nm << ',' << sample.axis.q2_rad << ','
-         << sample.axis.q2_reference_rad << ',' << sample.axis.current_a << "\r\n";
-  }
-  if (log_left_ == 0) {
-    machine_.record(false, 0);
-    if (const std::uint32_t dropped = machine_.dropped_samples() - log_dropped_before_; dropped != 0) {
-      out_ << "# " << dropped << " samples found no room; log every " << 2 * log_every_ << " or fewer at a time\r\n";
-    }
-    ok();
-  }
-}
-
 void Shell::end_stream() {
-  if (activity_ == Activity::kLogging) {
+  if (activity_ == Activity::kLogging || activity_ == Activity::kExperimenting) {
     log_left_ = 0;  // the next poll answers
   } else if (activity_ == Activity::kDumping) {
     dump_next_ = machine_.scope().size();

@@ -39,6 +39,8 @@ constexpr std::array kMachineSignals = {
                offsetof(MachineTelemetry, conditions)},
     SignalInfo{"overruns", "overruns", "1", "late or skipped cycles since start", SignalType::kWord,
                offsetof(MachineTelemetry, overruns)},
+    SignalInfo{"experiment", "experiment", "1", "0 none yet, 1 approaching, 2 running, 3 done, 4 ended early",
+               SignalType::kByte, offsetof(MachineTelemetry, experiment)},
 };
 
 auto find(std::span<const SignalInfo> table, std::string_view name) -> const SignalInfo* {

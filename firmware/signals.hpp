@@ -21,6 +21,9 @@ struct SignalInfo {
   std::uint16_t offset;  ///< into AxisTelemetry or MachineTelemetry
 };
 
+/// What a scope, a recorder or a watch takes at once.
+inline constexpr std::size_t kMostSignals = 8;
+
 /// What each joint has, and what the machine has once.
 auto joint_signals() -> std::span<const SignalInfo>;
 auto machine_signals() -> std::span<const SignalInfo>;

@@ -14,6 +14,9 @@ auto trigger_of(const SupervisorInput& input) -> Trigger {
   if (input.arm) {
     return Trigger::kArm;
   }
+  if (input.experiment) {
+    return Trigger::kExperimentRuns;
+  }
   return input.in_motion ? Trigger::kMotionBegins : Trigger::kMotionEnds;
 }
 

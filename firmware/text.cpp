@@ -152,6 +152,11 @@ auto Print::operator<<(Q24 value) -> Print& {
   return *this;
 }
 
+void print_seconds(Print& out, std::uint32_t ms) {
+  const std::uint32_t thousandths = ms % 1000;
+  out << ms / 1000 << '.' << thousandths / 100 << thousandths / 10 % 10 << thousandths % 10;
+}
+
 auto parse_integer(std::string_view text, std::int32_t& value) -> ParseResult {
   Decimal number;
   std::size_t at = !text.empty() && (text[0] == '-' || text[0] == '+') ? 1 : 0;

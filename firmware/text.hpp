@@ -39,6 +39,9 @@ class Print {
   TextSink& sink_;
 };
 
+/// A time in s from milliseconds, with three decimals: exact.
+void print_seconds(Print& out, std::uint32_t ms);
+
 enum class ParseResult : std::uint8_t { kOk, kNotANumber, kOutOfRange };
 
 /// Reads a whole decimal integer.

@@ -75,7 +75,7 @@ template <std::size_t Axes>
 void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<Axes>> bytes) {
   detail::ByteWriter out(bytes);
   out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
-                                   (input.command.disarm ? 4U : 0U)));
+                                   (input.command.disarm ? 4U : 0U) | (input.command.experiment ? 8U : 0U)));
   out.u32(input.sensed.overruns);
   for (std::size_t i = 0; i < Axes; ++i) {
     const AxisSensed& sensed = input.sensed.axis[i];
@@ -85,7 +85,7 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
     out.u8(
         static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
     out.u8(static_cast<std::uint8_t>(command.kind));
-    out.q24(command.position_rad);
+    out.q24(command.kind == AxisCommand::Kind::kTorque ? command.torque_nm : command.position_rad);
     out.q24(command.speed_rad_s);
   }
 }
@@ -98,6 +98,7 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
   input.sensed.estop = (flags & 1U) != 0;
   input.command.arm = (flags & 2U) != 0;
   input.command.disarm = (flags & 4U) != 0;
+  input.command.experiment = (flags & 8U) != 0;
   input.sensed.overruns = in.u32();
   for (std::size_t i = 0; i < Axes; ++i) {
     AxisSensed& sensed = input.sensed.axis[i];
@@ -108,7 +109,8 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
     sensed.encoder = static_cast<Quality>(qualities & 0xFU);
     sensed.current = static_cast<Quality>(qualities >> 4U);
     command.kind = static_cast<AxisCommand::Kind>(in.u8());
-    command.position_rad = in.q24();
+    Q24& target = command.kind == AxisCommand::Kind::kTorque ? command.torque_nm : command.position_rad;
+    target = in.q24();
     command.speed_rad_s = in.q24();
   }
   return input;

@@ -295,20 +295,28 @@ TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) 
 
 TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
   Rig rig;
-  LogSample sample;
+  SignalSample sample;
+  Recorder& recorder = rig.application.recorder();
   rig.ticks(10);
-  EXPECT_FALSE(rig.application.next_sample(sample)) << "nothing is recorded unasked";
-  rig.application.record(true, 0);
+  EXPECT_FALSE(recorder.next(sample)) << "nothing is recorded unasked";
+  ASSERT_TRUE(recorder.start({.signals = {find_signal("joint0.q1", 1)}, .count = 1}));
   rig.ticks(50);
   std::uint32_t last = 0;
   for (int i = 0; i < 50; ++i) {
-    ASSERT_TRUE(rig.application.next_sample(sample));
+    ASSERT_TRUE(recorder.next(sample));
     EXPECT_TRUE(i == 0 || sample.tick == last + 1);
     last = sample.tick;
   }
-  EXPECT_EQ(rig.application.dropped_samples(), 0U);
+  EXPECT_EQ(recorder.dropped(), 0U);
   rig.ticks(200);
-  EXPECT_EQ(rig.application.dropped_samples(), 200U - 128U);
+  EXPECT_EQ(recorder.dropped(), 200U - 128U);
+  ASSERT_TRUE(recorder.start({.signals = {find_signal("joint0.q1", 1)}, .count = 1, .every = 10}));
+  rig.ticks(30);
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(recorder.next(sample)) << "what was left of the run before is passed over";
+    EXPECT_EQ(sample.tick % 10, 0U);
+  }
+  EXPECT_FALSE(recorder.next(sample));
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
     EXPECT_EQ(rig.allocations_of(100), 0) << "moving";
   }
   ASSERT_EQ(rig.application.telemetry().state, State::kArmed);
-  rig.application.record(true, 2);
+  ASSERT_TRUE(rig.application.recorder().start({.signals = {find_signal("joint2.q1", 4)}, .count = 1}));
   EXPECT_EQ(rig.allocations_of(3000), 0) << "recording, and dropping what nobody fetches";
   Firmware::Streamed streamed{};
   streamed.fill({AxisCommand::Kind::kFollow, Q24::from_double(0.3), {}});
@@ -196,7 +196,12 @@ TEST(NoAllocation, NotInTheShellOrTheStorageEither) {
                                       "scope start 50",
                                       "scope dump",
                                       "watch 20 joint0.q2",
-                                      "zero joint0"}) {
+                                      "zero joint0",
+                                      "maintenance open",
+                                      "arm",
+                                      "experiment joint0 multisine duration=20 repeats=1",
+                                      "\x03",
+                                      "disarm"}) {
     for (const char c : line) {
       shell.receive(c);
     }

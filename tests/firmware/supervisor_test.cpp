@@ -9,7 +9,7 @@
 namespace capstan {
 namespace {
 
-constexpr std::array kStates = {State::kDisarmed, State::kArmed, State::kHolding, State::kFaulted};
+constexpr std::array kStates = {State::kDisarmed, State::kArmed, State::kHolding, State::kFaulted, State::kExperiment};
 
 /// A supervisor brought into the wanted state by the shortest way.
 auto supervisor_in(State state) -> Supervisor {
@@ -19,6 +19,9 @@ auto supervisor_in(State state) -> Supervisor {
   }
   if (state == State::kArmed) {
     supervisor.rt_step({.in_motion = true});
+  }
+  if (state == State::kExperiment) {
+    supervisor.rt_step({.experiment = true});
   }
   if (state == State::kFaulted) {
     supervisor.rt_step({.faults = bit(Fault::kOverCurrent)});
@@ -35,7 +38,7 @@ struct Row {
 
 constexpr FaultSet kSome = bit(Fault::kEncoderJump);
 
-// Written from the contract: disarmed, armed, holding, faulted, and what leads from one to the other.
+// Written from the contract: disarmed, armed, holding, experiment, faulted, and what leads from one to the other.
 const std::vector<Row> kRows = {
     {State::kDisarmed, {}, State::kDisarmed},
     {State::kDisarmed, {.arm = true}, State::kHolding},
@@ -57,6 +60,19 @@ const std::vector<Row> kRows = {
     {State::kFaulted, {.faults = kSome, .arm = true}, State::kFaulted},
     {State::kFaulted, {.disarm = true}, State::kDisarmed},
     {State::kFaulted, {.faults = kSome, .disarm = true}, State::kDisarmed},
+    {State::kDisarmed, {.experiment = true}, State::kDisarmed},
+    {State::kDisarmed, {.arm = true, .experiment = true}, State::kHolding},
+    {State::kFaulted, {.experiment = true}, State::kFaulted},
+    {State::kArmed, {.experiment = true, .in_motion = true}, State::kArmed},
+    {State::kHolding, {.experiment = true}, State::kExperiment},
+    {State::kHolding, {.experiment = true, .in_motion = true}, State::kExperiment},
+    {State::kExperiment, {.experiment = true}, State::kExperiment},
+    {State::kExperiment, {.experiment = true, .in_motion = true}, State::kExperiment},
+    {State::kExperiment, {.in_motion = true}, State::kArmed},
+    {State::kExperiment, {}, State::kHolding},
+    {State::kExperiment, {.arm = true}, State::kExperiment},
+    {State::kExperiment, {.disarm = true, .experiment = true}, State::kDisarmed},
+    {State::kExperiment, {.faults = kSome, .experiment = true}, State::kFaulted},
 };
 
 TEST(Supervisor, EveryRowOfTheContractHolds) {
@@ -89,8 +105,8 @@ void for_all_inputs(Check&& check) {
                                               bit(Fault::kSensorMissing) | bit(Fault::kEmergencyStop)};
   for (const State before : kStates) {
     for (const FaultSet faults : fault_sets) {
-      for (int bits = 0; bits < 8; ++bits) {
-        const SupervisorInput input{faults, (bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
+      for (int bits = 0; bits < 16; ++bits) {
+        const SupervisorInput input{faults, (bits & 1) != 0, (bits & 2) != 0, (bits & 8) != 0, (bits & 4) != 0};
         Supervisor supervisor = supervisor_in(before);
         const State after = supervisor.rt_step(input);
         EXPECT_EQ(after, supervisor.state());
@@ -159,7 +175,7 @@ RC_GTEST_PROP(Supervisor, NoSequenceOfInputsGivesTorqueWithAFaultOrWithoutArming
   for (int i = 0; i < length; ++i) {
     const auto fault = static_cast<Fault>(*rc::gen::inRange<int>(0, static_cast<int>(kFaultTable.size())));
     const SupervisorInput input{*rc::gen::inRange(0, 4) == 0 ? bit(fault) : 0, *rc::gen::arbitrary<bool>(),
-                                *rc::gen::inRange(0, 5) == 0, *rc::gen::arbitrary<bool>()};
+                                *rc::gen::inRange(0, 5) == 0, *rc::gen::arbitrary<bool>(), *rc::gen::arbitrary<bool>()};
     const bool had_torque = energised(supervisor.state());
     const bool was_disarmed = supervisor.state() == State::kDisarmed;
     const bool has_torque = energised(supervisor.rt_step(input));

@@ -18,7 +18,7 @@ auto campaign() -> const std::vector<CampaignRow>& {
 
 auto under_torque(const CampaignRow& row) -> bool {
   return row.situation == Situation::kHolding || row.situation == Situation::kMoving ||
-         row.situation == Situation::kFollowing;
+         row.situation == Situation::kFollowing || row.situation == Situation::kExperiment;
 }
 
 TEST(FaultCampaign, CoversEveryInputInEveryModeInEverySituationOnce) {
@@ -26,7 +26,7 @@ TEST(FaultCampaign, CoversEveryInputInEveryModeInEverySituationOnce) {
   for (const CampaignRow& row : campaign()) {
     EXPECT_TRUE(seen.emplace(row.input, row.mode, row.situation).second);
   }
-  EXPECT_EQ(seen.size(), 6U * 8U * 5U);
+  EXPECT_EQ(seen.size(), 6U * 8U * 6U);
 }
 
 TEST(FaultCampaign, NothingEndsAnywhereButInANamedSafeState) {
@@ -82,7 +82,7 @@ TEST(FaultCampaign, EachFaultIsDetectedAsSoonAsTheReadmeSays) {
 
 TEST(FaultCampaign, WithoutAFaultNothingIsReportedAndTheJointIsWhereItShouldBe) {
   for (const Situation situation :
-       {Situation::kDisarmed, Situation::kHolding, Situation::kMoving, Situation::kFollowing}) {
+       {Situation::kDisarmed, Situation::kHolding, Situation::kMoving, Situation::kFollowing, Situation::kExperiment}) {
     const CampaignRow row = run_without_fault(situation);
     EXPECT_EQ(row.outcome, Outcome::kTolerated) << name(situation);
     EXPECT_EQ(row.fault, Fault::kNone);

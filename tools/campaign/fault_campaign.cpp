@@ -19,8 +19,8 @@ constexpr std::array kInputs = {Input::kEncoder,   Input::kCurrent,       Input:
                                 Input::kReference, Input::kEmergencyStop, Input::kClock};
 constexpr std::array kModes = {Mode::kOff,  Mode::kStuck,   Mode::kGarbage,      Mode::kWrongSign,
                                Mode::kSlow, Mode::kDelayed, Mode::kIntermittent, Mode::kNan};
-constexpr std::array kSituations = {Situation::kDisarmed, Situation::kHolding, Situation::kMoving,
-                                    Situation::kFollowing, Situation::kFaulted};
+constexpr std::array kSituations = {Situation::kDisarmed,  Situation::kHolding,    Situation::kMoving,
+                                    Situation::kFollowing, Situation::kExperiment, Situation::kFaulted};
 
 constexpr int kSettleCycles = 1500;
 constexpr int kObservedCycles = 5000;
@@ -204,6 +204,14 @@ class Rig {
       move(kFarRad);
       run(kIntoTheMoveCycles);
     }
+    if (situation == Situation::kExperiment) {
+      static_cast<void>(application_.begin_experiment({.recipe = Recipe::kTriangle,
+                                                       .amplitude = Q24::from_double(kFarRad),
+                                                       .rungs = {Q24::from_int(1)},
+                                                       .rung_count = 1,
+                                                       .cycles = 1000}));
+      run(kIntoTheExperimentCycles);
+    }
     if (situation == Situation::kFaulted) {
       application_.set_board_faults(bit(Fault::kBoardClock));
       step();
@@ -262,6 +270,7 @@ class Rig {
  private:
   static constexpr int kMoveCycles = 700;
   static constexpr int kIntoTheMoveCycles = 300;
+  static constexpr int kIntoTheExperimentCycles = 1000;
   static constexpr double kFarRad = 0.6;
 
   [[nodiscard]] auto moves() const -> bool {
@@ -382,7 +391,7 @@ auto name(Mode mode) -> const char* {
   return kNames[static_cast<std::size_t>(mode)];
 }
 auto name(Situation situation) -> const char* {
-  static constexpr std::array kNames = {"disarmed", "holding", "moving", "following", "faulted"};
+  static constexpr std::array kNames = {"disarmed", "holding", "moving", "following", "experiment", "faulted"};
   return kNames[static_cast<std::size_t>(situation)];
 }
 auto name(Outcome outcome) -> const char* {
@@ -392,7 +401,7 @@ auto name(Outcome outcome) -> const char* {
 
 void print_campaign(std::ostream& out, const std::vector<CampaignRow>& rows) {
   std::array<char, 200> line{};
-  std::snprintf(line.data(), line.size(), "%-14s %-12s %-9s  %-9s %-9s %-16s %11s %9s %8s %7s\n", "input", "mode",
+  std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s %-9s %-10s %-16s %11s %9s %8s %7s\n", "input", "mode",
                 "while", "outcome", "state", "fault", "detected ms", "off after", "travel", "error");
   out << line.data();
   std::array<int, 5> counts{};
@@ -401,7 +410,7 @@ void print_campaign(std::ostream& out, const std::vector<CampaignRow>& rows) {
     if (row.impossible != nullptr) {
       ++counts[4];
       if (row.situation == Situation::kDisarmed) {
-        std::snprintf(line.data(), line.size(), "%-14s %-12s %-9s  can not be: %s\n", name(row.input), name(row.mode),
+        std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s can not be: %s\n", name(row.input), name(row.mode),
                       "any", row.impossible);
         out << line.data();
       }
@@ -414,9 +423,9 @@ void print_campaign(std::ostream& out, const std::vector<CampaignRow>& rows) {
     }
     const std::string detected = row.detected_ms < 0 ? "-" : std::to_string(row.detected_ms);
     const std::string off = row.off_after_cycles < 0 ? "-" : std::to_string(row.off_after_cycles);
-    std::snprintf(line.data(), line.size(), "%-14s %-12s %-9s  %-9s %-9s %-16s %11s %9s %8.3f %7.3f\n", name(row.input),
-                  name(row.mode), name(row.situation), name(row.outcome), capstan::name(row.end), info(row.fault).name,
-                  detected.c_str(), off.c_str(), row.travel_rad, row.error_rad);
+    std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s %-9s %-10s %-16s %11s %9s %8.3f %7.3f\n",
+                  name(row.input), name(row.mode), name(row.situation), name(row.outcome), capstan::name(row.end),
+                  info(row.fault).name, detected.c_str(), off.c_str(), row.travel_rad, row.error_rad);
     out << line.data();
   }
   out << "\ntimes are from the onset in ms, travel and error of the true joint in rad; longest detection under "

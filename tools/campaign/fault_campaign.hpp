@@ -14,7 +14,7 @@ enum class Input : std::uint8_t { kEncoder, kCurrent, kAmplifier, kReference, kE
 /// How it goes wrong, from a certain cycle on and for good.
 enum class Mode : std::uint8_t { kOff, kStuck, kGarbage, kWrongSign, kSlow, kDelayed, kIntermittent, kNan };
 /// What the machine was doing.
-enum class Situation : std::uint8_t { kDisarmed, kHolding, kMoving, kFollowing, kFaulted };
+enum class Situation : std::uint8_t { kDisarmed, kHolding, kMoving, kFollowing, kExperiment, kFaulted };
 
 enum class Outcome : std::uint8_t {
   kFaulted,    ///< detected, torque off, latched
