@@ -89,6 +89,7 @@ class Story {
     const std::uint32_t within = cycle % 1000;
     input.command.disarm = within == 0 && second % 4 == 0;  // clears what the last story left latched
     input.command.arm = within == 2 && second % 4 == 0;
+    input.command.experiment = presses(second, within);
     for (std::size_t i = 0; i < kAxes; ++i) {
       input.command.axis[i] = order(second, within, i, input.sensed.axis[i]);
     }
@@ -98,6 +99,11 @@ class Story {
   }
 
  private:
+  /// An experiment drives the joints by torque, from rest.
+  static auto presses(std::uint32_t second, std::uint32_t within) -> bool {
+    return second % 4 == 2 && within >= 900 && within < 980;
+  }
+
   auto order(std::uint32_t second, std::uint32_t within, std::size_t axis, const AxisSensed& sensed) -> AxisCommand {
     if (within == 1 && second % 4 == 0) {  // after a jump's loss of position; the motor is where its encoder says
       constexpr double kRadPerCount = 6.283185307179586 / 40960.0;
@@ -109,7 +115,10 @@ class Story {
     if (second % 4 == 1 && within > 200) {
       return {AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within + axis)), {}};
     }
-    if (within == 700) {
+    if (presses(second, within)) {
+      return {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_double(0.05 * std::sin(0.1 * within + axis))};
+    }
+    if (within == 700 || (second % 4 == 2 && within == 980)) {
       return {AxisCommand::Kind::kStop, {}, {}};
     }
     return {};
