@@ -19,7 +19,9 @@ class Application final : public Machine {
 
   /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not
   /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
-  Application(Io& io, Banks& banks) : Application(io, banks, Stored(banks)) {}
+  /// @param fault_memory  FaultLog::words_for(kAxes) words that outlive a reset; empty: faults are not logged
+  Application(Io& io, Banks& banks, std::span<std::uint32_t> fault_memory = {})
+      : Application(io, banks, Stored(banks), fault_memory) {}
 
   /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
   void rt_tick(const Streamed& streamed = {}) {
@@ -87,6 +89,7 @@ class Application final : public Machine {
   void set_maintenance_key(const KeyDigest& key) override { key_ = key; }
   auto recorder() -> Recorder& override { return recorder_; }
   auto scope() -> Scope& override { return scope_; }
+  auto fault_log() -> FaultLog& override { return fault_log_; }
   auto begin_experiment(const ExperimentSetup& setup) -> bool override {
     return setup.axis < kAxes && experiment_box_.offer(setup);
   }
@@ -107,12 +110,13 @@ class Application final : public Machine {
     LoadResult result;
   };
 
-  Application(Io& io, Banks& banks, const Stored& stored)
+  Application(Io& io, Banks& banks, const Stored& stored, std::span<std::uint32_t> fault_memory)
       : io_(io),
         storage_(banks),
         config_(stored.config),
         key_(stored.key),
         state_(stored.config),
+        fault_log_(fault_memory, kAxes),
         parameter_faults_(stored.result == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
                           : stored.result == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
                                                                      : 0) {}
@@ -200,6 +204,7 @@ class Application final : public Machine {
     recorder_.rt_step(now.machine, now.axis);  // first: who sees that a run is over finds all of it
     published_.rt_publish(now);
     scope_.rt_step(now.machine, now.axis);
+    fault_log_.rt_step(now.machine, now.axis);
     if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
       acknowledge_ = false;
       request_box_.rt_taken();
@@ -224,6 +229,7 @@ class Application final : public Machine {
   bool experiment_taken_ = false;
   Mailbox<ExperimentSetup> experiment_box_;
   Scope scope_;
+  FaultLog fault_log_;
   std::atomic<bool> link_lost_ = false;
   std::atomic<FaultSet> board_faults_ = 0;
   std::atomic<FaultSet> parameter_faults_;

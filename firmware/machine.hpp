@@ -5,6 +5,7 @@
 
 #include "firmware/cycle.hpp"
 #include "firmware/experiment.hpp"
+#include "firmware/fault_log.hpp"
 #include "firmware/recorder.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/storage.hpp"
@@ -46,6 +47,7 @@ class Machine {
   virtual void set_maintenance_key(const KeyDigest& key) = 0;
   virtual auto recorder() -> Recorder& = 0;
   virtual auto scope() -> Scope& = 0;
+  virtual auto fault_log() -> FaultLog& = 0;
   /// Hands an experiment to the cycle, which begins it if every joint holds still. @pre check_experiment() has nothing
   /// against it. False: the last one is still under way to the cycle, or there is no such joint.
   virtual auto begin_experiment(const ExperimentSetup& setup) -> bool = 0;

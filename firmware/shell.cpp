@@ -185,6 +185,9 @@ void Shell::poll() {
     case Activity::kLogging:
       go_on_logging();
       break;
+    case Activity::kDumpingFaults:
+      go_on_dumping_faults();
+      break;
     case Activity::kExperimenting:
       go_on_experimenting();
       break;

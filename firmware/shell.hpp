@@ -47,6 +47,7 @@ class Shell {
     kLogging,
     kDumping,
     kWatching,
+    kDumpingFaults,
     kExperimenting
   };
   /// joint number and group.name of "joint0.control.kp"
@@ -71,6 +72,7 @@ class Shell {
   void end_recording();
   void print_row(const SignalSample& sample);
   void go_on_dumping();
+  void go_on_dumping_faults();
   void go_on_watching();
   void end_stream();
 

@@ -15,7 +15,8 @@ constexpr std::array kCommands = {
     ShellCommand{"help", "", 0, "this list", ShellCommands::help},
     ShellCommand{"version", "", 0, "firmware, board and number of parameters", ShellCommands::version},
     ShellCommand{"status", "", 0, "state, joint angles, currents and active limits", ShellCommands::status},
-    ShellCommand{"faults", "", 0, "the latched fault and what would block arming, with causes and cures",
+    ShellCommand{"faults", "[second|release]", 1,
+                 "what is latched, what would block arming, and the log; the last second before a fault, as CSV",
                  ShellCommands::faults},
     ShellCommand{"get", "jointN.group.name", 1, "one parameter with unit and range", ShellCommands::get},
     ShellCommand{"set", "jointN.group.name VALUE [UNIT]", kAnyNumber,
@@ -101,18 +102,6 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
       }
     }
     out << "\r\n";
-  }
-  shell.ok();
-}
-
-void ShellCommands::faults(Shell& shell, std::string_view /*arguments*/) {
-  const MachineTelemetry now = shell.machine_.telemetry();
-  const FaultInfo& first = info(now.first_fault);
-  shell.out_ << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
-  for (const FaultInfo& entry : kFaultTable) {
-    if ((now.conditions & bit(entry.fault)) != 0) {
-      shell.print_fault("present ", entry);
-    }
   }
   shell.ok();
 }

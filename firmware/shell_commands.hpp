@@ -58,6 +58,8 @@ struct ShellCommands {
   static void maintenance_open(Shell& shell, std::string_view key);
   static void maintenance_key(Shell& shell, std::string_view key);
   static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
+  static void fault_history(Shell& shell);
+  static void fault_second(Shell& shell);
   static void scope_status(Shell& shell);
   static void scope_signals(Shell& shell);
   static void scope_channels(Shell& shell, std::string_view arguments);

@@ -59,6 +59,8 @@ void Shell::end_stream() {
     log_left_ = 0;  // the next poll answers
   } else if (activity_ == Activity::kDumping) {
     dump_next_ = machine_.scope().size();
+  } else if (activity_ == Activity::kDumpingFaults) {
+    dump_next_ = FaultLog::kSamples + 1;  // beyond the last: it stays kept
   } else if (activity_ == Activity::kWatching) {
     ok();
   }

@@ -7,8 +7,8 @@
 
 namespace capstan {
 
-LinuxRtBoard::LinuxRtBoard(const RtOptions& options, Banks& banks)
-    : plant_({}, 1), plant_io_(plant_), io_(plant_io_), application_(io_, banks), loop_(options) {}
+LinuxRtBoard::LinuxRtBoard(const RtOptions& options, Banks& banks, std::span<std::uint32_t> fault_memory)
+    : plant_({}, 1), plant_io_(plant_), io_(plant_io_), application_(io_, banks, fault_memory), loop_(options) {}
 
 LinuxRtBoard::~LinuxRtBoard() {
   loop_.stop();

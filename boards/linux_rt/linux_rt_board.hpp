@@ -19,7 +19,8 @@ class LinuxRtBoard final : public Board {
  public:
   using Io = CountedIo<SimIo>;
 
-  LinuxRtBoard(const RtOptions& options, Banks& banks);
+  /// @param fault_memory  FaultLog::words_for(1) words that outlive this object; empty: no fault log
+  LinuxRtBoard(const RtOptions& options, Banks& banks, std::span<std::uint32_t> fault_memory = {});
   LinuxRtBoard(const LinuxRtBoard&) = delete;
   auto operator=(const LinuxRtBoard&) -> LinuxRtBoard& = delete;
   /// Stops first if it has not been done.

@@ -6,6 +6,7 @@
 
 #include "boards/common/console.hpp"
 #include "boards/common/file_banks.hpp"
+#include "boards/common/retained_memory.hpp"
 #include "boards/common/shell_feed.hpp"
 #include "boards/linux_rt/linux_rt_board.hpp"
 #include "boards/linux_rt/options.hpp"
@@ -80,8 +81,9 @@ auto run(const BoardOptions& options) -> int {
   }
   capstan::Console console = capstan::Console::open(options.console);
   say_where(console, options);
+  const capstan::RetainedMemory retained(capstan::FaultLog::words_for(capstan::LinuxRtBoard::Io::kAxes));
   for (bool again = true; again;) {
-    capstan::LinuxRtBoard board(options.rt, banks);
+    capstan::LinuxRtBoard board(options.rt, banks, retained.words());
     board.start();
     serve(board, console, options);
     say_how_it_went(board.stop(), console);

@@ -24,7 +24,8 @@ class SimBoard::Joints {
 template <std::size_t Axes, class PlantType>
 class SimBoard::JointsOf final : public SimBoard::Joints {
  public:
-  JointsOf(PlantType plant, Banks& banks) : plant_(std::move(plant)), io_(plant_), application_(io_, banks) {}
+  JointsOf(PlantType plant, Banks& banks, std::span<std::uint32_t> fault_memory)
+      : plant_(std::move(plant)), io_(plant_), application_(io_, banks, fault_memory) {}
 
   void tick(std::span<const double> references_rad) override {
     typename Application<Io>::Streamed streamed{};
@@ -54,9 +55,10 @@ class SimBoard::JointsOf final : public SimBoard::Joints {
   Application<Io> application_;
 };
 
-auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks) -> std::unique_ptr<Joints> {
+auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks, std::span<std::uint32_t> fault_memory)
+    -> std::unique_ptr<Joints> {
   const auto several = [&]<std::size_t Axes>() {
-    return std::make_unique<JointsOf<Axes, sim::MultiPlant>>(sim::MultiPlant(scenario), banks);
+    return std::make_unique<JointsOf<Axes, sim::MultiPlant>>(sim::MultiPlant(scenario), banks, fault_memory);
   };
   switch (scenario.other_axes.size()) {
     case 0: {
@@ -64,7 +66,7 @@ auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks) -> std::
       for (const sim::Fault& fault : scenario.faults) {
         plant.schedule(fault);
       }
-      return std::make_unique<JointsOf<1, sim::Plant>>(std::move(plant), banks);
+      return std::make_unique<JointsOf<1, sim::Plant>>(std::move(plant), banks, fault_memory);
     }
     case 1:
       return several.template operator()<2>();
@@ -77,8 +79,9 @@ auto SimBoard::make_joints(const sim::Scenario& scenario, Banks& banks) -> std::
   }
 }
 
-SimBoard::SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo)
-    : joints_(make_joints(scenario, banks)), shell_(joints_->machine(), sink, *this, echo) {}
+SimBoard::SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo,
+                   std::span<std::uint32_t> fault_memory)
+    : joints_(make_joints(scenario, banks, fault_memory)), shell_(joints_->machine(), sink, *this, echo) {}
 
 SimBoard::~SimBoard() = default;
 

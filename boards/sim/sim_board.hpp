@@ -16,8 +16,10 @@ namespace capstan {
 class SimBoard final : public Board {
  public:
   /// @param sink  receives the shell's answers   @param echo  the shell talks to a person
+  /// @param fault_memory  FaultLog::words_for(axes) words that outlive this object; empty: no fault log
   /// Throws std::runtime_error with "sentence; cure" if the instrument has more axes than a board.
-  SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo);
+  SimBoard(const sim::Scenario& scenario, Banks& banks, TextSink& sink, bool echo,
+           std::span<std::uint32_t> fault_memory = {});
   ~SimBoard();
 
   /// One cycle of 1 ms: firmware, then plant. `references_rad` streams a reference to each of the first joints, as a
@@ -49,7 +51,8 @@ class SimBoard final : public Board {
   class Joints;
   template <std::size_t Axes, class PlantType>
   class JointsOf;
-  static auto make_joints(const sim::Scenario& scenario, Banks& banks) -> std::unique_ptr<Joints>;
+  static auto make_joints(const sim::Scenario& scenario, Banks& banks, std::span<std::uint32_t> fault_memory)
+      -> std::unique_ptr<Joints>;
 
   std::unique_ptr<Joints> joints_;
   Shell shell_;

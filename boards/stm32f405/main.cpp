@@ -30,7 +30,9 @@ stm32f405::FlashBanks<MemoryRegister> banks{
     watchdog,
     {std::span(capstan_bank_a, kBankWords), std::span(capstan_bank_b, kBankWords)}};
 MotorHardware hardware;
-stm32f405::Runtime<MotorHardware::Io> runtime{hardware.io(), {console, tick, watchdog, banks}, kBoardName};
+using BoardRuntime = stm32f405::Runtime<MotorHardware::Io>;
+[[gnu::section(".noinit")]] BoardRuntime::FaultMemory fault_memory;
+BoardRuntime runtime{hardware.io(), {console, tick, watchdog, banks}, fault_memory, kBoardName};
 
 }  // namespace
 

@@ -63,7 +63,9 @@ stm32f405::RamBanks banks;
 LookCounter looks;
 PlantLink link{plant, looks, kPlantPatience};
 PlantIo io{link, tick};
-stm32f405::Runtime<PlantIo> runtime{io, {console, tick, watchdog, banks}, kBoardName};
+using BoardRuntime = stm32f405::Runtime<PlantIo>;
+[[gnu::section(".noinit")]] BoardRuntime::FaultMemory fault_memory;
+BoardRuntime runtime{io, {console, tick, watchdog, banks}, fault_memory, kBoardName};
 
 /// "Bridges off", ready to send: encoded by the compiler, so the fault handler needs no working memory for it.
 constexpr auto kReleaseFrame =

@@ -61,14 +61,17 @@ struct BoardParts {
 template <typename Io>
 class Runtime final : public Board {
  public:
-  Runtime(Io& io, const BoardParts& parts, const char* board_name)
+  /// Words of memory that start-up leaves alone.
+  using FaultMemory = std::array<std::uint32_t, FaultLog::words_for(Io::kAxes)>;
+
+  Runtime(Io& io, const BoardParts& parts, FaultMemory& fault_memory, const char* board_name)
       : io_(io),
         console_(parts.console),
         name_(board_name),
         tick_(parts.tick),
         watchdog_(parts.watchdog),
         metered_(io, parts.tick),
-        application_(metered_, parts.banks),
+        application_(metered_, parts.banks, fault_memory),
         sink_(parts.console, parts.tick),
         shell_(application_, sink_, *this, true),
         feed_(parts.console, shell_) {}

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "boards/common/file_banks.hpp"
+#include "boards/common/retained_memory.hpp"
 #include "boards/common/shell_feed.hpp"
 #include "tools/apply/model_lines.hpp"
 #include "tools/capstan/commands.hpp"
@@ -87,9 +88,13 @@ auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptio
     if (console.name() != "stdio") {
       std::cerr << "shell at " << console.name() << "\n";
     }
+    const std::size_t words = FaultLog::words_for(1 + scenario.other_axes.size());
+    const auto retained = options.storage.empty()
+                              ? std::make_unique<RetainedMemory>(words)
+                              : std::make_unique<RetainedMemory>(options.storage + ".faults", words);
     bool again = true;
     while (again) {
-      SimBoard board(scenario, banks, console, console.is_terminal());
+      SimBoard board(scenario, banks, console, console.is_terminal(), retained->words());
       again = serve(board, console, options);
     }
     return kExitDone;
@@ -177,7 +182,8 @@ void add_run(CLI::App& app, int& exit_status) {
                       "let something fail, for instance \"encoder stuck at 3 for 0.5\": target, kind, then any of at, "
                       "for, amount, axis (repeatable)");
   command->add_option("--seed", options->seed, "noise of the plant");
-  command->add_option("--storage", options->storage, "file that keeps what 'save' writes");
+  command->add_option("--storage", options->storage,
+                      "file that keeps what 'save' writes; FILE.faults beside it keeps the fault log");
   command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
