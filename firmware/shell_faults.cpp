@@ -14,7 +14,7 @@ void print_entry(Print& out, const FaultEntry& entry) {
     return;
   }
   out << ": " << info(entry.fault).name << " while " << name(entry.state);
-  for (unsigned joint = 0; joint < Shell::kMaxAxes; ++joint) {
+  for (std::uint32_t joint = 0; joint < Shell::kMaxAxes; ++joint) {
     if ((entry.joints & (1U << joint)) != 0) {
       out << ", joint" << joint;
     }
