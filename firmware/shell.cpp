@@ -2,7 +2,6 @@
 #include "firmware/shell.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include "firmware/shell_commands.hpp"
 
@@ -20,98 +19,36 @@ auto words_in(std::string_view text) -> std::size_t {
 }  // namespace
 
 Shell::Shell(Machine& machine, TextSink& sink, Board& board, bool echo)
-    : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo) {}
-
-/// Keys like the arrows send ESC [ ... letter, or ESC letter.
-auto Shell::skip_escape(char c) -> bool {
-  constexpr char kEscape = 0x1B;
-  const Escape before = escape_;
-  if (c == kEscape) {
-    escape_ = Escape::kBegun;
-    return true;
-  }
-  if (before == Escape::kNone || static_cast<unsigned char>(c) < ' ') {
-    escape_ = Escape::kNone;  // a sequence never takes a line's end or a Ctrl-C with it
-    return false;
-  }
-  const bool goes_on = before == Escape::kBegun ? c == '[' || c == 'O' : c < '@' || c > '~';
-  escape_ = goes_on ? Escape::kSequence : Escape::kNone;
-  return true;
-}
-
-auto Shell::hides() const -> bool {
-  std::string_view rest(line_.data(), length_);
-  return next_word(rest) == "maintenance" && !rest.empty();
-}
+    : machine_(machine), sink_(sink), out_(sink), board_(board), echo_(echo), editor_(out_, echo) {}
 
 void Shell::receive(char c) {
-  constexpr char kBackspace = '\b';
-  constexpr char kDelete = 0x7F;
-  constexpr char kKillLine = 0x15;
-  constexpr char kCancel = 0x03;
-  const char last = last_;
-  last_ = c;
-  if (skip_escape(c)) {
-    return;
-  }
-  if (c == '\n' && last == '\r') {
-    return;  // the second half of a CR LF
-  }
-  if (c == '\r' || c == '\n') {
-    if (echo_) {
-      out_ << "\r\n";
-    }
-    const std::size_t length = length_;
-    const bool secret = hides();
-    length_ = 0;
-    execute(std::string_view(line_.data(), length));
-    if (secret) {
-      line_.fill('\0');
-    }
-    return;
-  }
-  if (c == kBackspace || c == kDelete) {
-    if (length_ > 0) {
-      --length_;
-      if (echo_) {
-        out_ << "\b \b";
+  switch (editor_.take(c)) {
+    case LineEditor::Key::kNone:
+      break;
+    case LineEditor::Key::kComplete:
+      complete();
+      break;
+    case LineEditor::Key::kCancel:
+      if (activity_ != Activity::kIdle) {
+        end_stream();  // its answer brings the prompt
+        break;
       }
-    }
-    return;
-  }
-  if (c == kKillLine || c == kCancel) {
-    length_ = 0;
-    too_long_ = false;
-    damaged_ = false;
-    if (c == kCancel && activity_ != Activity::kIdle) {
-      end_stream();  // its answer brings the prompt
-      return;
-    }
-    if (echo_) {
-      out_ << "\r\n";
-      prompt();
-    }
-    return;
-  }
-  if (c != '\t' && (c < ' ' || c > '~')) {
-    damaged_ = true;
-    return;
-  }
-  if (length_ == line_.size()) {
-    too_long_ = true;
-    return;
-  }
-  const bool secret = hides();
-  line_[length_++] = c;
-  if (echo_) {
-    out_ << (secret ? '*' : c);
+      [[fallthrough]];
+    case LineEditor::Key::kKill:
+      if (echo_) {
+        out_ << "\r\n";
+        prompt();
+      }
+      break;
+    case LineEditor::Key::kLine:
+      execute(editor_.text());
+      editor_.begin();
+      break;
   }
 }
 
 void Shell::prompt() {
-  if (echo_) {
-    out_ << "capstan> ";
-  }
+  editor_.prompt();
 }
 
 void Shell::ok() {
@@ -129,14 +66,12 @@ void Shell::error(const char* name, const char* sentence, const char* cure) {
 void Shell::execute(std::string_view line) {
   std::string_view rest = line;
   const std::string_view word = next_word(rest);
-  if (std::exchange(damaged_, false) && word != "disarm") {  // what wants torque off is never refused
-    too_long_ = false;
+  if (editor_.damaged() && word != "disarm") {  // what wants torque off is never refused
     error("not_text", "the line has characters that are no text, so it may have been damaged and was not read",
           "check the line and its speed, and send it again");
     return;
   }
-  if (too_long_) {
-    too_long_ = false;
+  if (editor_.too_long()) {
     error("line_too_long", "the line has more than 160 characters and was not read", "send a shorter one");
     return;
   }
@@ -156,6 +91,7 @@ void Shell::execute(std::string_view line) {
     if (word != command.name) {
       continue;
     }
+    editor_.remember();  // only what begins with a command, for a slip of the keys may have put a key into it
     if (words_in(rest) > command.most_words) {
       error("usage", "the command was given more words than it takes, and nothing was done",
             "'help' shows its arguments");

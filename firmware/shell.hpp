@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "firmware/board.hpp"
+#include "firmware/line_editor.hpp"
 #include "firmware/machine.hpp"
 #include "firmware/maintenance.hpp"
 #include "firmware/parameter_text.hpp"
@@ -17,7 +18,7 @@ namespace capstan {
 class Shell {
  public:
   static constexpr std::size_t kMaxAxes = 4;
-  static constexpr std::size_t kLineLength = 160;
+  static constexpr std::size_t kLineLength = LineEditor::kLength;
 
   /// @param echo  true on a terminal: characters are echoed and the line can be edited
   Shell(Machine& machine, TextSink& sink, Board& board, bool echo);
@@ -56,9 +57,8 @@ class Shell {
     const ParameterInfo* parameter = nullptr;
   };
 
-  /// What is typed now is shown as stars: it may be a key.
-  [[nodiscard]] auto hides() const -> bool;
-  auto skip_escape(char c) -> bool;
+  /// Tab.
+  void complete();
   void execute(std::string_view line);
   void prompt();
   void ok();
@@ -87,13 +87,7 @@ class Shell {
   Board& board_;
   bool echo_;
 
-  std::array<char, kLineLength> line_{};
-  std::size_t length_ = 0;
-  bool too_long_ = false;
-  bool damaged_ = false;  ///< something came that is no text; without it the line could mean anything
-  enum class Escape : std::uint8_t { kNone, kBegun, kSequence };
-  Escape escape_ = Escape::kNone;  ///< of a key like an arrow, which is ignored as a whole
-  char last_ = 0;
+  LineEditor editor_;
 
   Activity activity_ = Activity::kIdle;
   std::array<AxisConfig, kMaxAxes> staged_{};

@@ -12,7 +12,9 @@ namespace {
 constexpr std::size_t kAnyNumber = Shell::kLineLength;
 
 constexpr std::array kCommands = {
-    ShellCommand{"help", "", 0, "this list", ShellCommands::help},
+    ShellCommand{"help", "[COMMAND|PARAMETER|GROUP]", 1,
+                 "this list; of one command, or of parameters with unit, range, default and meaning",
+                 ShellCommands::help},
     ShellCommand{"version", "", 0, "firmware, board and number of parameters", ShellCommands::version},
     ShellCommand{"status", "", 0, "state, joint angles, currents and active limits", ShellCommands::status},
     ShellCommand{"faults", "[second|release]", 1,
@@ -67,11 +69,20 @@ auto shell_commands() -> std::span<const ShellCommand> {
   return kCommands;
 }
 
-void ShellCommands::help(Shell& shell, std::string_view /*arguments*/) {
+void ShellCommands::help(Shell& shell, std::string_view arguments) {
+  const std::string_view about = next_word(arguments);
+  bool found = false;
   for (const ShellCommand& command : kCommands) {
-    shell.out_ << "  " << command.name << ' ' << command.arguments << "\r\n      " << command.help << "\r\n";
+    if (about.empty() || about == command.name) {
+      shell.out_ << "  " << command.name << ' ' << command.arguments << "\r\n      " << command.help << "\r\n";
+      found = true;
+    }
   }
-  shell.ok();
+  if (found) {
+    shell.ok();
+  } else {
+    help_parameters(shell, about);
+  }
 }
 
 void ShellCommands::version(Shell& shell, std::string_view /*arguments*/) {

@@ -14,6 +14,8 @@ struct ShellCommand {
 };
 
 struct RecipeInfo;
+/// What `experiment` takes.
+auto recipe_names() -> std::span<const char* const>;
 
 /// Every command there is; `help` prints from it.
 auto shell_commands() -> std::span<const ShellCommand>;
@@ -60,6 +62,7 @@ struct ShellCommands {
   static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
   static void fault_history(Shell& shell);
   static void fault_second(Shell& shell);
+  static void help_parameters(Shell& shell, std::string_view name);
   static void scope_status(Shell& shell);
   static void scope_signals(Shell& shell);
   static void scope_channels(Shell& shell, std::string_view arguments);

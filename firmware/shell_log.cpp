@@ -75,6 +75,15 @@ auto usual_setup(const RecipeInfo& recipe, std::size_t axis) -> ExperimentSetup 
   return setup;
 }
 
+constexpr auto make_recipe_names() -> std::array<const char*, kRecipes.size()> {
+  std::array<const char*, kRecipes.size()> names{};
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    names[i] = kRecipes[i].name;
+  }
+  return names;
+}
+constexpr auto kRecipeNames = make_recipe_names();
+
 /// "0.1,0.3Hz,1"
 auto parse_rungs(std::string_view text, const char* unit, ExperimentSetup& setup) -> bool {
   setup.rung_count = 0;
@@ -137,6 +146,10 @@ auto parse_option(std::string_view word, const RecipeInfo& recipe, ExperimentSet
 }
 
 }  // namespace
+
+auto recipe_names() -> std::span<const char* const> {
+  return kRecipeNames;
+}
 
 void ShellCommands::log(Shell& shell, std::string_view arguments) {
   constexpr std::int32_t kLongest = 1'000'000;

@@ -31,6 +31,46 @@ void ShellCommands::get(Shell& shell, std::string_view arguments) {
   shell.ok();
 }
 
+/// `name`: "group.name" or "group", with or without a joint before it.
+void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
+  std::size_t axis = 0;
+  std::string_view rest = name;
+  if (shell.parse_axis(rest, axis) && rest.size() > 1 && rest.front() == '.') {
+    name = std::string_view(rest.data() + 1, rest.size() - 1);
+  }
+  const AxisConfig fresh;
+  const ParameterInfo* one = find_parameter(name);
+  bool found = false;
+  for (const ParameterInfo& parameter : parameters()) {
+    if (&parameter != one && name != parameter.group) {
+      continue;
+    }
+    found = true;
+    Print& out = shell.out_;
+    out << "  " << parameter.group << '.' << parameter.name << ": " << parameter.doc << "\r\n      ";
+    print_range(out, parameter);
+    out << ", default ";
+    print_value(out, parameter, raw_value(fresh, parameter));
+    switch (parameter.change) {
+      case ParameterChange::kAnyTime:
+        out << ", changes at any time\r\n";
+        break;
+      case ParameterChange::kDisarmed:
+        out << ", changes while disarmed\r\n";
+        break;
+      case ParameterChange::kMaintenance:
+        out << ", changes while disarmed and in maintenance\r\n";
+        break;
+    }
+  }
+  if (found) {
+    shell.ok();
+  } else {
+    shell.error("unknown_topic", "there is no such command, parameter or group",
+                "'help' lists the commands, 'list' the parameters");
+  }
+}
+
 void ShellCommands::begin_staging(Shell& shell) {
   std::copy(shell.machine_.config().begin(), shell.machine_.config().end(), shell.staged_.begin());
 }
