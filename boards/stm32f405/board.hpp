@@ -88,7 +88,11 @@ inline constexpr Pin kEstop8{Port::kA, 6, PinMode::kAlternate, 3, Pull::kDown, "
 inline constexpr Pin kCanRx{Port::kB, 8, PinMode::kAlternate, 9, Pull::kUp, "CAN1_RX"};
 inline constexpr Pin kCanTx{Port::kB, 9, PinMode::kAlternate, 9, Pull::kNone, "CAN1_TX"};
 
-inline constexpr std::array kCommonPins = {kConsoleTx, kConsoleRx};
+/// Node of the board on CAN, from CMake's CAPSTAN_CAN_NODE.
+inline constexpr std::uint8_t kCanNode = CAPSTAN_CAN_NODE;
+static_assert(kCanNode >= 1 && kCanNode <= 127, "CAPSTAN_CAN_NODE must be 1 to 127");
+
+inline constexpr std::array kCommonPins = {kConsoleTx, kConsoleRx, kCanRx, kCanTx};
 inline constexpr std::array kPlantPins = {kPlantTx, kPlantRx};
 
 inline constexpr std::size_t kPinsPerAxis = 5;
@@ -110,8 +114,7 @@ inline constexpr Q24 kSupplyFullScaleV = Q24::from_double(36.3);
 inline constexpr std::uint32_t kEncoderFilter = 5;
 
 [[nodiscard]] constexpr auto pins_are_distinct() -> bool {
-  std::array<Pin, kCommonPins.size() + kPlantPins.size() + kSharedMotorPins.size() + 2 + kMostAxes * kPinsPerAxis>
-      all{};
+  std::array<Pin, kCommonPins.size() + kPlantPins.size() + kSharedMotorPins.size() + kMostAxes * kPinsPerAxis> all{};
   std::size_t count = 0;
   const auto add = [&all, &count](const auto& pins) {
     for (const Pin& pin : pins) {
@@ -121,7 +124,6 @@ inline constexpr std::uint32_t kEncoderFilter = 5;
   add(kCommonPins);
   add(kPlantPins);
   add(kSharedMotorPins);
-  add(std::array{kCanRx, kCanTx});
   for (const AxisWiring& axis : kAxisWiring) {
     add(axis_pins(axis));
   }

@@ -25,6 +25,7 @@ constexpr std::size_t kBankWords = stm32f405::kBankBytes / sizeof(std::uint32_t)
 stm32f405::SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart1};
 stm32f405::BoardTick tick{stm32f4::systick_registers()};
 stm32f4::Watchdog<MemoryRegister> watchdog{stm32f4::watchdog_registers()};
+stm32f405::CanPort can{stm32f4::can1_registers()};
 stm32f405::FlashBanks<MemoryRegister> banks{
     stm32f4::flash_registers(),
     watchdog,
@@ -32,7 +33,7 @@ stm32f405::FlashBanks<MemoryRegister> banks{
 MotorHardware hardware;
 using BoardRuntime = stm32f405::Runtime<MotorHardware::Io>;
 [[gnu::section(".noinit")]] BoardRuntime::FaultMemory fault_memory;
-BoardRuntime runtime{hardware.io(), {console, tick, watchdog, banks}, fault_memory, kBoardName};
+BoardRuntime runtime{hardware.io(), {console, tick, watchdog, banks, can}, fault_memory, kBoardName};
 
 }  // namespace
 
@@ -54,6 +55,13 @@ void rt_usart1_isr() {
   console.rt_isr();
 }
 
+void rt_can_receive0_isr() {
+  runtime.rt_can_isr(0);
+}
+void rt_can_receive1_isr() {
+  runtime.rt_can_isr(1);
+}
+
 }  // extern "C"
 
 int main() {
@@ -62,6 +70,7 @@ int main() {
   stm32f405::start_pins({});
   hardware.start(report.clock);
   console.start(report.clock.apb2_hz, stm32f405::kConsoleBaud);
+  runtime.start_can(report.clock);
   report.watchdog_set = watchdog.start(stm32f4::kCycleWatchdog);
   if (!tick.start(report.clock.core_hz, kCycleRateHz)) {
     rt_release_outputs();

@@ -59,13 +59,14 @@ SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registers(), stm32
 SerialPort plant{stm32f4::usart2_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart2};
 BoardTick tick{stm32f4::systick_registers()};
 stm32f4::Watchdog<MemoryRegister> watchdog{stm32f4::watchdog_registers()};
+stm32f405::CanPort can{stm32f4::can1_registers()};
 stm32f405::RamBanks banks;
 LookCounter looks;
 PlantLink link{plant, looks, kPlantPatience};
 PlantIo io{link, tick};
 using BoardRuntime = stm32f405::Runtime<PlantIo>;
 [[gnu::section(".noinit")]] BoardRuntime::FaultMemory fault_memory;
-BoardRuntime runtime{io, {console, tick, watchdog, banks}, fault_memory, kBoardName};
+BoardRuntime runtime{io, {console, tick, watchdog, banks, can}, fault_memory, kBoardName};
 
 /// "Bridges off", ready to send: encoded by the compiler, so the fault handler needs no working memory for it.
 constexpr auto kReleaseFrame =
@@ -100,6 +101,13 @@ void rt_usart2_isr() {
   plant.rt_isr();
 }
 
+void rt_can_receive0_isr() {
+  runtime.rt_can_isr(0);
+}
+void rt_can_receive1_isr() {
+  runtime.rt_can_isr(1);
+}
+
 }  // extern "C"
 
 int main() {
@@ -109,6 +117,7 @@ int main() {
   stm32f405::start_pins(stm32f405::kPlantPins);
   console.start(report.clock.apb2_hz, stm32f405::kConsoleBaud);
   plant.start(report.clock.apb1_hz, stm32f405::kPlantBaud);
+  runtime.start_can(report.clock);
   report.watchdog_set = watchdog.start(stm32f4::kCycleWatchdog);
   link.start();
   if (!tick.start(report.clock.core_hz, kCycleRateHz)) {

@@ -21,6 +21,10 @@ auto start_core() noexcept -> StartReport {
   auto& nvic = stm32f4::nvic_registers();
   stm32f4::set_priority(nvic, stm32f4::Interrupt::kUsart1, stm32f4::Priority::kSerial);
   stm32f4::set_priority(nvic, stm32f4::Interrupt::kUsart2, stm32f4::Priority::kSerial);
+  for (const stm32f4::Interrupt interrupt : {stm32f4::Interrupt::kCan1Receive0, stm32f4::Interrupt::kCan1Receive1}) {
+    stm32f4::set_priority(nvic, interrupt, stm32f4::Priority::kSerial);
+    stm32f4::enable_interrupt(nvic, interrupt);  // silent until the controller is started
+  }
   stm32f4::set_core_priorities(stm32f4::scb_registers(), stm32f4::Priority::kCycle, stm32f4::Priority::kTick);
   return report;
 }
@@ -30,6 +34,7 @@ void start_pins(std::span<const stm32f4::Pin> pins) noexcept {
   auto& registers = stm32f4::rcc_registers();
   stm32f4::set_bits(registers.ahb1enr, rcc::kAhb1GpioA | rcc::kAhb1GpioB | rcc::kAhb1GpioC | rcc::kAhb1GpioD);
   stm32f4::set_bits(registers.apb2enr, rcc::kApb2Usart1);
+  stm32f4::set_bits(registers.apb1enr, rcc::kApb1Can1);
   for (const stm32f4::Pin& pin : kCommonPins) {
     stm32f4::configure_pin(stm32f4::gpio_registers(pin.port), pin);
   }

@@ -6,6 +6,8 @@
 #include <span>
 
 #include "boards/stm32f405/board.hpp"
+#include "boards/stm32f405/can_node.hpp"
+#include "boards/stm32f405/can_setpoints.hpp"
 #include "boards/stm32f405/console.hpp"
 #include "boards/stm32f405/own_image.hpp"
 #include "boards/stm32f405/startup.hpp"
@@ -48,12 +50,15 @@ struct Timing {
 void print_hex(Print& out, std::uint32_t value);
 void print_timing(Print& out, const Timing& timing, std::uint32_t core_hz);
 
+using CanPort = stm32f4::Can<stm32f4::MemoryRegister>;
+
 /// What the firmware needs of the board besides its joint I/O; built once by main.
 struct BoardParts {
   SerialPort& console;
   BoardTick& tick;
   stm32f4::Watchdog<stm32f4::MemoryRegister>& watchdog;
   Banks& banks;
+  CanPort& can;
 };
 
 /// The firmware on this board: the cycle in the timer's interrupt, the shell in the background. `Io` is the only
@@ -74,7 +79,10 @@ class Runtime final : public Board {
         application_(metered_, parts.banks, fault_memory),
         sink_(parts.console, parts.tick),
         shell_(application_, sink_, *this, true),
-        feed_(parts.console, shell_) {}
+        feed_(parts.console, shell_),
+        can_(parts.can),
+        setpoints_(kCanNode, can_troubles_),
+        can_node_(parts.can, parts.tick, application_, *this, kCanNode, can_troubles_) {}
 
   /// In the cycle's interrupt: one cycle, if one is due.
   void rt_cycle() {
@@ -83,13 +91,20 @@ class Runtime final : public Board {
       return;
     }
     io_.set_overruns(schedule_.overruns());
-    application_.rt_tick();
+    application_.rt_tick(rt_setpoints());
     const std::uint32_t spent = metered_.take_spent();
     timing_.cycle.rt_add(tick_.core_cycles() - begin - spent);
     timing_.hardware.rt_add(spent);
     timing_.overruns.store(schedule_.overruns(), std::memory_order_relaxed);
     watchdog_.rt_refresh();  // only here: a board whose cycle has stopped must not look alive
   }
+
+  /// Joins the bus; without an exact clock, or without a controller, there is no CAN. In main(), before run().
+  void start_can(const stm32f4::ClockStatus& clock) {
+    const std::uint32_t timing = clock.fell_back() ? 0 : stm32f4::can_bit_timing(clock.apb1_hz, kCanBitRate);
+    static_cast<void>(can_.start(timing, {setpoints_.identifiers(), can_node_.identifiers()}));
+  }
+  void rt_can_isr(std::size_t fifo) { can_.rt_isr(fifo); }
 
   /// In main(), after everything has been started. Does not return.
   [[noreturn]] void run(const StartReport& report) {
@@ -100,6 +115,10 @@ class Runtime final : public Board {
     bool timing_printed = false;
     for (;;) {
       feed_.poll();
+      can_node_.poll();
+      if (can_node_.take_bus_loss()) {
+        application_.link_lost();
+      }
       if (!timing_printed && tick_.count() >= kTimingAfterTicks && !feed_.in_use()) {
         timing_printed = true;
         out << "\r\n";  // the prompt may stand there already
@@ -116,6 +135,7 @@ class Runtime final : public Board {
     const stm32f4::UsartErrors errors = console_.errors();
     out << "console: received characters lost " << errors.ring_overruns + errors.hardware_overruns << ", damaged "
         << errors.line_errors << "\r\n";
+    can_node_.print(out);
     if constexpr (requires { io_.supply_v(); }) {
       out << "supply of the amplifiers " << io_.supply_v() << " V\r\n";
     }
@@ -134,8 +154,17 @@ class Runtime final : public Board {
 
  private:
   static constexpr std::uint32_t kTimingAfterTicks = 1'000;
-
   static constexpr std::uint32_t kFarewellTicks = 200;  // 1024 characters take 90 ms
+
+  /// What came over the bus since the last cycle.
+  auto rt_setpoints() -> const typename CanSetpoints<kAxes>::Streamed& {
+    setpoints_.rt_begin_cycle();
+    stm32f4::CanFrame frame;
+    while (can_.rt_receive(0, frame)) {  // bounded by its ring: what fills it waits for this cycle's end
+      setpoints_.rt_take(frame);
+    }
+    return setpoints_.rt_streamed();
+  }
 
   Io& io_;
   SerialPort& console_;
@@ -148,6 +177,10 @@ class Runtime final : public Board {
   ConsoleSink sink_;
   Shell shell_;
   ConsoleFeed feed_;
+  CanPort& can_;
+  CanTroubleCounters can_troubles_;
+  CanSetpoints<kAxes> setpoints_;
+  CanNode<CanPort, BoardTick> can_node_;
   stm32f4::CycleSchedule schedule_;
   Timing timing_;
 };

@@ -27,12 +27,13 @@ extern void (*const capstan_init_end[])();
 [[noreturn]] void capstan_fault(const std::uint32_t* frame);
 }
 
-// The motor board does not use this port: its interrupt is then as stray as any other. The alias promises less than its
-// target
-// ("never returns"), which is what it is for.
+// An image that does not use one of these has an interrupt there that is as stray as any other. The alias promises less
+// than its target ("never returns"), which is what it is for.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-attributes"
 extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_usart2_isr();
+extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_can_receive0_isr();
+extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_can_receive1_isr();
 #pragma GCC diagnostic pop
 
 namespace {
@@ -64,6 +65,8 @@ constexpr auto make_chip_vectors() -> std::array<Handler, capstan::stm32f4::kInt
   table.fill(capstan_fault_entry);
   table[static_cast<std::size_t>(Interrupt::kUsart1)] = rt_usart1_isr;
   table[static_cast<std::size_t>(Interrupt::kUsart2)] = rt_usart2_isr;
+  table[static_cast<std::size_t>(Interrupt::kCan1Receive0)] = rt_can_receive0_isr;
+  table[static_cast<std::size_t>(Interrupt::kCan1Receive1)] = rt_can_receive1_isr;
   return table;
 }
 

@@ -113,7 +113,9 @@ class Can {
 
   /// Gives one frame to the controller, behind those it has. False: all mailboxes wait, or the bus is off. Never waits.
   [[nodiscard]] auto send(const CanFrame& frame) noexcept -> bool {
-    const std::uint32_t empty = (registers_.tsr.read() & can::kTsrEmpty) >> can::kTsrEmptyShift;
+    const std::uint32_t state = registers_.tsr.read();
+    note_done(state);  // the request below would wipe out how the mailbox's last frame fared
+    const std::uint32_t empty = (state & can::kTsrEmpty) >> can::kTsrEmptyShift;
     if (empty == 0 || bus_off() || !answers_) {
       errors_.send_full += 1;
       return false;
@@ -175,19 +177,27 @@ class Can {
     clear_bits(registers_.fmr, can::kFmrInit);
   }
 
+  /// How frames fared whose mailboxes are done with them.
+  void note_done(std::uint32_t state) noexcept {
+    const std::uint32_t done = state & can::kTsrDone;
+    if (done == 0) {
+      return;
+    }
+    for (std::uint32_t shift = 0; shift <= 16; shift += 8) {
+      const bool lost = ((done >> shift) & 1U) != 0 && ((state >> (shift + can::kTsrSentShift)) & 1U) == 0;
+      errors_.send_lost += lost ? 1U : 0U;
+    }
+    registers_.tsr.write(done);
+    moved_ = true;
+  }
+
   /// A frame that nobody acknowledges is sent again and again by the controller; after a while it says nothing true any
   /// more and only blocks what is newer.
   void look_after_sending(std::uint32_t tick) noexcept {
     const std::uint32_t state = registers_.tsr.read();
-    const std::uint32_t done = state & can::kTsrDone;
-    if (done != 0) {
-      for (std::uint32_t shift = 0; shift <= 16; shift += 8) {
-        const bool lost = ((done >> shift) & 1U) != 0 && ((state >> (shift + can::kTsrSentShift)) & 1U) == 0;
-        errors_.send_lost += lost ? 1U : 0U;
-      }
-      registers_.tsr.write(done);
-    }
-    if (done != 0 || (state & can::kTsrEmpty) == can::kTsrEmpty) {
+    note_done(state);
+    if (moved_ || (state & can::kTsrEmpty) == can::kTsrEmpty) {
+      moved_ = false;
       moved_at_ = tick;
     } else if (tick - moved_at_ >= kStaleTicks) {
       registers_.tsr.write(can::kTsrAbort);
@@ -235,6 +245,7 @@ class Can {
   std::uint32_t moved_at_ = 0;
   std::uint32_t off_at_ = 0;
   Recovery recovery_ = Recovery::kNone;
+  bool moved_ = false;  // a mailbox became free since the last look
   bool was_passive_ = false;
   bool answers_ = false;
 };

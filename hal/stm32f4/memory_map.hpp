@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "hal/stm32f4/adc_registers.hpp"
+#include "hal/stm32f4/can_registers.hpp"
 #include "hal/stm32f4/dma_registers.hpp"
 #include "hal/stm32f4/gpio.hpp"
 #include "hal/stm32f4/registers.hpp"
@@ -39,6 +40,9 @@ inline auto usart1_registers() noexcept -> auto& {
 }
 inline auto usart2_registers() noexcept -> auto& {
   return detail::at<UsartRegisters<Memory>, 0x4000'4400>();
+}
+inline auto can1_registers() noexcept -> auto& {
+  return detail::at<CanRegisters<Memory>, 0x4000'6400>();
 }
 inline auto tim1_registers() noexcept -> auto& {
   return detail::at<TimerRegisters<Memory>, 0x4001'0000>();

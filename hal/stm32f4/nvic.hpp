@@ -8,7 +8,7 @@
 namespace capstan::stm32f4 {
 
 /// Positions in the vector table after the 16 of the core (RM0090 table 61). Only those in use.
-enum class Interrupt : std::uint8_t { kUsart1 = 37, kUsart2 = 38 };
+enum class Interrupt : std::uint8_t { kCan1Receive0 = 20, kCan1Receive1 = 21, kUsart1 = 37, kUsart2 = 38 };
 inline constexpr std::uint32_t kInterruptCount = 82;
 
 /// Urgency, most urgent first; the chip decodes the upper four bits of each priority byte.

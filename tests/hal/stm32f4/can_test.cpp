@@ -179,6 +179,20 @@ TEST_F(CanController, SlowBusThatMovesLosesNothing) {
   EXPECT_EQ(port.errors().send_lost, 0U);
 }
 
+TEST_F(CanController, SenderThatNeverPausesIsNotTakenForOneThatHangs) {
+  port.poll(0);
+  for (std::uint8_t i = 0; i < 3; ++i) {
+    ASSERT_TRUE(port.send(frame(0x581, i)));
+  }
+  for (std::uint32_t round = 0; round < 50; ++round) {  // a mailbox is filled again before anybody looks at its result
+    chip.send_one();
+    ASSERT_TRUE(port.send(frame(0x581, 9)));
+  }
+  port.poll(50);
+  port.poll(51);
+  EXPECT_EQ(port.errors().send_lost, 0U);
+}
+
 TEST_F(CanController, ErrorPassiveIsCountedOncePerTimeAndTheCountersAreShown) {
   chip.registers.esr.value = (130U << 16U) | (7U << 24U) | can::kEsrPassive | 1U;
   port.poll(1);
