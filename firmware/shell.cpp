@@ -115,6 +115,9 @@ void Shell::poll() {
   } else if (urgent_ == Urgent::kPosted && machine_.settled()) {
     urgent_ = Urgent::kNone;
   }
+  if (framing_) {
+    go_on_framing();
+  }
   switch (activity_) {
     case Activity::kIdle:
       break;

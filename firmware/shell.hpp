@@ -35,7 +35,10 @@ class Shell {
   /// `disarm` itself is still to be received and answered in its turn.
   void disarm_now();
   /// Whoever was there has gone: the next one does not find maintenance open.
-  void peer_left() { maintenance_.close(); }
+  void peer_left() {
+    maintenance_.close();
+    end_frames();
+  }
 
  private:
   friend struct ShellCommands;
@@ -74,6 +77,9 @@ class Shell {
   void go_on_dumping();
   void go_on_dumping_faults();
   void go_on_watching();
+  void go_on_framing();
+  void send_schema();
+  void end_frames();
   void end_stream();
 
   auto parse_name(std::string_view text, Name& name) -> bool;
@@ -93,9 +99,12 @@ class Shell {
   std::array<AxisConfig, kMaxAxes> staged_{};
   bool staging_ = false;
   Maintenance maintenance_;
-  RecorderSetup recorded_;
-  std::int32_t log_site_ = -1;  ///< the site that is palpated; -1: none
-  std::uint32_t log_left_ = 0;  ///< rows; of an experiment 0 when it is to end
+  RecorderSetup recorded_;  ///< by a log, an experiment or the frames; one of them at a time
+  bool framing_ = false;
+  std::uint16_t schema_ = 0;       ///< CRC of the schema that was sent last ...
+  std::uint32_t schema_tick_ = 0;  ///< ... and when
+  std::int32_t log_site_ = -1;     ///< the site that is palpated; -1: none
+  std::uint32_t log_left_ = 0;     ///< rows; of an experiment 0 when it is to end
   std::uint32_t log_dropped_before_ = 0;
   ScopeSetup scope_;           ///< as typed so far
   std::size_t dump_next_ = 0;  ///< sample

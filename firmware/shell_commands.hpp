@@ -13,6 +13,10 @@ struct ShellCommand {
   void (*run)(Shell& shell, std::string_view arguments);
 };
 
+/// The signals of a list. Where one is unknown or one too many, or there is none: false, and nothing is changed.
+auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, kMostSignals>& signals,
+                   std::size_t& count) -> bool;
+
 struct RecipeInfo;
 /// What `experiment` takes.
 auto recipe_names() -> std::span<const char* const>;
@@ -45,6 +49,7 @@ struct ShellCommands {
   static void log(Shell& shell, std::string_view arguments);
   static void experiment(Shell& shell, std::string_view arguments);
   static void palpate(Shell& shell, std::string_view arguments);
+  static void frames(Shell& shell, std::string_view arguments);
   static void watch(Shell& shell, std::string_view arguments);
   static void scope(Shell& shell, std::string_view arguments);
   static void model(Shell& shell, std::string_view arguments);

@@ -127,7 +127,7 @@ void offer_all(Completion& completion, std::string_view before, std::size_t axes
   } else if (command == "help") {
     offer_commands(completion);
     offer_parameters(completion, axes);
-  } else if (command == "watch") {
+  } else if (command == "watch" || command == "frames") {
     offer_signals(completion, axes);
   } else if (command == "scope") {
     if (second.empty()) {

@@ -174,6 +174,10 @@ void ShellCommands::log(Shell& shell, std::string_view arguments) {
 
 /// Prints the header. False: the recorder is not free, and that was answered.
 auto Shell::begin_recording(std::size_t axis, std::uint32_t every) -> bool {
+  if (framing_) {
+    error("frames_on", "frames are being sent, and one recorder serves both", "'frames off' first");
+    return false;
+  }
   recorded_ = signals_of(axis);
   recorded_.every = every;
   if (!machine_.recorder().start(recorded_)) {
@@ -270,6 +274,11 @@ void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std
   }
   if (recipe.recipe == Recipe::kMultisine) {
     scale_tones(setup);
+  }
+  if (shell.framing_) {
+    shell.error("frames_on", "frames are being sent, one recorder serves both, and nothing moved",
+                "'frames off' first");
+    return;
   }
   shell.log_site_ = options.site;
   if (!shell.machine_.recorder().settled() || !shell.machine_.begin_experiment(setup)) {

@@ -29,7 +29,12 @@ auto optional_number(std::string_view word, std::int32_t minimum, std::int32_t m
   return word.empty() || (parse_integer(word, value) == ParseResult::kOk && value >= minimum && value <= maximum);
 }
 
-/// The signals of a list. Where one is unknown or one too many: false, and nothing is changed.
+constexpr const char* kUnknownSignal = "a signal is unknown, or there are more than 8, and nothing was changed";
+constexpr const char* kSignalCure = "'scope signals' shows all of them; write 'joint0.q2'";
+constexpr std::int32_t kMostEvery = 1000;
+
+}  // namespace
+
 auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, ScopeSetup::kMostChannels>& signals,
                    std::size_t& count) -> bool {
   std::array<Signal, ScopeSetup::kMostChannels> all{};
@@ -47,12 +52,6 @@ auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, 
   }
   return found > 0;
 }
-
-constexpr const char* kUnknownSignal = "a signal is unknown, or there are more than 8, and nothing was changed";
-constexpr const char* kSignalCure = "'scope signals' shows all of them; write 'joint0.q2'";
-constexpr std::int32_t kMostEvery = 1000;
-
-}  // namespace
 
 void Shell::end_stream() {
   if (activity_ == Activity::kLogging || activity_ == Activity::kExperimenting) {

@@ -12,6 +12,8 @@ void add_faults(CLI::App& app, int& exit_status);
 void add_apply(CLI::App& app, int& exit_status);
 void add_shell(CLI::App& app, int& exit_status);
 void add_identify(CLI::App& app, int& exit_status);
+void add_palpate(CLI::App& app, int& exit_status);
+void add_record(CLI::App& app, int& exit_status);
 void add_replay(CLI::App& app, int& exit_status);
 void add_diagnose(CLI::App& app, int& exit_status);
 void add_flash(CLI::App& app, int& exit_status);

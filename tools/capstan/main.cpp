@@ -16,6 +16,8 @@ int main(int argc, char** argv) {
   add_shell(app, exit_status);
   add_flash(app, exit_status);
   add_identify(app, exit_status);
+  add_palpate(app, exit_status);
+  add_record(app, exit_status);
   add_replay(app, exit_status);
   add_diagnose(app, exit_status);
   add_thesis(app, exit_status);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#define TOML_ASSERT(expr) static_assert(true)  // the library asserts what a person can type; its own error says so
 #include "tools/identify/force_section.hpp"
 
+#include <toml++/toml.h>
+
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
+#include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -57,6 +62,43 @@ auto force_section(const PreisachFit& fit) -> std::string {
     halves += "  " + array_of({fit.half_intervals.begin() + first, fit.half_intervals.begin() + last}) + ",\n";
   }
   return text + "forces = [\n" + values + "]\nci95_half = [\n" + halves + "]\n" + fit_line(fit);
+}
+
+auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit {
+  constexpr std::array kWritten = {"eta_top",  "eta_bottom", "pretension",    "ratio",
+                                   "friction", "offset",     "stiffness_top", "stiffness_bottom"};
+  std::string ascii = joint_file;  // names and numbers are; what is not may only be a remark
+  std::replace_if(
+      ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
+  toml::table file;
+  try {
+    file = toml::parse(ascii);
+  } catch (const toml::parse_error& error) {
+    throw BadInput(name + ": line " + std::to_string(error.source().begin.line) + ": this is no joint file (" +
+                   std::string(error.description()) + "); correct the line");
+  }
+  const auto section = file["force"];
+  if (section["model"].value<std::string>().value_or("") != "pull_push") {
+    throw BadInput(name +
+                   ": there is no pull-push law in it; record torque triangles with the tip locked and add it by "
+                   "'capstan identify LOG --model pull_push -o " +
+                   name + "'");
+  }
+  PullPushFit fit;
+  fit.cure = "identify it anew";
+  for (const char* parameter : kWritten) {
+    const auto value = section[parameter]["value"].value<double>();
+    if (!value || !std::isfinite(*value)) {
+      throw BadInput(name + ": [force] has no number for " + parameter + "; write it as " + parameter +
+                     " = { value = 1.0, unit = ... }, or identify the law anew");
+    }
+    fit.parameters.push_back({parameter, section[parameter]["unit"].value<std::string>().value_or("1"), *value, 0.0});
+  }
+  const auto value_of = [&fit](std::size_t i) { return fit.parameters[i].value; };
+  fit.law = {.eta_top = value_of(0), .eta_bottom = value_of(1), .pretension_nm = value_of(2), .ratio = value_of(3)};
+  fit.friction_nm = value_of(4);
+  fit.offset_nm = value_of(5);
+  return fit;
 }
 
 auto with_force_section(const std::string& joint_file, const std::string& section) -> std::string {

@@ -11,6 +11,10 @@ namespace capstan::tools {
 auto force_section(const PullPushFit& fit) -> std::string;
 auto force_section(const PreisachFit& fit) -> std::string;
 
+/// The pull-push law of a joint file's [force] section, as far as it is written there. Throws BadInput: one sentence
+/// with file and cure where there is none or a number is missing.
+auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;
+
 /// The text of a joint file with its [force] section replaced by another, or put behind everything else. An empty text
 /// becomes a file of that section alone.
 auto with_force_section(const std::string& joint_file, const std::string& section) -> std::string;

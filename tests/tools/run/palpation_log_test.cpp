@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+// Palpation from the firmware's command to the map: the board presses, its log goes through the host's command.
+#include "tools/identify/palpation_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "boards/common/file_banks.hpp"
+#include "boards/sim/sim_board.hpp"
+#include "tests/tools/run/by_hand.hpp"
+#include "tools/identify/force_section.hpp"
+#include "tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+class StringSink final : public TextSink {
+ public:
+  std::string text;
+
+ private:
+  void do_write(std::string_view more) override { text.append(more); }
+};
+
+auto plant_on(double stiffness) -> sim::PlantParameters {
+  sim::PlantParameters plant;
+  plant.pretension_n = 27.6984;
+  plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = stiffness};
+  return plant;
+}
+
+/// What the board answers to the lines, without its "ok"s.
+auto log_of(const sim::PlantParameters& plant, const std::vector<std::string>& lines) -> std::string {
+  sim::Scenario scenario;
+  scenario.plant = plant;
+  FileBanks banks = FileBanks::temporary();
+  StringSink sink;
+  SimBoard board(scenario, banks, sink, false);
+  board.tick();
+  for (const std::string& line : lines) {
+    sink.text.clear();
+    for (const char c : line + "\n") {
+      board.shell().receive(c);
+    }
+    for (int i = 0; i < 200'000 && board.shell().busy(); ++i) {
+      board.tick();
+      board.shell().poll();
+    }
+    EXPECT_TRUE(sink.text.ends_with("ok\r\n"))
+        << line << ": " << sink.text.substr(sink.text.size() > 300 ? sink.text.size() - 300 : 0);
+  }
+  std::string log = sink.text.substr(0, sink.text.size() - 4);
+  std::erase(log, '\r');
+  return log;
+}
+
+auto nameplate(const sim::PlantParameters& plant) -> std::vector<std::string> {
+  return {"set joint0.motor.encoder_counts " + std::to_string(std::lround(plant.encoder_counts_per_turn)),
+          "set joint0.motor.torque_per_current " + std::to_string(plant.torque_constant_nm_per_a)};
+}
+
+auto parameters_of_the_instrument() -> TensionStateParameters<double> {
+  sim::PlantParameters locked = plant_on(0.0);
+  locked.environment = {.kind = sim::EnvironmentKind::kLocked};
+  return tension_state_of(fit_pull_push({test::turn_by_hand(locked, 60.0, test::triangle(0.25, 0.05))}));
+}
+
+TEST(PalpationLog, TheBoardsTorqueTrianglesGiveTheStiffnessThatTheTipTouched) {
+  const auto parameters = parameters_of_the_instrument();
+  for (const double stiffness : {0.05, 0.2}) {
+    const sim::PlantParameters plant = plant_on(stiffness);
+    auto lines = nameplate(plant);
+    lines.insert(lines.end(), {"arm", "palpate joint0 site=4 amplitude=0.15 rates=0.05 cycles=2 every=10"});
+    const auto rows = map_sites(CsvLog::parse(log_of(plant, lines), "board"), 0, 0.0, parameters);
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0].site, 4);
+    ASSERT_TRUE(rows[0].stiffness.combined.has_value());
+    std::printf("K_env %.3f N m/rad: %.4f +- %.4f\n", stiffness, rows[0].stiffness.combined->value,
+                rows[0].stiffness.combined->half_interval);
+    EXPECT_NEAR(rows[0].stiffness.combined->value, stiffness, 0.1 * stiffness);
+  }
+}
+
+TEST(PalpationLog, SitesComeFromTheirColumnOrFromThePeriod) {
+  std::string text = "time_s,site,axis0/q1_rad,axis0/tau_Nm\n";
+  for (int i = 0; i < 300; ++i) {
+    text += std::to_string(0.01 * i) + "," + std::to_string(i < 100 ? 3 : 8) + ",0.1," + std::to_string(i % 7) + "\n";
+  }
+  const auto sites = sites_of(CsvLog::parse(text, "two"), 0.0);
+  ASSERT_EQ(sites.size(), 2U);
+  EXPECT_EQ(sites[0].number, 3);
+  EXPECT_EQ(sites[1].number, 8);
+  EXPECT_NEAR(sites[0].span.end_s, 1.0, 1e-9);
+  EXPECT_NEAR(sites[1].span.begin_s, 1.0, 1e-9);
+  std::string plain = "time_s,axis0/q1_rad,axis0/tau_Nm\n";
+  for (int i = 0; i < 300; ++i) {
+    plain += std::to_string(0.01 * i) + ",0.1," + std::to_string(i % 7) + "\n";
+  }
+  EXPECT_EQ(sites_of(CsvLog::parse(plain, "three"), 1.0).size(), 3U);
+  EXPECT_EQ(sites_of(CsvLog::parse(plain, "one"), 0.0).size(), 1U);
+  EXPECT_THROW(static_cast<void>(sites_of(CsvLog::parse("time_s,site\n0,1.5\n", "half"), 0.0)), BadInput);
+}
+
+TEST(PalpationLog, ALogInWhichNothingWasPressedIsRefused) {
+  std::string text = "time_s,axis0/q1_rad,axis0/tau_Nm\n";
+  for (int i = 0; i < 300; ++i) {
+    text += std::to_string(0.01 * i) + ",0.1,0.2\n";
+  }
+  EXPECT_THROW(static_cast<void>(read_palpation_log(CsvLog::parse(text, "still"), 0)), BadInput);
+  EXPECT_THROW(static_cast<void>(read_palpation_log(CsvLog::parse("time_s,axis0/q1_rad\n0,1\n1,2\n", "x"), 0)),
+               BadInput);
+}
+
+TEST(PalpationLog, TheMapShowsValuesIntervalsAndWhatStandsOut) {
+  std::vector<MapRow> rows;
+  for (const double value : {0.05, 0.06, 0.15, 0.05}) {
+    SiteStiffness site;
+    site.combined = Stiffness{value, 0.002};
+    rows.push_back({"log", static_cast<int>(rows.size()) + 1, site});
+  }
+  rows.push_back({"log", 5, {}});
+  const std::string text = map_text(rows);
+  EXPECT_NE(text.find("*    3   0.1500 +- 0.0020"), std::string::npos) << text;
+  EXPECT_NE(text.find("     1   0.0500 +- 0.0020"), std::string::npos) << text;
+  EXPECT_NE(text.find("not pressed far enough"), std::string::npos) << text;
+  EXPECT_EQ(map_csv(rows).substr(0, map_csv(rows).find('\n')), "site,stiffness_Nm_per_rad,ci95_half_Nm_per_rad");
+  EXPECT_TRUE(map_csv(rows).ends_with("5,,\n"));
+}
+
+TEST(PalpationLog, TheForceSectionReadsBackAndWhatIsMissingIsSaid) {
+  sim::PlantParameters locked = plant_on(0.0);
+  locked.environment = {.kind = sim::EnvironmentKind::kLocked};
+  const PullPushFit fit = fit_pull_push({test::turn_by_hand(locked, 60.0, test::triangle(0.25, 0.05))});
+  const std::string text = with_force_section("", force_section(fit));
+  const auto wanted = tension_state_of(fit);
+  const auto read = tension_state_of(read_pull_push(text, "joint.toml"));
+  EXPECT_EQ(read.eta_top, wanted.eta_top);
+  EXPECT_EQ(read.eta_bottom, wanted.eta_bottom);
+  EXPECT_EQ(read.pretension_nm, wanted.pretension_nm);
+  EXPECT_EQ(read.compliance_top, wanted.compliance_top);
+  EXPECT_EQ(read.compliance_bottom, wanted.compliance_bottom);
+  EXPECT_EQ(read.beta, wanted.beta);
+  EXPECT_EQ(read.friction_nm, wanted.friction_nm);
+  for (const std::string& bad :
+       {std::string("schema = \"capstan.joint/1\"\n"), std::string("[force]\nmodel = \"preisach\"\n"),
+        std::string("[force]\nmodel = \"pull_push\"\neta_top = 1\n"), std::string("[force\n")}) {
+    EXPECT_THROW(static_cast<void>(read_pull_push(bad, "joint.toml")), BadInput) << bad;
+  }
+}
+
+}  // namespace
+}  // namespace capstan::tools

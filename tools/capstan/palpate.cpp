@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <memory>
+
+#include "tools/capstan/commands.hpp"
+#include "tools/capstan/options.hpp"
+#include "tools/identify/force_section.hpp"
+#include "tools/identify/palpation_log.hpp"
+#include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct PalpateOptions {
+  LogOptions logs;
+  std::string model;
+  double period_s = 0.0;
+  std::string output;
+};
+
+auto run_palpate(const PalpateOptions& options) -> int {
+  const auto parameters = tension_state_of(read_pull_push(read_text_file(options.model), options.model));
+  const auto mappings = parse_mappings(options.logs.maps);
+  std::vector<MapRow> rows;
+  for (const auto& file : options.logs.files) {
+    const CsvLog log = CsvLog::read(file, mappings);
+    for (const auto& warning : log.warnings()) {
+      std::cerr << "warning: " << warning << "\n";
+    }
+    const auto more = map_sites(log, options.logs.axis, options.period_s, parameters);
+    rows.insert(rows.end(), more.begin(), more.end());
+  }
+  std::cout << map_text(rows);
+  if (!options.output.empty()) {
+    write_text_file(options.output, map_csv(rows));
+    std::cerr << "wrote " << options.output << "\n";
+  }
+  if (std::none_of(rows.begin(), rows.end(), [](const MapRow& row) { return row.stiffness.combined.has_value(); })) {
+    throw Refusal("no site was pressed far enough for its stiffness; press with more torque, or record more often");
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_palpate(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<PalpateOptions>();
+  CLI::App* command = app.add_subcommand("palpate", "stiffness of what the tip touched, site by site, with intervals");
+  options->logs.add_to(*command, true);
+  command
+      ->add_option("--model", options->model,
+                   "joint.toml with the force law of the instrument: identify --model pull_push, tip locked")
+      ->required();
+  command->add_option("--period", options->period_s, "seconds at each site, in a log without a column 'site'")
+      ->check(CLI::Range(0.1, 1e4));
+  command->add_option("-o,--output", options->output, "CSV of the map to write");
+  command->callback([options, &exit_status] { exit_status = run_palpate(*options); });
+}
+
+}  // namespace capstan::tools

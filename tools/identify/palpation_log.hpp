@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "tools/identify/palpation.hpp"
+
+namespace capstan::tools {
+
+/// Where a log has which site.
+struct NumberedSite {
+  int number = 0;
+  SiteSpan span;
+};
+
+/// The motor's side of a log; tau_out_nm stays zero. Throws BadInput with file, line and cure as read_force_log does.
+auto read_palpation_log(const CsvLog& log, int axis) -> ForceLog;
+
+/// Stretches of one value of the column `site`; without one, stretches of `period_s` from the log's start, numbered
+/// from 1, or the whole log as site 1 if that is 0. Throws BadInput for a site that is no whole number.
+auto sites_of(const CsvLog& log, double period_s) -> std::vector<NumberedSite>;
+
+/// One line of a map.
+struct MapRow {
+  std::string log;
+  int site = 0;
+  SiteStiffness stiffness;
+};
+
+/// Every site of a log, each judged by its own samples, for between two sites nobody knows how the tip moved.
+auto map_sites(const CsvLog& log, int axis, double period_s, const TensionStateParameters<double>& parameters)
+    -> std::vector<MapRow>;
+
+/// Table and picture for people: stiffness with its 95 % interval, and '*' where a site is stiffer than the rest.
+auto map_text(const std::vector<MapRow>& rows) -> std::string;
+/// The same as CSV; empty cells where nothing can be said.
+auto map_csv(const std::vector<MapRow>& rows) -> std::string;
+
+}  // namespace capstan::tools
