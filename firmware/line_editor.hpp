@@ -14,7 +14,7 @@ namespace capstan {
 class LineEditor {
  public:
   static constexpr std::size_t kLength = 160;
-  static constexpr std::size_t kHistoryBytes = 512;
+  static constexpr std::size_t kHistoryBytes = 256;
   enum class Key : std::uint8_t {
     kNone,      ///< the line goes on
     kLine,      ///< it is complete; read text(), then call begin()

@@ -3,7 +3,10 @@
 
 namespace capstan {
 
-auto Recorder::start(const RecorderSetup& setup) -> bool {
+auto Recorder::start(const void* owner, const RecorderSetup& setup) -> bool {
+  if (owner_ != nullptr && owner_ != owner) {
+    return false;
+  }
   RecorderSetup next = setup;
   next.run = run_ + 1;
   if (!box_.offer(next)) {
@@ -13,8 +16,16 @@ auto Recorder::start(const RecorderSetup& setup) -> bool {
   while (samples_.pop(old)) {  // what nobody fetched would leave no room
   }
   run_ = next.run;
+  owner_ = owner;
   on_.store(true, std::memory_order_relaxed);
   return true;
+}
+
+void Recorder::stop(const void* owner) {
+  if (owner_ == owner) {
+    on_.store(false, std::memory_order_relaxed);
+    owner_ = nullptr;
+  }
 }
 
 auto Recorder::next(SignalSample& sample) -> bool {

@@ -26,11 +26,12 @@ struct RecorderSetup {
 /// dropped and counted. One side belongs to the cycle, the other to the background.
 class Recorder {
  public:
-  /// Begins anew. False: the cycle has not taken the last setup yet, and nothing changed.
-  auto start(const RecorderSetup& setup) -> bool;
-  void stop() { on_.store(false, std::memory_order_relaxed); }
+  /// Begins anew. False, and nothing changed: the cycle has not taken the last setup yet, or somebody else records.
+  /// @param owner  who records, until he stops; a board may have two consoles
+  auto start(const void* owner, const RecorderSetup& setup) -> bool;
+  void stop(const void* owner);
   [[nodiscard]] auto settled() const -> bool { return box_.empty(); }
-  /// The next sample of the last start(); older ones are passed over.
+  /// The next sample of the last start(); older ones are passed over. For the owner.
   auto next(SignalSample& sample) -> bool;
   /// Of all runs.
   [[nodiscard]] auto dropped() const -> std::uint32_t { return samples_.dropped(); }
@@ -39,11 +40,12 @@ class Recorder {
   void rt_step(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes);
 
  private:
-  static constexpr std::size_t kRoom = 128;
+  static constexpr std::size_t kRoom = 64;
   Mailbox<RecorderSetup> box_;
   std::atomic<bool> on_ = false;
   RecorderSetup setup_;    // the cycle's
   std::uint32_t run_ = 0;  // the background's
+  const void* owner_ = nullptr;
   SpscRing<SignalSample, kRoom> samples_;
 };
 

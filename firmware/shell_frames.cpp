@@ -54,8 +54,9 @@ void ShellCommands::frames(Shell& shell, std::string_view arguments) {
     return;
   }
   setup.every = static_cast<std::uint32_t>(every);
-  if (!shell.machine_.recorder().start(setup)) {
-    shell.error("busy", "the cycle has not taken the last request yet", "send the line again");
+  if (!shell.machine_.recorder().start(&shell, setup)) {
+    shell.error("busy", "the recorder is in use, by another console or still by the last command",
+                "send the line again");
     return;
   }
   shell.recorded_ = setup;
@@ -66,7 +67,7 @@ void ShellCommands::frames(Shell& shell, std::string_view arguments) {
 
 void Shell::end_frames() {
   if (framing_) {
-    machine_.recorder().stop();
+    machine_.recorder().stop(this);
     framing_ = false;
   }
 }
@@ -90,7 +91,7 @@ void Shell::send_schema() {
 }
 
 void Shell::go_on_framing() {
-  constexpr int kAtOnce = 8;
+  constexpr int kAtOnce = 32;  // a host may sleep for 20 ms between two looks
   constexpr std::int32_t kSchemaEveryMs = 1000;
   SignalSample sample;
   for (int i = 0; i < kAtOnce && machine_.recorder().next(sample); ++i) {

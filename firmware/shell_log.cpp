@@ -180,8 +180,8 @@ auto Shell::begin_recording(std::size_t axis, std::uint32_t every) -> bool {
   }
   recorded_ = signals_of(axis);
   recorded_.every = every;
-  if (!machine_.recorder().start(recorded_)) {
-    error("busy", "the cycle has not taken the last request yet", "send the line again");
+  if (!machine_.recorder().start(this, recorded_)) {
+    error("busy", "the recorder is in use, by another console or still by the last command", "send the line again");
     return false;
   }
   log_dropped_before_ = machine_.recorder().dropped();
@@ -207,7 +207,7 @@ void Shell::print_row(const SignalSample& sample) {
 }
 
 void Shell::end_recording() {
-  machine_.recorder().stop();
+  machine_.recorder().stop(this);
   if (const std::uint32_t dropped = machine_.recorder().dropped() - log_dropped_before_; dropped != 0) {
     out_ << "# " << dropped << " samples found no room; log every " << 2 * recorded_.every << " or fewer at a time\r\n";
   }
@@ -281,11 +281,14 @@ void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std
     return;
   }
   shell.log_site_ = options.site;
-  if (!shell.machine_.recorder().settled() || !shell.machine_.begin_experiment(setup)) {
+  if (!shell.machine_.settled()) {
     shell.error("busy", "the cycle has not taken the last request yet, and nothing moved", "send the line again");
     return;
   }
-  static_cast<void>(shell.begin_recording(axis, static_cast<std::uint32_t>(options.every)));  // it is free, see above
+  if (!shell.begin_recording(axis, static_cast<std::uint32_t>(options.every))) {
+    return;
+  }
+  static_cast<void>(shell.machine_.begin_experiment(setup));  // its way to the cycle is free, see above
   shell.log_left_ = 1;
   shell.activity_ = Shell::Activity::kExperimenting;
 }

@@ -299,7 +299,7 @@ TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
   Recorder& recorder = rig.application.recorder();
   rig.ticks(10);
   EXPECT_FALSE(recorder.next(sample)) << "nothing is recorded unasked";
-  ASSERT_TRUE(recorder.start({.signals = {find_signal("joint0.q1", 1)}, .count = 1}));
+  ASSERT_TRUE(recorder.start(&rig, {.signals = {find_signal("joint0.q1", 1)}, .count = 1}));
   rig.ticks(50);
   std::uint32_t last = 0;
   for (int i = 0; i < 50; ++i) {
@@ -308,9 +308,10 @@ TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
     last = sample.tick;
   }
   EXPECT_EQ(recorder.dropped(), 0U);
+  EXPECT_FALSE(recorder.start(&recorder, {.signals = {find_signal("joint0.q2", 1)}, .count = 1})) << "it is in use";
   rig.ticks(200);
-  EXPECT_EQ(recorder.dropped(), 200U - 128U);
-  ASSERT_TRUE(recorder.start({.signals = {find_signal("joint0.q1", 1)}, .count = 1, .every = 10}));
+  EXPECT_EQ(recorder.dropped(), 200U - 64U);
+  ASSERT_TRUE(recorder.start(&rig, {.signals = {find_signal("joint0.q1", 1)}, .count = 1, .every = 10}));
   rig.ticks(30);
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(recorder.next(sample)) << "what was left of the run before is passed over";

@@ -157,8 +157,8 @@ TEST(LineEditor, TheHistoryIsBoundedAndForgetsTheOldestWholeLines) {
     oldest = terminal.screen.typed();
   }
   const int number = std::stoi(oldest.substr(24));
-  EXPECT_GT(number, 70);
-  EXPECT_LT(number, 90) << "512 bytes of 27 each: 18 or 19 lines";
+  EXPECT_GT(number, 85);
+  EXPECT_LT(number, 95) << "256 bytes of 27 each: 9 lines";
 }
 
 TEST(LineEditor, AKeyIsStarsWhateverIsDoneToItsLineAndIsNotRemembered) {

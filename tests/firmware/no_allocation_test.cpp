@@ -122,7 +122,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
     EXPECT_EQ(rig.allocations_of(100), 0) << "moving";
   }
   ASSERT_EQ(rig.application.telemetry().state, State::kArmed);
-  ASSERT_TRUE(rig.application.recorder().start({.signals = {find_signal("joint2.q1", 4)}, .count = 1}));
+  ASSERT_TRUE(rig.application.recorder().start(&rig, {.signals = {find_signal("joint2.q1", 4)}, .count = 1}));
   EXPECT_EQ(rig.allocations_of(3000), 0) << "recording, and dropping what nobody fetches";
   Firmware::Streamed streamed{};
   streamed.fill({AxisCommand::Kind::kFollow, Q24::from_double(0.3), {}});
