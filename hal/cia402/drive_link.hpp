@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "hal/cia402/drive_state.hpp"
+#include "hal/cia402/journal.hpp"
+#include "hal/cia402/pdo_map.hpp"
+#include "hal/joint_io.hpp"
+
+namespace capstan::cia402 {
+
+/// What the cycle needs to know of a drive that has been set up.
+struct DriveSetting {
+  std::uint8_t node = 0;
+  std::int32_t rated_current_ma = 0;  ///< object 6075; torques on the bus are thousandths of the rated one
+  DriveMaps maps;
+};
+
+/// One drive in cyclic synchronous torque mode, as the cycle sees it: messages in, controlword and torque out. What it
+/// sends is judged here; nothing that is late, doubtful or of the wrong form is used. Does not allocate; no clock.
+class DriveLink {
+ public:
+  /// @param source  the drive's number in the journal, from 1
+  DriveLink(const DriveSetting& setting, Journal& journal, std::size_t source);
+
+  /// A status message (TPDO 1). @param arrived  when  @param sync  when the SYNC that it should answer was sent
+  void rt_status(const Frame& frame, Time arrived, Time sync);
+  void rt_heartbeat(const Frame& frame, Time arrived);
+  void rt_emergency(const Frame& frame);
+
+  /// After all messages of a cycle: the sensors, marked missing or invalid where there is nothing to rely on.
+  /// @param answer_due  a SYNC went out since the last call
+  auto rt_sense(Time now, bool answer_due) -> AxisSensed;
+
+  struct Command {
+    std::uint16_t controlword = controlword::kDisableVoltage;
+    std::int16_t torque_permille = 0;  ///< of the rated torque; that of current alike
+  };
+  /// Steps the drive towards torque or takes it away.
+  auto rt_command(const AxisDrive& drive) -> Command;
+
+  /// False: torque must go and stay away.
+  [[nodiscard]] auto rt_sound() const -> bool {
+    return !lost_ && !dropped_ && cycles_of_doubt_ == 0 && state_ != DriveState::kFault &&
+           state_ != DriveState::kFaultReaction && state_ != DriveState::kUnknown;
+  }
+  [[nodiscard]] auto state() const -> DriveState { return state_; }
+  [[nodiscard]] auto setting() const -> const DriveSetting& { return setting_; }
+
+ private:
+  void rt_lose(Anomaly why, std::uint32_t detail);
+  void rt_enter(std::uint16_t statusword);
+  auto rt_rest() -> Command;
+
+  DriveSetting setting_;
+  Journal& journal_;
+  std::size_t source_;
+  Frame status_;               // the last one that was used
+  bool fresh_ = false;         // it came since the last rt_sense()
+  bool contradicted_ = false;  // and so did another
+  bool lost_ = false;          // until it is set up anew
+  bool dropped_ = false;       // until the firmware takes the torque away
+  bool reached_ = false;       // operation enabled, since torque is wanted
+  bool heard_ = false;
+  Time last_heartbeat_{};
+  std::uint32_t cycles_waiting_ = 0;  // for operation enabled
+  std::uint32_t cycles_in_fault_ = 0;
+  std::uint32_t cycles_of_doubt_ = 0;  // still, because somebody contradicted it
+  DriveState state_ = DriveState::kNotReady;
+};
+
+}  // namespace capstan::cia402

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/cia402_sim/simulated_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capstan::drive_sim {
+namespace {
+
+constexpr std::uint32_t kNotValid = 0x80000000;
+constexpr std::uint32_t kIdBits = 0x7FF;
+constexpr std::uint8_t kLastSynchronous = 240;
+constexpr std::uint16_t kMissedHeartbeat = 0x8130;
+constexpr std::uint16_t kWrongPdoLength = 0x8210;
+
+auto signed16(std::uint32_t value) -> std::int16_t {
+  return static_cast<std::int16_t>(static_cast<std::uint16_t>(value));
+}
+
+auto emergency(std::uint8_t node, std::uint16_t code, std::uint8_t error_register) -> Frame {
+  Frame frame{.id = 0x080U + node, .size = 8};
+  frame.data[0] = static_cast<std::uint8_t>(code);
+  frame.data[1] = static_cast<std::uint8_t>(code >> 8U);
+  frame.data[2] = error_register;
+  return frame;
+}
+
+}  // namespace
+
+SimulatedDrive::SimulatedDrive(std::uint8_t node, const sim::PlantParameters& axis, std::uint64_t seed)
+    : node_(node), plant_(axis, seed) {}
+
+auto SimulatedDrive::statusword() const -> std::uint16_t {
+  // State bits of CiA 402-2; bit 4 voltage is there, bit 9 remote, bit 12 the drive follows its set value.
+  static constexpr std::array<std::uint16_t, 5> kBits = {0x0250, 0x0231, 0x0233, 0x1237, 0x0218};
+  return kBits[static_cast<std::size_t>(state_)];
+}
+
+auto SimulatedDrive::current_a() const -> double {
+  constexpr double kPermilleMa = 1e-6;
+  return enabled() ? signed16(objects_.get(0x6071)) * static_cast<double>(objects_.get(0x6075)) * kPermilleMa : 0.0;
+}
+
+void SimulatedDrive::receive(const Frame& frame, Time now, std::vector<Frame>& out) {
+  if (frame.extended || frame.remote) {
+    return;
+  }
+  const std::uint32_t master = objects_.get(0x1016, 1) >> 16U;
+  if (frame.id == 0x000) {
+    receive_nmt(frame);
+  } else if (frame.id == 0x700 + master && master != 0) {
+    last_master_ = now;
+  } else if (frame.id == 0x600U + node_ && (nmt_ == Nmt::kPreOperational || operational())) {
+    receive_sdo(frame, out);
+  } else if (operational() && frame.id == 0x080) {
+    receive_sync(out);
+  } else if (operational()) {
+    for (std::size_t i = 0; i < latched_.size(); ++i) {
+      const std::uint32_t id = objects_.get(static_cast<std::uint16_t>(0x1400 + i), 1);
+      if ((id & kNotValid) == 0 && (id & kIdBits) == frame.id) {
+        receive_rpdo(i, frame, out);
+      }
+    }
+  }
+}
+
+void SimulatedDrive::receive_nmt(const Frame& frame) {
+  if (frame.size != 2 || (frame.data[1] != 0 && frame.data[1] != node_)) {
+    return;
+  }
+  switch (frame.data[0]) {
+    case 1:
+      nmt_ = Nmt::kOperational;
+      break;
+    case 2:
+      leave_operational(Nmt::kStopped);
+      break;
+    case 128:
+      leave_operational(Nmt::kPreOperational);
+      break;
+    case 129:
+    case 130:
+      restart();
+      break;
+    default:
+      break;
+  }
+}
+
+void SimulatedDrive::restart() {
+  objects_ = ObjectDictionary();
+  nmt_ = Nmt::kStarting;
+  state_ = State::kSwitchOnDisabled;
+  last_controlword_ = 0;
+  latched_ = {};
+  next_heartbeat_.reset();
+  last_master_.reset();
+}
+
+// CiA 402-2, 6007: 0 is no action at all, and the motor turns on; 1 is a fault, whose reaction here is torque off.
+void SimulatedDrive::leave_operational(Nmt next) {
+  if (operational() && enabled() && objects_.get(0x6007) != 0) {
+    state_ = objects_.get(0x6007) == 1 ? State::kFault : State::kSwitchOnDisabled;
+  }
+  nmt_ = next;
+}
+
+void SimulatedDrive::tick(Time now, std::vector<Frame>& out) {
+  if (nmt_ == Nmt::kStarting) {
+    nmt_ = Nmt::kPreOperational;
+    out.push_back({.id = 0x700U + node_, .size = 1});
+  }
+  const auto period = std::chrono::milliseconds(objects_.get(0x1017));
+  if (period.count() == 0) {
+    next_heartbeat_.reset();
+  } else if (!next_heartbeat_ || now >= *next_heartbeat_) {
+    Frame frame{.id = 0x700U + node_, .size = 1};
+    frame.data[0] = static_cast<std::uint8_t>(nmt_);
+    out.push_back(frame);
+    next_heartbeat_ = now + period;
+  }
+  const auto patience = std::chrono::milliseconds(objects_.get(0x1016, 1) & 0xFFFFU);
+  if (last_master_ && patience.count() != 0 && now - *last_master_ > patience) {
+    last_master_.reset();
+    if (operational()) {
+      leave_operational(Nmt::kPreOperational);
+      out.push_back(emergency(node_, kMissedHeartbeat, 0x11));
+    }
+  }
+}
+
+void SimulatedDrive::fail(std::uint16_t code, std::vector<Frame>& out) {
+  state_ = State::kFault;
+  out.push_back(emergency(node_, code, 0x01));
+}
+
+void SimulatedDrive::receive_sdo(const Frame& frame, std::vector<Frame>& out) {
+  if (frame.size != 8) {
+    return;
+  }
+  const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
+  const std::uint8_t subindex = frame.data[3];
+  Frame answer = frame;
+  answer.id = 0x580U + node_;
+  std::optional<std::uint32_t> refused;
+  const auto put = [&answer](std::uint32_t value) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      answer.data[4 + i] = static_cast<std::uint8_t>(value >> (8 * i));
+    }
+  };
+  if (frame.data[0] == 0x40) {
+    const ObjectDictionary::Entry* const entry = objects_.find(index, subindex);
+    refused = entry == nullptr ? std::optional<std::uint32_t>(0x06020000) : std::nullopt;
+    answer.data[0] = entry == nullptr ? 0 : static_cast<std::uint8_t>(0x43 | (4 - entry->bytes) << 2);
+    put(entry == nullptr ? 0 : entry->value);
+  } else if ((frame.data[0] & 0xE3U) == 0x23) {
+    const auto bytes = static_cast<std::uint8_t>(4 - (frame.data[0] >> 2 & 3));
+    std::uint32_t value = 0;
+    for (std::uint8_t i = 0; i < bytes; ++i) {
+      value |= static_cast<std::uint32_t>(frame.data[4U + i]) << (8U * i);
+    }
+    refused = objects_.write(index, subindex, bytes, value);
+    answer.data[0] = 0x60;
+    put(0);
+  } else {
+    refused = 0x05040001;
+  }
+  if (refused) {
+    answer.data[0] = 0x80;
+    put(*refused);
+  }
+  out.push_back(answer);
+}
+
+auto SimulatedDrive::mapped_bytes(std::uint16_t index) const -> std::size_t {
+  std::size_t bits = 0;
+  for (std::uint8_t i = 1; i <= objects_.get(index, 0); ++i) {
+    bits += objects_.get(index, i) & 0xFFU;
+  }
+  return bits / 8;
+}
+
+void SimulatedDrive::receive_rpdo(std::size_t number, const Frame& frame, std::vector<Frame>& out) {
+  if (frame.size < mapped_bytes(static_cast<std::uint16_t>(0x1600 + number))) {
+    out.push_back(emergency(node_, kWrongPdoLength, 0x11));
+    return;
+  }
+  if (objects_.get(static_cast<std::uint16_t>(0x1400 + number), 2) <= kLastSynchronous) {
+    latched_[number] = frame;
+  } else {
+    unpack(number, frame);
+    obey_controlword();
+  }
+}
+
+void SimulatedDrive::unpack(std::size_t number, const Frame& frame) {
+  const auto index = static_cast<std::uint16_t>(0x1600 + number);
+  std::size_t at = 0;
+  for (std::uint8_t i = 1; i <= objects_.get(index, 0); ++i) {
+    const std::uint32_t word = objects_.get(index, i);
+    const std::size_t bytes = (word & 0xFFU) / 8;
+    std::uint32_t value = 0;
+    for (std::size_t b = 0; b < bytes; ++b) {
+      value |= static_cast<std::uint32_t>(frame.data[at + b]) << (8 * b);
+    }
+    at += bytes;
+    if (word >> 16U > 7) {  // 1 to 7 are dummies
+      objects_.set(static_cast<std::uint16_t>(word >> 16U), value, static_cast<std::uint8_t>(word >> 8U));
+    }
+  }
+}
+
+auto SimulatedDrive::pack(std::size_t number) const -> Frame {
+  const auto index = static_cast<std::uint16_t>(0x1A00 + number);
+  Frame frame{.id = objects_.get(static_cast<std::uint16_t>(0x1800 + number), 1) & kIdBits};
+  for (std::uint8_t i = 1; i <= objects_.get(index, 0); ++i) {
+    const std::uint32_t word = objects_.get(index, i);
+    const std::uint32_t value =
+        objects_.get(static_cast<std::uint16_t>(word >> 16U), static_cast<std::uint8_t>(word >> 8U));
+    for (std::size_t b = 0; b < (word & 0xFFU) / 8; ++b) {
+      frame.data[frame.size++] = static_cast<std::uint8_t>(value >> (8 * b));
+    }
+  }
+  return frame;
+}
+
+void SimulatedDrive::receive_sync(std::vector<Frame>& out) {
+  for (std::size_t i = 0; i < latched_.size(); ++i) {
+    if (latched_[i]) {
+      unpack(i, *latched_[i]);
+      latched_[i].reset();
+    }
+  }
+  obey_controlword();
+  objects_.set(0x6041, statusword());
+  objects_.set(0x6064, static_cast<std::uint32_t>(plant_.readings().encoder_counts));
+  const double permille = plant_.readings().current_a * 1e6 / objects_.get(0x6075);
+  objects_.set(0x6077, static_cast<std::uint16_t>(
+                           static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)))));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto communication = static_cast<std::uint16_t>(0x1800 + i);
+    if ((objects_.get(communication, 1) & kNotValid) == 0 && objects_.get(communication, 2) == 1) {
+      out.push_back(pack(i));
+    }
+  }
+  plant_.step(current_a(), enabled());
+}
+
+void SimulatedDrive::obey_controlword() {
+  const auto word = static_cast<std::uint16_t>(objects_.get(0x6040));
+  const bool reset_edge = (word & 0x80U) != 0 && (last_controlword_ & 0x80U) == 0;
+  last_controlword_ = word;
+  if (state_ == State::kFault) {
+    state_ = reset_edge ? State::kSwitchOnDisabled : State::kFault;
+    return;
+  }
+  // CiA 402-2 table "command coding"; a quick stop (bit 2 low) ends in switch on disabled, because 605A is 0 or 2.
+  if ((word & 0x06U) != 0x06) {
+    state_ = State::kSwitchOnDisabled;
+  } else if ((word & 0x01U) == 0) {
+    state_ = State::kReadyToSwitchOn;
+  } else if (state_ == State::kReadyToSwitchOn) {
+    state_ = State::kSwitchedOn;
+  } else if (state_ != State::kSwitchOnDisabled) {
+    state_ = (word & 0x08U) != 0 ? State::kOperationEnabled : State::kSwitchedOn;
+  }
+}
+
+}  // namespace capstan::drive_sim

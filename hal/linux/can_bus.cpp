@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/linux/can_bus.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include "hal/cia402/drive_setup.hpp"
+#include "hal/linux/can_link.hpp"
+
+namespace capstan {
+namespace {
+
+using cia402::DriveSetup;
+using cia402::Received;
+
+// Where nobody says what the bit rates are: a local socket or vcan. What a usual controller is set to.
+constexpr std::uint32_t kUsualBitS = 1'000'000;
+constexpr std::uint32_t kUsualDataBitS = 5'000'000;
+constexpr std::string_view kLocal = "unix:";
+
+auto rates_of(const CanBusSetup& bus, const CanSetup& setup) -> cia402::BitRates {
+  cia402::BitRates rates{0, 0};
+  if (!bus.name.starts_with(kLocal)) {
+    const CanLink link = read_can_link(bus.name);
+    if (const std::string objection = objection_to(link, setup.fd); !objection.empty()) {
+      throw std::runtime_error(objection);
+    }
+    rates = link.rates;
+  }
+  rates.nominal_bit_s = rates.nominal_bit_s == 0 ? kUsualBitS : rates.nominal_bit_s;
+  rates.data_bit_s = !setup.fd ? 0 : rates.data_bit_s == 0 ? kUsualDataBitS : rates.data_bit_s;
+  return rates;
+}
+
+auto checked_socket(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out) -> CanSocket {
+  out << budget_line(bus, setup, rates_of(bus, setup)) << '\n';
+  return CanSocket::open(bus.name, setup.fd, true);
+}
+
+[[noreturn]] void refuse(const std::string& bus, const Received& event) {
+  const cia402::AnomalyInfo& entry = cia402::info(event.event);
+  throw std::runtime_error(bus + ": " + entry.sentence + "; " + entry.cure);
+}
+
+auto ends_set_up(cia402::Anomaly event) -> bool {
+  return event == cia402::Anomaly::kBusOff || event == cia402::Anomaly::kLinkDown ||
+         event == cia402::Anomaly::kSendFailed || event == cia402::Anomaly::kSendQueueFull;
+}
+
+auto set_up(CanSocket& socket, const std::string& bus, DriveSetup& drive) -> cia402::DriveSetting {
+  constexpr std::chrono::milliseconds kLookAround{2};
+  while (drive.phase() != DriveSetup::Phase::kDone) {
+    if (const auto request = drive.next(socket.now())) {
+      if (const auto problem = socket.rt_send(*request)) {
+        refuse(bus, *problem);
+      }
+    }
+    if (drive.phase() == DriveSetup::Phase::kFailed) {
+      throw std::runtime_error(bus + ": " + drive.problem());
+    }
+    socket.wait(kLookAround);
+    for (Received received; socket.rt_receive(received);) {
+      if (received.kind == Received::Kind::kFrame) {
+        drive.receive(received.frame);
+      } else if (received.kind == Received::Kind::kEvent && ends_set_up(received.event)) {
+        refuse(bus, received);
+      }
+    }
+  }
+  return drive.setting();
+}
+
+auto set_up_all(CanSocket& socket, const CanBusSetup& bus, cia402::PdoLayout layout, cia402::Journal& journal)
+    -> std::vector<cia402::DriveSetting> {
+  std::vector<cia402::DriveSetting> settings;
+  for (std::size_t place = 0; place < bus.nodes.size(); ++place) {
+    const cia402::DriveMaps maps = cia402::drive_maps(layout, bus.nodes[place], place, bus.nodes.size());
+    DriveSetup drive(bus.nodes[place], maps, journal, place + 1);
+    settings.push_back(set_up(socket, bus.name, drive));
+  }
+  std::array<std::uint32_t, cia402::kMostWantedIds> ids{};
+  socket.filter(std::span(ids).first(cia402::wanted_ids(settings, ids)));
+  for (Received received; socket.rt_receive(received);) {
+  }
+  return settings;
+}
+
+}  // namespace
+
+auto budget_line(const CanBusSetup& bus, const CanSetup& setup, const cia402::BitRates& rates) -> std::string {
+  const cia402::BusBudget budget = cia402::bus_budget(setup.layout, bus.nodes.size(), rates);
+  const auto us = [](std::uint64_t time_ns) { return std::to_string((time_ns + 999) / 1000) + " us"; };
+  const std::uint64_t percent = (budget.with_retransmission_ns() * 100 + budget.kCycleNs - 1) / budget.kCycleNs;
+  const std::string line = bus.name + ": " + std::to_string(bus.nodes.size()) + " drives at " +
+                           std::to_string(rates.nominal_bit_s / 1000) + " kbit/s" +
+                           (rates.data_bit_s != 0 ? " and " + std::to_string(rates.data_bit_s / 1000) : "") + ", " +
+                           std::to_string(budget.frames) + " messages a cycle, at most " + us(budget.cyclic_ns) + ", " +
+                           us(budget.with_retransmission_ns()) + " with one of them again: " + std::to_string(percent) +
+                           " % of a cycle, of " + std::to_string(budget.kMostPercent) + " % that are allowed";
+  if (!budget.fits()) {
+    throw std::runtime_error(line +
+                             "; give some drives a second bus (--can can1:NODES), let them share a message "
+                             "(--pdo packed), use CAN FD (--fd), or raise the bit rate");
+  }
+  return line;
+}
+
+CanBus::CanBus(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out)
+    : CanBus(checked_socket(bus, setup, out), bus, setup) {}
+
+CanBus::CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup)
+    : name_(bus.name),
+      socket_(std::move(socket)),
+      journal_(std::make_unique<cia402::Journal>()),
+      settings_(set_up_all(socket_, bus, setup.layout, *journal_)),
+      master_(settings_, {.layout = setup.layout, .fd = setup.fd, .confirms = socket_.confirms()}, *journal_) {}
+
+CanBus::~CanBus() {
+  for (const cia402::DriveSetting& drive : settings_) {
+    static_cast<void>(socket_.rt_send(cia402::nmt_frame(cia402::NmtCommand::kPreOperational, drive.node)));
+  }
+}
+
+void CanBus::rt_receive(std::span<AxisSensed> axes) {
+  constexpr std::size_t kMostInACycle = 24;  // a bus of 1 Mbit/s carries at most 21 in a millisecond
+  Received received;
+  std::size_t count = 0;
+  while (count < kMostInACycle && socket_.rt_receive(received)) {
+    master_.rt_receive(received);
+    ++count;
+  }
+  const cia402::Time now = socket_.now();
+  if (count == kMostInACycle) {
+    received = {.kind = Received::Kind::kEvent, .frame = {}, .event = cia402::Anomaly::kFlood, .detail = 0, .at = now};
+    master_.rt_receive(received);
+  }
+  master_.rt_sense(now, axes);
+}
+
+auto CanBus::rt_send(bool torque) -> bool {
+  const cia402::Time now = socket_.now();
+  const cia402::BusMaster::Outbox out = master_.rt_messages(torque, now);
+  for (std::size_t i = 0; i < out.count; ++i) {
+    if (const auto problem = socket_.rt_send(out.frames[i])) {
+      master_.rt_receive(*problem);  // and no SYNC: a drive that lacks its new set value must not act on the old one
+      return false;
+    }
+  }
+  if (out.count != 0) {
+    master_.rt_sync_sent(now);
+  }
+  return out.count != 0;
+}
+
+}  // namespace capstan

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/cia402/bus_master.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/hal/cia402/support.hpp"
+
+namespace capstan::cia402 {
+namespace {
+
+auto settings(PdoLayout layout) -> std::vector<DriveSetting> {
+  return {setting(1, 0, 2, layout), setting(9, 1, 2, layout)};
+}
+
+/// A bus with nodes 1 and 9.
+struct Rig {
+  explicit Rig(BusMaster::Options options = {}) : drives(settings(options.layout)), bus(drives, options, journal) {}
+  std::vector<DriveSetting> drives;
+  Journal journal;
+  BusMaster bus;
+  Time now = ms(5000);
+  std::array<AxisSensed, 2> axes;
+  std::array<AxisDrive, 2> wanted{};
+
+  void arrives(const Frame& message) { bus.rt_receive({.kind = Received::Kind::kFrame, .frame = message, .at = now}); }
+  void happens(Anomaly event) { bus.rt_receive({.kind = Received::Kind::kEvent, .event = event, .at = now}); }
+  void sent(const Frame& message) { bus.rt_receive({.kind = Received::Kind::kSent, .frame = message, .at = now}); }
+  auto command() -> std::vector<Frame> {
+    bus.rt_decide(wanted);
+    const BusMaster::Outbox out = bus.rt_messages(bus.rt_sound(), now);
+    return {out.frames.begin(), out.frames.begin() + static_cast<std::ptrdiff_t>(out.count)};
+  }
+  /// Both drives answer with these states, and live.
+  auto cycle(int first, int second) -> std::vector<Frame> {
+    now += ms(1);
+    arrives(status(first, 1));
+    arrives(status(second, 9));
+    arrives(frame(0x701, {5}));
+    arrives(frame(0x709, {5}));
+    bus.rt_sense(now, axes);
+    const std::vector<Frame> out = command();
+    bus.rt_sync_sent(now);
+    return out;
+  }
+  [[nodiscard]] auto count(Anomaly anomaly) const -> std::uint32_t { return journal.count(anomaly); }
+};
+
+TEST(BusMaster, SendsSetValuesThenHeartbeatThenSync) {
+  Rig rig;
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled),
+            (std::vector<Frame>{frame(0x201, {0, 0, 0, 0}), frame(0x209, {0, 0, 0, 0}), frame(0x77F, {5}),
+                                frame(0x080, {})}));
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled).size(), 3U) << "the heartbeat is not due again";
+}
+
+TEST(BusMaster, ItsHeartbeatComesEvery40ms) {
+  Rig rig;
+  int heartbeats = 0;
+  for (int i = 0; i < 400; ++i) {
+    for (const Frame& message : rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled)) {
+      heartbeats += message.id == 0x77F ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(heartbeats, 10);
+}
+
+TEST(BusMaster, EachDriveGetsItsOwnTorque) {
+  Rig rig;
+  rig.wanted = {amperes(0.5), amperes(-1)};
+  for (const int state : {kSwitchOnDisabled, kReady, kSwitchedOn}) {
+    static_cast<void>(rig.cycle(state, state));
+  }
+  const std::vector<Frame> out = rig.cycle(kEnabled, kEnabled);
+  EXPECT_EQ(out[0], frame(0x201, {0x0F, 0x00, 0xFA, 0x00}));  // 250 permille
+  EXPECT_EQ(out[1], frame(0x209, {0x0F, 0x00, 0x0C, 0xFE}));  // -500
+}
+
+TEST(BusMaster, PackedTorquesShareAMessageAndControlwordsGoWhenTheyChange) {
+  Rig rig({.layout = PdoLayout::kPacked});
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled),
+            (std::vector<Frame>{frame(0x301, {0, 0}), frame(0x309, {0, 0}), frame(0x200, {0, 0, 0, 0}),
+                                frame(0x77F, {5}), frame(0x080, {})}));
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled),
+            (std::vector<Frame>{frame(0x200, {0, 0, 0, 0}), frame(0x080, {})}));
+  rig.wanted = {amperes(0.5), amperes(-1)};
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled)[0], frame(0x301, {0x06, 0}));
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled)[0], frame(0x309, {0x06, 0})) << "one a cycle";
+  for (int i = 0; i < 2; ++i) {
+    static_cast<void>(rig.cycle(kReady, kReady));
+    static_cast<void>(rig.cycle(kSwitchedOn, kSwitchedOn));
+  }
+  static_cast<void>(rig.cycle(kEnabled, kEnabled));
+  const std::vector<Frame> on = rig.cycle(kEnabled, kEnabled);
+  EXPECT_EQ(on[on.size() - 2], frame(0x200, {0xFA, 0x00, 0x0C, 0xFE}));
+  rig.wanted = {};
+  const std::vector<Frame> off = rig.cycle(kEnabled, kEnabled);
+  EXPECT_EQ(off[0], frame(0x301, {0, 0})) << "torque is taken from all at once";
+  EXPECT_EQ(off[1], frame(0x309, {0, 0}));
+  EXPECT_EQ(off[2], frame(0x200, {0, 0, 0, 0}));
+}
+
+TEST(BusMaster, PackedControlwordsAreRepeatedOneAtATime) {
+  Rig rig({.layout = PdoLayout::kPacked});
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  std::array<int, 2> repeats{};
+  for (int i = 0; i < 100; ++i) {
+    int here = 0;
+    for (const Frame& message : rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled)) {
+      repeats[0] += message.id == 0x301 ? 1 : 0;
+      repeats[1] += message.id == 0x309 ? 1 : 0;
+      here += message.id == 0x301 || message.id == 0x309 ? 1 : 0;
+    }
+    EXPECT_LE(here, 1);
+  }
+  EXPECT_EQ(repeats[0], 1);
+  EXPECT_EQ(repeats[1], 1);
+}
+
+TEST(BusMaster, MessagesOfNobodyAndOfNoUseAreCountedAndChangeNothing) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  rig.arrives(frame(0x182, {1, 2, 3, 4, 5, 6, 7, 8}));  // node 2
+  rig.arrives(frame(0x281, {1, 2, 3, 4, 5, 6, 7, 8}));  // a second TPDO of node 1
+  rig.arrives(frame(0x000, {0x80, 0x00}));              // somebody's network command
+  EXPECT_EQ(rig.count(Anomaly::kUnknownId), 3U);
+  rig.arrives(frame(0x581, {0x60, 0x40, 0x60, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(rig.count(Anomaly::kSdoUnexpected), 1U);
+  Frame remote = frame(0x181, {});
+  remote.remote = true;
+  rig.arrives(remote);
+  EXPECT_EQ(rig.count(Anomaly::kRemoteFrame), 1U);
+  Frame extended = status(kEnabled);
+  extended.extended = true;
+  rig.arrives(extended);
+  EXPECT_EQ(rig.count(Anomaly::kExtendedFrame), 1U);
+  EXPECT_EQ(rig.count(Anomaly::kStatusRepeated) + rig.count(Anomaly::kStatusContradicts), 0U);
+  EXPECT_TRUE(rig.bus.rt_sound());
+}
+
+TEST(BusMaster, AnotherMastersSyncTakesTheTorqueAwayUntilItHasBeenCalmFor100Cycles) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  rig.arrives(frame(0x080, {}));
+  EXPECT_EQ(rig.count(Anomaly::kForeignSync), 1U);
+  for (int i = 0; i < 99; ++i) {
+    static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+    EXPECT_FALSE(rig.bus.rt_sound());
+  }
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  EXPECT_TRUE(rig.bus.rt_sound());
+}
+
+TEST(BusMaster, AnUnsoundDriveMakesTheBusUnsound) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  EXPECT_TRUE(rig.bus.rt_sound());
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kFaulted));
+  EXPECT_FALSE(rig.bus.rt_sound());
+  EXPECT_EQ(rig.journal.count(Anomaly::kDriveFault, 2), 1U) << "the second drive's";
+}
+
+TEST(BusMaster, OneUnsoundDriveTakesTheTorqueFromAllInTheSameCycle) {
+  Rig rig;
+  rig.wanted = {amperes(0.5), amperes(-1)};
+  for (const int state : {kSwitchOnDisabled, kReady, kSwitchedOn, kEnabled}) {
+    static_cast<void>(rig.cycle(state, state));
+  }
+  const std::vector<Frame> out = rig.cycle(kEnabled, kFaulted);
+  EXPECT_EQ(out[0], frame(0x201, {0, 0, 0, 0}));
+  EXPECT_EQ(out[1], frame(0x209, {0, 0, 0, 0}));
+}
+
+TEST(BusMaster, AFaultIsResetAlthoughTheBusIsNotSound) {
+  Rig rig;
+  bool reset = false;
+  for (int i = 0; i < 600; ++i) {
+    reset |= rig.cycle(kSwitchOnDisabled, kFaulted)[1] == frame(0x209, {0x80, 0, 0, 0});
+  }
+  EXPECT_TRUE(reset);
+}
+
+TEST(BusMaster, WhileSyncHasNotLeftNothingMoreIsSent) {
+  Rig rig({.confirms = true});
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+  EXPECT_TRUE(rig.command().empty()) << "set values would pile up behind it";
+  EXPECT_FALSE(rig.bus.rt_sound());
+  EXPECT_EQ(rig.count(Anomaly::kSyncStuck), 1U);
+  rig.sent(frame(0x201, {0, 0, 0, 0}));
+  EXPECT_TRUE(rig.command().empty()) << "another message's leaving is not SYNC's";
+  rig.sent(frame(0x080, {}));
+  EXPECT_FALSE(rig.command().empty());
+  EXPECT_TRUE(rig.bus.rt_sound());
+}
+
+TEST(BusMaster, OffTheBusItStaysOff) {
+  for (const Anomaly event : {Anomaly::kBusOff, Anomaly::kLinkDown}) {
+    Rig rig;
+    static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
+    rig.happens(event);
+    EXPECT_FALSE(rig.bus.rt_sound());
+    EXPECT_TRUE(rig.command().empty());
+    rig.happens(Anomaly::kControllerRestarted);
+    EXPECT_FALSE(rig.bus.rt_sound()) << "a controller that restarts by itself starts no motion";
+    EXPECT_EQ(rig.count(event), 1U);
+  }
+}
+
+TEST(BusMaster, TroublesThatPassAreCountedOnly) {
+  Rig rig;
+  for (const Anomaly event : {Anomaly::kErrorPassive, Anomaly::kErrorWarning, Anomaly::kControllerOverflow,
+                              Anomaly::kNoAcknowledge, Anomaly::kBusError, Anomaly::kReceiveLost, Anomaly::kFlood,
+                              Anomaly::kSendQueueFull, Anomaly::kSendFailed, Anomaly::kReceiveFailed}) {
+    rig.happens(event);
+    EXPECT_EQ(rig.count(event), 1U);
+  }
+  EXPECT_TRUE(rig.bus.rt_sound());
+}
+
+TEST(BusMaster, AsksForItsOwnMessagesOnly) {
+  std::array<std::uint32_t, kMostWantedIds> ids{};
+  const std::size_t count = wanted_ids(settings(PdoLayout::kSeparate), ids);
+  EXPECT_EQ(std::vector<std::uint32_t>(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count)),
+            (std::vector<std::uint32_t>{0x080, 0x181, 0x701, 0x081, 0x189, 0x709, 0x089}));
+}
+
+}  // namespace
+}  // namespace capstan::cia402

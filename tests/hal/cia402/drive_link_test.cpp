@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "hal/cia402/drive_link.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/hal/cia402/support.hpp"
+
+namespace capstan::cia402 {
+namespace {
+
+struct Rig {
+  Journal journal;
+  DriveLink drive{setting(), journal, 1};
+  Time now = ms(1000);
+
+  /// One cycle: SYNC, this statusword's low byte in answer, then the command.
+  auto cycle(int low_byte, const AxisDrive& wanted) -> DriveLink::Command {
+    now += ms(1);
+    drive.rt_status(status(low_byte), now, now);
+    drive.rt_heartbeat(frame(0x701, {5}), now);
+    sensed = drive.rt_sense(now, true);
+    return drive.rt_command(wanted);
+  }
+  void enable() {
+    for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn, kEnabled}) {
+      static_cast<void>(cycle(low_byte, amperes(0)));
+    }
+  }
+  [[nodiscard]] auto count(Anomaly anomaly) const -> std::uint32_t { return journal.count(anomaly, 1); }
+  AxisSensed sensed;
+};
+
+TEST(DriveLink, AStatusMessageBecomesCountsAndAmperes) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, {}));
+  EXPECT_EQ(rig.sensed.encoder_counts, 0x00010203);
+  EXPECT_EQ(rig.sensed.encoder, Quality::kOk);
+  EXPECT_NEAR(rig.sensed.current_a.to_double(), -0.1 * 2.0, 1e-6) << "-100 permille of 2 A";
+  EXPECT_EQ(rig.sensed.current, Quality::kOk);
+  EXPECT_EQ(rig.drive.state(), DriveState::kSwitchOnDisabled);
+}
+
+TEST(DriveLink, GoesToTorqueStepByStepAndGivesNoneBefore) {
+  Rig rig;
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(1)).controlword, 0x06);
+  EXPECT_EQ(rig.cycle(kReady, amperes(1)).controlword, 0x07);
+  const DriveLink::Command last = rig.cycle(kSwitchedOn, amperes(1));
+  EXPECT_EQ(last.controlword, 0x0F);
+  EXPECT_EQ(last.torque_permille, 0);
+  const DriveLink::Command on = rig.cycle(kEnabled, amperes(1));
+  EXPECT_EQ(on.controlword, 0x0F);
+  EXPECT_EQ(on.torque_permille, 500) << "1 A of 2 A";
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(-0.5)).torque_permille, -250);
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(100)).torque_permille, 32767) << "saturates, never wraps";
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(-100)).torque_permille, -32768);
+}
+
+TEST(DriveLink, WithoutEnableItIsVoltageOffInTheSameCycle) {
+  Rig rig;
+  rig.enable();
+  const DriveLink::Command off = rig.cycle(kEnabled, amperes(1, false));
+  EXPECT_EQ(off.controlword, 0x00);
+  EXPECT_EQ(off.torque_permille, 0);
+  EXPECT_TRUE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, AStatusOfAnotherLengthIsNotUsed) {
+  Rig rig;
+  rig.drive.rt_status(frame(0x181, {0x50, 0x02, 0x03}), ms(1), ms(0));
+  rig.drive.rt_status(frame(0x181, {0x50, 0x02, 0x03, 0, 0, 0, 0, 0, 0}), ms(1), ms(0));
+  EXPECT_EQ(rig.count(Anomaly::kStatusLength), 2U);
+  EXPECT_EQ(rig.drive.rt_sense(ms(1), true).encoder, Quality::kMissing);
+  EXPECT_EQ(rig.count(Anomaly::kStatusMissing), 1U);
+}
+
+TEST(DriveLink, AnAnswerToAnEarlierSyncIsNotUsed) {
+  Rig rig;
+  rig.drive.rt_status(status(kEnabled), ms(1), ms(2));
+  EXPECT_EQ(rig.count(Anomaly::kStatusLate), 1U);
+  EXPECT_EQ(rig.drive.rt_sense(ms(3), true).encoder, Quality::kMissing);
+}
+
+TEST(DriveLink, AValueIsUsedForOneCycleOnly) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, {}));
+  EXPECT_EQ(rig.drive.rt_sense(ms(1002), true).encoder, Quality::kMissing);
+  EXPECT_EQ(rig.drive.rt_sense(ms(1003), false).current, Quality::kMissing);
+  EXPECT_EQ(rig.count(Anomaly::kStatusMissing), 1U) << "without a SYNC there is nothing to miss";
+}
+
+TEST(DriveLink, TheSameStatusTwiceIsCountedADifferentOneMakesBothInvalid) {
+  Rig rig;
+  rig.drive.rt_status(status(kEnabled), ms(1), ms(0));
+  rig.drive.rt_status(status(kEnabled), ms(1), ms(0));
+  EXPECT_EQ(rig.count(Anomaly::kStatusRepeated), 1U);
+  EXPECT_EQ(rig.drive.rt_sense(ms(1), true).encoder, Quality::kOk);
+  rig.drive.rt_status(status(kEnabled), ms(2), ms(1));
+  rig.drive.rt_status(status(kFaulted), ms(2), ms(1));
+  EXPECT_EQ(rig.count(Anomaly::kStatusContradicts), 1U);
+  const AxisSensed sensed = rig.drive.rt_sense(ms(2), true);
+  EXPECT_EQ(sensed.encoder, Quality::kInvalid);
+  EXPECT_EQ(sensed.current, Quality::kInvalid);
+  rig.drive.rt_status(status(kEnabled), ms(3), ms(2));
+  EXPECT_EQ(rig.drive.rt_sense(ms(3), true).encoder, Quality::kOk) << "and the next one counts again";
+  for (std::int64_t i = 4; i < 102; ++i) {
+    EXPECT_FALSE(rig.drive.rt_sound()) << "but torque waits until it has been calm for 100 cycles";
+    rig.drive.rt_heartbeat(frame(0x701, {5}), ms(i));
+    static_cast<void>(rig.drive.rt_sense(ms(i), false));
+  }
+  static_cast<void>(rig.drive.rt_sense(ms(102), false));
+  EXPECT_TRUE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, AStatuswordOfNoStateTakesTheTorqueAway) {
+  Rig rig;
+  rig.enable();
+  const DriveLink::Command command = rig.cycle(0x4F, amperes(1));
+  EXPECT_EQ(command.controlword, 0x00);
+  EXPECT_FALSE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.count(Anomaly::kStatusUnknown), 1U);
+  EXPECT_EQ(rig.journal.detail(Anomaly::kStatusUnknown, 1), 0x024FU);
+}
+
+TEST(DriveLink, AMissedHeartbeatLosesTheDriveForGood) {
+  Rig rig;
+  rig.enable();
+  const Time last = rig.now;
+  const auto silent_cycle = [&](std::int64_t after) {
+    rig.drive.rt_status(status(kEnabled), last + ms(after), last + ms(after));
+    static_cast<void>(rig.drive.rt_sense(last + ms(after), true));
+    return rig.drive.rt_command(amperes(1));
+  };
+  EXPECT_EQ(silent_cycle(90).torque_permille, 500);
+  EXPECT_TRUE(rig.drive.rt_sound());
+  const DriveLink::Command command = silent_cycle(91);
+  EXPECT_EQ(command.controlword, 0x00);
+  EXPECT_FALSE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.count(Anomaly::kHeartbeatLost), 1U);
+  static_cast<void>(rig.cycle(kEnabled, amperes(0, false)));
+  static_cast<void>(rig.cycle(kEnabled, amperes(1)));
+  EXPECT_FALSE(rig.drive.rt_sound()) << "its configuration may be gone";
+  EXPECT_EQ(rig.count(Anomaly::kHeartbeatLost), 1U) << "one loss, not one a cycle";
+}
+
+TEST(DriveLink, ABootUpOrAnotherStateThanOperationalLosesTheDrive) {
+  for (const auto& [state, anomaly] :
+       {std::pair{0, Anomaly::kRestarted}, {4, Anomaly::kNotOperational}, {127, Anomaly::kNotOperational}}) {
+    Rig rig;
+    rig.enable();
+    rig.drive.rt_heartbeat(frame(0x701, {state}), rig.now);
+    EXPECT_EQ(rig.count(anomaly), 1U);
+    EXPECT_FALSE(rig.drive.rt_sound());
+    EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).controlword, 0x00);
+  }
+}
+
+TEST(DriveLink, AMalformedHeartbeatDoesNotCount) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, {}));
+  const Time last = rig.now;
+  rig.drive.rt_heartbeat(frame(0x701, {}), last + ms(50));
+  rig.drive.rt_heartbeat(frame(0x701, {5, 5}), last + ms(50));
+  EXPECT_EQ(rig.count(Anomaly::kHeartbeatLength), 2U);
+  rig.drive.rt_heartbeat(frame(0x701, {0x85}), last + ms(50));  // the toggle bit of node guarding
+  EXPECT_EQ(rig.count(Anomaly::kHeartbeatState), 1U);
+  EXPECT_TRUE(rig.drive.rt_sound());
+  static_cast<void>(rig.drive.rt_sense(last + ms(91), false));
+  EXPECT_FALSE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, AnEmergencyIsKeptWithItsCodeAndOneOfAnotherLengthIsNot) {
+  Rig rig;
+  rig.drive.rt_emergency(frame(0x081, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(rig.count(Anomaly::kEmergency), 1U);
+  EXPECT_EQ(rig.journal.emergency(1, 0).code, 0x8130);
+  EXPECT_EQ(rig.journal.emergency(1, 0).error_register, 0x11);
+  rig.drive.rt_emergency(frame(0x081, {0x30, 0x81, 0x11}));
+  EXPECT_EQ(rig.count(Anomaly::kEmergency), 1U);
+  EXPECT_EQ(rig.count(Anomaly::kEmergencyLength), 1U);
+}
+
+TEST(DriveLink, ADriveThatDropsItsTorqueIsNotEnabledAgainBeforeTheFirmwareLetsGo) {
+  Rig rig;
+  rig.enable();
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(1)).controlword, 0x00);
+  EXPECT_FALSE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.count(Anomaly::kDroppedOut), 1U);
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(1)).controlword, 0x00);
+  EXPECT_EQ(rig.count(Anomaly::kDroppedOut), 1U);
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, amperes(0, false)));
+  EXPECT_TRUE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(1)).controlword, 0x06);
+}
+
+TEST(DriveLink, ADriveThatDoesNotEnableIsGivenUpAfter200Cycles) {
+  Rig rig;
+  for (int i = 0; i < 200; ++i) {
+    EXPECT_EQ(rig.cycle(kReady, amperes(1)).controlword, 0x07);
+  }
+  EXPECT_EQ(rig.cycle(kReady, amperes(1)).controlword, 0x00);
+  EXPECT_EQ(rig.count(Anomaly::kNotEnabled), 1U);
+  EXPECT_FALSE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, AFaultIsResetByAnEdgeOnceTheTorqueIsGivenUp) {
+  Rig rig;
+  rig.enable();
+  EXPECT_EQ(rig.cycle(kFaulted, amperes(1)).controlword, 0x00) << "no reset while torque is wanted";
+  EXPECT_EQ(rig.count(Anomaly::kDriveFault), 1U);
+  EXPECT_EQ(rig.count(Anomaly::kDroppedOut), 0U) << "one cause, one sentence";
+  EXPECT_FALSE(rig.drive.rt_sound());
+  int edges = 0;
+  std::uint16_t before = 0x80;
+  for (int i = 0; i < 1000; ++i) {
+    const std::uint16_t word = rig.cycle(kFaulted, amperes(0, false)).controlword;
+    EXPECT_TRUE(word == 0x00 || word == 0x80);
+    edges += before == 0x00 && word == 0x80 ? 1 : 0;
+    before = word;
+  }
+  EXPECT_EQ(edges, 2);
+  EXPECT_FALSE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(0, false)).controlword, 0x00);
+  EXPECT_TRUE(rig.drive.rt_sound());
+}
+
+}  // namespace
+}  // namespace capstan::cia402
