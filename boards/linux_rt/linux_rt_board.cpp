@@ -7,15 +7,15 @@
 
 namespace capstan {
 
-LinuxRtBoard::LinuxRtBoard(const RtOptions& options, Banks& banks, std::span<std::uint32_t> fault_memory)
-    : plant_({}, 1), plant_io_(plant_), io_(plant_io_), application_(io_, banks, fault_memory), loop_(options) {}
+LinuxRtBoard::LinuxRtBoard(const RtOptions& options, std::unique_ptr<RtJoints> joints)
+    : joints_(std::move(joints)), loop_(options) {}
 
 LinuxRtBoard::~LinuxRtBoard() {
   loop_.stop();
   if (thread_.joinable()) {
     thread_.join();
   }
-  io_.release();
+  joints_->release();
 }
 
 void LinuxRtBoard::start() {
@@ -28,8 +28,7 @@ void LinuxRtBoard::run() {
     Timing timing;
     report_ = loop_.run([this, &timing](const RtTick& tick) {
       rt_note(tick, timing);
-      io_.rt_set_overruns(static_cast<std::uint32_t>(tick.overruns));
-      application_.rt_tick();
+      joints_->rt_tick(static_cast<std::uint32_t>(tick.overruns));
     });
   } catch (...) {
     problem_ = std::current_exception();
@@ -53,26 +52,27 @@ void LinuxRtBoard::print_timing(Print& out) const {
   const Timing now = timing_.read();
   out << "real-time thread: began " << now.late << " us late, the latest " << now.latest << " us; took " << now.cycle
       << " us, the longest " << now.longest << " us; page faults " << now.page_faults << "\r\n";
+  joints_->print(out);
 }
 
 auto LinuxRtBoard::stop() -> RtReport {
   using std::chrono::steady_clock;
   constexpr std::chrono::seconds kLongEnough{1};
-  application_.link_lost();
+  joints_->link_lost();
   const auto end = steady_clock::now() + kLongEnough;
-  while (running() && energised(application_.telemetry().state) && steady_clock::now() < end) {
+  while (running() && energised(machine().telemetry().state) && steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   loop_.stop();
   if (thread_.joinable()) {
     thread_.join();
   }
-  io_.release();
+  joints_->release();
   if (problem_) {
     std::rethrow_exception(problem_);
   }
-  if (!plant_io_.failure().empty()) {
-    throw std::runtime_error(plant_io_.failure());
+  if (const std::string failure = joints_->failure(); !failure.empty()) {
+    throw std::runtime_error(failure);
   }
   return report_;
 }

@@ -3,24 +3,22 @@
 
 #include <atomic>
 #include <exception>
+#include <memory>
+#include <ostream>
 #include <thread>
 
-#include "boards/linux_rt/counted_io.hpp"
-#include "firmware/application.hpp"
+#include "boards/linux_rt/rt_joints.hpp"
 #include "firmware/board.hpp"
+#include "firmware/exchange.hpp"
 #include "hal/linux/rt_loop.hpp"
-#include "hal/sim/sim_io.hpp"
 
 namespace capstan {
 
-/// The firmware with a real-time thread of its own, every object built once. The joint is the simulated plant, in
-/// lock-step with the cycle.
+/// The firmware with a real-time thread of its own, every object built once.
 class LinuxRtBoard final : public Board {
  public:
-  using Io = CountedIo<SimIo>;
-
-  /// @param fault_memory  FaultLog::words_for(1) words that outlive this object; empty: no fault log
-  LinuxRtBoard(const RtOptions& options, Banks& banks, std::span<std::uint32_t> fault_memory = {});
+  /// Throws std::runtime_error with "sentence; cure" if the options are out of range.
+  LinuxRtBoard(const RtOptions& options, std::unique_ptr<RtJoints> joints);
   LinuxRtBoard(const LinuxRtBoard&) = delete;
   auto operator=(const LinuxRtBoard&) -> LinuxRtBoard& = delete;
   /// Stops first if it has not been done.
@@ -31,7 +29,7 @@ class LinuxRtBoard final : public Board {
   /// False once the cycle has ended by itself; stop() then says why.
   [[nodiscard]] auto running() const -> bool { return running_.load(); }
   /// Takes the torque away as a lost link does, lets the cycle carry that out, ends it and releases the joint.
-  /// Throws std::runtime_error if the loop could not start or the plant failed.
+  /// Throws std::runtime_error if the loop could not start or the joints failed.
   auto stop() -> RtReport;
 
   /// The operator wants to start anew: stop this one and make another on the same banks.
@@ -41,7 +39,11 @@ class LinuxRtBoard final : public Board {
   void print_timing(Print& out) const override;
   void reboot() override { reboot_wanted_ = true; }
 
-  [[nodiscard]] auto application() -> Application<Io>& { return application_; }
+  [[nodiscard]] auto machine() -> Machine& { return joints_->machine(); }
+  /// The console is gone, see Application.
+  void link_lost() { joints_->link_lost(); }
+  /// Sentences about what has gone wrong since the last call. For the background, now and then.
+  void report(std::ostream& out) { joints_->report(out); }
 
  private:
   /// What `timing` shows, in us; written by the cycle.
@@ -56,10 +58,7 @@ class LinuxRtBoard final : public Board {
   void run();
   void rt_note(const RtTick& tick, Timing& timing);
 
-  sim::Plant plant_;
-  SimIo plant_io_;
-  Io io_;
-  Application<Io> application_;
+  std::unique_ptr<RtJoints> joints_;
   RtLoop loop_;
   RtReport report_;
   std::exception_ptr problem_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <exception>
@@ -27,17 +28,32 @@ auto interrupted() -> bool {
   return stop_requested != 0;
 }
 
+auto joints_of(const BoardOptions& options) -> std::size_t {
+  std::size_t drives = 0;
+  for (const capstan::CanBusSetup& bus : options.can.buses) {
+    drives += bus.nodes.size();
+  }
+  return std::max<std::size_t>(drives, 1);
+}
+
+auto make_joints(const BoardOptions& options, capstan::Banks& banks, std::span<std::uint32_t> fault_memory)
+    -> std::unique_ptr<capstan::RtJoints> {
+  return options.can.buses.empty() ? capstan::simulated_joints(banks, options.gpio, fault_memory)
+                                   : capstan::can_joints(options.can, options.gpio, banks, fault_memory, std::cerr);
+}
+
 void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
   using std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookAround{20};
-  capstan::Shell shell(board.application(), console, board, console.is_terminal());
+  capstan::Shell shell(board.machine(), console, board, console.is_terminal());
   capstan::ShellFeed feed(console, shell);
   const auto end = steady_clock::now() + std::chrono::duration<double>(options.seconds.value_or(0.0));
   while (board.running() && !interrupted() && !board.reboot_wanted() &&
          (!options.seconds || steady_clock::now() < end)) {
     if (feed.poll()) {
-      board.application().link_lost();
+      board.link_lost();
     }
+    board.report(std::cerr);
     if (feed.done() && !options.seconds) {
       break;
     }
@@ -46,7 +62,8 @@ void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardO
 }
 
 void say_where(const capstan::Console& console, const BoardOptions& options) {
-  std::cerr << "capstan_linux_rt: simulated joint, console on " << console.name();
+  std::cerr << "capstan_linux_rt: " << (options.can.buses.empty() ? "simulated joint" : "drives on CAN")
+            << ", console on " << console.name();
   if (options.console == "pty") {
     std::cerr << " (attach with: screen " << console.name() << ')';
   }
@@ -73,7 +90,7 @@ auto run(const BoardOptions& options) -> int {
   capstan::FileBanks banks =
       options.storage.empty() ? capstan::FileBanks::temporary() : capstan::FileBanks(options.storage);
   if (options.action == BoardOptions::Action::kSelftest) {
-    capstan::LinuxRtBoard board(options.rt, banks);
+    capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, {}));
     constexpr double kUsualS = 10.0;
     const capstan::SelftestResult result = capstan::run_selftest(board, options.seconds.value_or(kUsualS), interrupted);
     capstan::print_selftest(std::cout, result);
@@ -81,12 +98,14 @@ auto run(const BoardOptions& options) -> int {
   }
   capstan::Console console = capstan::Console::open(options.console);
   say_where(console, options);
-  const capstan::RetainedMemory retained(capstan::FaultLog::words_for(capstan::LinuxRtBoard::Io::kAxes));
+  const capstan::RetainedMemory retained(capstan::FaultLog::words_for(joints_of(options)));
   for (bool again = true; again;) {
-    capstan::LinuxRtBoard board(options.rt, banks, retained.words());
+    capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, retained.words()));
     board.start();
     serve(board, console, options);
-    say_how_it_went(board.stop(), console);
+    const capstan::RtReport report = board.stop();
+    board.report(std::cerr);
+    say_how_it_went(report, console);
     again = board.reboot_wanted();
   }
   return 0;

@@ -9,17 +9,37 @@
 #include <string_view>
 #include <vector>
 
+#include "boards/linux_rt/hardware_options.hpp"
+
 namespace capstan {
 namespace {
 
-enum Code : int { kConsole = 1000, kStorage, kCpu, kPriority, kInsist, kFor, kSelftest, kHelp, kVersion };
+enum Code : int {
+  kConsole = 1000,
+  kStorage,
+  kCpu,
+  kPriority,
+  kInsist,
+  kFor,
+  kCan,
+  kPdo,
+  kFd,
+  kGpio,
+  kSelftest,
+  kHelp,
+  kVersion
+};
 
-constexpr std::array<option, 10> kOptions{{{"console", required_argument, nullptr, kConsole},
+constexpr std::array<option, 14> kOptions{{{"console", required_argument, nullptr, kConsole},
                                            {"storage", required_argument, nullptr, kStorage},
                                            {"cpu", required_argument, nullptr, kCpu},
                                            {"priority", required_argument, nullptr, kPriority},
                                            {"insist", no_argument, nullptr, kInsist},
                                            {"for", required_argument, nullptr, kFor},
+                                           {"can", required_argument, nullptr, kCan},
+                                           {"pdo", required_argument, nullptr, kPdo},
+                                           {"fd", no_argument, nullptr, kFd},
+                                           {"gpio", required_argument, nullptr, kGpio},
                                            {"selftest", no_argument, nullptr, kSelftest},
                                            {"help", no_argument, nullptr, kHelp},
                                            {"version", no_argument, nullptr, kVersion},
@@ -62,6 +82,18 @@ void apply(int code, BoardOptions& options) {
       break;
     case kFor:
       options.seconds = number("for", optarg, kShortestS, kLongestS);
+      break;
+    case kCan:
+      options.can.buses.push_back(parse_can_bus(optarg));
+      break;
+    case kPdo:
+      options.can.layout = parse_pdo_layout(optarg);
+      break;
+    case kFd:
+      options.can.fd = true;
+      break;
+    case kGpio:
+      options.gpio = parse_gpio(optarg);
       break;
     case kSelftest:
       options.action = BoardOptions::Action::kSelftest;
@@ -106,14 +138,27 @@ auto parse_options(std::span<char* const> arguments) -> BoardOptions {
     throw std::runtime_error(quoted(words[static_cast<std::size_t>(optind)]) +
                              " is not an option; --help lists all of them");
   }
+  check(options.can);
+  if (options.action == BoardOptions::Action::kSelftest && !options.can.buses.empty()) {
+    throw std::runtime_error("--selftest moves a joint by itself, so only the simulated one; leave out --can");
+  }
   return options;
 }
 
 auto help_text() -> const char* {
   return R"(capstan_linux_rt: the Capstan firmware on Linux, 1 kHz in a real-time thread
 
-The joint is the simulated plant inside this program, in lock-step with the cycle.
-Drives on a CAN bus are not supported yet.
+Without --can the joint is the simulated plant inside this program, in lock-step with the cycle.
+
+  --can BUS:N[,N...]
+                    CiA 402 drives with these node numbers on this interface (can0), or on unix:PATH where
+                    capstan_drives listens; up to four on up to two buses (repeat it), joint0 is the first
+  --pdo separate|packed
+                    a message with set values for each drive (separate), or one for all drives of a bus
+  --fd              set values in CAN FD frames
+  --gpio CHIP:DUTY=LINE[,...]
+                    lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:
+                    open), watchdog (square wave while the cycle runs); ! before a number inverts it
 
   --console stdio|pty|tcp:PORT|serial:PATH
                     where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1

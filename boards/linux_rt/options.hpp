@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "hal/linux/can_bus.hpp"
+#include "hal/linux/gpio_lines.hpp"
 #include "hal/linux/rt_loop.hpp"
 
 namespace capstan {
@@ -17,6 +19,8 @@ struct BoardOptions {
   std::string storage;            ///< empty: parameters are forgotten at the end
   std::optional<double> seconds;  ///< none: until told to stop
   RtOptions rt;
+  CanSetup can;    ///< without buses the joint is simulated
+  GpioSetup gpio;  ///< without a chip there are no lines
 };
 
 /// Throws std::runtime_error with "sentence; cure".

@@ -129,17 +129,17 @@ auto run_selftest(LinuxRtBoard& board, double seconds, bool (*interrupted)()) ->
   Request move{
       .kind = Request::Kind::kMove, .axis = 0, .position_rad = Q24::from_double(0.4), .speed_rad_s = Q24::from_int(1)};
   board.start();
-  board.application().post({.kind = Request::Kind::kArm});
+  board.machine().post({.kind = Request::Kind::kArm});
   auto next_stroke = steady_clock::now() + kStroke;
   while (board.running() && !interrupted() && steady_clock::now() < end) {
     std::this_thread::sleep_for(kLookAround);
-    if (steady_clock::now() >= next_stroke && board.application().post(move)) {
+    if (steady_clock::now() >= next_stroke && board.machine().post(move)) {
       move.position_rad = -move.position_rad;
       next_stroke += kStroke;
     }
   }
   SelftestResult result;
-  result.firmware = board.application().telemetry();
+  result.firmware = board.machine().telemetry();
   result.loop = board.stop();
   result.machine = machine_info();
   return result;

@@ -5,8 +5,11 @@
 
 #include <functional>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "boards/common/file_banks.hpp"
+#include "boards/linux_rt/lined_io.hpp"
 
 namespace capstan {
 namespace {
@@ -31,54 +34,89 @@ struct StillIo {
   void release() noexcept { ++releases; }
 };
 static_assert(JointIo<StillIo>);
-static_assert(JointIo<CountedIo<StillIo>>);
 
-TEST(CountedIo, AddsTheOverrunsAndPassesEverythingElseOn) {
+/// Lines that remember what they were told.
+struct FakeLines {
+  struct Log {
+    bool open = false;
+    bool works = true;
+    std::vector<bool> driven;
+    int offs = 0;
+  };
+  Log* log;
+  auto rt_estop() -> bool { return log->open; }
+  auto rt_drive(bool energised) -> bool {
+    log->driven.push_back(energised);
+    return log->works;
+  }
+  void rt_off() { ++log->offs; }
+};
+static_assert(JointIo<LinedIo<StillIo, FakeLines>>);
+
+TEST(LinedIo, AddsOverrunsAndEmergencyStopAndPassesEverythingElseOn) {
   StillIo still;
-  CountedIo<StillIo> io(still);
+  FakeLines::Log log;
+  LinedIo<StillIo, FakeLines> io(still, {&log});
   Sensed<1> sensed;
   io.rt_set_overruns(12);
   EXPECT_EQ(io.read(sensed), Status::kTimeout);
   EXPECT_EQ(sensed.overruns, 12U);
+  EXPECT_FALSE(sensed.estop);
   EXPECT_EQ(sensed.axis[0].encoder_counts, 7);
+  log.open = true;
+  Sensed<1> stopped;
+  static_cast<void>(io.read(stopped));
+  EXPECT_TRUE(stopped.estop);
+}
+
+TEST(LinedIo, EnableFollowsTheDriveAndReleaseTurnsItOff) {
+  StillIo still;
+  FakeLines::Log log;
+  LinedIo<StillIo, FakeLines> io(still, {&log});
   EXPECT_EQ(io.write({}), Status::kOk);
+  Drive<1> on;
+  on.axis[0].enabled = true;
+  EXPECT_EQ(io.write(on), Status::kOk);
+  EXPECT_EQ(log.driven, (std::vector<bool>{false, true})) << "in every cycle, for the watchdog";
   io.release();
+  EXPECT_EQ(log.offs, 1);
   EXPECT_EQ(still.releases, 1);
+  log.works = false;
+  EXPECT_EQ(io.write(on), Status::kFailed) << "a chip that does not take its lines is a failed drive";
 }
 
 TEST(LinuxRtBoard, RunsTheFirmwareAndCountsWhatItRan) {
   FileBanks banks = FileBanks::temporary();
-  LinuxRtBoard board({}, banks);
+  LinuxRtBoard board({}, simulated_joints(banks));
   EXPECT_FALSE(board.running());
   board.start();
-  EXPECT_TRUE(eventually([&] { return board.application().telemetry().tick >= 20; }));
+  EXPECT_TRUE(eventually([&] { return board.machine().telemetry().tick >= 20; }));
   EXPECT_TRUE(board.running());
   const RtReport report = board.stop();
   EXPECT_FALSE(board.running());
-  EXPECT_EQ(board.application().telemetry().tick, report.cycles);
-  EXPECT_GE(report.overruns, board.application().telemetry().overruns)
-      << "the firmware is told of every one but the last";
+  EXPECT_EQ(board.machine().telemetry().tick, report.cycles);
+  EXPECT_GE(report.overruns, board.machine().telemetry().overruns) << "the firmware is told of every one but the last";
 }
 
 TEST(LinuxRtBoard, StoppingTakesTheTorqueAway) {
   FileBanks banks = FileBanks::temporary();
-  LinuxRtBoard board({}, banks);
+  LinuxRtBoard board({}, simulated_joints(banks));
   board.start();
   // A loaded machine may miss cycles, and the firmware then rightly drops the torque: ask until it holds.
   EXPECT_TRUE(eventually([&] {
-    board.application().post({.kind = Request::Kind::kDisarm});
-    static_cast<void>(eventually([&] { return board.application().settled(); }));
-    board.application().post({.kind = Request::Kind::kArm});
-    static_cast<void>(eventually([&] { return board.application().settled(); }));
-    return energised(board.application().telemetry().state);
+    board.machine().post({.kind = Request::Kind::kDisarm});
+    static_cast<void>(eventually([&] { return board.machine().settled(); }));
+    board.machine().post({.kind = Request::Kind::kArm});
+    static_cast<void>(eventually([&] { return board.machine().settled(); }));
+    return energised(board.machine().telemetry().state);
   }));
   static_cast<void>(board.stop());
-  EXPECT_FALSE(energised(board.application().telemetry().state));
+  EXPECT_FALSE(energised(board.machine().telemetry().state));
 }
 
 TEST(LinuxRtBoard, AMachineThatDoesNotGrantWhatIsInsistedOnIsAnError) {
   FileBanks banks = FileBanks::temporary();
-  LinuxRtBoard board({.insist = true}, banks);  // this program has not locked its memory
+  LinuxRtBoard board({.insist = true}, simulated_joints(banks));  // this program has not locked its memory
   board.start();
   EXPECT_TRUE(eventually([&] { return !board.running(); }));
   EXPECT_THROW(static_cast<void>(board.stop()), std::runtime_error);

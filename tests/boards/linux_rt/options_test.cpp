@@ -51,6 +51,25 @@ TEST(BoardOptions, EveryOptionReachesItsField) {
   EXPECT_TRUE(options.rt.insist);
 }
 
+TEST(BoardOptions, HardwareIsReadAsItIsWritten) {
+  const BoardOptions options = parse({"--can", "can0:1,2", "--can", "unix:/tmp/bus:3", "--pdo", "packed", "--fd",
+                                      "--gpio", "/dev/gpiochip2:estop=!3,watchdog=0,enable=12"});
+  ASSERT_EQ(options.can.buses.size(), 2U);
+  EXPECT_EQ(options.can.buses[0].name, "can0");
+  EXPECT_EQ(options.can.buses[0].nodes, (std::vector<std::uint8_t>{1, 2}));
+  EXPECT_EQ(options.can.buses[1].name, "unix:/tmp/bus");
+  EXPECT_EQ(options.can.buses[1].nodes, (std::vector<std::uint8_t>{3}));
+  EXPECT_EQ(options.can.layout, cia402::PdoLayout::kPacked);
+  EXPECT_TRUE(options.can.fd);
+  EXPECT_EQ(options.gpio.chip, "/dev/gpiochip2");
+  ASSERT_TRUE(options.gpio.estop && options.gpio.enable && options.gpio.watchdog);
+  EXPECT_EQ(options.gpio.estop->offset, 3U);
+  EXPECT_TRUE(options.gpio.estop->inverted);
+  EXPECT_EQ(options.gpio.enable->offset, 12U);
+  EXPECT_FALSE(options.gpio.enable->inverted);
+  EXPECT_FALSE(options.gpio.brake);
+}
+
 TEST(BoardOptions, ParsingTwiceGivesTheSame) {
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(parse({"--cpu", "3"}).rt.cpu, 3);
@@ -59,13 +78,37 @@ TEST(BoardOptions, ParsingTwiceGivesTheSame) {
 
 TEST(BoardOptions, WhatIsWrongIsNamedAndTheCureToo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"--cpu", "x"}, "'x'"},           {{"--cpu", "-1"}, "'-1'"},
-      {{"--priority", "0"}, "'0'"},      {{"--priority", "100"}, "'100'"},
-      {{"--for", "nan"}, "'nan'"},       {{"--for", "-3"}, "'-3'"},
-      {{"--for", "2s"}, "'2s'"},         {{"--storage"}, "--storage"},
-      {{"--nonsense"}, "--nonsense"},    {{"-x"}, "-x"},
-      {{"file.toml"}, "'file.toml'"},    {{"--help=yes"}, "--help=yes"},
-      {{"--cpu", "1", "--for"}, "--for"}};
+      {{"--cpu", "x"}, "'x'"},
+      {{"--cpu", "-1"}, "'-1'"},
+      {{"--priority", "0"}, "'0'"},
+      {{"--priority", "100"}, "'100'"},
+      {{"--for", "nan"}, "'nan'"},
+      {{"--for", "-3"}, "'-3'"},
+      {{"--for", "2s"}, "'2s'"},
+      {{"--storage"}, "--storage"},
+      {{"--nonsense"}, "--nonsense"},
+      {{"-x"}, "-x"},
+      {{"file.toml"}, "'file.toml'"},
+      {{"--help=yes"}, "--help=yes"},
+      {{"--cpu", "1", "--for"}, "--for"},
+      {{"--can", "can0"}, "'can0'"},
+      {{"--can", "can0:"}, "''"},
+      {{"--can", ":1"}, "':1'"},
+      {{"--can", "can0:0"}, "'0'"},
+      {{"--can", "can0:127"}, "'127'"},
+      {{"--can", "can0:1,x"}, "'x'"},
+      {{"--can", "can0:1,1"}, "twice"},
+      {{"--can", "can0:1", "--can", "can0:2"}, "can0 is given twice"},
+      {{"--can", "can0:1,2,3,4,5"}, "5 drives"},
+      {{"--can", "can0:1", "--can", "can1:2", "--can", "can2:3"}, "3 buses"},
+      {{"--can", "can0:1", "--selftest"}, "--selftest"},
+      {{"--pdo", "many"}, "'many'"},
+      {{"--gpio", "/dev/gpiochip0"}, "'/dev/gpiochip0'"},
+      {{"--gpio", "/dev/g:stop=3"}, "'stop=3'"},
+      {{"--gpio", "/dev/g:estop"}, "'estop'"},
+      {{"--gpio", "/dev/g:estop=x"}, "'estop=x'"},
+      {{"--gpio", "/dev/g:estop=3,estop=4"}, "'estop=4'"},
+      {{"--gpio", "/dev/g:estop=3,brake=3"}, "'brake=3'"}};
   for (const auto& [words, named] : cases) {
     const std::string sentence = refusal(words);
     EXPECT_NE(sentence.find(named), std::string::npos) << words.front() << " gives: " << sentence;
@@ -75,8 +118,8 @@ TEST(BoardOptions, WhatIsWrongIsNamedAndTheCureToo) {
 
 TEST(BoardOptions, HelpNamesEveryOptionThatIsAccepted) {
   const std::string help = help_text();
-  for (const char* name :
-       {"--console", "--storage", "--for", "--cpu", "--priority", "--insist", "--selftest", "--version", "--help"}) {
+  for (const char* name : {"--console", "--storage", "--for", "--cpu", "--priority", "--insist", "--can", "--pdo",
+                           "--fd", "--gpio", "--selftest", "--version", "--help"}) {
     EXPECT_NE(help.find(std::string("\n  ") + name), std::string::npos) << name;
   }
 }
