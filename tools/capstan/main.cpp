@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <exception>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "tools/capstan/commands.hpp"
+#include "tools/capstan/run_linux_rt.hpp"
 #include "tools/support/errors.hpp"
 
 int main(int argc, char** argv) {
@@ -22,6 +26,11 @@ int main(int argc, char** argv) {
   add_diagnose(app, exit_status);
   add_thesis(app, exit_status);
   try {
+    const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    constexpr std::size_t kOwnWords = 3;
+    if (words.size() >= kOwnWords && words[0] == "run" && words[1] == "--board" && words[2] == "linux_rt") {
+      run_linux_rt({words.begin() + kOwnWords, words.end()});
+    }
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;

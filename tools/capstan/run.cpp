@@ -19,6 +19,7 @@ namespace capstan::tools {
 namespace {
 
 struct RunOptions {
+  std::string board = "sim";
   std::string scenario;
   std::vector<std::string> models;
   std::string log;
@@ -158,6 +159,9 @@ auto banks_of(const RunOptions& options) -> FileBanks {
 }
 
 auto run(const RunOptions& options) -> int {
+  if (options.board != "sim") {
+    throw BadInput("--board linux_rt takes all words that follow it; write it first: capstan run --board linux_rt ...");
+  }
   const sim::Scenario scenario = scenario_of(options);
   FileBanks banks = banks_of(options);
   return options.shell.empty() ? run_scripted(scenario, banks, options) : run_interactive(scenario, banks, options);
@@ -185,6 +189,11 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--storage", options->storage,
                       "file that keeps what 'save' writes; FILE.faults beside it keeps the fault log");
   command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");
+  command
+      ->add_option("--board", options->board,
+                   "sim, or, as the first word, linux_rt: the real-time program of this machine, which takes all "
+                   "words that follow (capstan run --board linux_rt --help)")
+      ->check(CLI::IsMember({"sim", "linux_rt"}));
   command->callback([options, &exit_status] { exit_status = run(*options); });
 }
 
