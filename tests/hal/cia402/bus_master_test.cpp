@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
 #include <vector>
 
 #include "tests/hal/cia402/support.hpp"
@@ -216,6 +218,41 @@ TEST(BusMaster, TroublesThatPassAreCountedOnly) {
     EXPECT_EQ(rig.count(event), 1U);
   }
   EXPECT_TRUE(rig.bus.rt_sound());
+}
+
+TEST(BusMaster, NoMessagesWhateverTheySayBringTorqueThatIsNotWanted) {
+  std::mt19937 random(7);  // any seed
+  const auto below = [&random](std::uint32_t end) { return static_cast<int>(random() % end); };
+  for (const PdoLayout layout : {PdoLayout::kSeparate, PdoLayout::kPacked}) {
+    Rig rig({.layout = layout});
+    static constexpr std::array<std::uint32_t, 9> kIds = {0x181, 0x189, 0x701, 0x709, 0x081,
+                                                          0x089, 0x581, 0x080, 0x000};
+    for (int cycle = 0; cycle < 20'000; ++cycle) {
+      rig.now += ms(1);
+      for (int i = below(4); i > 0; --i) {
+        Frame any{
+            .id = below(10) == 0 ? static_cast<std::uint32_t>(below(0x20000000)) : kIds.at(random() % kIds.size()),
+            .size = static_cast<std::uint8_t>(below(4) == 0 ? below(65) : 8)};
+        any.extended = below(50) == 0;
+        any.remote = below(50) == 0;
+        any.fd = any.size > 8;
+        std::generate(any.data.begin(), any.data.end(), [&] { return static_cast<std::uint8_t>(random()); });
+        rig.arrives(any);
+      }
+      if (below(1000) == 0) {
+        rig.happens(static_cast<Anomaly>(below(static_cast<std::uint32_t>(Anomaly::kFlood))));
+      }
+      rig.bus.rt_sense(rig.now, rig.axes);
+      for (const Frame& message : rig.command()) {
+        const std::size_t controlword = message.id == 0x200 ? 2 : 0;  // the shared message has torques alone
+        for (std::size_t at = 0; at < message.size; ++at) {
+          const bool reset = at == controlword && message.data[at] == 0x80 && message.id != 0x200;
+          EXPECT_TRUE(message.data[at] == 0 || reset || message.id == 0x77F) << std::hex << message.id;
+        }
+      }
+      rig.bus.rt_sync_sent(rig.now);
+    }
+  }
 }
 
 TEST(BusMaster, AsksForItsOwnMessagesOnly) {

@@ -1,123 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// The firmware's whole cycle against simulated drives over a local bus, in lock-step: time here is a number.
+// The firmware's whole cycle against simulated drives over a local bus.
 #include "hal/linux/can_joint_io.hpp"
 
 #include <gtest/gtest.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cmath>
-#include <functional>
-#include <sstream>
-#include <thread>
 
-#include "firmware/application.hpp"
-#include "hal/cia402_sim/drive_bus.hpp"
-#include "tests/firmware/support.hpp"
-
-namespace {
-std::atomic<std::uint64_t> time_ms = 1000;
-}
+#include "tests/hal/cia402_sim/can_rig.hpp"
 
 namespace capstan {
 namespace {
 
 using cia402::Anomaly;
-using cia402::Received;
-using cia402::Time;
-
-auto test_clock() -> Time {
-  return std::chrono::milliseconds(time_ms.load());
-}
-
-/// Two drives, set up; the firmware on one end of the bus, they on the other.
-class Rig {
- public:
-  explicit Rig(const std::vector<std::string>& incidents = {}, cia402::PdoLayout layout = cia402::PdoLayout::kSeparate)
-      : Rig(CanSocket::pair(test_clock), incidents, layout) {}
-
-  void cycle(const std::function<void()>& before_firmware = {}) {
-    ++time_ms;
-    send(drives_.tick(test_clock()));
-    if (before_firmware) {
-      before_firmware();
-    }
-    application_.rt_tick();
-    serve();
-  }
-  void cycles(int count) {
-    for (int i = 0; i < count; ++i) {
-      cycle();
-    }
-  }
-  void arm() {
-    cycles(3);
-    application_.post({.kind = Request::Kind::kArm});
-    cycles(20);
-    ASSERT_EQ(state(), State::kHolding) << info(fault()).name;
-    ASSERT_TRUE(drive(0).enabled());
-    ASSERT_TRUE(drive(1).enabled());
-  }
-  void disarm() { application_.post({.kind = Request::Kind::kDisarm}); }
-  void send(const std::vector<cia402::Frame>& frames) {
-    for (const cia402::Frame& frame : frames) {
-      EXPECT_FALSE(far_.rt_send(frame));
-    }
-  }
-  void hang_up() { far_ = CanSocket::pair(test_clock).first; }
-  [[nodiscard]] auto state() const -> State { return application_.telemetry().state; }
-  [[nodiscard]] auto fault() const -> Fault { return application_.telemetry().first_fault; }
-  [[nodiscard]] auto count(Anomaly anomaly) const -> std::uint32_t { return bus_->journal().count(anomaly); }
-  auto drive(std::size_t i) -> drive_sim::SimulatedDrive& { return drives_.drives()[i]; }
-  auto application() -> Application<CanJointIo<2>>& { return application_; }
-
- private:
-  Rig(std::pair<CanSocket, CanSocket> ends, const std::vector<std::string>& incidents, cia402::PdoLayout layout)
-      : far_(std::move(ends.second)),
-        drives_(kNodes, parsed(incidents), record_),
-        io_(set_up(std::move(ends.first), layout)) {}
-
-  static auto parsed(const std::vector<std::string>& incidents) -> std::vector<drive_sim::Incident> {
-    std::vector<drive_sim::Incident> list;
-    for (const std::string& text : incidents) {
-      list.push_back(drive_sim::parse_incident(text));
-    }
-    return list;
-  }
-  auto set_up(CanSocket near, cia402::PdoLayout layout) -> CanJointIo<2>::Buses {
-    std::atomic<bool> done = false;
-    std::thread others([&] {
-      while (!done) {
-        ++time_ms;
-        send(drives_.tick(test_clock()));
-        far_.wait(std::chrono::milliseconds(1));
-        serve();
-      }
-    });
-    CanJointIo<2>::Buses buses;
-    const CanSetup setup{.buses = {{"local", {1, 2}}}, .layout = layout};
-    buses.push_back(std::make_unique<CanBus>(std::move(near), setup.buses[0], setup));
-    done = true;
-    others.join();
-    bus_ = buses[0].get();
-    return buses;
-  }
-  void serve() {
-    for (Received received; far_.rt_receive(received);) {
-      if (received.kind == Received::Kind::kFrame) {
-        send(drives_.receive(received.frame, test_clock()));
-      }
-    }
-  }
-
-  static constexpr std::array<std::uint8_t, 2> kNodes = {1, 2};
-  std::ostringstream record_;
-  CanSocket far_;
-  drive_sim::DriveBus drives_;
-  CanBus* bus_ = nullptr;
-  CanJointIo<2> io_;
-  test::FlashBanks banks_;
-  Application<CanJointIo<2>> application_{io_, banks_};
-};
+using Rig = test::CanRig;
 
 TEST(CanJointIo, MovesAJointAndTheOtherStands) {
   Rig rig;
@@ -238,7 +134,7 @@ TEST(CanJointIo, ABusThatIsGoneIsAFailedDrive) {
   Rig rig;
   rig.arm();
   rig.hang_up();
-  ++time_ms;
+  ++test::time_ms;
   rig.application().rt_tick();
   rig.application().rt_tick();
   EXPECT_EQ(rig.state(), State::kFaulted);
