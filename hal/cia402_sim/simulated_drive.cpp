@@ -17,6 +17,12 @@ auto signed16(std::uint32_t value) -> std::int16_t {
   return static_cast<std::int16_t>(static_cast<std::uint16_t>(value));
 }
 
+void put32(Frame& frame, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    frame.data[4 + i] = static_cast<std::uint8_t>(value >> (8 * i));
+  }
+}
+
 auto emergency(std::uint8_t node, std::uint16_t code, std::uint8_t error_register) -> Frame {
   Frame frame{.id = 0x080U + node, .size = 8};
   frame.data[0] = static_cast<std::uint8_t>(code);
@@ -134,40 +140,41 @@ void SimulatedDrive::fail(std::uint16_t code, std::vector<Frame>& out) {
   out.push_back(emergency(node_, code, 0x01));
 }
 
+// Reads into `answer` or writes from `request`. @returns the abort code, if it is refused
+auto SimulatedDrive::answer_sdo(const Frame& request, Frame& answer) -> std::optional<std::uint32_t> {
+  const auto index = static_cast<std::uint16_t>(request.data[1] | request.data[2] << 8);
+  const std::uint8_t subindex = request.data[3];
+  if (request.data[0] == 0x40) {
+    const ObjectDictionary::Entry* const entry = objects_.find(index, subindex);
+    if (entry == nullptr) {
+      return 0x06020000;
+    }
+    answer.data[0] = static_cast<std::uint8_t>(0x43 | (4 - entry->bytes) << 2);
+    put32(answer, entry->value);
+    return std::nullopt;
+  }
+  if ((request.data[0] & 0xE3U) != 0x23) {
+    return 0x05040001;
+  }
+  const auto bytes = static_cast<std::uint8_t>(4 - (request.data[0] >> 2 & 3));
+  std::uint32_t value = 0;
+  for (std::uint8_t i = 0; i < bytes; ++i) {
+    value |= static_cast<std::uint32_t>(request.data[4U + i]) << (8U * i);
+  }
+  answer.data[0] = 0x60;
+  put32(answer, 0);
+  return objects_.write(index, subindex, bytes, value);
+}
+
 void SimulatedDrive::receive_sdo(const Frame& frame, std::vector<Frame>& out) {
   if (frame.size != 8) {
     return;
   }
-  const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
-  const std::uint8_t subindex = frame.data[3];
   Frame answer = frame;
   answer.id = 0x580U + node_;
-  std::optional<std::uint32_t> refused;
-  const auto put = [&answer](std::uint32_t value) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      answer.data[4 + i] = static_cast<std::uint8_t>(value >> (8 * i));
-    }
-  };
-  if (frame.data[0] == 0x40) {
-    const ObjectDictionary::Entry* const entry = objects_.find(index, subindex);
-    refused = entry == nullptr ? std::optional<std::uint32_t>(0x06020000) : std::nullopt;
-    answer.data[0] = entry == nullptr ? 0 : static_cast<std::uint8_t>(0x43 | (4 - entry->bytes) << 2);
-    put(entry == nullptr ? 0 : entry->value);
-  } else if ((frame.data[0] & 0xE3U) == 0x23) {
-    const auto bytes = static_cast<std::uint8_t>(4 - (frame.data[0] >> 2 & 3));
-    std::uint32_t value = 0;
-    for (std::uint8_t i = 0; i < bytes; ++i) {
-      value |= static_cast<std::uint32_t>(frame.data[4U + i]) << (8U * i);
-    }
-    refused = objects_.write(index, subindex, bytes, value);
-    answer.data[0] = 0x60;
-    put(0);
-  } else {
-    refused = 0x05040001;
-  }
-  if (refused) {
+  if (const auto refused = answer_sdo(frame, answer)) {
     answer.data[0] = 0x80;
-    put(*refused);
+    put32(answer, *refused);
   }
   out.push_back(answer);
 }

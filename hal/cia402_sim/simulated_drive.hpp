@@ -53,13 +53,13 @@ class SimulatedDrive {
 
   void receive_nmt(const Frame& frame);
   void receive_sdo(const Frame& frame, std::vector<Frame>& out);
+  auto answer_sdo(const Frame& request, Frame& answer) -> std::optional<std::uint32_t>;
   void receive_rpdo(std::size_t number, const Frame& frame, std::vector<Frame>& out);
   void receive_sync(std::vector<Frame>& out);
   void unpack(std::size_t number, const Frame& frame);
   auto pack(std::size_t number) const -> Frame;
   void leave_operational(Nmt next);
   void obey_controlword();
-  void advance_axis();
   auto mapped_bytes(std::uint16_t index) const -> std::size_t;
 
   std::uint8_t node_;

@@ -221,6 +221,22 @@ auto CanSocket::rt_failed(Received& received, int error) -> bool {
   return true;
 }
 
+/// When it arrived, and how many the kernel has dropped before.
+void CanSocket::rt_note_control(msghdr& message, Received& received) {
+  received.at = now();
+  for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr; entry = CMSG_NXTHDR(&message, entry)) {
+    if (entry->cmsg_level == SOL_SOCKET && entry->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(entry), sizeof stamp);
+      // The kernel stamps in calendar time; what counts here is how long ago that was.
+      const Time age = now_on(CLOCK_REALTIME) - std::chrono::seconds(stamp.tv_sec) - Time(stamp.tv_nsec);
+      received.at -= std::max(age, Time{});
+    } else if (entry->cmsg_level == SOL_SOCKET && entry->cmsg_type == SO_RXQ_OVFL) {
+      std::memcpy(&lost_, CMSG_DATA(entry), sizeof lost_);
+    }
+  }
+}
+
 auto CanSocket::rt_receive(Received& received) -> bool {
   if (lost_ != reported_lost_) {
     received = {.kind = Received::Kind::kEvent,
@@ -243,18 +259,7 @@ auto CanSocket::rt_receive(Received& received) -> bool {
   if (bytes != static_cast<ssize_t>(CAN_MTU) && bytes != static_cast<ssize_t>(CANFD_MTU)) {
     return rt_failed(received, bytes < 0 ? errno : bytes == 0 ? 0 : EBADMSG);
   }
-  received.at = now();
-  for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr; entry = CMSG_NXTHDR(&message, entry)) {
-    if (entry->cmsg_level == SOL_SOCKET && entry->cmsg_type == SCM_TIMESTAMPNS) {
-      timespec stamp{};
-      std::memcpy(&stamp, CMSG_DATA(entry), sizeof stamp);
-      // The kernel stamps in calendar time; what counts here is how long ago that was.
-      const Time age = now_on(CLOCK_REALTIME) - std::chrono::seconds(stamp.tv_sec) - Time(stamp.tv_nsec);
-      received.at -= std::max(age, Time{});
-    } else if (entry->cmsg_level == SOL_SOCKET && entry->cmsg_type == SO_RXQ_OVFL) {
-      std::memcpy(&lost_, CMSG_DATA(entry), sizeof lost_);
-    }
-  }
+  rt_note_control(message, received);
   if ((raw.can_id & CAN_ERR_FLAG) != 0) {
     received.kind = Received::Kind::kEvent;
     received.event = event_of(raw);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/socket.h>
+
 #include <optional>
 #include <span>
 #include <string>
@@ -46,6 +48,7 @@ class CanSocket {
   CanSocket(FileDescriptor socket, bool confirms, Clock clock = monotonic_now)
       : socket_(std::move(socket)), confirms_(confirms), clock_(clock) {}
   auto rt_failed(cia402::Received& received, int error) -> bool;
+  void rt_note_control(msghdr& message, cia402::Received& received);
 
   FileDescriptor socket_;
   bool confirms_;
