@@ -132,9 +132,9 @@ TEST(Shell, HelpListsEveryCommandAndEveryListedCommandExists) {
 }
 
 TEST(Shell, TheContractsCommandsOfThisVersionAreThere) {
-  for (const char* name :
-       {"help", "status", "faults", "get",  "set",   "list",  "diff", "dump",  "save",   "load",    "defaults",
-        "arm",  "disarm", "move",   "hold", "scope", "watch", "log",  "model", "timing", "version", "reboot"}) {
+  for (const char* name : {"help",  "status", "faults",   "get",    "set",     "list",   "diff",       "dump",
+                           "save",  "load",   "defaults", "arm",    "disarm",  "move",   "hold",       "scope",
+                           "watch", "log",    "model",    "timing", "version", "reboot", "experiment", "palpate"}) {
     const auto all = shell_commands();
     EXPECT_TRUE(std::any_of(all.begin(), all.end(), [name](const ShellCommand& c) {
       return std::string(name) == c.name;

@@ -83,6 +83,10 @@ auto FrameRecorder::take_schema(std::string_view packet) -> bool {
   for (int i = 0; i < packet[telemetry::kHeaderBytes] && at < packet.size(); ++i) {
     const std::size_t end = std::min(packet.find('\0', at + 1), packet.size());
     channels.push_back({packet[at] == 0, std::string(packet.substr(at + 1, end - at - 1))});
+    const std::string& column = channels.back().column;
+    if (std::any_of(column.begin(), column.end(), [](char c) { return c <= ' ' || c > '~' || c == ','; })) {
+      return false;  // it would break the log's header
+    }
     at = end + 1;
   }
   if (channels.empty()) {
