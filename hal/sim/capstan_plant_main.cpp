@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,7 @@ constexpr const char* kUsage =
     "                    built-in micro-forceps)\n"
     "  --axes N          axes of the board, 1 to 4 (default: those of the instrument)\n"
     "  --cycles N        leave after that many cycles\n"
+    "  --record FILE     write every cycle down: number, then for each axis counts, current, qualities, set value, on\n"
     "  --help            this text\n"
     "\n"
     "Exit status: 0 the board closed the line or the cycles are done; 1 the plant diverged; 2 wrong usage or bad "
@@ -35,6 +37,7 @@ constexpr const char* kUsage =
 struct Options {
   std::string line;
   std::string scenario;
+  std::string record;
   std::size_t axes = 0;
   std::uint64_t cycles = UINT64_MAX;
 };
@@ -51,12 +54,14 @@ Options options_of(int count, char** words) {
   Options options;
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
-    if (word == "--scenario" || word == "--axes" || word == "--cycles") {
+    if (word == "--scenario" || word == "--axes" || word == "--cycles" || word == "--record") {
       if (i + 1 == count)
         throw std::runtime_error(word + " needs a value; see --help");
       const char* value = words[++i];
       if (word == "--scenario")
         options.scenario = value;
+      else if (word == "--record")
+        options.record = value;
       else if (word == "--axes")
         options.axes = whole_number(word, value);
       else
@@ -86,8 +91,15 @@ int main(int count, char** words) {
     const capstan::sim::Scenario scenario =
         options.scenario.empty() ? capstan::sim::Scenario{} : capstan::sim::load_scenario(options.scenario);
     const std::size_t axes = options.axes > 0 ? options.axes : 1 + scenario.other_axes.size();
+    std::ofstream record;
+    if (!options.record.empty()) {
+      record.open(options.record);
+      if (!record)
+        throw std::runtime_error(options.record + " cannot be written; give another file for --record");
+    }
     const capstan::FileDescriptor line = capstan::sim::open_line(options.line);
-    const capstan::sim::ServeReport report = capstan::sim::serve(line.get(), scenario, axes, options.cycles);
+    const capstan::sim::ServeReport report =
+        capstan::sim::serve(line.get(), scenario, axes, {options.cycles, record.is_open() ? &record : nullptr});
     std::printf("plant: %llu cycles, joint %.6f rad\n", static_cast<unsigned long long>(report.cycles),
                 report.first_joint_rad);
     if (report.failure.empty())

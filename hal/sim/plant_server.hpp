@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 
 #include "hal/linux/file_descriptor.hpp"
@@ -15,6 +16,11 @@ namespace capstan::sim {
 /// standard output. Throws std::runtime_error with "sentence; cure".
 [[nodiscard]] FileDescriptor open_line(const std::string& line);
 
+struct ServeOptions {
+  std::uint64_t most_cycles = UINT64_MAX;
+  std::ostream* record = nullptr;  ///< gets one line of numbers for each cycle
+};
+
 struct ServeReport {
   std::uint64_t cycles = 0;  ///< how far the plant was advanced
   double first_joint_rad = 0.0;
@@ -22,9 +28,10 @@ struct ServeReport {
 };
 
 /// The plant's end of hal/plant_link: serves a board of `board_axes` axes over an open file, in lock-step, until the
-/// board closes it, `most_cycles` are done or the plant diverges. The scenario's motion plays no part: the board moves
-/// the joint. Throws std::invalid_argument if the instrument has more axes than the board or the board more than 4.
+/// board closes it, the most cycles are done or the plant diverges. The scenario's motion plays no part: the board
+/// moves the joint. Throws std::invalid_argument if the instrument has more axes than the board or the board more
+/// than 4.
 [[nodiscard]] ServeReport serve(int file, const Scenario& scenario, std::size_t board_axes,
-                                std::uint64_t most_cycles = UINT64_MAX);
+                                const ServeOptions& options = {});
 
 }  // namespace capstan::sim

@@ -259,7 +259,7 @@ TEST_F(Node, StreamMovesTheJointAndItsEndTakesTheTorqueWithinATenthOfASecond) {
     step();
     ++silent;
   }
-  EXPECT_LE(silent, 102) << "100 cycles of patience and two of reaction";
+  EXPECT_LE(silent, 100) << "milliseconds from the last setpoint to no torque";
   EXPECT_GE(silent, 100);
   EXPECT_EQ(application.telemetry().first_fault, Fault::kLinkLost);
   for (int i = 0; i < 300; ++i) {  // a sender that comes back finds no torque
