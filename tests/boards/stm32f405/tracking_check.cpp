@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// tracking_check RECORD CONSOLE: were the estimates that the emulated board printed while it moved a simulated joint those of
-// this machine, to the last bit? RECORD is what the plant answered in each cycle (capstan_plant --record), CONSOLE what the
-// board said: its parameters ("set ..."), `status` before and after `zero joint0 0`, and logs of joint 0. The law begins anew
-// in the cycle that took the `zero`, which lies between the two answers to `status`; every cycle between them is tried.
+// tracking_check RECORD CONSOLE: were the estimates that the emulated board printed while it moved a simulated joint
+// those of this machine, to the last bit? RECORD is what the plant answered in each cycle (capstan_plant --record),
+// CONSOLE what the board said: its parameters ("set ..."), `status` before and after `zero joint0 0`, and logs of joint
+// 0. The law begins anew in the cycle that took the `zero`, which lies between the two answers to `status`; every cycle
+// between them is tried.
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -110,8 +111,8 @@ auto read_record(std::istream& in) -> std::vector<Sensed<kAxes>> {
   return cycles;
 }
 
-/// How many logged estimates agree, up to the first that does not, if the board's tick is the record's line + `offset` and the
-/// zero was taken at `zero_tick`.
+/// How many logged estimates agree, up to the first that does not, if the board's tick is the record's line + `offset`
+/// and the zero was taken at `zero_tick`.
 auto agreeing(const Console& console, const std::vector<Sensed<kAxes>>& record, std::int64_t offset,
               std::int64_t zero_tick) -> std::size_t {
   CycleState<kAxes> state(console.config);
@@ -178,8 +179,7 @@ int main(int count, char** words) {
   const auto [low, high] = std::minmax_element(console.log.begin(), console.log.end(),
                                                [](const Logged& a, const Logged& b) { return a.q2 < b.q2; });
   std::printf("tracking: %zu of %zu logged samples over %.1f s agree bit for bit, joint from %.3f to %.3f rad\n", best,
-              console.log.size(),
-              static_cast<double>(console.log.back().tick - console.log.front().tick) / 1000.0, low->q2.to_double(),
-              high->q2.to_double());
+              console.log.size(), static_cast<double>(console.log.back().tick - console.log.front().tick) / 1000.0,
+              low->q2.to_double(), high->q2.to_double());
   return best == console.log.size() && high->q2.to_double() - low->q2.to_double() > 0.5 ? 0 : 1;
 }

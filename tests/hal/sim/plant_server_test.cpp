@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <future>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
@@ -89,7 +90,8 @@ TEST(PlantServer, TheBoardSeesTheSameBitsAsWithThePlantInItsOwnProcess) {
 TEST(PlantServer, ServesACoupledInstrumentToABoardWithMoreAxes) {
   const Scenario scenario = parse_scenario("instrument = \"da_vinci_wrist\"\n", "x.toml");
   Line line;
-  auto serving = std::async(std::launch::async, [&] { return serve(line.plant.get(), scenario, 4, 200); });
+  std::ostringstream record;
+  auto serving = std::async(std::launch::async, [&] { return serve(line.plant.get(), scenario, 4, {200, &record}); });
   Board<4> board(line.board.get());
   SensedFrame<4> sensed;
   for (std::uint32_t i = 1; i < 200; ++i) {
@@ -103,6 +105,20 @@ TEST(PlantServer, ServesACoupledInstrumentToABoardWithMoreAxes) {
   EXPECT_EQ(sensed.axis[3].encoder, Quality::kMissing);
   board.send({.sequence = 200});
   EXPECT_EQ(serving.get().cycles, 200U);
+  // The record: one line before the first cycle, one for each; the last but one answered the last frame that was read.
+  std::istringstream lines(record.str());
+  std::vector<std::string> recorded;
+  for (std::string one; std::getline(lines, one);) {
+    recorded.push_back(one);
+  }
+  ASSERT_EQ(recorded.size(), 201U);
+  std::string expected = "199";
+  for (std::size_t i = 0; i < 4; ++i) {
+    const AxisSensed& axis = sensed.axis[i];
+    expected += "," + std::to_string(axis.encoder_counts) + "," + std::to_string(axis.current_a.raw()) +
+                (i < 3 ? ",2,2," : ",0,0,") + (i == 1 ? std::to_string(3 << 23) + ",1" : "0,0");
+  }
+  EXPECT_EQ(recorded[199], expected);
 }
 
 TEST(PlantServer, AQueryMovesNothingAndADamagedFrameHasNoAnswer) {
