@@ -6,7 +6,8 @@
 
 namespace capstan {
 
-/// CRC-32 (reflected 0x04C11DB7, as gzip and Ethernet have it), bit by bit: small, and nobody who uses it is in a hurry.
+/// CRC-32 (reflected 0x04C11DB7, as gzip and Ethernet have it), bit by bit: small, and nobody who uses it is in a
+/// hurry.
 class Crc32 {
  public:
   constexpr void add(std::uint8_t byte) {
