@@ -130,6 +130,16 @@ TEST(CanJointIo, WhatWaitedInTheSocketIsNotReplayed) {
   EXPECT_LT(std::abs(rig.application().axis_telemetry(0).q1_rad.to_double()), 0.1) << "it never became a position";
 }
 
+TEST(CanJointIo, WhatTheKernelHasNoRoomForIsAFailedWriteInTheSameCycle) {
+  Rig rig;
+  rig.arm();
+  for (int writes = 0; rig.io().write({}) == Status::kOk; ++writes) {  // and nobody reads the other end
+    ASSERT_LT(writes, 100'000);
+    ASSERT_EQ(rig.count(Anomaly::kSendQueueFull), 0U);
+  }
+  EXPECT_EQ(rig.count(Anomaly::kSendQueueFull), 1U);
+}
+
 TEST(CanJointIo, ABusThatIsGoneIsAFailedDrive) {
   Rig rig;
   rig.arm();

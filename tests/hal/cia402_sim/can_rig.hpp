@@ -68,6 +68,7 @@ class CanRig {
   [[nodiscard]] auto fault() const -> Fault { return application_.telemetry().first_fault; }
   [[nodiscard]] auto count(Anomaly anomaly) const -> std::uint32_t { return bus_->journal().count(anomaly); }
   auto drive(std::size_t i) -> drive_sim::SimulatedDrive& { return drives_.drives()[i]; }
+  auto io() -> CanJointIo<2>& { return io_; }
   auto application() -> Application<CanJointIo<2>>& { return application_; }
 
  private:
