@@ -32,6 +32,7 @@ struct DeclaredRange {
 /// rad left; a law that leaves the numbers' range says so (Estimate::saturated).
 struct DeclaredEffectRange {
   static constexpr double kMemoryRadPerNm = 5.5;
+  static constexpr double kFadingRadPerNm = 5.5;  ///< of slip_propagation
   static constexpr double kPreslidingGain = 2.0;
   static constexpr double kPreslidingWidthRad = 0.5;
   static constexpr double kGravityRad = 0.5;  ///< of sine and cosine together: the estimate in them must settle

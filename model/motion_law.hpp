@@ -49,7 +49,7 @@ class MotionLaw {
     started_ = true;
     Estimate<Scalar> estimate{.saturated = sample.saturated};
     // Each partial sum counts: a later term could lead the total back from the end of the range and hide the cut. Only
-    // the regressor of an effect that is off does not: nothing of it gets through.
+    // a regressor whose coefficient is zero does not: nothing of it gets through.
     const auto watch = [&estimate](Scalar coefficient, Scalar regressor, Scalar product, Scalar total) {
       estimate.saturated |= (Traits::is_saturated(regressor) && coefficient != Scalar{}) ||
                             Traits::is_saturated(product) || Traits::is_saturated(total);

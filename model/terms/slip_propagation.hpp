@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/exponential.hpp"
 #include "model/term.hpp"
 
 namespace capstan {
@@ -14,18 +15,27 @@ namespace capstan {
 /// through play operators of half widths spread evenly over [0, R] does just that (a Prandtl-Ishlinskii operator):
 ///   regressor  mean_k play(tau, r_k) - tau,   r_k = R (k + 1/2) / n
 /// beside the a tau of the base law, so a coefficient equal to a turns a tau into a PI(tau).
+///
+/// Where what is rubbed against is not spread so evenly, the old stretch leaves in another way. To first order a share
+/// of the torque has yet to arrive, and it fades with the change of the torque since the reversal:
+///   J c_t tau e^-(s / R) + (1 - J) c_b tau e^-(s / R),  s = abs(tau - tau0)
 template <typename Scalar>
 class SlipPropagation {
  public:
   static constexpr std::size_t kOperators = 8;
 
-  static constexpr TermInfo<1, 1> kInfo = {
+  static constexpr TermInfo<3, 1> kInfo = {
       .name = "slip_propagation",
-      .equation = "a (mean_k play(tau, r_k) - tau), r_k = R (k + 1/2) / n",
+      .equation =
+          "a (mean_k play(tau, r_k) - tau) + (J c_t + (1 - J) c_b) tau e^-(s/R), r_k = R (k + 1/2) / n, "
+          "s = abs(tau - tau0)",
       .source = "(2.6), (2.7), (2.10) with a moving front; thesis 8.2 names the jump at reversals as open",
       .confusable_with = "pretension_offset, reversal_memory, play, presliding",
       .exciting_motion = "nested loops: reversals at several torques, some before the front has reached the joint",
-      .coefficients = {{{"a", "rad/Nm", Sign::kNonPositive, "elongation per torque that arrives gradually"}}},
+      .coefficients = {{{"a", "rad/Nm", Sign::kNonPositive, "elongation per torque that arrives gradually"},
+                        {"top", "rad/Nm", Sign::kAny, "old stretch per torque after a reversal to the top tendon, c_t"},
+                        {"bottom", "rad/Nm", Sign::kAny,
+                         "old stretch per torque after a reversal to the bottom tendon, c_b"}}},
       .shapes = {{{"torque", "Nm", 0.002, 20.0, 0.05,
                    "R: half the change of torque after which the whole tendon slips"}}},
   };
@@ -39,7 +49,7 @@ class SlipPropagation {
     }
   }
 
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
     if (!started_) {
       started_ = true;
       position_.fill(s.tau);
@@ -49,14 +59,15 @@ class SlipPropagation {
       position_[k] = clamp(position_[k], s.tau - half_width_[k], s.tau + half_width_[k]);
       lag += (position_[k] - s.tau) * kShare;
     }
-    return {lag};
+    const Scalar fading = s.tau - s.tau * share_gone(s.tau - s.tau_reversal, torque_);
+    return {lag, s.forward ? fading : Scalar{}, s.forward ? Scalar{} : fading};
   }
 
-  /// Fully slipping: every operator trails by its half width, R / 2 on average.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
     constexpr auto kHalf = Traits::fraction(0.5);
     const Scalar lag = torque_ * kHalf;
-    return {s.forward ? -lag : lag};
+    return {s.forward ? -lag : lag, Scalar{}, Scalar{}};
   }
 
  private:

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <random>
 
+#include "tests/model/any_coupling.hpp"
 #include "tests/model/support.hpp"
 
 namespace capstan {
 namespace {
 
+using test::any_matrices;
 using test::number;
 using test::value_of;
 
@@ -48,22 +50,6 @@ TEST(WristCoupling, JawFollowsThePitchWithoutAnyHysteresisBetweenTheAngles) {
       EXPECT_NEAR(theta[2], 0.664 * theta[0], 1e-15);
     }
   }
-}
-
-/// Any matrices with a B that is far from singular.
-template <typename Scalar>
-auto any_matrices(std::mt19937& engine) -> CouplingMatrices<Scalar, 3> {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  CouplingMatrices<Scalar, 3> m;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      m.rigid[i][j] = number<Scalar>((i == j ? 1.4 : 0.0) + 0.5 * unit(engine));
-      m.elongation_top[i][j] = number<Scalar>(5.5 * unit(engine));
-      m.elongation_bottom[i][j] = number<Scalar>(5.5 * unit(engine));
-    }
-    m.offset[i] = number<Scalar>(unit(engine));
-  }
-  return m;
 }
 
 /// The product of (6.8) with S written out, 2n x n.

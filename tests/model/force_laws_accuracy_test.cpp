@@ -10,12 +10,14 @@
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
 #include "model/tension_state.hpp"
+#include "tests/model/any_coupling.hpp"
 #include "tests/model/relays.hpp"
 #include "tests/model/support.hpp"
 
 namespace capstan {
 namespace {
 
+using test::any_matrices;
 using test::number;
 
 constexpr int kSamples = 1'000'000;
@@ -140,22 +142,6 @@ TEST(TensionStateAccuracy, FixedIsWithinItsPromiseOfDouble) {
               worst_angle, worst_torque);
   EXPECT_LT(worst_angle, 2e-5);
   EXPECT_LT(worst_torque, 1e-3);
-}
-
-/// Any matrices with a B that is far from singular.
-template <typename Scalar>
-auto any_matrices(std::mt19937& engine) -> CouplingMatrices<Scalar, 3> {
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  CouplingMatrices<Scalar, 3> m;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      m.rigid[i][j] = number<Scalar>((i == j ? 1.4 : 0.0) + 0.5 * unit(engine));
-      m.elongation_top[i][j] = number<Scalar>(5.5 * unit(engine));
-      m.elongation_bottom[i][j] = number<Scalar>(5.5 * unit(engine));
-    }
-    m.offset[i] = number<Scalar>(unit(engine));
-  }
-  return m;
 }
 
 TEST(CoupledAxesInFixedPoint, AreWithinTheirPromiseOfDouble) {

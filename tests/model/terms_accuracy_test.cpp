@@ -114,6 +114,11 @@ void expect_accurate(const std::array<double, kCoefficientsOf<Term<double>>>& co
 TEST(EffectAccuracy, OfReversalMemory) {
   expect_accurate<ReversalMemory>({0.9999 * Effect::kMemoryRadPerNm, 0.9997 * Effect::kMemoryRadPerNm}, {});
 }
+TEST(EffectAccuracy, OfSlipPropagationThatFades) {
+  expect_accurate<SlipPropagation>({-0.1, 0.9999 * Effect::kFadingRadPerNm, -0.9997 * Effect::kFadingRadPerNm},
+                                   {0.9999 * Range::kSlipTorqueNm});
+  expect_accurate<SlipPropagation>({0.0, 0.9999 * Effect::kFadingRadPerNm, 0.9997 * Effect::kFadingRadPerNm}, {0.0113});
+}
 TEST(EffectAccuracy, OfPresliding) {
   expect_accurate<Presliding>({0.9999 * Effect::kPreslidingGain}, {0.9999 * Effect::kPreslidingWidthRad});
   expect_accurate<Presliding>({0.9999 * Effect::kPreslidingGain}, {0.0113});

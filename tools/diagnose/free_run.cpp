@@ -11,9 +11,12 @@ namespace capstan::tools {
 
 auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   const Blocks learned = refined(p.split, p.factor).learned();
-  const LawForm settled = refine_shapes(p.causal, p.target, learned, form);
-  JointFile joint = law_with_intervals(p.causal, p.target, learned, settled, p.conditioner);
-  describe_logs(p.logs, p.causal, p.target, estimates(p.logs, p.causal, joint), joint);
+  const auto conditioner = choose_rate_filter(p.logs, p.target, learned, form, p.conditioner);
+  const bool same = conditioner.rate_time_constant_s == p.conditioner.rate_time_constant_s;
+  const LawDesign causal = same ? p.causal : LawDesign(p.logs, conditioner);
+  const LawForm settled = refine_shapes(causal, p.target, learned, form);
+  JointFile joint = law_with_intervals(causal, p.target, learned, settled, conditioner);
+  describe_logs(p.logs, causal, p.target, estimates(p.logs, causal, joint), joint);
   return joint;
 }
 

@@ -34,7 +34,6 @@ class Probes {
     of_angle();
     of_time();
     of_timing();
-    of_other_axes();
     return std::move(families_);
   }
 
@@ -42,9 +41,6 @@ class Probes {
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
 
   void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny) {
-    if (catalogue_.has(name)) {
-      return;  // the catalogue has it by now, and better
-    }
     Family family;
     family.name = name;
     for (auto& columns : variants) {
@@ -69,19 +65,6 @@ class Probes {
     return {column.cwiseProduct(s_.forward), column.cwiseProduct((1.0 - s_.forward.array()).matrix())};
   }
 
-  /// Dahl's bristle: z' = v (1 - sign(v) z / z0), the spring that gives before it slips; the lag is -z.
-  auto bristle(double z0) const -> Column {
-    Column lag(rows());
-    double z = 0.0;
-    for (Eigen::Index i = 0; i < rows(); ++i) {
-      const double step = i > 0 ? s_.q1[i] - s_.q1[i - 1] : 0.0;
-      const double limit = step >= 0.0 ? z0 : -z0;
-      z = limit + (z - limit) * std::exp(-std::abs(step) / z0);
-      lag[i] = z;
-    }
-    return lag;
-  }
-
   auto low_pass(const Column& signal, double time_constant_s) const -> Column {
     Column filtered(rows());
     const double keep = std::exp(-p_.coarse_period_s / time_constant_s);
@@ -94,11 +77,6 @@ class Probes {
   }
 
   void of_direction() {
-    std::vector<std::vector<Column>> bristles;
-    for (const double share : {0.003, 0.01, 0.02, 0.04, 0.08, 0.16}) {
-      bristles.push_back({bristle(share * q1_range_)});
-    }
-    add("presliding", std::move(bristles), Sign::kNonPositive);   // the joint lags
     add("coulomb_friction", {{direction_}}, Sign::kNonPositive);  // the other sign is pretension_offset
     std::vector<std::vector<Column>> stribeck;
     const double fastest = s_.dq1.cwiseAbs().maxCoeff();
@@ -109,7 +87,6 @@ class Probes {
     add("stribeck_friction", std::move(stribeck));
     add("curved_drag", {{(direction_.array() * s_.dq1.array().abs().sqrt()).matrix()},
                         {(direction_.array() * s_.dq1.array().square()).matrix()}});
-    add("load_inertia", {{s_.ddq1}});
   }
 
   /// Of an effort: drag that is not in proportion to the speed, and what pulls back.
@@ -161,24 +138,6 @@ class Probes {
     if (tau_range_ <= 0.0) {
       return;
     }
-    const Column since = (s_.tau - s_.tau_rev).cwiseAbs();
-    std::vector<std::vector<Column>> slip;
-    for (const double share : {0.02, 0.05, 0.1, 0.2, 0.4}) {
-      slip.push_back(by_direction((s_.tau.array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
-      slip.push_back(
-          by_direction(((s_.tau - s_.tau_rev).array() * (-since.array() / (share * tau_range_)).exp()).matrix()));
-    }
-    add("slip_propagation", std::move(slip));
-    add("reversal_memory", {by_direction(s_.tau_rev)});
-    std::vector<std::vector<Column>> creep;
-    for (const double time_s : {0.1, 0.3, 1.0, 3.0, 10.0, 30.0}) {
-      if (time_s < span_s_ / 3.0) {
-        creep.push_back({low_pass(s_.tau, time_s)});
-      }
-    }
-    add("viscoelastic_creep", std::move(creep));
-    add("stiffness_hardening",
-        {by_direction((s_.tau.array() * s_.tau.array().abs()).matrix()), by_direction(s_.tau.array().cube().matrix())});
     add("angle_dependent_friction",
         {by_direction(s_.tau.cwiseProduct(s_.q1)), by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs()))});
     const Column share_of_time = s_.time_s / span_s_;
@@ -186,15 +145,6 @@ class Probes {
   }
 
   void of_angle() {
-    if (catalogue_.motion_unit() == "rad") {
-      add("gravity", {{s_.q1.array().sin().matrix(), s_.q1.array().cos().matrix()}});
-    }
-    std::vector<std::vector<Column>> periodic;
-    for (double order = 2.0; order < 70.0; order *= 1.15) {
-      const auto angle = order * s_.q1.array();
-      periodic.push_back({angle.sin().matrix(), angle.cos().matrix()});
-    }
-    add("angle_periodic", std::move(periodic));
     std::vector<std::vector<Column>> spots;
     constexpr int kSpots = 9;
     for (int i = 0; i < kSpots; ++i) {
@@ -207,12 +157,6 @@ class Probes {
   }
 
   void of_time() {
-    std::vector<std::vector<Column>> drifts;
-    drifts.push_back({(s_.time_s.array() / span_s_ - 0.5).matrix()});
-    for (const double share : {0.05, 0.15, 0.4}) {
-      drifts.push_back({(-s_.time_s.array() / (share * span_s_)).exp().matrix()});
-    }
-    add("thermal_drift", std::move(drifts));
     add("ratio_change", {{s_.q1.cwiseProduct((s_.time_s.array() / span_s_ - 0.5).matrix())}});
     std::vector<std::vector<Column>> steps;
     constexpr int kSteps = 16;
@@ -233,16 +177,6 @@ class Probes {
     const Column fitted = decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
     const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
-  }
-
-  void of_other_axes() {
-    std::vector<std::vector<Column>> signals;
-    for (const auto& side : s_.side) {
-      const Column centred = side.values.array() - side.values.mean();
-      signals.push_back({centred});
-      signals.push_back({centred, local_slope(centred, 1, p_.coarse_period_s)});
-    }
-    add("axis_coupling", std::move(signals));
   }
 
   const Preparation& p_;

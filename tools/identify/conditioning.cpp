@@ -8,7 +8,8 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kStepsAboveResolution = 2.5;
+/// One count back may be the encoder trembling on an edge; two are a motion.
+constexpr double kStepsAboveResolution = 1.5;
 /// Two independent excursions of 4 standard deviations each way: one false switch in some 10^8 samples at rest.
 constexpr double kDeviationsAboveNoise = 8.0;
 constexpr double kLargestShareOfMotion = 0.02;

@@ -63,6 +63,37 @@ void remember_reversals(const AxisLog& log, Samples& samples) {
   }
 }
 
+/// Standard deviation of a slope of slopes per standard deviation of white noise in the signal, 1/s2.
+auto noise_of_second_slope(Eigen::Index half_window, double period_s) -> double {
+  const auto h = static_cast<double>(half_window);
+  const Eigen::VectorXd weights =
+      Eigen::VectorXd::LinSpaced(2 * half_window + 1, -h, h) * (3.0 / (h * (h + 1.0) * (2.0 * h + 1.0) * period_s));
+  double energy = 0.0;
+  for (Eigen::Index shift = -2 * half_window; shift <= 2 * half_window; ++shift) {
+    const Eigen::Index overlap = weights.size() - std::abs(shift);
+    const double product = shift < 0 ? weights.head(overlap).dot(weights.head(overlap).reverse())
+                                     : weights.tail(overlap).dot(weights.tail(overlap).reverse());
+    energy += product * product;
+  }
+  return std::sqrt(energy);
+}
+
+/// Second derivative of the motor angle, in windows as wide as its noise demands. What trembles with the encoder's last
+/// digit would speak for the opposite sign of any effect of it, because the angle in the law trembles alike.
+auto quiet_acceleration(const AxisLog& log, const AngleNoise& noise) -> Eigen::VectorXd {
+  constexpr double kNoiseShare = 0.05;
+  constexpr double kLongestS = 0.06;
+  const double sigma = std::hypot(noise.white_rad, noise.step_rad / std::sqrt(12.0));
+  const auto longest = std::max<Eigen::Index>(1, std::lround(kLongestS / log.period_s));
+  for (Eigen::Index half = 1;; half = std::min(longest, half + std::max<Eigen::Index>(1, half / 4))) {
+    const Eigen::VectorXd acceleration = local_slope(local_slope(log.q1_rad, half, log.period_s), half, log.period_s);
+    const double noise_left = sigma * noise_of_second_slope(half, log.period_s);
+    if (half == longest || noise_left <= kNoiseShare * rms(acceleration)) {
+      return acceleration;
+    }
+  }
+}
+
 }  // namespace
 
 auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index {
@@ -110,7 +141,7 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
   constexpr double kKiloRadPerRad = 1e-3;
   const Eigen::Index half_window = rate_half_window(log, noise);
   const Eigen::VectorXd rate = local_slope(log.q1_rad, half_window, log.period_s);
-  const Eigen::VectorXd acceleration = local_slope(rate, half_window, log.period_s);
+  const Eigen::VectorXd acceleration = quiet_acceleration(log, noise);
   for (std::size_t i = 0; i < result.samples.size(); ++i) {
     result.samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
     result.samples[i].ddq1 = kKiloRadPerRad * acceleration[static_cast<Eigen::Index>(i)];

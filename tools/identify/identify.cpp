@@ -150,6 +150,26 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
   return shape;
 }
 
+auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                        const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double> {
+  const bool has_rates = form.has("transmission_viscous") || form.has("load_inertia");
+  if (form.catalogue->target() != TargetKind::kAngle || !has_rates) {
+    return conditioner;
+  }
+  constexpr double kWorthIts = 0.995;  // a slower filter lags more
+  double best = std::numeric_limits<double>::infinity();
+  ConditionerShape<double> trial = conditioner;
+  for (const double time_constant_s : {0.002, 0.004, 0.008, 0.016, 0.032}) {
+    trial.rate_time_constant_s = time_constant_s;
+    const double rmse = fit_law(LawDesign(logs, trial), target, blocks, form).rmse;
+    if (rmse < kWorthIts * best) {
+      best = rmse;
+      conditioner = trial;
+    }
+  }
+  return conditioner;
+}
+
 auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks {
   constexpr Eigen::Index kFewest = 8;
   constexpr Eigen::Index kMost = 60;
@@ -258,9 +278,11 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
 
 auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification {
   Identification result;
-  const auto conditioner = choose_conditioner(logs, form, result.notes);
+  auto conditioner = choose_conditioner(logs, form, result.notes);
+  const LawDesign first_design = design_for(logs, form, conditioner);
+  const Eigen::VectorXd target = first_design.smoothed(stacked_target(logs));
+  conditioner = choose_rate_filter(logs, target, even_blocks(first_design.log_rows(), 2), form, conditioner);
   const LawDesign design = design_for(logs, form, conditioner);
-  const Eigen::VectorXd target = design.smoothed(stacked_target(logs));
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
   const LinearFit first = fit_columns(columns, target, even_blocks(design.log_rows(), 2), signs);

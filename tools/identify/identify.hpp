@@ -31,6 +31,11 @@ struct Identification {
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
     -> ConditionerShape<double>;
 
+/// The conditioner with the rate filter that serves a law of the joint angle with rates in it best: a slow one lags, a
+/// fast one trembles with the encoder.
+auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                        const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double>;
+
 /// Blocks for intervals: longer than what the residual remembers, as many as that allows (8 to 60).
 auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks;
 

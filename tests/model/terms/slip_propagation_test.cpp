@@ -81,6 +81,23 @@ TYPED_TEST(Slip, SettledIsWhereALongChangeOfTorqueEnds) {
   }
 }
 
+// A share of the torque, gone by 63 % when the torque has changed by R since the motor turned; each direction has its
+// own.
+TYPED_TEST(Slip, OldStretchFadesWithTheTorqueSinceTheReversal) {
+  for (const bool forward : {true, false}) {
+    auto slip = this->make();
+    for (const double since : {0.0, 0.02, -0.05, 0.3}) {
+      constexpr double kTurnedAt = -0.4;
+      const double tau = kTurnedAt + since;
+      const auto regressors = slip.update(
+          {.tau = number<TypeParam>(tau), .forward = forward, .tau_reversal = number<TypeParam>(kTurnedAt)});
+      const double expected = tau * std::exp(-std::fabs(since) / kR);
+      EXPECT_NEAR(value_of(regressors[forward ? 1 : 2]), expected, 1e-6) << since;
+      EXPECT_EQ(value_of(regressors[forward ? 2 : 1]), 0.0);
+    }
+  }
+}
+
 RC_GTEST_PROP(SlipProperties, FixedFollowsDoubleWithoutDrift, ()) {
   SlipPropagation<double> exact(one_khz<double>(), {kR});
   SlipPropagation<Q24> fixed(one_khz<Q24>(), {number<Q24>(kR)});

@@ -171,9 +171,9 @@ auto run(const Options& options) -> int {
   const auto work = [&] {
     for (std::size_t i = next++; i < cases.size(); i = next++) {
       outcomes[i].drawn = cases[i];
-      const AxisLog log = blind_log(cases[i]);
-      outcomes[i].floor = floor_of(cases[i], log);
-      outcomes[i].diagnosis = diagnose({log}, {});
+      const BlindJoint joint = blind_joint(cases[i]);
+      outcomes[i].floor = joint.floor_rad;
+      outcomes[i].diagnosis = diagnose({joint.log}, {});
       outcomes[i].answer = judge(cases[i], outcomes[i].diagnosis);
       outcomes[i].diagnosis.traces = {};
       if (options.verbose) {

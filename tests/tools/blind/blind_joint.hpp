@@ -25,14 +25,16 @@ struct Case {
   std::uint64_t seed = 1;
 };
 
-/// A log of a joint that is drawn anew for every seed: ratio, elasticity, friction, load, noise, rate and the form and
-/// size of its effects. No code in common with the laws. Torque and motor angle are what sensors make of them.
-auto blind_log(const Case& drawn) -> AxisLog;
+struct BlindJoint {
+  AxisLog log;
+  double noise_rad = 0.0;  ///< standard deviation of the joint sensor's noise
+  /// What no law that reads these sensors can go below: noise of the joint sensor and of the torque, the encoder's
+  /// resolution, and what is unknown until the encoder shows that the motor has turned back.
+  double floor_rad = 0.0;
+};
 
-/// Standard deviation of the joint sensor's noise, rad.
-auto noise_of(const Case& drawn) -> double;
-
-/// What no law that reads these sensors can go below, rad: noise of the joint sensor, and of the torque.
-auto floor_of(const Case& drawn, const AxisLog& log) -> double;
+/// A joint that is drawn anew for every seed: ratio, elasticity, friction, load, noise, rate and the form and size of
+/// its effects. No code in common with the laws. Torque and motor angle are what sensors make of them.
+auto blind_joint(const Case& drawn) -> BlindJoint;
 
 }  // namespace capstan::tools::blind

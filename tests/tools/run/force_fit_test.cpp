@@ -5,32 +5,22 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
-#include "boards/common/file_banks.hpp"
 #include "tests/model/relays.hpp"
 #include "tests/model/support.hpp"
 #include "tests/tools/run/by_hand.hpp"
+#include "tests/tools/run/recipe_log.hpp"
 #include "tools/identify/force_section.hpp"
 #include "tools/joint_file/joint_file.hpp"
-#include "tools/run/run.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {
 
+using test::record;
 using test::triangle;
 using test::turn_by_hand;
-
-const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
-
-auto record(const std::string& scenario) -> ForceLog {
-  std::ostringstream text;
-  FileBanks banks = FileBanks::temporary();
-  static_cast<void>(run_scenario(sim::load_scenario(kScenarios + scenario), {}, banks, &text));
-  return read_force_log(CsvLog::parse(text.str(), scenario), 0);
-}
 
 auto find(const ForceFit& fit, const std::string& name) -> ForceParameter {
   for (const auto& parameter : fit.parameters) {

@@ -7,27 +7,17 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <sstream>
 
-#include "boards/common/file_banks.hpp"
 #include "tests/tools/run/by_hand.hpp"
-#include "tools/run/run.hpp"
+#include "tests/tools/run/recipe_log.hpp"
 #include "tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
 
+using test::record;
 using test::triangle;
 using test::turn_by_hand;
-
-const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
-
-auto record(const std::string& scenario) -> ForceLog {
-  std::ostringstream text;
-  FileBanks banks = FileBanks::temporary();
-  static_cast<void>(run_scenario(sim::load_scenario(kScenarios + scenario), {}, banks, &text));
-  return read_force_log(CsvLog::parse(text.str(), scenario), 0);
-}
 
 auto locked() -> PullPushFit {
   sim::PlantParameters plant;
