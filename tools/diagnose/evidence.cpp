@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "tools/diagnose/adequacy.hpp"
 
@@ -42,20 +43,46 @@ auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::
   return columns;
 }
 
+/// What even a law with an offset that wanders and coefficients that change along the record leaves. Noise is looked
+/// for in that: slow changes are effects, and a noise model that has learned them excuses them.
+auto steadied(const Preparation& p, const LawResidual& residual) -> Eigen::VectorXd {
+  constexpr Eigen::Index kOffsetWaves = 6;
+  constexpr Eigen::Index kCoefficientWaves = 2;
+  const Eigen::ArrayXd time = p.signals.time_s.array() / p.signals.time_s.maxCoeff();
+  const auto wave = [&time](Eigen::Index k) -> Eigen::ArrayXd {
+    return (std::numbers::pi * static_cast<double>(k) * time).cos();
+  };
+  const Eigen::Index law = residual.base.cols();
+  Eigen::MatrixXd slow(residual.base.rows(), law * (1 + kCoefficientWaves) + 1 + kOffsetWaves);
+  for (Eigen::Index k = 0; k <= kCoefficientWaves; ++k) {
+    slow.middleCols(k * law, law) = residual.base.array().colwise() * wave(k);
+  }
+  for (Eigen::Index k = 0; k <= kOffsetWaves; ++k) {
+    slow.col((1 + kCoefficientWaves) * law + k) = wave(k).matrix();
+  }
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(slow.cols(), slow.cols());
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(slow.cols());
+  for (const auto& block : p.split.learned()) {
+    const auto x = slow.middleRows(block.begin, block.size());
+    gram.noalias() += x.transpose() * x;
+    rhs.noalias() += x.transpose() * residual.error.segment(block.begin, block.size());
+  }
+  return residual.error - slow * gram.completeOrthogonalDecomposition().solve(rhs);
+}
+
 void model_noise(const Preparation& p, const LawResidual& residual, Evidence& evidence) {
   evidence.noise_from_repeats = p.repeats.has_value();
-  if (evidence.noise_from_repeats) {
-    const Repeats cycles = learned_cycles(p);
-    Blocks pieces;
-    for (Eigen::Index i = 0; i < cycles.count; ++i) {
-      pieces.push_back(cycles.cycle(i));
-    }
-    evidence.noise = fit_noise(pure_error(residual.error, cycles), pieces, kLargestOrder);
-  } else {
-    // Noise has no mean: a constant is an effect, and an effort's law has none to begin with.
-    const double mean = stacked(residual.error, p.split.learned()).mean();
-    evidence.noise = fit_noise(residual.error.array() - mean, p.split.learned(), kLargestOrder);
+  const Eigen::VectorXd rest = steadied(p, residual);
+  if (!evidence.noise_from_repeats) {
+    evidence.noise = fit_noise(rest, p.split.learned(), kLargestOrder);
+    return;
   }
+  const Repeats cycles = learned_cycles(p);
+  Blocks pieces;
+  for (Eigen::Index i = 0; i < cycles.count; ++i) {
+    pieces.push_back(cycles.cycle(i));
+  }
+  evidence.noise = fit_noise(pure_error(rest, cycles), pieces, kLargestOrder);
 }
 
 void sort_blocks(const Split& split, Evidence& evidence) {

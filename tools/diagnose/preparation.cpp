@@ -164,6 +164,26 @@ auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixX
   return bridged(decimated(moving_mean(columns, hindsight.log_rows(), smoothing), factor));
 }
 
+auto Preparation::certain() const -> Blocks {
+  Blocks rows;
+  for (const auto& block : split.learned()) {
+    Eigen::Index begin = block.begin;
+    for (const auto& doubtful : uncertain) {  // in order
+      if (doubtful.end <= begin || doubtful.begin >= block.end) {
+        continue;
+      }
+      if (doubtful.begin > begin) {
+        rows.push_back({begin * factor, doubtful.begin * factor});
+      }
+      begin = doubtful.end;
+    }
+    if (begin < block.end) {
+      rows.push_back({begin * factor, block.end * factor});
+    }
+  }
+  return rows;
+}
+
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   constexpr Eigen::Index kFewestSamples = 400;
   constexpr double kFewestNoises = 30.0;       // the motion's range in standard deviations of the sensors

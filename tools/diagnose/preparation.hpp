@@ -31,7 +31,7 @@ struct Preparation {
   std::optional<Repeats> repeats;  ///< in coarse rows
   Split split;                     ///< in coarse rows
   CoarseSignals signals;
-  Blocks uncertain;  ///< coarse rows whose direction is not known
+  Blocks uncertain;  ///< coarse rows whose direction is not known, in order
   std::vector<std::string> notes;
 
   /// Columns of every sample on the coarse grid: moving mean, mean of each row's samples, bridged.
@@ -39,6 +39,9 @@ struct Preparation {
   /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the
   /// target, so a law that holds on the other rows holds on these.
   [[nodiscard]] auto bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
+  /// Samples to learn from, at full rate, without those whose direction is not known: a few of them, with a jump of the
+  /// law on the wrong side, would weigh more than all the others.
+  [[nodiscard]] auto certain() const -> Blocks;
 };
 
 /// Mean of every `factor` rows. @pre the number of rows is a multiple of it

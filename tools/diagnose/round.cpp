@@ -31,7 +31,7 @@ auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial*
 
 auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   const Eigen::MatrixXd columns = law_columns(p.hindsight, law);
-  const LinearFit fit = fit_columns(columns, p.target, refined(p.split, p.factor).learned(), law_signs(law));
+  const LinearFit fit = fit_columns(columns, p.target, p.certain(), law_signs(law));
   LawResidual residual;
   residual.fitted = columns * fit.theta;
   residual.error = p.coarse(p.target - residual.fitted);

@@ -50,7 +50,7 @@ auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned
 /// The law with the proposals added, shapes refined on the measured quantity; empty if one of them does not hold in the
 /// joint fit: its shape runs to the end of its range, or its coefficients to the bound of their signs.
 auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& added) -> std::optional<LawForm> {
-  const Blocks learned = refined(p.split, p.factor).learned();
+  const Blocks learned = p.certain();
   for (const auto& one : added) {
     law.terms.push_back(one.name);
     law.set_shapes(law.catalogue->term(one.name), one.shapes);

@@ -17,7 +17,8 @@ struct Turn {
 
 /// Finds a reversal between the begin of a stroke and the sample at which the causal switch noticed it. The motor
 /// leaves its extreme like x ~ t^2, so it takes as long from rest to the first distance that can be seen as from there
-/// to four times that.
+/// to four times that. A motor that sets off more gently has turned earlier, so the doubt reaches four times as far
+/// back.
 auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double visible_rad) -> Turn {
   const double sign = was_forward ? 1.0 : -1.0;
   auto height = [&](Eigen::Index i) { return sign * log.q1_rad[i]; };
@@ -38,7 +39,7 @@ auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double vis
     --first;
   }
   const Eigen::Index seeing = std::max<Eigen::Index>(away - last, 1);
-  return {std::max(last - seeing, first) + 1, {std::max(last - 2 * seeing, first), last + 1}};
+  return {std::max(last - seeing, first) + 1, {std::max(last - 4 * seeing, first), last + 1}};
 }
 
 /// Torque up to a sample, averaged so that one noisy value does not stand for the reversal.
