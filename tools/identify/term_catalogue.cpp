@@ -110,9 +110,24 @@ void take_si_inertia(CatalogueTerm& term) {
   term.coefficients[0].doc = "effort per acceleration";
 }
 
-/// How the terms of an effort hang together.
+/// How the terms of a catalogue hang together.
 void relate(std::vector<CatalogueTerm>& terms) {
-  const std::vector<std::string> dry = {"coulomb_friction", "play_friction"};
+  static const std::vector<std::string> kDry = {"coulomb_friction", "play_friction"};
+  static const std::vector<std::string> kElastic = {"tendon_elongation"};
+  static const std::map<std::string, std::vector<std::string>> kBuildsOn = {{"stribeck_friction", kDry},
+                                                                            {"friction_asymmetry", kDry},
+                                                                            {"slip_propagation", kElastic},
+                                                                            {"reversal_memory", kElastic},
+                                                                            {"stiffness_hardening", kElastic}};
+  for (auto& term : terms) {
+    if (const auto found = kBuildsOn.find(term.name); found != kBuildsOn.end()) {
+      term.builds_on = found->second;
+    }
+  }
+}
+
+/// Which terms of an effort are others with one coefficient at nothing.
+void name_special_cases(std::vector<CatalogueTerm>& terms) {
   static const std::map<std::string, std::vector<std::string>> kSpecialCases = {
       {"friction_asymmetry", {"offset"}},
       {"play_friction", {"coulomb_friction"}},
@@ -120,9 +135,6 @@ void relate(std::vector<CatalogueTerm>& terms) {
       {"gravity", {"offset"}},
       {"angle_periodic", {"offset", "gravity"}}};
   for (auto& term : terms) {
-    if (term.name == "stribeck_friction" || term.name == "friction_asymmetry") {
-      term.builds_on = dry;
-    }
     if (const auto found = kSpecialCases.find(term.name); found != kSpecialCases.end()) {
       term.special_cases = found->second;
     }
@@ -149,6 +161,7 @@ auto transmission() -> Catalogue {
   std::vector<CatalogueTerm> terms;
   add_sum_terms<SumTerms>(terms);
   add_output_terms(terms);
+  relate(terms);
   return {TargetKind::kAngle, "rad", "rad", std::move(terms)};
 }
 
@@ -159,6 +172,7 @@ auto efforts(AxisKind axis) -> Catalogue {
   add_shared_terms(terms);
   add_output_terms(terms);
   relate(terms);
+  name_special_cases(terms);
   if (axis == AxisKind::kLinear) {
     make_linear(terms);
     return {TargetKind::kEffort, "N", "m", std::move(terms)};
