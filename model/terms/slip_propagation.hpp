@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/exponential.hpp"
+#include <algorithm>
+
 #include "model/term.hpp"
 
 namespace capstan {
@@ -17,8 +18,9 @@ namespace capstan {
 /// beside the a tau of the base law, so a coefficient equal to a turns a tau into a PI(tau).
 ///
 /// Where what is rubbed against is not spread so evenly, the old stretch leaves in another way. To first order a share
-/// of the torque has yet to arrive, and it fades with the change of the torque since the reversal:
-///   J c_t tau e^-(s / R) + (1 - J) c_b tau e^-(s / R),  s = abs(tau - tau0)
+/// of the torque has yet to arrive, and it fades with the change s of the torque since the reversal:
+///   (J c_t + (1 - J) c_b) tau (1 - s / 4R)^4,  nothing beyond 4R
+/// The fourth power lies between the parabola of an even front and the exponential of a front that never quite arrives.
 template <typename Scalar>
 class SlipPropagation {
  public:
@@ -27,7 +29,7 @@ class SlipPropagation {
   static constexpr TermInfo<3, 1> kInfo = {
       .name = "slip_propagation",
       .equation =
-          "a (mean_k play(tau, r_k) - tau) + (J c_t + (1 - J) c_b) tau e^-(s/R), r_k = R (k + 1/2) / n, "
+          "a (mean_k play(tau, r_k) - tau) + (J c_t + (1 - J) c_b) tau (1 - s/4R)^4, r_k = R (k + 1/2) / n, "
           "s = abs(tau - tau0)",
       .source = "(2.6), (2.7), (2.10) with a moving front; thesis 8.2 names the jump at reversals as open",
       .confusable_with = "pretension_offset, reversal_memory, play, presliding",
@@ -40,7 +42,8 @@ class SlipPropagation {
                    "R: half the change of torque after which the whole tendon slips"}}},
   };
 
-  constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : torque_(shape[0]) {
+  constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
+      : torque_(shape[0]), reach_(shape[0] * kReach) {
     constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
     Scalar next = torque_ * kHalfShare;
     for (Scalar& half_width : half_width_) {
@@ -59,7 +62,9 @@ class SlipPropagation {
       position_[k] = clamp(position_[k], s.tau - half_width_[k], s.tau + half_width_[k]);
       lag += (position_[k] - s.tau) * kShare;
     }
-    const Scalar fading = s.tau - s.tau * share_gone(s.tau - s.tau_reversal, torque_);
+    const Scalar way_left = std::max(Scalar{}, kOne - abs(s.tau - s.tau_reversal) / reach_);
+    const Scalar square = way_left * way_left;
+    const Scalar fading = s.tau * (square * square);
     return {lag, s.forward ? fading : Scalar{}, s.forward ? Scalar{} : fading};
   }
 
@@ -73,8 +78,11 @@ class SlipPropagation {
  private:
   using Traits = ScalarTraits<Scalar>;
   static constexpr auto kShare = Traits::fraction(1.0 / kOperators);
+  static constexpr Scalar kOne = Traits::from(1.0);
+  static constexpr Scalar kReach = Traits::from(4.0);
 
   Scalar torque_;
+  Scalar reach_;  ///< change of torque after which nothing of the old stretch is left
   std::array<Scalar, kOperators> half_width_{};
   std::array<Scalar, kOperators> position_{};
   bool started_ = false;

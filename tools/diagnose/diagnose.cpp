@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "tools/diagnose/free_run.hpp"
@@ -70,7 +71,9 @@ auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Ve
 /// The verdict where `found` can not be told from other effects.
 auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
   constexpr std::size_t kMostAlternatives = 3;  // more is no answer
-  if (effect.alternatives.size() > kMostAlternatives) {
+  const bool all_listed = std::all_of(effect.alternatives.begin(), effect.alternatives.end(),
+                                      [&d](const auto& name) { return d.base.catalogue->has(name); });
+  if (effect.alternatives.size() > kMostAlternatives || !all_listed) {
     d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
                joined(effect.alternatives) + ".";
     d.next_experiment =

@@ -61,14 +61,23 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round {
 }
 
 auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
+  constexpr double kFarMore = 2.0;  // energy, of the least that any leaves
   std::vector<const FamilyTrial*> eligible;
-  double likeliest = -std::numeric_limits<double>::infinity();
+  double least_left = std::numeric_limits<double>::infinity();
   for (const auto& trial : round.trials) {
     const bool listed = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
     if (listed && passes(trial, round.evidence)) {
       eligible.push_back(&trial);
-      likeliest = std::max(likeliest, trial.log_likelihood);
+      least_left = std::min(least_left, trial.energies.sum());
     }
+  }
+  // A noise model may swallow a smooth misfit and be left with a fast, small one; energy tells which is large.
+  eligible.erase(std::remove_if(eligible.begin(), eligible.end(),
+                                [&](const auto* trial) { return trial->energies.sum() > kFarMore * least_left; }),
+                 eligible.end());
+  double likeliest = -std::numeric_limits<double>::infinity();
+  for (const auto* trial : eligible) {
+    likeliest = std::max(likeliest, trial->log_likelihood);
   }
   const FamilyTrial* best = nullptr;
   for (const auto* trial : eligible) {

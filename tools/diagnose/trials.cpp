@@ -211,8 +211,7 @@ auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& t
     const bool worse =
         margin.sum() > evidence_needed(evidence) && (clearly_positive(margin) || clearly_positive(raw_margin));
     // A noise model may swallow a smooth misfit; energy does not. Twice what the best leaves is no tie.
-    const bool leaves_far_more = margin.sum() > -evidence_needed(evidence) && clearly_positive(raw_margin) &&
-                                 raw_margin.sum() > own.energies.sum();
+    const bool leaves_far_more = clearly_positive(raw_margin) && raw_margin.sum() > own.energies.sum();
     const bool simpler = parameter_count(evidence.families[other.family]) <= parameter_count(evidence.families[best]);
     const bool beyond_doubt =
         !simpler || margin.sum() > kOverwhelming * evidence_needed(evidence) || raw_margin.sum() > left_by_best;

@@ -52,7 +52,7 @@ auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool;
 /// when its coefficients would need an impossible sign; or when its likelihood is lower by as much as any confirmation
 /// needs, Vuong's test over blocks agrees, and it falls behind by more than what even the best leaves unexplained
 /// (`floor_energy`: of the flexible ceiling): a margin smaller than that may be owed to something that neither has.
-/// Or when it leaves twice the energy in the measured quantity and is not clearly the more likely one.
+/// Or when it leaves twice the energy in the measured quantity.
 /// Neither a family with more parameters than the best nor one that is overwhelmingly less likely is given that
 /// benefit.
 auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best,

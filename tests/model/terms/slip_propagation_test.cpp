@@ -91,7 +91,7 @@ TYPED_TEST(Slip, OldStretchFadesWithTheTorqueSinceTheReversal) {
       const double tau = kTurnedAt + since;
       const auto regressors = slip.update(
           {.tau = number<TypeParam>(tau), .forward = forward, .tau_reversal = number<TypeParam>(kTurnedAt)});
-      const double expected = tau * std::exp(-std::fabs(since) / kR);
+      const double expected = tau * std::pow(std::fmax(0.0, 1.0 - std::fabs(since) / (4.0 * kR)), 4);
       EXPECT_NEAR(value_of(regressors[forward ? 1 : 2]), expected, 1e-6) << since;
       EXPECT_EQ(value_of(regressors[forward ? 2 : 1]), 0.0);
     }

@@ -15,7 +15,7 @@
 namespace capstan::tools::blind {
 namespace {
 
-enum class Answer { kRight, kInSet, kMissed, kRefused, kWrong };
+enum class Answer { kRight, kInSet, kMissed, kRefused, kWrong, kNotVisible };
 
 struct Outcome {
   Case drawn;
@@ -112,7 +112,7 @@ auto title(const Case& c) -> std::string {
 }
 
 void print_outcome(const Outcome& o) {
-  constexpr const char* kWords[] = {"right", "in set", "missed", "refused", "WRONG"};
+  constexpr const char* kWords[] = {"right", "in set", "missed", "refused", "WRONG", "not visible"};
   std::string names;
   for (const auto& effect : o.diagnosis.effects) {
     names += " " + effect.name;
@@ -133,6 +133,9 @@ void print_table(const std::vector<Outcome>& outcomes) {
   Tally foreign;
   std::vector<double> after;
   for (const auto& o : outcomes) {
+    if (o.answer == Answer::kNotVisible) {
+      continue;
+    }
     by_truth[title(o.drawn)].add(o.answer);
     const bool is_foreign = o.drawn.truths.empty() || contains(unlisted_effects(), o.drawn.truths[0]);
     (is_foreign ? foreign : listed).add(o.answer);
@@ -174,7 +177,7 @@ auto run(const Options& options) -> int {
       const BlindJoint joint = blind_joint(cases[i]);
       outcomes[i].floor = joint.floor_rad;
       outcomes[i].diagnosis = diagnose({joint.log}, {});
-      outcomes[i].answer = judge(cases[i], outcomes[i].diagnosis);
+      outcomes[i].answer = joint.visible ? judge(cases[i], outcomes[i].diagnosis) : Answer::kNotVisible;
       outcomes[i].diagnosis.traces = {};
       if (options.verbose) {
         const std::lock_guard<std::mutex> lock(printing);

@@ -10,6 +10,8 @@ namespace capstan::tools::blind {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr const char* kDelay = "transport_delay";
+constexpr double kUnitDelayS = 0.004;
 
 auto play(const Signal& input, double half_width) -> Signal {
   Signal output(input.size());
@@ -75,7 +77,7 @@ auto listed() -> const std::map<std::string, Effect>& {
          constexpr std::array<double, 5> kOrders = {3.0, 5.0, 8.0, 14.0, 24.0};
          return Signal((kOrders[static_cast<std::size_t>(d.one_of(5))] * w.q + d.between(0.0, 6.0)).sin());
        }},
-      {"transport_delay", [](const World& w, Draw&) { return Signal(late(w.joint, 0.004) - w.joint); }},
+      {kDelay, [](const World& w, Draw&) { return Signal(late(w.joint, kUnitDelayS) - w.joint); }},
       {"stiffness_hardening",
        [](const World& w, Draw& d) {
          return Signal(by_direction(w, 1.0, d.between(0.7, 1.3)) *
@@ -103,6 +105,10 @@ auto unlisted() -> const std::map<std::string, Effect>& {
       {"bent_drum", [](const World& w, Draw&) { return Signal((w.q - 0.2).max(0.0)); }},
   };
   return kEffects;
+}
+
+auto sized(const std::string& name, const World& w, const Signal& unit, double size) -> Signal {
+  return name == kDelay ? Signal(late(w.joint, size * kUnitDelayS) - w.joint) : Signal(size * unit);
 }
 
 auto effect_of(const std::string& name) -> const Effect& {

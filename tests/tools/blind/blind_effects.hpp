@@ -14,6 +14,8 @@ using Effect = std::function<Signal(const World&, Draw&)>;
 
 auto listed() -> const std::map<std::string, Effect>&;
 auto unlisted() -> const std::map<std::string, Effect>&;
+/// The effect so many times as large: a delay grows in time, everything else in angle.
+auto sized(const std::string& name, const World& w, const Signal& unit, double size) -> Signal;
 auto effect_of(const std::string& name) -> const Effect&;
 
 }  // namespace capstan::tools::blind

@@ -19,20 +19,25 @@ auto names_of(const std::map<std::string, Effect>& effects) -> std::vector<std::
   return names;
 }
 
+constexpr double kVisibleShare = 0.03;
+
 /// The joint's angle without noise, in this world and to somebody who sees the motor through an encoder of this step.
 struct JointAngles {
   Signal actual, seen;
+  bool visible = true;  ///< the base law could not have taken up nearly all of it
 };
 auto joint_angles(const Case& c, const World& w, double noise_rad, double step, Draw& draw) -> JointAngles {
   const World late = as_seen(w, step);
-  JointAngles joint{w.joint, late.joint};
+  JointAngles joint{w.joint, late.joint, true};
   for (const auto& name : c.truths) {
     const Effect& effect = effect_of(name);
     Draw same = draw;
     const Signal actual = effect(w, draw);
-    const double size = c.strength * noise_rad / std::sqrt(outside_base(w, actual).square().mean());
-    joint.actual += size * actual;
-    joint.seen += size * effect(late, same);
+    const double outside = std::sqrt(outside_base(w, actual).square().mean());
+    joint.visible = joint.visible && outside > kVisibleShare * std::sqrt((actual - actual.mean()).square().mean());
+    const double size = c.strength * noise_rad / outside;
+    joint.actual += sized(name, w, actual, size);
+    joint.seen += sized(name, late, effect(late, same), size);
   }
   return joint;
 }
@@ -112,7 +117,7 @@ auto blind_joint(const Case& c) -> BlindJoint {
   const double lateness = std::sqrt((joint.actual - joint.seen).square().mean());
   const double floor = std::hypot(std::hypot(sensors.joint_noise_rad, elongation * sensors.torque_noise_nm),
                                   std::hypot(resolution, lateness));
-  return {record(w, joint.actual, sensors, draw), sensors.joint_noise_rad, floor};
+  return {record(w, joint.actual, sensors, draw), sensors.joint_noise_rad, floor, joint.visible};
 }
 
 }  // namespace capstan::tools::blind

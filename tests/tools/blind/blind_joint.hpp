@@ -31,6 +31,9 @@ struct BlindJoint {
   /// What no law that reads these sensors can go below: noise of the joint sensor and of the torque, the encoder's
   /// resolution, and what is unknown until the encoder shows that the motor has turned back.
   double floor_rad = 0.0;
+  /// False where ratio, offset and elongation take up all but 3 % of an effect by themselves on this motion, as a sine
+  /// does with inertia: nobody could name it.
+  bool visible = true;
 };
 
 /// A joint that is drawn anew for every seed: ratio, elasticity, friction, load, noise, rate and the form and size of
