@@ -7,6 +7,7 @@
 #include "tools/capstan/commands.hpp"
 #include "tools/capstan/options.hpp"
 #include "tools/diagnose/diagnosis.hpp"
+#include "tools/diagnose/next_experiment.hpp"
 #include "tools/identify/identify.hpp"
 #include "tools/report/report.hpp"
 #include "tools/support/errors.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 struct CommandOptions {
   LogOptions logs;
-  std::string base, target, json, report, output;
+  std::string base, target, json, report, next, output;
 };
 
 /// An effort's error is read beside the effort.
@@ -60,6 +61,10 @@ auto run_diagnose(const CommandOptions& options) -> int {
   if (!options.report.empty()) {
     std::cerr << "wrote " << write_report(options.report, diagnosis) << "\n";
   }
+  if (const std::string next = next_scenario(diagnosis); !options.next.empty() && !next.empty()) {
+    write_text_file(options.next, next);
+    std::cerr << "wrote " << options.next << "; capstan run --scenario " << options.next << "\n";
+  }
   if (!options.output.empty() && !diagnosis.law.terms.empty()) {
     write_joint_file(options.output, diagnosis.law);
     std::cerr << "wrote " << options.output << (diagnosis.effects.empty() ? " (the base law: no effect was added)" : "")
@@ -83,6 +88,8 @@ void add_diagnose(CLI::App& app, int& exit_status) {
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N");
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
+  command->add_option("--next", options->next,
+                      "write the motion that would settle what stays open, as a scenario; the report has it too");
   command->add_option("-o,--output", options->output, "write the law with the effects added, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_diagnose(*options); });
 }

@@ -15,6 +15,9 @@ constexpr double kNamedShare = 0.5;
 /// And more than this where something is still missing beside them: it may be what they stood in for.
 constexpr double kNamedShareBesideUnlisted = 0.8;
 
+constexpr const char* kEverything =
+    "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
+
 auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*signal) -> Eigen::VectorXd {
   Eigen::Index rows = 0;
   for (const auto& log : logs) {
@@ -55,6 +58,7 @@ auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Ve
     d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
     d.reason +=
         search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
+    d.next_experiment = kEverything;
     return Verdict::kUnknown;
   }
   d.reason = "What the law leaves can not be told from noise.";
@@ -76,8 +80,7 @@ auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
   if (effect.alternatives.size() > kMostAlternatives || !all_listed) {
     d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
                joined(effect.alternatives) + ".";
-    d.next_experiment =
-        "Record reversals under several loads and speeds, with holds: " + next_motion(d, effect.name) + ".";
+    d.next_experiment = kEverything;
     return Verdict::kUnknown;
   }
   d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
@@ -100,6 +103,7 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
   if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
     d.reason = "Something is missing from the law; " + found + " explains only " +
                rounded(100.0 * search.share.value, 2) + " % of what can be explained, so it is not named.";
+    d.next_experiment = kEverything;
     return Verdict::kUnknown;
   }
   if (!search.effects.front().alternatives.empty()) {
@@ -173,7 +177,7 @@ auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) 
   if (const auto names = undetermined(p, base); !names.empty()) {
     d.verdict = Verdict::kNotIdentifiable;
     d.reason = "This log can not determine " + joined(names) + " of the base law.";
-    d.next_experiment = "Record reversals at several amplitudes, speeds and loads.";
+    d.next_experiment = kEverything;
     return d;
   }
   const Search search = search_effects(p, base, options.progress);

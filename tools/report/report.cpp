@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "tools/diagnose/next_experiment.hpp"
 #include "tools/identify/term_catalogue.hpp"
 #include "tools/report/svg_plot.hpp"
 #include "tools/support/errors.hpp"
@@ -16,6 +17,8 @@ constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr const char* kMeasuredColour = "#444";
 constexpr const char* kBeforeColour = "#c2410c";
 constexpr const char* kAfterColour = "#0f766e";
+
+constexpr const char* kNextExperiment = "next_experiment.toml";
 
 constexpr const char* kStyle = R"(
 body { font: 15px/1.5 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
@@ -193,6 +196,10 @@ auto what_would_change(const Diagnosis& d) -> std::string {
   if (d.next_experiment) {
     item(*d.next_experiment);
   }
+  if (!next_scenario(d).empty()) {
+    html += std::string("<li>That motion, for <code>capstan run --scenario</code>: <a href=\"") + kNextExperiment +
+            "\">" + kNextExperiment + "</a></li>\n";
+  }
   for (const auto& effect : d.effects) {
     const CatalogueTerm& term = d.law.catalogue->term(effect.name);
     item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with +
@@ -248,6 +255,9 @@ auto write_report(const std::string& folder, const Diagnosis& diagnosis) -> std:
   const auto pictures = pictures_of(diagnosis);
   for (const auto& picture : pictures) {
     write_text_file(folder + "/" + picture.file, svg_of(picture.plot));
+  }
+  if (const std::string next = next_scenario(diagnosis); !next.empty()) {
+    write_text_file(folder + "/" + kNextExperiment, next);
   }
   const std::string path = folder + "/index.html";
   write_text_file(path, page(diagnosis, pictures));
