@@ -89,5 +89,21 @@ TEST(AxisLog, MotionOfOtherAxesIsKeptAsASideSignal) {
   EXPECT_EQ(axis.side[0].name, "axis1/q1_rad");
 }
 
+TEST(AxisLog, TheAxisThatPullsIsTheFirstThatMovesOrTheOneAskedFor) {
+  std::string text = "time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad,axis4/q1_rad\n";
+  for (int i = 0; i < 50; ++i) {
+    const std::string angle = std::to_string(0.1 * (i % 7));
+    text += std::to_string(0.01 * i) + "," + angle + "," + angle + ",0.3," + std::to_string(i % 5) + "," +
+            std::to_string(i % 3) + "\n";
+  }
+  const CsvLog csv = CsvLog::parse(text, "x.csv");
+  EXPECT_EQ(read_axis(csv, {}).other->number, 2);
+  AxisRequest request;
+  request.other_axis = 4;
+  EXPECT_EQ(read_axis(csv, request).other->number, 4);
+  request.other_axis = 7;
+  EXPECT_THROW(read_axis(csv, request), BadInput);
+}
+
 }  // namespace
 }  // namespace capstan::tools

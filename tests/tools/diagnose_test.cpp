@@ -94,6 +94,26 @@ TEST(Diagnose, TheMissingElongationIsNamedWhenTheBaseHasNone) {
   EXPECT_NEAR(coefficient_of(d, "tendon_elongation", 1), -0.6, 0.1);
 }
 
+// A tendon of axis 0 runs over axis 2's pulley; axis 1 moves as well, and is looked at first.
+TEST(Diagnose, AnAxisThatPullsFromFartherAwayIsPointedAtAndThenNamed) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  const auto swing = [&log](double per_second) { return Eigen::VectorXd((per_second * log.time_s.array()).sin()); };
+  const Eigen::VectorXd nearer = 0.4 * swing(0.83);
+  const Eigen::VectorXd farther = 0.4 * swing(1.31);
+  log.q2_rad += 0.02 * farther;
+  const Eigen::VectorXd none = Eigen::VectorXd::Zero(log.samples());
+  log.side = {{"axis1/q1_rad", nearer}, {"axis2/q1_rad", farther}};
+  log.other = OtherAxis{1, nearer, none};
+  const Diagnosis first = diagnose({log}, {});
+  EXPECT_EQ(first.verdict, Verdict::kUnknown) << first.reason;
+  ASSERT_TRUE(first.next_experiment.has_value());
+  EXPECT_NE(first.next_experiment->find("--coupled-to 2"), std::string::npos) << *first.next_experiment;
+  log.other = OtherAxis{2, farther, none};
+  const Diagnosis second = diagnose({log}, {});
+  expect_named(second, "axis_coupling");
+  EXPECT_NEAR(coefficient_of(second, "axis_coupling"), 0.02, 0.001);
+}
+
 TEST(Diagnose, EveryOtherEffectOfTheCatalogueIsNamedToo) {
   const std::pair<Truth, const char*> named[] = {{Truth::kAngleRipple, "angle_periodic"},
                                                  {Truth::kCreep, "viscoelastic_creep"},

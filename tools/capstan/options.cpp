@@ -36,14 +36,23 @@ void LogOptions::add_to(CLI::App& command, bool many) {
                   "WANTED=COLUMN or \"WANTED=COLUMN*FACTOR\", for logs with other names or units; repeatable")
       ->allow_extra_args(false);
   command.add_option("--axis", axis, "axis to look at")->capture_default_str()->check(CLI::Range(0, 999));
+  if (many) {
+    command
+        .add_option("--coupled-to", coupled_to, "axis of the log that may pull at this one; else the first that moves")
+        ->check(CLI::Range(0, kMostAxes - 1));
+  }
 }
 
 auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
+  if (coupled_to == axis) {
+    throw BadInput("--coupled-to " + std::to_string(axis) + " is the axis itself; name another axis of the log");
+  }
   const auto mappings = parse_mappings(maps);
   std::vector<AxisLog> logs;
   for (const auto& file : files) {
     AxisRequest wanted = request;
     wanted.axis = axis;
+    wanted.other_axis = coupled_to;
     logs.push_back(read_axis(CsvLog::read(file, mappings), wanted));
     for (const auto& warning : logs.back().warnings) {
       std::cerr << "warning: " << warning << "\n";

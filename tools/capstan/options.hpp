@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct LogOptions {
   std::vector<std::string> files;
   std::vector<std::string> maps;
   int axis = 0;
+  std::optional<int> coupled_to;  ///< the axis that may pull at this one
 
   void add_to(CLI::App& command, bool many);
   /// Reads every file. Warnings go to stderr.

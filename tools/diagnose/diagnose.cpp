@@ -59,6 +59,10 @@ auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Ve
     d.reason +=
         search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
     d.next_experiment = kEverything;
+    if (search.unlisted.rfind("axis", 0) == 0) {
+      const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
+      d.next_experiment = "Ask again with --coupled-to " + axis + ": that axis may pull at this one.";
+    }
     return Verdict::kUnknown;
   }
   d.reason = "What the law leaves can not be told from noise.";

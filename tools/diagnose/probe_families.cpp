@@ -34,6 +34,7 @@ class Probes {
     of_angle();
     of_time();
     of_timing();
+    of_further_axes();
     return std::move(families_);
   }
 
@@ -177,6 +178,19 @@ class Probes {
     const Column fitted = decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
     const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
+  }
+
+  /// Axes beside the one that axis_coupling looks at. The name is the column's, so that a user can ask for it.
+  void of_further_axes() {
+    const auto& other = p_.logs.front().other;
+    const std::string looked_at = other ? "axis" + std::to_string(other->number) + "/" : "";
+    for (const auto& side : s_.side) {
+      const bool of_an_axis = side.name.rfind("axis", 0) == 0;
+      if (of_an_axis && (looked_at.empty() || side.name.rfind(looked_at, 0) != 0)) {
+        const Column centred = side.values.array() - side.values.mean();
+        add(side.name, {{centred}, {centred, local_slope(centred, 1, p_.coarse_period_s)}});
+      }
+    }
   }
 
   const Preparation& p_;

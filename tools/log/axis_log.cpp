@@ -74,8 +74,6 @@ void check_held(const CsvLog& csv, AxisLog& axis) {
   }
 }
 
-constexpr int kAxesLookedFor = 16;
-
 auto varies(const Eigen::VectorXd& values) -> bool {
   return values.maxCoeff() > values.minCoeff();
 }
@@ -86,7 +84,7 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
   if (csv.has(kTemperature) && varies(csv.column(kTemperature))) {
     result.temperature_c = csv.column(kTemperature);
   }
-  for (int other = 0; other < kAxesLookedFor && !result.other; ++other) {
+  for (int other = 0; other < kMostAxes && !result.other; ++other) {
     const std::string q1 = axis_column(other, "q1_rad");
     const bool wanted = request.other_axis ? other == *request.other_axis : csv.has(q1) && varies(csv.column(q1));
     if (other != request.axis && wanted) {
@@ -101,7 +99,7 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
 /// Every signal beside the axis: a possible cause of what the law misses.
 void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
   std::vector<std::string> names = {"temperature_C"};
-  for (int other = 0; other < kAxesLookedFor; ++other) {
+  for (int other = 0; other < kMostAxes; ++other) {
     if (other != axis) {
       names.push_back(axis_column(other, "q1_rad"));
       names.push_back(axis_column(other, "tau_Nm"));

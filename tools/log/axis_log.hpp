@@ -45,6 +45,9 @@ struct AxisLog {
   [[nodiscard]] auto rate_hz() const -> double { return 1.0 / period_s; }
 };
 
+/// Axes of a log that are looked for: axis0 to axis15.
+inline constexpr int kMostAxes = 16;
+
 struct AxisRequest {
   int axis = 0;
   std::string target = {};  ///< column with the measured joint angle; empty: axis<N>/q2_rad
