@@ -145,6 +145,15 @@ INSTANTIATE_TEST_SUITE_P(Four, UnlistedEffort,
                          testing::Values(EffortTruth::kQuadraticDrag, EffortTruth::kHardSpring,
                                          EffortTruth::kStickySpot, EffortTruth::kRelaxation));
 
+// Inertia and drag can not be negative, so the law is nought, and a delay of it changes nothing.
+TEST(DiagnoseEffort, AnEffortLoggedWithTheWrongSignIsGivenNoName) {
+  AxisLog log = test::synthetic_effort_log({});
+  log.effort = -log.effort;
+  const Diagnosis d = diagnose({log}, {});
+  EXPECT_TRUE(is_refusal(d.verdict)) << d.reason;
+  EXPECT_TRUE(d.effects.empty());
+}
+
 TEST(DiagnoseEffort, BasesOfTheOtherFamilyAreBadInput) {
   DiagnoseOptions options;
   options.base_model = "pseudo_kinematic";

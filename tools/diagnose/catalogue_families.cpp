@@ -125,7 +125,10 @@ class Builder {
     Best best;
     const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
     add(term, shape_grid(term, q1_range), kKeptOfGrid, family, best);
-    if (!term.shapes.empty() && !family.variants.empty()) {
+    if (family.variants.empty()) {
+      return family;  // it changes nothing here, as a delay of a law that is nought
+    }
+    if (!term.shapes.empty()) {
       add(term, fine_grid(term, best.shapes, q1_range), 1, family, best);
     }
     if (term.acts_on_output) {

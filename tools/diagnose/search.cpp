@@ -197,30 +197,35 @@ class Searcher {
     return confusable.empty();
   }
 
-  /// Two effects at once, each of which has to pass where the other is already in the law.
+  /// Two effects at once, each of which has to be the best where the other is already in the law.
   auto add_pair(Round& round) -> bool {
     const auto pair = best_pair(round.evidence, *search_.law.catalogue);
     if (!pair ||
         explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
       return false;
     }
-    const Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]),
-                              proposal(round, pair->family[1], pair->variant[1])};
-    const auto law = law_with(p_, search_.law, {both[0], both[1]});
-    if (!law) {
-      return false;
-    }
-    progress_("trying " + both[0].name + " and " + both[1].name);
+    Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]),
+                        proposal(round, pair->family[1], pair->variant[1])};
+    auto law = law_with(p_, search_.law, {both[0], both[1]});
     std::vector<AddedEffect> effects;
     std::vector<RoundSummary> summaries = {summary_of(round, nullptr, {})};
-    for (const auto& one : both) {
-      const Round without = hold_round(p_, law_without(*law, one.name));
-      const FamilyTrial* trial = trial_of(without, one.name);
-      if (trial == nullptr || !passes(*trial, without.evidence)) {
+    for (std::size_t k = 0; k < 2 && law; ++k) {
+      progress_("trying " + both[0].name + " and " + both[1].name);
+      const Round without = hold_round(p_, law_without(*law, both[k].name));
+      const FamilyTrial* best = best_passing(without, false);
+      if (best == nullptr || !without.evidence.families[best->family].in_catalogue) {
         return false;
       }
-      effects.push_back(added_effect(without, *trial, {}));
-      summaries.push_back(summary_of(without, trial, {}));
+      effects.push_back(added_effect(without, *best, {}));
+      summaries.push_back(summary_of(without, best, {}));
+      // The pair was chosen from a grid; beside the other effect, fitted, a neighbour may do better.
+      if (effects.back().name != both[k].name) {
+        both[k] = proposal(without, best->family, best->variant);
+        law = law_with(p_, search_.law, {both[0], both[1]});
+      }
+    }
+    if (!law) {
+      return false;
     }
     if (effects[1].explained > effects[0].explained) {
       std::swap(effects[0], effects[1]);
