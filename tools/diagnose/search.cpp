@@ -227,7 +227,9 @@ class Searcher {
     if (!law) {
       return false;
     }
-    if (effects[1].explained > effects[0].explained) {
+    const bool larger_first = effects[0].explained >= effects[1].explained;
+    if (builds_on(effects[0].name, effects[1].name) ||
+        (!larger_first && !builds_on(effects[1].name, effects[0].name))) {
       std::swap(effects[0], effects[1]);
     }
     search_.effects = effects;
@@ -267,11 +269,14 @@ class Searcher {
     }
   }
 
+  auto builds_on(const std::string& effect, const std::string& base) const -> bool {
+    const auto& below = search_.law.catalogue->term(effect).builds_on;
+    return std::find(below.begin(), below.end(), base) != below.end();
+  }
+
   auto others_build_on(const std::string& name) const -> bool {
-    return std::any_of(search_.effects.begin(), search_.effects.end(), [&](const auto& effect) {
-      const auto& below = search_.law.catalogue->term(effect.name).builds_on;
-      return std::find(below.begin(), below.end(), name) != below.end();
-    });
+    return std::any_of(search_.effects.begin(), search_.effects.end(),
+                       [&](const auto& effect) { return builds_on(effect.name, name); });
   }
 
   void conclude(const Round& round) {
