@@ -32,7 +32,9 @@ struct DeclaredRange {
 /// rad left; a law that leaves the numbers' range says so (Estimate::saturated).
 struct DeclaredEffectRange {
   static constexpr double kMemoryRadPerNm = 5.5;
-  static constexpr double kFadingRadPerNm = 5.5;  ///< of slip_propagation
+  /// Of slip_propagation with a torque R of 1 N m and more, and in proportion below: the torque's own rounding shows as
+  /// its slope, coefficient x torque / R.
+  static constexpr double kFadingRadPerNm = 5.5;
   static constexpr double kPreslidingGain = 2.0;
   static constexpr double kPreslidingWidthRad = 0.5;
   static constexpr double kGravityRad = 0.5;  ///< of sine and cosine together: the estimate in them must settle

@@ -117,7 +117,9 @@ TEST(EffectAccuracy, OfReversalMemory) {
 TEST(EffectAccuracy, OfSlipPropagationThatFades) {
   expect_accurate<SlipPropagation>({-0.1, 0.9999 * Effect::kFadingRadPerNm, -0.9997 * Effect::kFadingRadPerNm},
                                    {0.9999 * Range::kSlipTorqueNm});
-  expect_accurate<SlipPropagation>({0.0, 0.9999 * Effect::kFadingRadPerNm, 0.9997 * Effect::kFadingRadPerNm}, {0.0113});
+  constexpr double kSmallNm = 0.0113;
+  constexpr double kInProportion = kSmallNm * Effect::kFadingRadPerNm;
+  expect_accurate<SlipPropagation>({0.0, 0.9999 * kInProportion, 0.9997 * kInProportion}, {kSmallNm});
 }
 TEST(EffectAccuracy, OfPresliding) {
   expect_accurate<Presliding>({0.9999 * Effect::kPreslidingGain}, {0.9999 * Effect::kPreslidingWidthRad});
