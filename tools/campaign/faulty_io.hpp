@@ -34,7 +34,7 @@ class Corruption {
     }
     const std::size_t place = static_cast<std::size_t>(cycle_++ % kDelayCycles);
     const double old = std::exchange(history_[place], now);
-    lagged_ += (now - lagged_) * sim_step_s() / kLagS;
+    lagged_ += (now - lagged_) * sim::kStepS / kLagS;
     switch (mode_) {
       case Mode::kOff:
       case Mode::kNan:
@@ -56,7 +56,6 @@ class Corruption {
   }
 
  private:
-  static constexpr auto sim_step_s() -> double { return sim::kStepS; }
   Mode mode_;
   double garbage_;
   bool mirror_at_onset_;
@@ -121,8 +120,6 @@ class FaultyIo {
   }
   /// What the firmware last asked for.
   [[nodiscard]] auto enabled() const -> bool { return enabled_; }
-  void open_estop() { opened_ = true; }
-  void close_estop() { opened_ = false; }
 
  private:
   auto estop_open() -> bool {
@@ -168,7 +165,6 @@ class FaultyIo {
   std::optional<Corruption> corruption_;
   Random random_{12};
   bool enabled_ = false;
-  bool opened_ = false;
   int stop_cycles_ = 0;
   int clock_cycles_ = 0;
   std::uint32_t overruns_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "tools/support/statistics.hpp"
@@ -83,8 +84,7 @@ auto text_of(Part part, const Reach& reach) -> std::string {
           {"amplitude_rad = " + number(0.8 * a), offset, "cycles = 1",
            "speeds_rad_per_s = [" + number(v / 6.0) + ", " + number(0.4 * v) + ", " + number(0.8 * v) + "]"});
     case Part::kFast: {
-      constexpr double kTwoPi = 6.283185307179586;
-      const double fastest = 0.8 * v / (kTwoPi * 0.2 * a);  // hertz at a fifth of the amplitude
+      const double fastest = 0.8 * v / (2.0 * std::numbers::pi * 0.2 * a);  // hertz at a fifth of the amplitude
       return segment("Small and fast: a delay grows with the frequency, inertia with its square.", "multisine",
                      {"duration_s = 6.0", "amplitude_rad = " + number(0.2 * a), offset,
                       "frequencies_hz = [" + number(0.1 * fastest) + ", " + number(0.23 * fastest) + ", " +

@@ -19,7 +19,12 @@ struct ForceLog {
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
 };
 
-/// Throws BadInput with file, line and cure: a missing or bad column, too few samples, or a torque that does not move.
+inline constexpr Eigen::Index kFewestForceSamples = 200;
+
+/// What the motor alone knows; the joint's torque is 0. Throws BadInput with file, line and cure for a missing or bad
+/// column.
+auto read_motor_side(const CsvLog& log, int axis) -> ForceLog;
+/// With the joint's torque. Throws BadInput also for too few samples or a torque that does not move.
 auto read_force_log(const CsvLog& log, int axis) -> ForceLog;
 
 /// One number of a force law with its 95 % interval.

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <limits>
 
-#include "tools/log/axis_log.hpp"
 #include "tools/support/errors.hpp"
 
 namespace capstan::tools {
@@ -55,14 +54,8 @@ auto bar(const Stiffness& stiffness, double full_scale) -> std::string {
 }  // namespace
 
 auto read_palpation_log(const CsvLog& log, int axis) -> ForceLog {
-  constexpr Eigen::Index kFewest = 200;
-  ForceLog result;
-  result.name = log.name();
-  result.time_s = log.time();
-  result.q1_rad = log.column(axis_column(axis, "q1_rad"));
-  result.tau_nm = log.column(axis_column(axis, "tau_Nm"));
-  result.tau_out_nm = Eigen::VectorXd::Zero(result.samples());
-  if (result.samples() < kFewest || result.tau_nm.maxCoeff() == result.tau_nm.minCoeff()) {
+  ForceLog result = read_motor_side(log, axis);
+  if (result.samples() < kFewestForceSamples || result.tau_nm.maxCoeff() == result.tau_nm.minCoeff()) {
     throw BadInput(log.name() + ": no site was pressed in " + std::to_string(result.samples()) +
                    " samples; press and release each at least once, with a row every 10 ms or more often");
   }
