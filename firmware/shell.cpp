@@ -100,7 +100,18 @@ void Shell::execute(std::string_view line) {
     }
     return;
   }
-  error("unknown_command", "there is no such command", "'help' lists all of them");
+  switch (board_.run_command(word, rest, out_)) {
+    case BoardAnswer::kDone:
+      editor_.remember();
+      ok();
+      return;
+    case BoardAnswer::kRefused:
+      editor_.remember();
+      prompt();
+      return;
+    case BoardAnswer::kUnknown:
+      error("unknown_command", "there is no such command", "'help' lists all of them");
+  }
 }
 
 void Shell::disarm_now() {

@@ -81,6 +81,9 @@ void ShellCommands::help(Shell& shell, std::string_view arguments) {
       found = true;
     }
   }
+  if (about.empty()) {
+    shell.board_.print_commands(shell.out_);
+  }
   if (found) {
     shell.ok();
   } else {

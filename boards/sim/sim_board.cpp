@@ -16,6 +16,7 @@ class SimBoard::Joints {
   virtual ~Joints() = default;
   virtual void tick(std::span<const double> references_rad) = 0;
   virtual void put_on_bench(std::span<const double> currents_a) = 0;
+  virtual void schedule(const sim::Fault& fault) = 0;
   virtual auto machine() -> Machine& = 0;
   virtual auto truth(std::size_t axis) const -> const sim::Truth& = 0;
   virtual void link_lost() = 0;
@@ -43,6 +44,12 @@ class SimBoard::JointsOf final : public SimBoard::Joints {
       commands[i] = {currents_a[i], true};
     }
     io_.put_on_bench(commands);
+  }
+  void schedule(const sim::Fault& fault) override {
+    if (fault.axis >= static_cast<int>(plant_.axis_count())) {
+      throw std::invalid_argument("the instrument has no such axis; correct its number");
+    }
+    plant_.schedule(fault);
   }
   auto machine() -> Machine& override { return application_; }
   auto truth(std::size_t axis) const -> const sim::Truth& override { return plant_.truth(axis); }
@@ -123,6 +130,26 @@ void SimBoard::print_timing(Print& out) const {
   }
   out << "simulated joint in an ordinary thread: the last cycle began " << static_cast<std::int32_t>(late_.count())
       << " us late, the latest " << static_cast<std::int32_t>(latest_.count()) << " us\r\n";
+}
+
+auto SimBoard::run_command(std::string_view word, std::string_view rest, Print& out) -> BoardAnswer {
+  if (word != "fail") {
+    return BoardAnswer::kUnknown;
+  }
+  try {
+    sim::Fault fault = sim::parse_fault(rest);
+    fault.time_s += truth(0).time_s + sim::kStepS;  // the schedule sees one healthy step first, to hold or to delay
+    joints_->schedule(fault);
+    return BoardAnswer::kDone;
+  } catch (const std::exception& refusal) {
+    out << "error fault: " << refusal.what() << "\r\n";
+    return BoardAnswer::kRefused;
+  }
+}
+
+void SimBoard::print_commands(Print& out) const {
+  out << "  fail TARGET KIND [at SECONDS] [for SECONDS] [amount AMOUNT] [axis N]\r\n"
+         "      lets something of the simulated joint fail, now or in a while: fail encoder stuck for 0.5\r\n";
 }
 
 }  // namespace capstan

@@ -40,6 +40,9 @@ class SimBoard final : public Board {
   [[nodiscard]] auto name() const -> const char* override { return "sim"; }
   void print_timing(Print& out) const override;
   void reboot() override { reboot_wanted_ = true; }
+  /// `fail TARGET KIND [at S] [for S] [amount A] [axis N]`: a fault of the plant, `at` counted from now.
+  auto run_command(std::string_view word, std::string_view rest, Print& out) -> BoardAnswer override;
+  void print_commands(Print& out) const override;
 
   [[nodiscard]] auto shell() -> Shell& { return shell_; }
   [[nodiscard]] auto machine() const -> const Machine&;

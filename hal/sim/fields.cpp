@@ -39,6 +39,7 @@ constexpr std::array kPlantFields = std::to_array<Field<P>>({
     {"current_offset_a", &P::current_offset_a, -100.0, 100.0},
     {"current_adc_step_a", &P::current_adc_step_a, 0.0, 10.0},
     {"current_full_scale_a", &P::current_full_scale_a, 1.0e-6, 1.0e4},
+    {"sample_delay_s", &P::sample_delay_s, 0.0, 0.1},
     {"camera_noise_rad", &P::camera_noise_rad, 0.0, 1.0},
     {"camera_rate_hz", &P::camera_rate_hz, 0.0, 1000.0},
     {"camera_delay_s", &P::camera_delay_s, 0.0, 10.0},
@@ -245,6 +246,22 @@ EnvironmentKind environment_kind(std::string_view name) {
       return kind;
   }
   unknown("environment", name, "free, locked, spring, kelvin_voigt, hunt_crossley, layered");
+}
+
+bool plays_a_part(EnvironmentKind kind, std::string_view name) {
+  switch (kind) {
+    case EnvironmentKind::kFree:
+    case EnvironmentKind::kLocked:
+      return false;
+    case EnvironmentKind::kSpring:
+      return name == "stiffness" || name == "angle_rad";
+    case EnvironmentKind::kKelvinVoigt:
+    case EnvironmentKind::kHuntCrossley:
+      return name == "stiffness" || name == "angle_rad" || name == "damping";
+    case EnvironmentKind::kLayered:
+      break;
+  }
+  return true;
 }
 
 SolverMode solver_mode(std::string_view name) {

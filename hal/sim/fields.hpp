@@ -43,6 +43,9 @@ void set_environment(Environment& environment, std::string_view name, double val
 /// "free", "locked", "spring", "kelvin_voigt", "hunt_crossley". Throws as set_effect does.
 [[nodiscard]] EnvironmentKind environment_kind(std::string_view name);
 
+/// Whether this number of an environment is looked at by that kind.
+[[nodiscard]] bool plays_a_part(EnvironmentKind kind, std::string_view name);
+
 /// "quasi_static", "dynamic". Throws as set_effect does.
 [[nodiscard]] SolverMode solver_mode(std::string_view name);
 

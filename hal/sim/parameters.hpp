@@ -142,6 +142,7 @@ struct PlantParameters {
   double current_offset_a = 0.002;
   double current_adc_step_a = 0.00122;
   double current_full_scale_a = 2.5;
+  double sample_delay_s = 0.0;  ///< both are sampled this long before the board reads them
   // Joint camera, for the log only.
   double camera_noise_rad = 0.0017;
   double camera_rate_hz = 0.0;  ///< 0: every step; otherwise the value is held between frames

@@ -29,6 +29,8 @@ Periphery::Periphery(const PlantParameters& parameters, std::uint64_t seed)
       faults_(stream(seed, 1)),
       encoder_(parameters),
       current_sensor_(parameters, stream(seed, 2)),
+      late_q1_(parameters.sample_delay_s),
+      late_current_(parameters.sample_delay_s),
       camera_(parameters, stream(seed, 3)),
       tip_noise_(stream(seed, 4)),
       thermometer_noise_(stream(seed, 5)),
@@ -149,8 +151,8 @@ void Periphery::observe(const DrivetrainState& s) {
   }
   if (parameters_.effects.axis_coupling_rad != 0.0)
     truth_.second_rad = second_rad(truth_.time_s);
-  readings_ = Readings{.encoder_counts = encoder_.counts(s.q1_rad, truth_.time_s),
-                       .current_a = current_sensor_.sample(current_a_),
+  readings_ = Readings{.encoder_counts = encoder_.counts(late_q1_.sample(s.q1_rad), truth_.time_s),
+                       .current_a = current_sensor_.sample(late_current_.sample(current_a_)),
                        .encoder_ok = true,
                        .current_ok = true};
   faults_.apply(truth_.time_s, readings_);

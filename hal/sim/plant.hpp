@@ -68,6 +68,7 @@ class Periphery {
   FaultSchedule faults_;
   Encoder encoder_;
   CurrentSensor current_sensor_;
+  Late late_q1_, late_current_;
   Camera camera_;
   Random tip_noise_, thermometer_noise_;
   Readings readings_;

@@ -2,8 +2,12 @@
 #include "hal/sim/scenario_sections.hpp"
 
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <map>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,20 +47,11 @@ void demand(const Source& source, const toml::table& table, const std::string& w
 }
 
 SegmentKind plain_kind(const std::string& name) {
-  static const std::vector<std::pair<std::string, SegmentKind>> kKinds = {{"sine", SegmentKind::kSine},
-                                                                          {"multisine", SegmentKind::kMultisine},
-                                                                          {"decaying_sine", SegmentKind::kDecayingSine},
-                                                                          {"triangle", SegmentKind::kTriangle},
-                                                                          {"hold", SegmentKind::kHold},
-                                                                          {"polyline", SegmentKind::kPolyline}};
-  std::string known;
-  for (const auto& [choice, kind] : kKinds) {
-    if (name == choice)
-      return kind;
-    known += choice + ", ";
-  }
-  throw std::invalid_argument("`" + name + "` is no kind; known are: " + known +
-                              "sine_ladder, speed_ladder, reversal_staircase");
+  static const std::map<std::string, SegmentKind> kKinds = {
+      {"sine", SegmentKind::kSine},         {"multisine", SegmentKind::kMultisine},
+      {"triangle", SegmentKind::kTriangle}, {"decaying_sine", SegmentKind::kDecayingSine},
+      {"hold", SegmentKind::kHold},         {"polyline", SegmentKind::kPolyline}};
+  return kKinds.at(name);
 }
 
 std::vector<Segment> expand(WrittenSegment written, bool has_duration) {
@@ -85,26 +80,57 @@ std::vector<Segment> expand(WrittenSegment written, bool has_duration) {
   return result;
 }
 
+// What a segment may say beside its kind, `duration_s` and offset; @ stands for the quantity's unit.
+constexpr std::array kSegmentKeys = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"sine", "amplitude_@ frequency_hz phase_rad"},
+    {"multisine", "amplitude_@ frequencies_hz phase_rad"},
+    {"decaying_sine", "amplitude_@ frequency_hz phase_rad decay_per_s"},
+    {"triangle", "amplitude_@ frequency_hz phase_rad corner_s"},
+    {"hold", ""},
+    {"polyline", "points_@ speed_@_per_s corner_s"},
+    {"sine_ladder", "amplitude_@ frequencies_hz cycles"},
+    {"speed_ladder", "amplitude_@ speeds_@_per_s cycles corner_s"},
+    {"reversal_staircase", "amplitude_@ levels speed_@_per_s corner_s"},
+});
+
+std::string keys_of(const std::string& kind, const std::string& unit) {
+  std::string known;
+  for (const auto& [name, keys] : kSegmentKeys) {
+    if (name == kind) {
+      std::string written = " kind duration_s offset_@ " + std::string(keys) + " ";
+      for (std::size_t at = written.find('@'); at != std::string::npos; at = written.find('@', at))
+        written.replace(at, 1, unit);
+      return written;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw std::invalid_argument("`" + kind + "` is no kind; known are: " + known);
+}
+
 std::vector<Segment> read_segment(const Source& source, const toml::table& table, Quantity quantity) {
   WrittenSegment written;
   Segment& plain = written.plain;
-  const std::string unit = quantity == Quantity::kTorque ? "nm" : "rad";
-  read_table(source, "a segment", table,
-             {{"kind", [&](const auto& key, const auto& node) { written.kind = source.text(key, node); }},
-              {"duration_s", number_into(source, plain.duration_s)},
-              {"offset_" + unit, number_into(source, plain.offset_rad)},
-              {"amplitude_" + unit, number_into(source, plain.amplitude_rad)},
-              {"frequency_hz", number_into(source, plain.frequency_hz)},
-              {"phase_rad", number_into(source, plain.phase_rad)},
-              {"decay_per_s", number_into(source, plain.decay_per_s)},
-              {"corner_s", number_into(source, plain.corner_s)},
-              {"speed_" + unit + "_per_s", number_into(source, plain.speed_rad_per_s)},
-              {"cycles", integer_into(source, written.cycles)},
-              {"levels", integer_into(source, written.levels)},
-              {"points_" + unit, numbers_into(source, plain.points_rad)},
-              {"speeds_" + unit + "_per_s", numbers_into(source, written.speeds_rad_per_s)},
-              {"frequencies_hz", numbers_into(source, plain.frequencies_hz)}});
   demand(source, table, "a segment", "kind");
+  const toml::node& kind = *table.get("kind");
+  written.kind = source.text("kind", kind);
+  const std::string unit = quantity == Quantity::kTorque ? "nm" : "rad";
+  const std::string keys = source.located(kind, [&] { return keys_of(written.kind, unit); });
+  Readers readers = {{"kind", [](const auto&, const auto&) {}},
+                     {"duration_s", number_into(source, plain.duration_s)},
+                     {"offset_" + unit, number_into(source, plain.offset_rad)},
+                     {"amplitude_" + unit, number_into(source, plain.amplitude_rad)},
+                     {"frequency_hz", number_into(source, plain.frequency_hz)},
+                     {"phase_rad", number_into(source, plain.phase_rad)},
+                     {"decay_per_s", number_into(source, plain.decay_per_s)},
+                     {"corner_s", number_into(source, plain.corner_s)},
+                     {"speed_" + unit + "_per_s", number_into(source, plain.speed_rad_per_s)},
+                     {"cycles", integer_into(source, written.cycles)},
+                     {"levels", integer_into(source, written.levels)},
+                     {"points_" + unit, numbers_into(source, plain.points_rad)},
+                     {"speeds_" + unit + "_per_s", numbers_into(source, written.speeds_rad_per_s)},
+                     {"frequencies_hz", numbers_into(source, plain.frequencies_hz)}};
+  std::erase_if(readers, [&](const auto& reader) { return keys.find(" " + reader.first + " ") == std::string::npos; });
+  read_table(source, "a segment of kind `" + written.kind + "`", table, readers);
   return source.located(table, [&] { return expand(std::move(written), table.contains("duration_s")); });
 }
 
@@ -126,15 +152,19 @@ void read_plant(const Source& source, const toml::table& table, PlantParameters&
 }
 
 void read_environment(const Source& source, const toml::table& table, Environment& environment) {
+  if (const toml::node* kind = table.get("kind"))
+    source.located(*kind, [&] { environment.kind = environment_kind(source.text("kind", *kind)); });
   for (const auto& [key, node] : table) {
     const std::string name(key.str());
+    if (name == "kind")
+      continue;
     const toml::node& value = node;
     source.located(node, [&] {
-      if (name == "kind") {
-        environment.kind = environment_kind(source.text(name, value));
-      } else {
-        set_environment(environment, name, source.number(name, value));
-      }
+      set_environment(environment, name, source.number(name, value));
+      if (!plays_a_part(environment.kind, name))
+        throw std::invalid_argument("`" + name +
+                                    "` plays no part in this kind of environment; choose another `kind`, or "
+                                    "leave it out");
     });
   }
 }

@@ -10,6 +10,23 @@
 
 namespace capstan::sim {
 
+Late::Late(double delay_s) {
+  const double whole = std::floor(delay_s / kStepS);
+  share_ = delay_s / kStepS - whole;
+  if (delay_s > 0.0)
+    history_.assign(static_cast<std::size_t>(whole) + 2, 0.0);
+}
+
+double Late::sample(double value) {
+  if (history_.empty())
+    return value;
+  newest_ = (newest_ + 1) % history_.size();
+  history_[newest_] = value;
+  const double oldest = history_[(newest_ + 1) % history_.size()];
+  const double younger = history_[(newest_ + 2) % history_.size()];
+  return younger + share_ * (oldest - younger);
+}
+
 Encoder::Encoder(const PlantParameters& parameters)
     : effects_(parameters.effects),
       counts_per_rad_(parameters.encoder_counts_per_turn / (2.0 * std::numbers::pi)),

@@ -18,6 +18,18 @@ struct Readings {
   bool current_ok = true;
 };
 
+/// A value as it was `delay_s` ago, on the line between two steps. One call per ms; before the start it was 0.
+class Late {
+ public:
+  explicit Late(double delay_s);
+  [[nodiscard]] double sample(double value);
+
+ private:
+  double share_ = 0.0;           // of the older of two neighbours
+  std::vector<double> history_;  // ring; empty: not late
+  std::size_t newest_ = 0;
+};
+
 /// Incremental encoder on the input pulley: floor, 32-bit wrap, optional eccentricity and slip on the shaft.
 class Encoder {
  public:

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fast the sim board runs: simulated over processor time, firmware included, by axes and elements per tendon. Not a
-// test: `sim_speed_table [SECONDS]` prints the table; SECONDS of the joint are run for each entry (default 3).
+// How fast the sim board runs: simulated over processor time, firmware included, by axes and elements per tendon.
+// `sim_speed_table [SECONDS]` prints the table; SECONDS of the joint are run for each entry (default 3).
+// `sim_speed_table --check` fails if one axis is slower than 50 times real time, or four slower than 12.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "boards/common/file_banks.hpp"
@@ -65,14 +67,15 @@ auto times_real(int axes, int elements, double seconds) -> double {
   return energised(board.machine().telemetry().state) ? seconds / took : 0.0;
 }
 
-}  // namespace
+auto fast_enough(int axes, double at_least) -> bool {
+  constexpr int kElements = 16;
+  const double times = times_real(axes, kElements, 3.0);
+  std::printf("%d %s, %d elements per tendon: %.0f times real time (at least %.0f)\n", axes,
+              axes == 1 ? "axis" : "axes", kElements, times, at_least);
+  return times >= at_least;
+}
 
-int main(int count, char** words) {
-  const double seconds = count > 1 ? std::strtod(words[1], nullptr) : 3.0;
-  if (count > 2 || !(seconds >= 0.1 && seconds <= 1000.0)) {
-    std::fprintf(stderr, "one number may be given, the seconds to run for each entry, 0.1 to 1000\n");
-    return 2;
-  }
+void print_table(double seconds) {
   std::printf("simulated over processor time, firmware included\nelements");
   for (int axes = 1; axes <= 4; ++axes) {
     std::printf("%10d %s", axes, axes == 1 ? "axis" : "axes");
@@ -86,5 +89,20 @@ int main(int count, char** words) {
     }
     std::printf("\n");
   }
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+  if (count == 2 && std::string_view(words[1]) == "--check") {
+    const bool one = fast_enough(1, 50.0);
+    return fast_enough(4, 12.0) && one ? 0 : 1;
+  }
+  const double seconds = count > 1 ? std::strtod(words[1], nullptr) : 3.0;
+  if (count > 2 || !(seconds >= 0.1 && seconds <= 1000.0)) {
+    std::fprintf(stderr, "give --check, or the seconds to run for each entry, 0.1 to 1000\n");
+    return 2;
+  }
+  print_table(seconds);
   return 0;
 }

@@ -128,6 +128,70 @@ TEST(Effects, EveryNameOfTheTransmissionCatalogueIsAnEffectOrArisesByItself) {
   }
 }
 
+// What the tendons give to a joint that an environment holds back, and what the environment should take: friction of
+// the joint, and `expected` of its angle and rate, while it is pushed in, held and let go.
+void expect_torque(const Environment& environment, double tolerance_nm, auto&& expected) {
+  PlantParameters p = quiet();
+  p.environment = environment;
+  p.joint_coulomb_nm = p.joint_viscous_nms_per_rad = 0.0;
+  p.joint_inertia_kgm2 = 1.0e-9;
+  Plant plant(p, 1);
+  double deepest = 0.0;
+  for (int i = 1; i <= 3000; ++i) {
+    plant.step_kinematic(0.5 * std::sin(3.14159265358979 * static_cast<double>(i) / 3000.0));
+    const Truth& t = plant.truth();
+    ASSERT_NEAR(t.tau_out_nm, expected(t.q2_rad, t.q2_rate_rad_per_s), tolerance_nm) << i;
+    deepest = std::max(deepest, t.q2_rad);
+  }
+  EXPECT_GT(deepest, 0.2);
+}
+
+TEST(Environment, KelvinVoigtIsASpringBesideADashpot) {
+  expect_torque({.kind = EnvironmentKind::kKelvinVoigt, .stiffness = 0.04, .damping = 0.02, .angle_rad = 0.05}, 1.0e-6,
+                [](double angle, double rate) { return 0.04 * (angle - 0.05) + 0.02 * rate; });
+}
+
+TEST(Environment, HuntCrossleyFollowsItsLawAndLosesWhatItsLoopHolds) {
+  // stiffness d^1.5 (1 + damping d') from the surface on; before it, and once it has been left, nothing.
+  const Environment contact{
+      .kind = EnvironmentKind::kHuntCrossley, .stiffness = 0.3, .damping = 0.8, .angle_rad = 0.15};
+  expect_torque(contact, 1.0e-6, [](double angle, double rate) {
+    const double depth = std::max(angle - 0.15, 0.0);
+    return 0.3 * depth * std::sqrt(depth) * std::max(1.0 + 0.8 * rate, 0.0);
+  });
+  // A thrust of a half sine, a sin(w t): the spring gives its work back, and damping takes the integral over
+  // stiffness damping d^1.5 d'^2.
+  constexpr double kDepth = 0.2;
+  constexpr double kRate = 4.0;
+  double lost = 0.0;
+  double closed = 0.0;
+  constexpr int kSteps = 20000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double phase = 3.14159265358979 * (i + 0.5) / kSteps;
+    const double dt = 3.14159265358979 / kRate / kSteps;
+    const double depth = kDepth * std::sin(phase);
+    const double rate = kDepth * kRate * std::cos(phase);
+    lost += environment_torque(contact, 0.15 + depth, rate).value * rate * dt;
+    closed += 0.3 * 0.8 * std::pow(depth, 1.5) * rate * rate * dt;
+  }
+  EXPECT_NEAR(lost, closed, 1.0e-6 * closed);
+}
+
+TEST(Environment, ALockedJointStandsAndASpringIsFeltInBothDirections) {
+  PlantParameters p = quiet();
+  p.environment.kind = EnvironmentKind::kLocked;
+  Plant plant(p, 1);
+  double most = 0.0;
+  for (int i = 1; i <= 500; ++i) {
+    plant.step_kinematic(0.3 * std::sin(0.012 * i));
+    ASSERT_EQ(plant.truth().q2_rad, 0.0);
+    most = std::max(most, std::fabs(plant.truth().tau_in_nm));
+  }
+  EXPECT_GT(most, 0.1);
+  expect_torque({.kind = EnvironmentKind::kSpring, .stiffness = 0.05, .angle_rad = 0.1}, 5.0e-6,
+                [](double angle, double) { return 0.05 * (angle - 0.1); });
+}
+
 TEST(Environment, LayeredTissueIsSoftThenStiffAndKnowsItsInclusion) {
   PlantParameters p = quiet();
   p.environment = {.kind = EnvironmentKind::kLayered,

@@ -103,6 +103,25 @@ TEST(Scenario, UnknownKeysAreRefusedWhereTheyStand) {
   expect_refused("[environment]\nkind = \"honey\"\n", 2, "honey");
 }
 
+TEST(Scenario, WhatPlaysNoPartIsRefusedInsteadOfForgotten) {
+  expect_refused("[environment]\nstiffness = 0.2\n", 2, "`stiffness` plays no part");
+  expect_refused("[environment]\nkind = \"spring\"\nstiffness = 0.2\ndamping = 0.1\n", 4, "`damping` plays no part");
+  expect_refused("[environment]\nstiffness = 0.2\nlayer_depth_rad = 0.1\nkind = \"hunt_crossley\"\n", 3,
+                 "`layer_depth_rad` plays no part");
+  const auto segment = [](const std::string& lines) { return "[motion]\n[[motion.segments]]\n" + lines + "\n"; };
+  expect_refused(segment("kind = \"sine\"\nduration_s = 2\nfrequency_hz = 1\ndecay_per_s = 1"), 6, "`decay_per_s`");
+  expect_refused(segment("kind = \"hold\"\nduration_s = 2\namplitude_rad = 1"), 5, "`amplitude_rad`");
+  expect_refused(segment("frequency_hz = 1\nkind = \"multisine\"\nduration_s = 2"), 3, "`frequency_hz`");
+  expect_refused(segment("kind = \"wobble\"\nduration_s = 2"), 3, "sine_ladder");
+  expect_refused(segment("duration_s = 2"), 2, "lacks `kind`");
+  // Of every environment its own numbers are taken.
+  for (const char* good : {"kind = \"spring\"\nstiffness = 0.2\nangle_rad = 0.1",
+                           "damping = 0.1\nstiffness = 0.2\nkind = \"kelvin_voigt\"",
+                           "kind = \"layered\"\nstiffness = 0.2\ndeep_stiffness = 0.1\nsite_step_m = 0.01"}) {
+    EXPECT_EQ(refusal(std::string("[environment]\n") + good + "\n"), "") << good;
+  }
+}
+
 TEST(Scenario, TheSolversModeIsAWord) {
   EXPECT_EQ(parse_scenario("[plant]\nmode = \"dynamic\"\n", "x.toml").plant.mode, SolverMode::kDynamic);
   EXPECT_EQ(parse_scenario("seed = 2\n", "x.toml").plant.mode, SolverMode::kQuasiStatic);

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <set>
 #include <stdexcept>
+#include <vector>
 
 #include "hal/sim/plant.hpp"
 #include "tests/hal/sim/support.hpp"
@@ -55,6 +56,32 @@ TEST(CurrentSensor, QuantisesAndStopsAtFullScale) {
   EXPECT_DOUBLE_EQ(sensor.sample(0.6), 0.5);
   EXPECT_DOUBLE_EQ(sensor.sample(-0.65), -0.75);
   EXPECT_DOUBLE_EQ(sensor.sample(7.0), 2.0);
+}
+
+TEST(SampleDelay, EncoderAndCurrentLagByExactlyIt) {
+  // At a constant speed an angle that is late by d is short by speed times d, whole steps or not.
+  for (const double delay : {0.0, 0.0004, 0.001, 0.0025, 0.02}) {
+    PlantParameters p = quiet();
+    p.sample_delay_s = delay;
+    p.encoder_counts_per_turn = 2.0 * std::numbers::pi * 1.0e7;  // a count is 0.1 urad
+    Plant plant(p, 1);
+    for (int i = 1; i <= 300; ++i)
+      plant.step_kinematic(0.002 * i);
+    EXPECT_NEAR(plant.readings().encoder_counts, 1.0e7 * (0.6 - 2.0 * delay), 1.5) << delay;
+  }
+  PlantParameters p = quiet();
+  p.sample_delay_s = 0.003;
+  Plant late(p, 1);
+  Plant prompt(quiet(), 1);
+  std::vector<double> shown;
+  for (int i = 0; i < 50; ++i) {
+    late.step(i < 10 ? 0.0 : 1.0, true);
+    prompt.step(i < 10 ? 0.0 : 1.0, true);
+    shown.push_back(prompt.readings().current_a);
+    if (i >= 3) {
+      ASSERT_DOUBLE_EQ(late.readings().current_a, shown[static_cast<std::size_t>(i) - 3]) << i;
+    }
+  }
 }
 
 TEST(Camera, HoldsItsFramesAndDeliversThemLate) {
