@@ -5,7 +5,8 @@ namespace capstan {
 namespace {
 
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
-constexpr std::int32_t kLinkTimeoutCycles = 100;
+// A reference may have waited for one cycle before it was used, and torque goes within one: 100 ms in all.
+constexpr std::int32_t kLinkTimeoutCycles = 98;
 constexpr std::int32_t kOverCurrentCycles = 20;
 constexpr std::int32_t kMismatchCycles = 50;
 constexpr std::int32_t kFrozenCycles = 50;
