@@ -19,20 +19,8 @@ constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
 // Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
 // the two the limit would come and go with the sensor's noise.
 constexpr Q24 kCool = Q24::from_double(0.9);
-constexpr std::int64_t kTwoPiRaw = Q24::from_double(6.283185307179586).raw();
-// Keeps counts * 2 pi within 63 bits; far beyond the +-20 turns that an angle can express.
+// Far beyond the +-20 turns that an angle can express.
 constexpr std::int64_t kCountLimit = std::int64_t{1} << 34;
-
-auto angle_of(std::int64_t counts, const MotorConfig& motor) -> Q24 {
-  const std::int64_t scaled = motor.encoder_sign * counts * kTwoPiRaw;
-  const std::int64_t half = motor.encoder_counts_per_turn / 2;
-  return Q24::from_wide((scaled + (scaled < 0 ? -half : half)) / motor.encoder_counts_per_turn);
-}
-
-auto counts_of(Q24 angle_rad, const MotorConfig& motor) -> std::int64_t {
-  const std::int64_t scaled = std::int64_t{motor.encoder_sign} * angle_rad.raw() * motor.encoder_counts_per_turn;
-  return (scaled + (scaled < 0 ? -kTwoPiRaw : kTwoPiRaw) / 2) / kTwoPiRaw;
-}
 
 auto cycles_in(Q24 duration_s) -> std::int32_t {
   return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
@@ -70,18 +58,27 @@ auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
 
 }  // namespace
 
-Axis::Axis(const AxisConfig& config) : config_(config), law_(kPeriod, config.law) {}
+Axis::Axis(const AxisConfig& config)
+    : config_(config), scales_(config), law_(kPeriod, config.law), controller_(config.control) {}
+
+Axis::Scales::Scales(const AxisConfig& config)
+    : encoder(config.motor),
+      per_torque_constant(config.motor.torque_per_current_nm_per_a),
+      per_continuous_current(config.limits.continuous_current_a),
+      thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)) {}
 
 void Axis::rt_configure(const AxisConfig& config) {
   const bool rebuild = !same_law(config.law, config_.law) || !same_scale(config.motor, config_.motor);
   config_ = config;
+  scales_ = Scales(config_);
+  controller_.rt_configure(config_.control);
   if (rebuild) {
     law_ = MotionLaw<Q24>(kPeriod, config_.law);
   }
 }
 
 void Axis::rt_zero(Q24 q1_rad) {
-  counts_ = counts_of(q1_rad, config_.motor);
+  counts_ = scales_.encoder.counts_of(q1_rad);
   counting_ = false;
   zeroed_ = true;
   lost_ = false;
@@ -93,7 +90,7 @@ void Axis::rt_count(const AxisSensed& sensed) {
     // Unsigned difference: the counter may wrap between two cycles.
     const auto moved = static_cast<std::int32_t>(static_cast<std::uint32_t>(sensed.encoder_counts) -
                                                  static_cast<std::uint32_t>(last_counts_));
-    const Q24 angle = angle_of(moved, config_.motor);
+    const Q24 angle = scales_.encoder.angle_of(moved);
     lost_ |= abs(angle) > per_cycle(config_.motor.speed_limit_rad_s);
     counts_ = clamp<std::int64_t>(counts_ + moved, -kCountLimit, kCountLimit);
   } else {
@@ -109,7 +106,7 @@ void Axis::rt_sense(const AxisSensed& sensed) {
   telemetry_.estimate_valid = false;
   if (sensed.encoder == Quality::kOk) {
     rt_count(sensed);
-    telemetry_.q1_rad = angle_of(counts_, config_.motor);
+    telemetry_.q1_rad = scales_.encoder.angle_of(counts_);
   }
   if (lost_) {
     sensor_faults_ |= bit(Fault::kEncoderJump);
@@ -255,8 +252,9 @@ void Axis::rt_arm() {
 /// Too far, or faster than moves may be. By how far a low-pass lags, because a rate from counts is mostly noise.
 auto Axis::rt_runs_away() -> bool {
   constexpr Q24 kTrailS = Q24::from_double(0.02);
+  constexpr Q30 kTrailGain = kPeriod.filter_gain(kTrailS);
   const LimitConfig& limits = config_.limits;
-  trailing_q2_ += (telemetry_.q2_rad - trailing_q2_) * kPeriod.filter_gain(kTrailS);
+  trailing_q2_ += (telemetry_.q2_rad - trailing_q2_) * kTrailGain;
   return telemetry_.q2_rad > limits.joint_max_rad || telemetry_.q2_rad < limits.joint_min_rad ||
          abs(telemetry_.q2_rad - trailing_q2_) > limits.joint_speed_rad_s * kTrailS;
 }
@@ -290,8 +288,8 @@ auto Axis::rt_control() -> Q24 {
 }
 
 void Axis::rt_warm() {
-  const Q24 load = telemetry_.current_a / config_.limits.continuous_current_a;
-  heat_ += (load * load - heat_) * kPeriod.filter_gain(config_.limits.thermal_time_s);
+  const Q24 load = telemetry_.current_a * scales_.per_continuous_current;
+  heat_ += (load * load - heat_) * scales_.thermal_gain;
   hot_ = heat_ >= (hot_ ? kCool : kOne);
 }
 
@@ -308,7 +306,7 @@ auto Axis::rt_limit(Q24 torque_nm, bool energised) -> AxisDrive {
     telemetry_.drive_a = Q24{};
     return {};
   }
-  Q24 wanted = torque_nm / config_.motor.torque_per_current_nm_per_a;
+  Q24 wanted = torque_nm * scales_.per_torque_constant;
   // In motor space, because that is where tendons break: no torque further out than the travel allows.
   if (rt_outward(wanted)) {
     rt_flag(Limit::kMotorTravel);

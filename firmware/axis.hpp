@@ -2,6 +2,7 @@
 #pragma once
 
 #include "firmware/controller.hpp"
+#include "firmware/encoder_scale.hpp"
 #include "firmware/faults.hpp"
 #include "firmware/trajectory.hpp"
 #include "hal/joint_io.hpp"
@@ -98,7 +99,17 @@ class Axis {
   [[nodiscard]] auto rt_outward(Q24 current_a) const -> bool;
   void rt_flag(Limit limit) { telemetry_.limits |= static_cast<std::uint8_t>(limit); }
 
+  /// What follows from the parameters, so that the cycle divides nothing.
+  struct Scales {
+    explicit Scales(const AxisConfig& config);
+    EncoderScale encoder;
+    Reciprocal<Q24> per_torque_constant;
+    Reciprocal<Q24> per_continuous_current;
+    Q30 thermal_gain;
+  };
+
   AxisConfig config_;
+  Scales scales_;
   MotionLaw<Q24> law_;
   Controller controller_;
   Trajectory trajectory_;

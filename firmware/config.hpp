@@ -10,11 +10,13 @@ inline constexpr std::int32_t kCycleRateHz = 1000;
 
 /// A rate's share of one cycle: rate / kCycleRateHz by the one rounding rule (nearest, ties towards plus infinity).
 constexpr auto per_cycle(Q24 rate) -> Q24 {
-  const std::int64_t shifted = std::int64_t{rate.raw()} + kCycleRateHz / 2;
-  const std::int64_t quotient = shifted / kCycleRateHz;
-  return Q24::from_wide(quotient * kCycleRateHz > shifted ? quotient - 1 : quotient);
+  const std::int32_t quotient = rate.raw() / kCycleRateHz;
+  const std::int32_t twice_the_rest = 2 * (rate.raw() % kCycleRateHz);
+  return Q24::from_raw(quotient + (twice_the_rest >= kCycleRateHz ? 1 : 0) - (twice_the_rest < -kCycleRateHz ? 1 : 0));
 }
 static_assert(per_cycle(Q24::from_raw(1499)).raw() == 1 && per_cycle(Q24::from_raw(-1499)).raw() == -1);
+static_assert(per_cycle(Q24::from_raw(1500)).raw() == 2 && per_cycle(Q24::from_raw(-1500)).raw() == -1 &&
+              per_cycle(Q24::from_raw(-1501)).raw() == -2);
 static_assert(per_cycle(Q24::max()).raw() > 0 && per_cycle(Q24::lowest()).raw() < 0);
 
 /// Motor, gear and encoder, as seen at the transmission's input pulley.

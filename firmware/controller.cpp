@@ -18,7 +18,12 @@ constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
 
 }  // namespace
 
-Controller::Controller() : reference_(kPeriod, kReferenceShape) {}
+Controller::Controller(const ControlConfig& gains)
+    : reference_(kPeriod, kReferenceShape), reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)) {}
+
+void Controller::rt_configure(const ControlConfig& gains) {
+  reversal_gain_ = kPeriod.filter_gain(gains.reversal_time_s);
+}
 
 void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad) {
   reference_ = SampleConditioner<Q24>(kPeriod, kReferenceShape);
@@ -32,16 +37,19 @@ void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
 
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
     -> Q24 {
-  const auto inverse_on = [&](bool forward) {
-    Sample<Q24> on = motion;
-    on.forward = forward;
-    on.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
-    if (forward != motion.forward) {  // it will have turned out of the other steady motion
-      on.tau_reversal = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
-    }
-    return law.invert(q2, on);
+  const Q24 shared = law.rest_either_way(q2, motion);
+  const bool went_forward = motion.forward;
+  const Q24 turned_at = motion.tau_reversal;
+  const auto rest_on = [&](bool forward) {
+    motion.forward = forward;
+    motion.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
+    // On the other branch it will have turned out of the other steady motion.
+    const Q24 other_torque = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
+    motion.tau_reversal = forward == went_forward ? turned_at : other_torque;
+    return law.rest_one_way(motion);
   };
-  return mix(inverse_on(false), inverse_on(true), branch_);
+  const Q24 backward = rest_on(false);
+  return law.per_beta(q2 - (shared + mix(backward, rest_on(true), branch_)));
 }
 
 auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {
@@ -57,15 +65,15 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   const bool crossed = law.beta() < Q24{};
   const auto motor_side = [crossed](Q24 joint_side) { return crossed ? -joint_side : joint_side; };
 
-  const Sample<Q24> reference = reference_.update(q2_reference, Q24{});
+  const Sample<Q24>& reference = reference_.update(q2_reference, Q24{});
   if (reference.dq1 != Q24{}) {
     const Q24 target = reference.forward != crossed ? kOne : Q24{};
-    branch_ += (target - branch_) * kPeriod.filter_gain(gains.reversal_time_s);
+    branch_ += (target - branch_) * reversal_gain_;
   }
   Sample<Q24> motion = law.sample();
   motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
-  motion.dq1 = reference.dq1 / law.beta();
-  motion.ddq1 = reference.ddq1 / law.beta();
+  motion.dq1 = law.per_beta(reference.dq1);
+  motion.ddq1 = law.per_beta(reference.ddq1);
   const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
   last_q2_ = q2;
   motor_reference_ = rt_inverse(gains, law, q2_reference, motion) + correction;

@@ -14,7 +14,9 @@ namespace capstan {
 /// so it crosses the hysteresis at once but does not kick.
 class Controller {
  public:
-  Controller();
+  explicit Controller(const ControlConfig& gains);
+  /// New gains.
+  void rt_configure(const ControlConfig& gains);
   /// Takes over without a jump: with the reference at the present estimate the motor is asked to stay where it is.
   void rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad);
   /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
@@ -30,6 +32,7 @@ class Controller {
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
   SampleConditioner<Q24> reference_;
+  Q30 reversal_gain_;
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;  // of the last cycle

@@ -197,6 +197,10 @@ auto check(const AxisConfig& config) -> const char* {
   if (abs(config.law.coefficients[0]) < Q24::from_double(0.01)) {
     return "motor_angle.beta is nearly zero, so the law can not be inverted; set it to the ratio of the pulley radii";
   }
+  if (!fits(config.law)) {
+    return "the law's coefficients add up to 256 or more, which its numbers do not hold; look for one that is far too "
+           "large";
+  }
   if (config.motor.encoder_sign == 0) {
     return "motor.encoder_sign is 0; set it to 1 or -1";
   }

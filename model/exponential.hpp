@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cmath>
 
 #include "model/scalar.hpp"
@@ -26,26 +27,27 @@ namespace detail {
 
 /// 1 - e^-x for x >= 0 in units of 2^-32, below 22: e^-22 is a third of Q30's last place.
 constexpr auto share_gone_of(std::int64_t x) -> Q30 {
-  constexpr std::int64_t kOne = std::int64_t{1} << Q30::kFrac;
+  constexpr std::int32_t kOne = Q30::from_int(1).raw();
   constexpr std::int64_t kLog2E26 = 96'817'625;  // log2 e, 2^-26: with x below 2^36.5 the product stays below 2^63
   // e^-x = 2^-n 2^-f, and 2^-f - 1 = f q(f) with the q of degree 5 that is off by 1.5e-9 at most: nothing at f = 0.
-  constexpr Q30 kQ0 = Q30::from_double(-0.693147089400);
-  constexpr Q30 kQ1 = Q30::from_double(0.240224711051);
-  constexpr Q30 kQ2 = Q30::from_double(-0.055492297321);
-  constexpr Q30 kQ3 = Q30::from_double(0.009582214112);
-  constexpr Q30 kQ4 = Q30::from_double(-0.001277473013);
-  constexpr Q30 kQ5 = Q30::from_double(0.000109936021);
+  // Each step takes one bit more of the sum before, so the smaller coefficients are kept finer.
+  constexpr std::int32_t kQ0 = Q30::from_double(-0.693147089400).raw();
+  constexpr std::int32_t kQ1 = Q30::from_double(0.240224711051 * 2).raw();
+  constexpr std::int32_t kQ2 = Q30::from_double(-0.055492297321 * 4).raw();
+  constexpr std::int32_t kQ3 = Q30::from_double(0.009582214112 * 8).raw();
+  constexpr std::int32_t kQ4 = Q30::from_double(-0.001277473013 * 16).raw();
+  constexpr std::int32_t kQ5 = Q30::from_double(0.000109936021 * 32).raw();
   const std::int64_t y = x * kLog2E26;  // 2^-58
   const auto n = static_cast<int>(y >> 58);
-  const Q30 f = Q30::from_wide((y & ((std::int64_t{1} << 58) - 1)) >> (58 - Q30::kFrac));
-  Q30 q = kQ5;
-  q = kQ4 + q * f;
-  q = kQ3 + q * f;
-  q = kQ2 + q * f;
-  q = kQ1 + q * f;
-  q = kQ0 + q * f;
-  const std::int64_t gone = -(q * f).raw();
-  return Q30::from_wide(kOne - ((kOne - gone) >> n));
+  const std::int32_t f = just_32_bits(static_cast<std::int32_t>((y >> 27) & 0x7FFF'FFFF));  // 2^-31
+  std::int32_t q = kQ5;
+  q = kQ4 + high_product(q, f);
+  q = kQ3 + high_product(q, f);
+  q = kQ2 + high_product(q, f);
+  q = kQ1 + high_product(q, f);
+  q = kQ0 + high_product(q, f);
+  const auto left = kOne + static_cast<std::int32_t>(shift_right_rounded<31>(wide_product(q, f)));  // 2^-f
+  return Q30::from_raw(kOne - (left >> n));
 }
 
 inline constexpr std::int64_t kFarAway = 22;  ///< e^-22 counts as nothing
@@ -60,6 +62,43 @@ constexpr auto share_gone(Q24 a, Q24 b) -> Q30 {
   }
   return detail::share_gone_of((distance << 32) / scale);
 }
+
+/// share_gone(a, b) for a scale that stays, without the division. In fixed point within 1e-8, a scale below 2^-22
+/// counting as nothing.
+template <typename Scalar>
+class FadingScale {
+ public:
+  constexpr explicit FadingScale(Scalar scale) : scale_(scale) {}
+  [[nodiscard]] auto share_gone(Scalar a) const { return capstan::share_gone(a, scale_); }
+
+ private:
+  Scalar scale_;
+};
+
+template <>
+class FadingScale<Q24> {
+ public:
+  constexpr explicit FadingScale(Q24 scale) : scale_(scale.raw() < 4 ? 0 : scale.raw()) {
+    if (scale_ > 0) {
+      const int bits = 32 - std::countl_zero(static_cast<std::uint32_t>(scale_));  // 2^(bits - 1) <= scale < 2^bits
+      multiplier_ =
+          narrow_saturating<std::int64_t, std::int32_t>(((std::int64_t{1} << (30 + bits)) + scale_ / 2) / scale_);
+      shift_ = bits - 2;
+    }
+  }
+  [[nodiscard]] constexpr auto share_gone(Q24 a) const -> Q30 {
+    const std::int32_t distance = abs(a).raw();
+    if (distance >= detail::kFarAway * scale_) {
+      return Q30::from_int(1);
+    }
+    return detail::share_gone_of(wide_product(distance, multiplier_) >> shift_);
+  }
+
+ private:
+  std::int32_t scale_;
+  std::int32_t multiplier_ = 0;
+  int shift_ = 0;
+};
 
 constexpr auto mean_decay(Q24 x) -> Q30 {
   // Below an eighth the series, which leaves x^5 / 720; above it the quotient, off by 5e-9 / x.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
+
 #include "model/scalar.hpp"
 
 namespace capstan {
@@ -28,19 +30,19 @@ class WideState<Q24> {
   constexpr WideState() = default;
   constexpr explicit WideState(Q24 start) : wide_(std::int64_t{start.raw()} * (std::int64_t{1} << kExtraBits)) {}
   [[nodiscard]] constexpr auto value() const -> Q24 { return Q24::from_wide(shift_right_rounded<kExtraBits>(wide_)); }
-  constexpr void approach(Q24 target, Q30 gain) { wide_ += distance(target) * gain.raw(); }
+  constexpr void approach(Q24 target, Q30 gain) { wide_ += way(target, gain.raw()); }
   /// The same with the gain `mantissa` 2^-(30 + shift).
   /// @pre 0 <= mantissa <= 2^30, 0 <= shift < 62
   constexpr void approach(Q24 target, std::int32_t mantissa, int shift) {
-    const std::int64_t half = shift > 0 ? std::int64_t{1} << (shift - 1) : 0;
-    wide_ += (distance(target) * mantissa + half) >> shift;
+    const std::int64_t way_there = way(target, mantissa);
+    wide_ += shift > 0 ? shift_right_rounded<1>(way_there >> (shift - 1)) : way_there;
   }
 
  private:
   static constexpr int kExtraBits = 30;
-  /// Less than 2^32, so that its product with a gain stays below 2^62.
-  [[nodiscard]] constexpr auto distance(Q24 target) const -> std::int64_t {
-    return std::int64_t{target.raw()} - value().raw();
+  /// The distance is less than 2^32, so its product with a gain stays below 2^62; in two products, each of 32 bits.
+  [[nodiscard]] constexpr auto way(Q24 target, std::int32_t gain) const -> std::int64_t {
+    return wide_product(target.raw(), gain) - wide_product(value().raw(), gain);
   }
 
   std::int64_t wide_ = 0;  // 2^-54
@@ -69,24 +71,14 @@ template <std::int32_t SecondsPerUnit>
 class LowPass<Q24, SecondsPerUnit> {
  public:
   constexpr LowPass(SamplePeriod<Q24> dt, Q24 time_constant) {
-    // g = 1 / (T rate + 1), to 30 significant bits however small it is.
+    // g = 1 / (T rate + 1), to 30 significant bits however small it is: the denominator, of 25 to 51 bits, goes to 32.
     constexpr std::int64_t kOne = std::int64_t{1} << Q24::kFrac;
     const std::int64_t time = time_constant.raw() > 0 ? time_constant.raw() : 0;
-    const std::int64_t denominator = time * SecondsPerUnit * dt.rate_hz() + kOne;
-    std::int64_t numerator = kOne;
-    while (2 * numerator <= denominator) {  // at most 27 rounds: the denominator is below 2^51
-      numerator *= 2;
-      ++shift_;
-    }
-    // Long division, since numerator 2^30 is too wide for one step.
-    std::int64_t mantissa = numerator / denominator;
-    std::int64_t rest = numerator % denominator;
-    for (int bit = 0; bit < 30; ++bit) {
-      rest *= 2;
-      mantissa = 2 * mantissa + (rest >= denominator ? 1 : 0);
-      rest -= rest >= denominator ? denominator : 0;
-    }
-    mantissa_ = static_cast<std::int32_t>(mantissa + (2 * rest >= denominator ? 1 : 0));
+    const auto denominator = static_cast<std::uint64_t>(time * SecondsPerUnit * dt.rate_hz() + kOne);
+    const int bits = 64 - std::countl_zero(denominator);
+    const std::uint64_t normalised = bits > 32 ? denominator >> (bits - 32) : denominator << (32 - bits);
+    mantissa_ = static_cast<std::int32_t>(((std::uint64_t{1} << 61) + normalised / 2) / normalised);
+    shift_ = bits - 1 - Q24::kFrac;
   }
   constexpr void start(Q24 value) { state_ = WideState<Q24>(value); }
   constexpr auto update(Q24 input) -> Q24 {

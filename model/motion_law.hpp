@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "model/catalogue.hpp"
+#include "model/reciprocal.hpp"
+#include "model/weighted_sum.hpp"
 
 namespace capstan {
 
@@ -16,6 +18,13 @@ struct LawParameters {
   std::array<Scalar, kShapeCount> shapes{};              ///< in the order of SumTerms, then OutputTerms
   ConditionerShape<Scalar> conditioner{};
 };
+
+/// A law can be made of these: its coefficients' magnitudes add up to less than 256, so that no sum of fixed point
+/// wraps. One that does not fit estimates nothing but zero, `saturated` in every cycle.
+template <typename Scalar>
+constexpr auto fits(const LawParameters<Scalar>& parameters) -> bool {
+  return WeightedSum<Scalar>::holds(parameters.coefficients);
+}
 
 template <typename Scalar>
 struct Estimate {
@@ -32,7 +41,10 @@ template <typename Scalar>
 class MotionLaw {
  public:
   constexpr MotionLaw(SamplePeriod<Scalar> dt, const LawParameters<Scalar>& parameters)
-      : coefficients_(parameters.coefficients),
+      : fits_(fits(parameters)),
+        coefficients_(fits_ ? parameters.coefficients : decltype(coefficients_){}),
+        active_(active_terms(coefficients_)),
+        per_beta_(beta()),
         conditioner_(dt, parameters.conditioner),
         terms_(make<SumTerms, 0>(dt, parameters)),
         output_terms_(make<OutputTerms, SumTerms::kShapes>(dt, parameters)) {}
@@ -47,15 +59,10 @@ class MotionLaw {
   constexpr auto update(const Measured<Scalar>& now) -> Estimate<Scalar> {
     const Sample<Scalar>& sample = conditioner_.update(now, started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset]);
     started_ = true;
-    Estimate<Scalar> estimate{.saturated = sample.saturated};
-    // Each partial sum counts: a later term could lead the total back from the end of the range and hide the cut. Only
-    // a regressor whose coefficient is zero does not: nothing of it gets through.
-    const auto watch = [&estimate](Scalar coefficient, Scalar regressor, Scalar product, Scalar total) {
-      estimate.saturated |= (Traits::is_saturated(regressor) && coefficient != Scalar{}) ||
-                            Traits::is_saturated(product) || Traits::is_saturated(total);
-    };
-    estimate.q2 = sum(
-        terms_, [&sample](auto& term) { return term.update(sample); }, watch);
+    WeightedSum<Scalar> y;
+    for_each_active(terms_,
+                    [&](auto& term, std::size_t first) [[gnu::always_inline]] { add(term.update(sample), first, y); });
+    Estimate<Scalar> estimate{.q2 = y.value(), .saturated = !fits_ || sample.saturated || y.saturated()};
     q2_ = estimate.q2;
     estimate.q2_reported = estimate.q2;
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
@@ -69,15 +76,23 @@ class MotionLaw {
   [[nodiscard]] constexpr auto beta() const -> Scalar { return coefficients_[kBeta]; }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
-  /// `motion` (its direction, speed and torque) has settled. From (5.28): q1 = (q2 - rest) / beta. `motion.q1` is where
-  /// the motor is about to be, for what is periodic in it; its q2 is not read.
+  /// `motion` (its direction, speed and torque) has settled. From (5.28): q1 = (q2 - rest) / beta. `motion.q1` is
+  /// where the motor is about to be, for what is periodic in it; its q2 is not read.
   /// @pre beta is not zero; if it is, the result saturates.
-  [[nodiscard]] constexpr auto invert(Scalar q2, Sample<Scalar> motion) const -> Scalar {
-    motion.q2 = q2;
-    const Scalar all = sum(
-        terms_, [&motion](const auto& term) { return term.settled(motion); }, [](auto...) {});
-    return (q2 - (all - beta() * motion.q1)) / beta();
+  [[nodiscard]] constexpr auto invert(Scalar q2, const Sample<Scalar>& motion) const -> Scalar {
+    return per_beta(q2 - (rest_either_way(q2, motion) + rest_one_way(motion)));
   }
+  /// The two parts of the rest, for who turns the law round for both directions at once: what is the same whichever
+  /// way the motion goes and whatever torque it takes, and what is not.
+  [[nodiscard]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar> motion) const -> Scalar {
+    motion.q2 = q2;
+    return settled<true>(motion);
+  }
+  [[nodiscard]] constexpr auto rest_one_way(const Sample<Scalar>& motion) const -> Scalar {
+    return settled<false>(motion);
+  }
+  /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
+  [[nodiscard]] constexpr auto per_beta(Scalar joint_side) const -> Scalar { return joint_side * per_beta_; }
 
  private:
   using Traits = ScalarTraits<Scalar>;
@@ -103,31 +118,60 @@ class MotionLaw {
     }(std::type_identity<typename List::template Tuple<Scalar>>{});
   }
 
-  /// @param watch  told of each coefficient, regressor, product and partial sum
-  template <typename Terms, typename Regressors, typename Watch>
-  constexpr auto sum(Terms& terms, Regressors&& regressors_of, Watch&& watch) const -> Scalar {
-    Scalar total{};
-    std::size_t next = 0;
-    auto add = [&](auto& term) {
-      // An effect that is off adds nothing, whatever its state: its coefficients change only with a new law.
-      constexpr std::size_t kCount = std::tuple_size_v<decltype(regressors_of(term))>;
-      const auto first = coefficients_.begin() + static_cast<std::ptrdiff_t>(next);
-      if (std::all_of(first, first + kCount, [](Scalar coefficient) { return coefficient == Scalar{}; })) {
-        next += kCount;
-        return;
+  static constexpr auto active_terms(const std::array<Scalar, kCoefficientCount>& coefficients) -> std::uint32_t {
+    std::uint32_t active = 0;
+    std::uint32_t bit = 1;
+    auto next = coefficients.begin();
+    SumTerms::for_each<Scalar>([&]<typename Term>() {
+      const auto end = next + static_cast<std::ptrdiff_t>(kCoefficientsOf<Term>);
+      active |= std::all_of(next, end, [](Scalar coefficient) { return coefficient == Scalar{}; }) ? 0 : bit;
+      next = end;
+      bit <<= 1U;
+    });
+    return active;
+  }
+  static_assert(std::tuple_size_v<typename SumTerms::Tuple<Scalar>> <= 32);
+
+  /// Calls visit(term, place of its first coefficient) for every effect that is on. One that is off adds nothing,
+  /// whatever its state: its coefficients change only with a new law.
+  template <typename Terms, typename Visit>
+  [[gnu::always_inline]] constexpr void for_each_active(Terms& terms, Visit&& visit) const {
+    std::size_t first = 0;
+    std::uint32_t bit = 1;
+    const auto each = [&]<typename Term>(Term& term) [[gnu::always_inline]] {
+      if ((active_ & bit) != 0) {
+        visit(term, first);
       }
-      for (const Scalar regressor : regressors_of(term)) {
-        const Scalar coefficient = coefficients_[next++];
-        const Scalar product = coefficient * regressor;
-        total += product;
-        watch(coefficient, regressor, product, total);
-      }
+      first += kCoefficientsOf<Term>;
+      bit <<= 1U;
     };
-    std::apply([&](auto&... term) { (add(term), ...); }, terms);
-    return total;
+    std::apply([&each](auto&... term) [[gnu::always_inline]] { (each(term), ...); }, terms);
   }
 
+  template <std::size_t Count>
+  [[gnu::always_inline]] constexpr void add(const std::array<Scalar, Count>& regressors, std::size_t first,
+                                            WeightedSum<Scalar>& sum) const {
+    for (std::size_t k = 0; k < Count; ++k) {
+      sum.add(coefficients_[first + k], regressors[k]);
+    }
+  }
+
+  /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta q1.
+  template <bool Alike>
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
+    WeightedSum<Scalar> rest;
+    for_each_active(terms_, [&]<typename Term>(const Term& term, std::size_t first) [[gnu::always_inline]] {
+      if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
+        add(term.settled(motion), first, rest);
+      }
+    });
+    return rest.value();
+  }
+
+  bool fits_;
   std::array<Scalar, kCoefficientCount> coefficients_;
+  std::uint32_t active_;  ///< a bit for each term, in the order of SumTerms
+  Reciprocal<Scalar> per_beta_;
   SampleConditioner<Scalar> conditioner_;
   typename SumTerms::Tuple<Scalar> terms_;
   typename OutputTerms::Tuple<Scalar> output_terms_;

@@ -27,8 +27,8 @@ struct InputCommand {
 ///   f* = f_{a_n u} - f_{a_n b_{n-1}} falling, f_{u u} - f_{u b_{n-1}} rising.
 /// The thesis starts from -f+, which assumes symmetric saturations; here the sum starts from the measured lower one,
 /// f-. The remembered extremes (a_k falling, b_k rising) are a stack; each keeps the sum up to itself, so a step costs
-/// one or two table look-ups however deep the stack is, and wiping out an extreme is one comparison. No allocation;
-/// every loop is bounded by Depth or MaxLevels.
+/// one or two table look-ups however deep the stack is. Peaks and valleys are nested, so what a step wipes out is found
+/// by halving: six comparisons for sixty loops. No allocation; every loop is bounded by the bits of Depth or MaxLevels.
 /// @tparam MaxLevels  largest grid   @tparam Depth  most extremes remembered, the lower saturation included
 template <typename Scalar, std::size_t MaxLevels, std::size_t Depth = 64>
 class Preisach {
@@ -84,8 +84,8 @@ class Preisach {
   /// The law turned round: the input that a monotone motion from the present one has to reach for this force, with all
   /// that it wipes out on the way. Exact, since the force is piecewise linear along every branch: there and back is off
   /// by rounding only. Where the force does not change with the input, the input nearest to the present one. A force
-  /// beyond a saturation gives that end of the table and is not reachable. Changes nothing; at most Depth / 2 branches
-  /// and ten halvings.
+  /// beyond a saturation gives that end of the table and is not reachable. Changes nothing; one halving of the
+  /// extremes and one of the grid.
   [[nodiscard]] constexpr auto input_for(Scalar force) const -> InputCommand<Scalar> {
     if (!usable_) {
       return {};
@@ -107,7 +107,7 @@ class Preisach {
   using Surface = ReversalSurface<Scalar, MaxLevels>;
   using Position = GridPosition<Scalar>;
   /// An extreme of the input and the sum up to it: the force is closed + f_{position, u} below a peak, and
-  /// closed + f_uu - f_{u, position} above a valley.
+  /// closed + f_uu - f_{u, position} above a valley, so closed itself at the valley.
   struct Extreme {
     Position position{};
     Scalar closed{};
@@ -116,6 +116,10 @@ class Preisach {
   // Valleys and peaks alternate from the lower saturation at index 0.
   [[nodiscard]] constexpr auto last_is_peak() const -> bool { return size_ % 2 == 0; }
   [[nodiscard]] constexpr auto top() const -> const Extreme& { return history_[size_ - 1]; }
+  [[nodiscard]] constexpr auto peaks() const -> std::size_t { return size_ / 2; }
+  [[nodiscard]] constexpr auto valleys() const -> std::size_t { return (size_ + 1) / 2; }
+  [[nodiscard]] constexpr auto peak(std::size_t i) const -> const Extreme& { return history_[2 * i + 1]; }
+  [[nodiscard]] constexpr auto valley(std::size_t i) const -> const Extreme& { return history_[2 * i]; }
 
   [[nodiscard]] constexpr auto force_at(const Position& x) const -> Scalar {
     return last_is_peak() ? top().closed + surface_.at(top().position, x)
@@ -139,37 +143,49 @@ class Preisach {
                                     : before.closed - surface_.at(extreme, before.position)};
   }
 
-  [[nodiscard]] constexpr auto rise_for(Scalar force) const -> InputCommand<Scalar> {
-    Branch branch{last_is_peak() ? turned_at(last_) : top(), true};
-    Position start = last_;
-    // Peaks have odd places. The next one passed is wiped out with the valley below it, and the branch before goes on.
-    for (std::size_t above = last_is_peak() ? size_ : size_ - 1; above >= 2; above -= 2) {
-      const Position& peak = history_[above - 1].position;
-      if (!(force_on(branch, peak) < force)) {
-        return solve(branch, start, peak, force);
-      }
-      start = peak;
-      branch.from = history_[above - 2];
+  /// How many of so many nested extremes stay when every one after the first that does not is gone. Halving finds it;
+  /// the innermost is tried first, since most steps wipe out nothing.
+  template <typename Stays>
+  static constexpr auto staying(std::size_t count, Stays&& stays) -> std::size_t {
+    if (count == 0 || stays(count - 1)) {
+      return count;
     }
-    const Position end = surface_.highest();
-    return force_on(branch, end) < force ? InputCommand<Scalar>{surface_.input_at(end), false}
-                                         : solve(branch, start, end, force);
+    std::size_t low = 0;
+    for (std::size_t high = count - 1; low < high;) {  // at most as many rounds as Depth has bits
+      const std::size_t middle = (low + high) / 2;
+      if (stays(middle)) {
+        low = middle + 1;
+      } else {
+        high = middle;
+      }
+    }
+    return low;
+  }
+
+  /// A peak that the force passes on the way up is wiped out with the valley below it, and the branch before goes on.
+  [[nodiscard]] constexpr auto rise_for(Scalar force) const -> InputCommand<Scalar> {
+    const std::size_t left = staying(peaks(), [&](std::size_t i) {
+      const Extreme& top_of_loop = peak(i);
+      return !(top_of_loop.closed + surface_.at(top_of_loop.position, top_of_loop.position) < force);
+    });
+    const bool passes = left < peaks();
+    const Branch branch{passes ? valley(left) : (last_is_peak() ? turned_at(last_) : top()), true};
+    const Position start = passes ? peak(left).position : last_;
+    const Position limit = left > 0 ? peak(left - 1).position : surface_.highest();
+    if (left == 0 && force_on(branch, limit) < force) {
+      return {surface_.input_at(limit), false};
+    }
+    return solve(branch, start, limit, force);
   }
 
   [[nodiscard]] constexpr auto fall_for(Scalar force) const -> InputCommand<Scalar> {
-    Branch branch{last_is_peak() ? top() : turned_at(last_), false};
-    Position start = last_;
-    for (std::size_t valley = last_is_peak() ? size_ - 2 : size_ - 1;; valley -= 2) {
-      const Position& limit = history_[valley].position;
-      if (!(force < force_on(branch, limit))) {
-        return solve(branch, start, limit, force);
-      }
-      if (valley == 0) {
-        return {surface_.input_at(limit), false};
-      }
-      start = limit;
-      branch.from = history_[valley - 1];
+    const std::size_t left = staying(valleys(), [&](std::size_t i) { return !(force < valley(i).closed); });
+    if (left == 0) {
+      return {surface_.input_at(valley(0).position), false};
     }
+    const bool passes = left < valleys();
+    const Branch branch{passes ? peak(left - 1) : (last_is_peak() ? top() : turned_at(last_)), false};
+    return solve(branch, passes ? valley(left).position : last_, valley(left - 1).position, force);
   }
 
   /// The place nearest to `start` where a branch has the force. @pre the force lies between those at start and limit
@@ -209,29 +225,23 @@ class Preisach {
     last_ = x;
   }
 
+  /// Wipes out every peak that x reaches, each with the valley below it.
   constexpr void rise_to(const Position& x) {
-    if (last_is_peak()) {
-      if (x < top().position) {
-        remember(last_);
-        return;
-      }
-      --size_;
-    }
-    while (size_ > 1 && !(x < history_[size_ - 2].position)) {
-      size_ -= 2;  // wiped out: the valley and the peak before it
+    const std::size_t left = staying(peaks(), [&](std::size_t i) { return x < peak(i).position; });
+    if (last_is_peak() && left == peaks()) {
+      remember(last_);
+    } else {
+      size_ = 2 * left + 1;
     }
   }
 
+  /// Wipes out every valley that x reaches, each with the peak above it; the lower saturation itself stays.
   constexpr void fall_to(const Position& x) {
-    if (!last_is_peak()) {
-      if (top().position < x) {
-        remember(last_);
-        return;
-      }
-      size_ -= size_ > 1 ? 1 : 0;
-    }
-    while (size_ > 1 && !(history_[size_ - 2].position < x)) {
-      size_ -= size_ > 2 ? 2 : 1;  // the lower saturation itself stays
+    const std::size_t left = staying(valleys(), [&](std::size_t i) { return valley(i).position < x; });
+    if (!last_is_peak() && left == valleys()) {
+      remember(last_);
+    } else {
+      size_ = std::max<std::size_t>(2 * left, 1);
     }
   }
 

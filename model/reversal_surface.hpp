@@ -126,6 +126,9 @@ class ReversalSurface {
       return low + (corner - low) * a.fraction + (force(a.cell + 1, a.cell + 1) - corner) * b.fraction;
     }
     const Scalar near = along_row(a.cell, b);
+    if (a.fraction == Scalar{}) {
+      return near;
+    }
     return near + (along_row(a.cell + 1, b) - near) * a.fraction;
   }
 

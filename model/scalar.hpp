@@ -85,7 +85,7 @@ class SamplePeriod<Q24> {
   /// @param rate_hz  samples per second, 1 to 10000
   constexpr explicit SamplePeriod(std::int32_t rate_hz) : rate_hz_(rate_hz) {}
   [[nodiscard]] constexpr auto rate_of(Q24 difference) const -> Q24 {
-    return Q24::from_wide(static_cast<std::int64_t>(difference.raw()) * rate_hz_);
+    return Q24::from_wide(wide_product(difference.raw(), rate_hz_));
   }
   [[nodiscard]] constexpr auto samples_per_millisecond() const -> Q24 {
     return Q24::from_wide((rate_hz_ * kOne + 500) / 1000);

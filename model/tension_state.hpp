@@ -94,8 +94,7 @@ class FrictionChain {
     // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends.
     weight_ = kLength * mean_decay(step) * ScalarTraits<Scalar>::from(2.0) / (kOne + decay(step));
     for (std::size_t i = 0; i < Nodes; ++i) {
-      const Scalar phi = ScalarTraits<Scalar>::from(static_cast<double>(i) / static_cast<double>(Nodes - 1));
-      holds_[i] = {decay(eta * phi), kOne / decay(eta * phi)};
+      holds_[i] = {decay(eta * kPlaces[i]), kOne / decay(eta * kPlaces[i])};
       tensions_[i] = tension;
     }
   }
@@ -139,6 +138,14 @@ class FrictionChain {
     Scalar low{};
     Scalar high{};
   };
+  /// phi of each place.
+  static constexpr std::array<Scalar, Nodes> kPlaces = [] {
+    std::array<Scalar, Nodes> places{};
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      places[i] = ScalarTraits<Scalar>::from(static_cast<double>(i) / static_cast<double>(Nodes - 1));
+    }
+    return places;
+  }();
   [[nodiscard]] constexpr auto held(Scalar input, std::size_t i) const -> Scalar {
     const Scalar low = input * holds_[i].low;
     if (tensions_[i] < low) {

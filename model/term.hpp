@@ -65,6 +65,15 @@ concept SumTerm = requires(T term, const T& const_term, const Sample<Scalar>& sa
 }
 &&std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
+/// What a term has settled to does not hang on the direction or the torque of the motion: it says so with
+/// `static constexpr bool kSettlesAlike = true`, and the inverse for both directions then asks it once.
+template <typename Term>
+consteval auto settles_alike() -> bool {
+  return requires {
+    requires Term::kSettlesAlike;
+  };
+}
+
 /// A term that acts on the finished sum, as a sensor does on what it measures: y <- update(y). It is linear in y, so a
 /// fit may pass every column through it instead.
 template <typename T, typename Scalar>

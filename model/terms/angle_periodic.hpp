@@ -24,6 +24,8 @@ class AnglePeriodic {
       .shapes = {{{"order", "1", 0.5, 120.0, 5.0, "N: periods per turn of the input pulley", ShapeScale::kPeriods}}},
   };
 
+  static constexpr bool kSettlesAlike = true;
+
   constexpr AnglePeriodic(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : phase_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {

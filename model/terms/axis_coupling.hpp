@@ -24,6 +24,8 @@ class AxisCoupling {
       .shapes = {},
   };
 
+  static constexpr bool kSettlesAlike = true;
+
   constexpr AxisCoupling(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {

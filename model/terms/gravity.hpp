@@ -24,6 +24,8 @@ class Gravity {
       .shapes = {},
   };
 
+  static constexpr bool kSettlesAlike = true;
+
   constexpr Gravity(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {

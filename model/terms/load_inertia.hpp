@@ -22,6 +22,8 @@ class LoadInertia {
       .shapes = {},
   };
 
+  static constexpr bool kSettlesAlike = true;
+
   constexpr LoadInertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> { return {s.ddq1}; }

@@ -26,7 +26,8 @@ class Presliding {
       .shapes = {{{"width", "rad", 0.0005, 1.0, 0.02, "z0: deflection at which it slips, at the motor"}}},
   };
 
-  constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : width_(shape[0]) {}
+  constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
+      : width_(shape[0]), fading_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
     if (!started_) {
       started_ = true;
@@ -35,7 +36,7 @@ class Presliding {
     const Scalar step = s.q1 - q1_;
     q1_ = s.q1;
     if (step != Scalar{}) {
-      deflection_.approach(step > Scalar{} ? width_ : -width_, share_gone(step, width_));
+      deflection_.approach(step > Scalar{} ? width_ : -width_, fading_.share_gone(step));
     }
     return {-deflection_.value()};
   }
@@ -45,6 +46,7 @@ class Presliding {
 
  private:
   Scalar width_;
+  FadingScale<Scalar> fading_;
   Scalar q1_{};
   WideState<Scalar> deflection_{};
   bool started_ = false;

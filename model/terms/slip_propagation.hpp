@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "model/reciprocal.hpp"
 #include "model/term.hpp"
 
 namespace capstan {
@@ -43,29 +44,31 @@ class SlipPropagation {
   };
 
   constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
-      : torque_(shape[0]), reach_(shape[0] * kReach) {
+      : torque_(shape[0]), share_of_reach_(shape[0] * kReach) {
     constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
-    Scalar next = torque_ * kHalfShare;
-    for (Scalar& half_width : half_width_) {
-      half_width = next;
-      next += torque_ * kShare;
+    Scalar half_width = torque_ * kHalfShare;
+    for (std::size_t k = 0; k < kOperators; ++k) {
+      place_[k] = half_width;
+      width_[k] = half_width + half_width;
+      lowest_ -= half_width;
+      half_width += torque_ * kShare;
     }
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
-    if (!started_) {
-      started_ = true;
-      position_.fill(s.tau);
-    }
-    Scalar lag{};
+    const Scalar step = started_ ? s.tau - tau_ : Scalar{};
+    started_ = true;
+    tau_ = s.tau;
+    Scalar lag = lowest_;
+#pragma GCC unroll 8
     for (std::size_t k = 0; k < kOperators; ++k) {
-      position_[k] = clamp(position_[k], s.tau - half_width_[k], s.tau + half_width_[k]);
-      lag += (position_[k] - s.tau) * kShare;
+      place_[k] = clamp(place_[k] - step, Scalar{}, width_[k]);
+      lag += place_[k];
     }
-    const Scalar way_left = std::max(Scalar{}, kOne - abs(s.tau - s.tau_reversal) / reach_);
+    const Scalar way_left = std::max(Scalar{}, kOne - abs(s.tau - s.tau_reversal) * share_of_reach_);
     const Scalar square = way_left * way_left;
     const Scalar fading = s.tau * (square * square);
-    return {lag, s.forward ? fading : Scalar{}, s.forward ? Scalar{} : fading};
+    return {lag * kShare, s.forward ? fading : Scalar{}, s.forward ? Scalar{} : fading};
   }
 
   /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
@@ -82,9 +85,11 @@ class SlipPropagation {
   static constexpr Scalar kReach = Traits::from(4.0);
 
   Scalar torque_;
-  Scalar reach_;  ///< change of torque after which nothing of the old stretch is left
-  std::array<Scalar, kOperators> half_width_{};
-  std::array<Scalar, kOperators> position_{};
+  Reciprocal<Scalar> share_of_reach_;       ///< of the change of torque after which nothing of the old stretch is left
+  std::array<Scalar, kOperators> width_{};  ///< 2 r_k
+  std::array<Scalar, kOperators> place_{};  ///< play(tau, r_k) - tau + r_k, from 0 to 2 r_k
+  Scalar lowest_{};                         ///< the sum of play(tau, r_k) - tau where all places are 0
+  Scalar tau_{};
   bool started_ = false;
 };
 

@@ -25,6 +25,8 @@ class ThermalDrift {
       .shapes = {{{"time", "min", 0.05, 120.0, 5.0, "T: within it 63 % of the warming has come"}}},
   };
 
+  static constexpr bool kSettlesAlike = true;
+
   constexpr ThermalDrift(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : warmed_(dt, shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time

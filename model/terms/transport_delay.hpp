@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <type_traits>
 
 #include "model/term.hpp"
@@ -35,12 +36,9 @@ class TransportDelay {
   }
 
   constexpr auto update(Scalar y) -> Scalar {
-    if (!started_) {
-      started_ = true;
-      history_.fill(y);
-    }
     newest_ = newest_ + 1 < kSize ? newest_ + 1 : 0;
     history_[static_cast<std::size_t>(newest_)] = y;
+    oldest_age_ += oldest_age_ < kSize - 1 ? 1 : 0;
     const Scalar late = at(whole_);
     return late + (at(whole_ + 1) - late) * fraction_;
   }
@@ -48,8 +46,9 @@ class TransportDelay {
  private:
   static constexpr std::int32_t kSize =
       kMaxSamples + 2;  // the newest, and one beyond the oldest to interpolate towards
+  /// What was before the first sample counts as that.
   [[nodiscard]] constexpr auto at(std::int32_t age) const -> Scalar {
-    const std::int32_t index = newest_ - age;
+    const std::int32_t index = newest_ - std::min(age, oldest_age_);
     return history_[static_cast<std::size_t>(index < 0 ? index + kSize : index)];
   }
 
@@ -57,7 +56,7 @@ class TransportDelay {
   std::int32_t newest_ = 0;
   std::int32_t whole_ = 0;
   typename ScalarTraits<Scalar>::Gain fraction_{};
-  bool started_ = false;
+  std::int32_t oldest_age_ = -1;
 };
 
 }  // namespace capstan

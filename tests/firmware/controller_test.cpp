@@ -32,7 +32,7 @@ struct Rig {
 
   AxisConfig config;
   MotionLaw<Q24> law;
-  Controller controller;
+  Controller controller{config.control};
   Q24 q2;
 };
 

@@ -179,6 +179,7 @@ TEST(Parameters, EveryInconsistencyIsNamedWithItsParameterAndCure) {
   const std::vector<std::pair<std::string, std::string>> complaints = {
       {"motor_angle.beta", complaint([](AxisConfig& c) { c.law.coefficients[0] = Q24{}; })},
       {"motor_angle.beta", complaint([](AxisConfig& c) { c.law.coefficients[0] = Q24::from_double(-0.009); })},
+      {"coefficients", complaint([](AxisConfig& c) { c.law.coefficients.fill(Q24::from_int(10)); })},
       {"motor.encoder_sign", complaint([](AxisConfig& c) { c.motor.encoder_sign = 0; })},
       {"limits.motor_min", complaint([](AxisConfig& c) { c.limits.motor_min_rad = c.limits.motor_max_rad; })},
       {"limits.joint_min", complaint([](AxisConfig& c) { c.limits.joint_min_rad = Q24::from_int(3); })},

@@ -173,6 +173,9 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
     set_raw_value(config, parameter, static_cast<std::int32_t>(raw));
   }
   const auto scaled = [seed](double value) { return Q24::from_double(value * (1.0 + 0.001 * seed)); };
+  for (Q24& coefficient : config.law.coefficients) {
+    coefficient = Q24::from_raw(coefficient.raw() / 16);  // all together they may not reach 256
+  }
   config.motor.encoder_sign = seed % 2 == 0 ? 1 : -1;
   config.law.coefficients[0] = scaled(1.1);
   config.limits.motor_min_rad = scaled(-6.0);

@@ -20,6 +20,7 @@ TEST(ShareGone, IsWithinFiveBillionthsForAnyDistanceAndScale) {
   std::uniform_real_distribution<double> bits(0.0, 31.0);
   double worst = 0.0;
   double worst_small = 0.0;
+  double worst_fading = 0.0;
   for (int i = 0; i < 2000000; ++i) {
     const auto magnitude = static_cast<std::int32_t>(std::fmin(std::exp2(bits(engine)), 2147483647.0));
     const Q24 a = Q24::from_raw(i % 2 == 0 ? magnitude : -magnitude);
@@ -28,10 +29,16 @@ TEST(ShareGone, IsWithinFiveBillionthsForAnyDistanceAndScale) {
     const double error = std::fabs(share_gone(a, b).to_double() - expected);
     worst = std::fmax(worst, error);
     worst_small = std::fmax(worst_small, expected < 0.01 ? error - 1e-6 * expected : 0.0);
+    if (b.raw() >= 4) {
+      worst_fading = std::fmax(worst_fading, std::fabs(FadingScale<Q24>(b).share_gone(a).to_double() - expected));
+    }
   }
   std::printf("1 - e^-x: worst error %.2e, beyond 1e-6 of itself where small %.2e\n", worst, worst_small);
   EXPECT_LT(worst, 5e-9);
   EXPECT_LT(worst_small, 2e-9);
+  EXPECT_LT(worst_fading, 1e-8);
+  EXPECT_GT(worst_fading, 0.0);
+  EXPECT_EQ(FadingScale<Q24>(Q24::from_raw(3)).share_gone(Q24::from_raw(1)), Q30::from_int(1));
 }
 
 TEST(ShareGone, IsNothingForNoWayAndAllForAnyWayWithoutAScale) {

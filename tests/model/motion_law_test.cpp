@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "model/declared_range.hpp"
@@ -131,8 +132,13 @@ TEST(MotionLaw, WithEffectsTurnedOffIsBitIdenticalToOneWithoutThem) {
     const Q24 tau = number<Q24>(torque(0.001 * i));
     const auto sample = conditioner.update(q1, tau);
     const auto pair = elongation.update(sample);
-    const Q24 base = number<Q24>(1.142) * motor_angle.update(sample)[0] + number<Q24>(-0.31) +
-                     number<Q24>(-1.626) * pair[0] + number<Q24>(-1.213) * pair[1];
+    // Added up exactly and rounded once, halves upwards.
+    const auto product = [](double coefficient, Q24 regressor) {
+      return std::int64_t{number<Q24>(coefficient).raw()} * regressor.raw();
+    };
+    const std::int64_t exact = product(1.142, motor_angle.update(sample)[0]) + product(-0.31, Q24::from_int(1)) +
+                               product(-1.626, pair[0]) + product(-1.213, pair[1]);
+    const Q24 base = Q24::from_raw(static_cast<std::int32_t>((exact + (1 << 23)) >> 24));
     const auto estimate = full.update(q1, tau);
     ASSERT_EQ(estimate.q2.raw(), base.raw()) << "sample " << i;
     ASSERT_EQ(estimate.q2_reported.raw(), base.raw()) << "sample " << i;
@@ -161,8 +167,9 @@ auto any_within(double limit) -> double {
   return 1e-6 * *rc::gen::inRange(-bound, bound + 1);
 }
 
-// q2 = round(beta q1) + rest and q1 = round((q2 - rest) / beta) with the same rest to the last bit, so in units of the
-// last place the way back errs by 1/2 in the product, divided by beta, and 1/2 in the quotient.
+// q2 = round(beta q1 + rest) and q1 = round((q2 - round(rest)) / beta) with the rest in two parts, so in units of the
+// last place the way back errs by 1/2 in the sum and 1/2 in each part, divided by beta, and by 1/2 in the quotient and
+// 2^-31 of it in the reciprocal: a 128th of a unit per rad.
 RC_GTEST_PROP(MotionLawInverse, FindsTheMotorAngleOfASettledMotion, ()) {
   const double beta = (*rc::gen::arbitrary<bool>() ? 1.0 : -1.0) * (0.25 + std::fabs(any_within(1.5)));
   LawBuilder joint = joint_with_everything();
@@ -185,11 +192,12 @@ RC_GTEST_PROP(MotionLawInverse, FindsTheMotorAngleOfASettledMotion, ()) {
   }
   RC_ASSERT(!estimate.saturated);
   const double back = law.invert(estimate.q2, law.sample()).to_double();
-  RC_ASSERT(std::fabs(back - q1.to_double()) <= (0.5 / std::fabs(law.beta().to_double()) + 0.5) * kLsb);
+  RC_ASSERT(std::fabs(back - q1.to_double()) <=
+            (1.5 / std::fabs(law.beta().to_double()) + 0.5 + std::fabs(back) / 128.0) * kLsb);
 }
 
-// The other way round: the joint stands at the wanted angle to |beta|/2 + 1/2 units once the motor stands where
-// `invert` says.
+// The other way round: the joint stands at the wanted angle once the motor stands where `invert` says, but for the
+// quotient's error times beta, 1/2 in each part of the rest and 1/2 in the sum.
 RC_GTEST_PROP(MotionLawInverse, LeadsTheJointToTheWantedAngle, ()) {
   auto law = joint_with_everything().law<Q24>();
   const Q24 wanted = number<Q24>(any_within(20.0));
@@ -207,7 +215,8 @@ RC_GTEST_PROP(MotionLawInverse, LeadsTheJointToTheWantedAngle, ()) {
   RC_ASSERT(law.sample().forward == motion.forward);
   // A filter at rest stops up to three units above zero, where a sixth of it rounds to nothing; times 0.034 s that is
   // no unit.
-  RC_ASSERT(std::fabs(estimate.q2.to_double() - wanted.to_double()) <= (1.142 / 2.0 + 0.5 + 0.034 * 3.0 + 0.5) * kLsb);
+  RC_ASSERT(std::fabs(estimate.q2.to_double() - wanted.to_double()) <=
+            (1.142 * (0.5 + std::fabs(q1.to_double()) / 128.0) + 1.0 + 0.034 * 3.0 + 0.5) * kLsb);
 }
 
 TEST(MotionLawInverse, SaturatesWithoutARatio) {
@@ -216,17 +225,48 @@ TEST(MotionLawInverse, SaturatesWithoutARatio) {
   EXPECT_EQ(law.invert(Q24::from_int(-1), {}), Q24::lowest());
 }
 
-TEST(MotionLawSaturation, IsFlaggedEvenWhenALaterTermLeadsTheSumBack) {
+TEST(MotionLawSaturation, CutsNothingWhereALaterTermLeadsTheSumBack) {
   LawBuilder joint;
   joint.coefficient("motor_angle", "beta", 2.0)
       .coefficient("joint_offset", "offset", 30.0)
       .coefficient("tendon_elongation", "top", -10.0);
   auto law = joint.law<Q24>();
-  // 2 * 50 + 30 is cut to 128, and -10 * 5 then gives 78 instead of 80.
-  const auto estimate = law.update(Q24::from_int(50), Q24::from_int(5));
-  EXPECT_FALSE(estimate.q2.is_saturated());
+  const auto estimate = law.update(Q24::from_int(50), Q24::from_int(5));  // 2 * 50 + 30 is beyond 128
+  EXPECT_EQ(estimate.q2, Q24::from_int(80));
+  EXPECT_FALSE(estimate.saturated);
+  EXPECT_TRUE(law.update(Q24::from_int(50), Q24{}).saturated);
+}
+
+// Every regressor at an end of its range and the largest coefficients that may be: what is not within the range is cut
+// there, and says so.
+RC_GTEST_PROP(MotionLawSaturation, IsNeverAWrap, ()) {
+  using Limits = std::numeric_limits<std::int32_t>;
+  const auto any_raw =
+      rc::gen::oneOf(rc::gen::arbitrary<std::int32_t>(), rc::gen::element(Limits::min(), Limits::max()));
+  WeightedSum<Q24> sum;
+  long double exact = 0.0L;
+  std::array<Q24, 4> coefficients{};
+  for (Q24& coefficient : coefficients) {
+    coefficient = Q24::from_raw(*any_raw / 3);
+    const Q24 regressor = Q24::from_raw(*any_raw);
+    sum.add(coefficient, regressor);
+    exact += static_cast<long double>(coefficient.raw()) * regressor.raw() * 0x1p-48L;
+  }
+  RC_ASSERT(WeightedSum<Q24>::holds(coefficients));
+  const long double within = std::clamp(exact, -128.0L, 128.0L - 0x1p-24L);
+  RC_ASSERT(std::fabs(static_cast<double>(static_cast<long double>(sum.value().to_double()) - within)) <= 0.5 * kLsb);
+  RC_ASSERT(sum.saturated() || within == exact);
+}
+
+TEST(MotionLawSaturation, IsAllThatALawOfTooLargeCoefficientsSays) {
+  LawParameters<Q24> parameters;
+  parameters.coefficients.fill(Q24::from_int(12));
+  EXPECT_TRUE(fits(LawParameters<Q24>{}));
+  EXPECT_FALSE(fits(parameters));
+  MotionLaw<Q24> law(one_khz<Q24>(), parameters);
+  const auto estimate = law.update(Q24::from_double(0.5), Q24::from_double(0.1));
   EXPECT_TRUE(estimate.saturated);
-  EXPECT_FALSE(law.update(Q24::from_int(50), Q24{}).q2 == Q24{}) << "must not depend on the flag";
+  EXPECT_EQ(estimate.q2, Q24{});
 }
 
 TEST(MotionLawSaturation, IsFlaggedForEveryInputAndProduct) {

@@ -3,6 +3,7 @@
 
 #include "model/exponential.hpp"
 #include "model/low_pass.hpp"
+#include "model/reciprocal.hpp"
 #include "model/term.hpp"
 
 namespace capstan::effort {
@@ -29,7 +30,7 @@ class PlayFriction {
   };
 
   constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
-      : half_width_(shape[0]), bristle_way_(shape[0] * kHalf) {}
+      : half_width_(shape[0]), per_half_width_(shape[0]), bristle_(shape[0] * kHalf) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
     if (!started_) {
       started_ = true;
@@ -41,12 +42,12 @@ class PlayFriction {
     const Scalar step = s.q1 - q1_;
     q1_ = s.q1;
     if (step != Scalar{}) {
-      bristle_.approach(step > Scalar{} ? kOne : -kOne, share_gone(step, bristle_way_));
+      bristle_state_.approach(step > Scalar{} ? kOne : -kOne, bristle_.share_gone(step));
     }
     position_ = clamp(position_, s.q1 - half_width_, s.q1 + half_width_);
-    const Scalar slider = (s.q1 - position_) / half_width_;
+    const Scalar slider = (s.q1 - position_) * per_half_width_;
     const Scalar beyond = slider - clamp(slider, -kHalf, kHalf);
-    return {slider, beyond + beyond, bristle_.value()};
+    return {slider, beyond + beyond, bristle_state_.value()};
   }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
     const Scalar all = s.forward ? kOne : -kOne;
@@ -58,10 +59,12 @@ class PlayFriction {
   static constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
   static constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
 
-  Scalar half_width_, bristle_way_;
+  Scalar half_width_;
+  Reciprocal<Scalar> per_half_width_;
+  FadingScale<Scalar> bristle_;
   Scalar position_{};
   Scalar q1_{};
-  WideState<Scalar> bristle_{};
+  WideState<Scalar> bristle_state_{};
   bool started_ = false;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "model/exponential.hpp"
+#include "model/reciprocal.hpp"
 #include "model/term.hpp"
 
 namespace capstan::effort {
@@ -21,15 +22,17 @@ class StribeckFriction {
       .shapes = {{{"speed", "rad/s", 0.001, 10.0, 0.1, "v_s: speed at which 37 % of the excess are left"}}},
   };
 
-  constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : speed_(shape[0]) {}
+  constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
+      : speed_(shape[0]), per_speed_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
-    const Scalar left = speed_ > Scalar{} ? bell(s.dq1 / speed_) : Scalar{};
+    const Scalar left = speed_ > Scalar{} ? bell(s.dq1 * per_speed_) : Scalar{};
     return {s.forward ? left : -left};
   }
 
  private:
   Scalar speed_;
+  Reciprocal<Scalar> per_speed_;
 };
 
 }  // namespace capstan::effort

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+
+#include "model/scalar.hpp"
+
+namespace capstan {
+
+/// One over a number that stays, worked out once: x * reciprocal is x / number. A division of fixed point takes a
+/// Cortex-M4 a hundred instructions and more, this a quarter of that.
+template <typename Scalar>
+class Reciprocal {
+ public:
+  constexpr Reciprocal() = default;
+  constexpr explicit Reciprocal(Scalar number) : number_(number) {}
+  friend constexpr auto operator*(Scalar x, const Reciprocal& r) -> Scalar { return x / r.number_; }
+
+ private:
+  Scalar number_{};
+};
+
+/// 31 significant bits, so the quotient is within one unit in its last place up to half of the range, and within one
+/// and a half anywhere; it saturates as a quotient does. One over nothing takes all but a unit or two to an end of the
+/// range.
+template <>
+class Reciprocal<Q24> {
+ public:
+  constexpr Reciprocal() = default;
+  constexpr explicit Reciprocal(Q24 number) {
+    const std::int64_t size = number.raw() < 0 ? -std::int64_t{number.raw()} : number.raw();
+    const int bits = 64 - std::countl_zero(static_cast<std::uint64_t>(size));  // 2^(bits - 1) <= size < 2^bits
+    multiplier_ = size > 0 ? narrow_saturating<std::int64_t, std::int32_t>(
+                                 ((std::int64_t{1} << (kPrecision + bits)) + size / 2) / size)
+                           : std::numeric_limits<std::int32_t>::max();
+    multiplier_ = number.raw() < 0 ? -multiplier_ : multiplier_;
+    shift_ = size > 0 ? kPrecision + bits - Q24::kFrac : 1;
+  }
+  friend constexpr auto operator*(Q24 x, const Reciprocal& r) -> Q24 {
+    const std::int64_t product = wide_product(x.raw(), r.multiplier_);
+    return Q24::from_wide(shift_right_rounded<1>(product >> (r.shift_ - 1)));
+  }
+
+ private:
+  static constexpr int kPrecision = 30;
+  std::int32_t multiplier_ = 0;
+  int shift_ = 1;
+};
+
+}  // namespace capstan
