@@ -79,8 +79,8 @@ class Fixed {
     return from_raw(just_32_bits(narrow_saturating<std::int64_t, Rep>(raw)));
   }
   /// Nearest value, saturated. NaN becomes 0: callers that can meet NaN check first (the cycle never converts from
-  /// double).
-  static constexpr auto from_double(double value) -> Fixed {
+  /// double). Always inlined, so that a constant stays one on the target, where no double may be left.
+  [[gnu::always_inline]] static constexpr auto from_double(double value) -> Fixed {
     const double scaled = value * static_cast<double>(std::int64_t{1} << Frac);
     if (!(scaled > static_cast<double>(std::numeric_limits<Rep>::min()))) {
       return scaled == scaled ? lowest() : Fixed{};

@@ -60,8 +60,7 @@ class MotionLaw {
     const Sample<Scalar>& sample = conditioner_.update(now, started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset]);
     started_ = true;
     WeightedSum<Scalar> y;
-    for_each_active(terms_,
-                    [&](auto& term, std::size_t first) [[gnu::always_inline]] { add(term.update(sample), first, y); });
+    for_each_active(terms_, [&](auto& term, std::size_t first) { add(term.update(sample), first, y); });
     Estimate<Scalar> estimate{.q2 = y.value(), .saturated = !fits_ || sample.saturated || y.saturated()};
     q2_ = estimate.q2;
     estimate.q2_reported = estimate.q2;
@@ -138,14 +137,14 @@ class MotionLaw {
   [[gnu::always_inline]] constexpr void for_each_active(Terms& terms, Visit&& visit) const {
     std::size_t first = 0;
     std::uint32_t bit = 1;
-    const auto each = [&]<typename Term>(Term& term) [[gnu::always_inline]] {
+    const auto each = [&]<typename Term>(Term& term) {
       if ((active_ & bit) != 0) {
         visit(term, first);
       }
       first += kCoefficientsOf<Term>;
       bit <<= 1U;
     };
-    std::apply([&each](auto&... term) [[gnu::always_inline]] { (each(term), ...); }, terms);
+    std::apply([&each](auto&... term) { (each(term), ...); }, terms);
   }
 
   template <std::size_t Count>
@@ -160,7 +159,7 @@ class MotionLaw {
   template <bool Alike>
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
     WeightedSum<Scalar> rest;
-    for_each_active(terms_, [&]<typename Term>(const Term& term, std::size_t first) [[gnu::always_inline]] {
+    for_each_active(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
       if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
         add(term.settled(motion), first, rest);
       }
