@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/linux/file_descriptor.hpp"
+#include "hal/linux/gpio_request.hpp"
 
 namespace capstan {
 
@@ -23,7 +23,7 @@ struct GpioSetup {
   std::optional<Line> watchdog;  ///< output, a square wave of 500 Hz while the cycle runs
 };
 
-/// Opens at once, on an edge or on the level; closes when the contact has been closed for 20 cycles.
+/// Opens at once, on an edge of either kind or on the level; closes when the contact has been closed for 20 cycles.
 class EstopContact {
  public:
   static constexpr std::uint32_t kCyclesToClose = 20;
@@ -44,8 +44,8 @@ class GpioLines {
  public:
   /// Takes the lines; outputs begin low. Throws std::runtime_error with "sentence; cure".
   explicit GpioLines(const GpioSetup& setup);
-  GpioLines(GpioLines&&) = default;
-  auto operator=(GpioLines&&) -> GpioLines& = default;
+  GpioLines(GpioLines&&) noexcept = default;
+  auto operator=(GpioLines&&) noexcept -> GpioLines& = default;
   ~GpioLines();
 
   /// Once a cycle.
@@ -62,12 +62,13 @@ class GpioLines {
  private:
   auto rt_write(bool energised) -> bool;
 
-  FileDescriptor input_;
-  FileDescriptor outputs_;
+  GpioRequest input_;
+  GpioRequest outputs_;
+  bool input_inverted_ = false;
   // Bits of the outputs in the request; 0: not used.
-  std::uint64_t energised_bits_ = 0;
-  std::uint64_t watchdog_bit_ = 0;
-  std::uint64_t all_bits_ = 0;
+  std::uint32_t energised_bits_ = 0;
+  std::uint32_t watchdog_bit_ = 0;
+  std::uint32_t inverted_bits_ = 0;
   bool wave_ = false;
   std::uint32_t failures_ = 0;
   EstopContact contact_;
