@@ -53,7 +53,7 @@ auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool 
 // What turns counts and currents into the law's arguments; a change of it is a jump for the law's memory.
 auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
   return a.encoder_counts_per_turn == b.encoder_counts_per_turn && a.encoder_sign == b.encoder_sign &&
-         a.torque_per_current_nm_per_a == b.torque_per_current_nm_per_a;
+         a.torque_per_current_nm_per_a == b.torque_per_current_nm_per_a && a.fitted == b.fitted;
 }
 
 }  // namespace
@@ -101,6 +101,12 @@ void Axis::rt_count(const AxisSensed& sensed) {
 }
 
 void Axis::rt_sense(const AxisSensed& sensed) {
+  if (!fitted()) {
+    telemetry_ = {};
+    sensor_faults_ = 0;
+    counting_ = false;
+    return;
+  }
   sensor_faults_ = quality_fault(sensed.encoder) | quality_fault(sensed.current);
   telemetry_.limits = 0;
   telemetry_.estimate_valid = false;
@@ -118,7 +124,7 @@ void Axis::rt_sense(const AxisSensed& sensed) {
 }
 
 void Axis::rt_estimate(const Axis* other) {
-  if (sensor_faults_ != 0 || (other != nullptr && other->sensor_faults_ != 0)) {
+  if (!fitted() || sensor_faults_ != 0 || (other != nullptr && other->sensor_faults_ != 0)) {
     return;  // an estimate from an old value would be a guess; the fault is the sensor's own
   }
   Measured<Q24> now;
@@ -181,8 +187,8 @@ auto Axis::rt_motion_faults() -> FaultSet {
 }
 
 auto Axis::rt_faults(bool energised) -> FaultSet {
-  telemetry_.faults = sensor_faults_ | rt_current_faults();
-  if (energised) {
+  telemetry_.faults = sensor_faults_ | (fitted() ? rt_current_faults() : 0);
+  if (energised && fitted()) {
     telemetry_.faults |= rt_motion_faults();
   } else {
     cycles_off_reference_ = 0;
@@ -194,6 +200,9 @@ auto Axis::rt_faults(bool energised) -> FaultSet {
 }
 
 auto Axis::rt_command(const AxisCommand& command) -> bool {
+  if (!fitted()) {
+    return false;
+  }
   const LimitConfig& limits = config_.limits;
   const bool takes_over = command.kind == AxisCommand::Kind::kStop || command.kind == AxisCommand::Kind::kMove ||
                           command.kind == AxisCommand::Kind::kFollow;
@@ -301,7 +310,7 @@ auto Axis::rt_outward(Q24 current_a) const -> bool {
 auto Axis::rt_limit(Q24 torque_nm, bool energised) -> AxisDrive {
   const LimitConfig& limits = config_.limits;
   rt_warm();
-  if (!energised) {
+  if (!energised || !fitted()) {
     last_drive_a_ = Q24{};
     telemetry_.drive_a = Q24{};
     return {};

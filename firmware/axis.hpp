@@ -82,6 +82,7 @@ class Axis {
   auto rt_limit(Q24 torque_nm, bool energised) -> AxisDrive;
 
   [[nodiscard]] auto config() const -> const AxisConfig& { return config_; }
+  [[nodiscard]] auto fitted() const -> bool { return config_.motor.fitted != 0; }
   [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return telemetry_; }
 
  private:

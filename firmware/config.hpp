@@ -25,6 +25,7 @@ struct MotorConfig {
   std::int32_t encoder_sign = 1;                 ///< +1 or -1
   Q24 torque_per_current_nm_per_a = Q24::from_double(0.1);
   Q24 speed_limit_rad_s = Q24::from_double(60.0);  ///< a faster encoder is a fault
+  std::int32_t fitted = 1;                         ///< 0: there is no joint here; nothing is sensed, judged or driven
 };
 
 /// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the

@@ -115,6 +115,9 @@ auto check_moves(const ExperimentSetup& setup, const LimitConfig& limits) -> con
 }  // namespace
 
 auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) -> const char* {
+  if (config.motor.fitted == 0) {
+    return "there is no joint (motor.fitted is 0); choose another";
+  }
   constexpr std::int32_t kMost = 1000;
   if (setup.amplitude <= Q24{} || setup.rung_count == 0 || lowest_rung(setup) <= Q24{}) {
     return "amplitude, frequencies and speeds are above 0; correct them";

@@ -22,16 +22,10 @@ constexpr auto real(const char* group, const char* name, const char* unit, const
 }
 
 constexpr auto integer(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
-                       std::int32_t minimum, std::int32_t maximum) -> ParameterInfo {
-  return {group,
-          name,
-          unit,
-          doc,
-          ParameterType::kInteger,
-          ParameterChange::kDisarmed,
-          static_cast<std::uint16_t>(offset),
-          minimum,
-          maximum};
+                       std::int32_t minimum, std::int32_t maximum, ParameterChange change = ParameterChange::kDisarmed)
+    -> ParameterInfo {
+  return {group,   name,   unit, doc, ParameterType::kInteger, change, static_cast<std::uint16_t>(offset),
+          minimum, maximum};
 }
 
 constexpr auto kTunable = ParameterChange::kAnyTime;
@@ -51,6 +45,8 @@ constexpr std::array kFixedParameters = {
          kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
     real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
          kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0, kSafety),
+    integer("motor", "fitted", "1", "1, or 0 if the board has no joint here: then nothing of it blocks arming or moves",
+            kMotor + offsetof(MotorConfig, fitted), 0, 1, kSafety),
     real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad",
          kControl + offsetof(ControlConfig, kp), 0.0, 20.0, kTunable),
     real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0,

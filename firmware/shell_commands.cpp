@@ -110,9 +110,14 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
       << " overruns " << now.overruns << "\r\n";
   for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
     const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
-    out << "joint" << static_cast<std::uint32_t>(axis) << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm
-        << " Nm joint " << joint.q2_rad << " rad" << (joint.estimate_valid ? "" : " (not valid)") << " reference "
-        << joint.q2_reference_rad << " rad current " << joint.current_a << " A";
+    out << "joint" << static_cast<std::uint32_t>(axis);
+    if (shell.machine_.config()[axis].motor.fitted == 0) {
+      out << " not fitted\r\n";
+      continue;
+    }
+    out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
+        << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
+        << joint.current_a << " A";
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {
         out << " limited by " << kLimitNames[i];
@@ -139,11 +144,22 @@ void ShellCommands::disarm(Shell& shell, std::string_view /*arguments*/) {
   post(shell, {.kind = Request::Kind::kDisarm}, Shell::Activity::kDisarming);
 }
 
+auto ShellCommands::refuses_missing(Shell& shell, std::size_t axis) -> bool {
+  const bool missing = shell.machine_.config()[axis].motor.fitted == 0;
+  if (missing) {
+    shell.error("not_fitted", "there is no joint (motor.fitted is 0), and nothing was done", "choose another");
+  }
+  return missing;
+}
+
 void ShellCommands::move(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   Request request{.kind = Request::Kind::kMove};
   if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'move joint0 30 deg'");
+    return;
+  }
+  if (refuses_missing(shell, request.axis)) {
     return;
   }
   const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
@@ -173,6 +189,9 @@ void ShellCommands::hold(Shell& shell, std::string_view arguments) {
   Request request{.kind = Request::Kind::kStop};
   if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'hold joint0'");
+    return;
+  }
+  if (refuses_missing(shell, request.axis)) {
     return;
   }
   if (!energised(shell.machine_.telemetry().state)) {

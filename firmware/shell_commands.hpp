@@ -59,6 +59,8 @@ struct ShellCommands {
 
  private:
   static void replay_lines(Shell& shell, bool changed_only);
+  /// Says so where there is no joint. True: nothing may be done.
+  static auto refuses_missing(Shell& shell, std::size_t axis) -> bool;
   static void post(Shell& shell, const Request& request, Shell::Activity activity);
   static void begin_staging(Shell& shell);
   static void maintenance_status(Shell& shell);

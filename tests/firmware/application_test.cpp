@@ -320,5 +320,35 @@ TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
   EXPECT_FALSE(recorder.next(sample));
 }
 
+/// A board of two axes with a joint on the first only.
+struct HalfFittedIo : test::FakeIo<2> {
+  auto read(Sensed<2>& sensed) noexcept -> Status {
+    static_cast<void>(test::FakeIo<2>::read(sensed));
+    sensed.axis[1] = {};
+    return Status::kTimeout;
+  }
+};
+
+TEST(Application, AJointThatIsNotFittedBlocksNothingOnceTheBoardIsTold) {
+  HalfFittedIo io;
+  test::FlashBanks banks;
+  Application<HalfFittedIo> application(io, banks);
+  const auto arm = [&] {
+    EXPECT_TRUE(application.post({.kind = Request::Kind::kArm}));
+    for (int i = 0; i < 10; ++i) {
+      application.rt_tick();
+    }
+    return energised(application.telemetry().state);
+  };
+  EXPECT_FALSE(arm());
+  EXPECT_EQ(application.telemetry().conditions, bit(Fault::kSensorMissing));
+  Config<2> config{};
+  config[1].motor.fitted = 0;
+  ASSERT_TRUE(application.configure(config));
+  EXPECT_TRUE(arm());
+  EXPECT_TRUE(io.drive.axis[0].enabled);
+  EXPECT_FALSE(io.drive.axis[1].enabled);
+}
+
 }  // namespace
 }  // namespace capstan

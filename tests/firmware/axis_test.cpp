@@ -363,5 +363,29 @@ TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce
   }
 }
 
+TEST(AxisNotFitted, NothingOfItIsAFaultMovesOrHasTorqueAndFittedAgainItIsAnother) {
+  AxisConfig config;
+  config.motor.fitted = 0;
+  Axis axis(config);
+  for (const Quality quality : {Quality::kMissing, Quality::kInvalid, Quality::kOk}) {
+    for (int i = 0; i < 200; ++i) {
+      axis.rt_sense({.encoder_counts = i * 100'000, .current_a = q(90.0), .encoder = quality, .current = quality});
+      axis.rt_estimate(nullptr);
+      ASSERT_EQ(axis.rt_faults(true), 0U);
+      ASSERT_FALSE(axis.rt_command({.kind = AxisCommand::Kind::kFollow, .position_rad = q(0.5)}));
+      const AxisDrive drive = axis.rt_limit(axis.rt_control(), true);
+      ASSERT_FALSE(drive.enabled);
+      ASSERT_EQ(drive.current_a, Q24{});
+    }
+    EXPECT_FALSE(axis.in_motion());
+    EXPECT_FALSE(axis.telemetry().estimate_valid);
+  }
+  axis.rt_configure(AxisConfig{});
+  estimate(axis, sensed_at(0.3, 0.0));
+  EXPECT_EQ(axis.rt_faults(false), 0U);  // where the counter went before was nobody's jump
+  EXPECT_TRUE(axis.telemetry().estimate_valid);
+  EXPECT_NEAR(axis.telemetry().q2_rad.to_double(), 0.3, 1e-3);
+}
+
 }  // namespace
 }  // namespace capstan

@@ -31,7 +31,8 @@ TEST(ShellMaintenance, EveryLimitIsRefusedWhileClosedAndNothingElseIs) {
   Bench bench;
   for (const ParameterInfo& parameter : parameters()) {
     const std::string name = std::string(parameter.group) + "." + parameter.name;
-    const bool limit = std::string(parameter.group) == "limits" || name == "motor.speed_limit";
+    const bool limit =
+        std::string(parameter.group) == "limits" || name == "motor.speed_limit" || name == "motor.fitted";
     AxisConfig changed;
     const std::int32_t raw = raw_value(changed, parameter);
     set_raw_value(changed, parameter, raw < parameter.maximum ? raw + 1 : raw - 1);
@@ -145,6 +146,23 @@ TEST(ShellMaintenance, NoKeyIsEverPrintedWhateverIsSaidWithIt) {
     const std::string bytes(bank.begin(), bank.end());
     EXPECT_EQ(bytes.find("tendon"), std::string::npos);
   }
+}
+
+TEST(ShellMaintenance, AJointThatIsNotFittedIsSaidToBeMissingAndMovesNothing) {
+  Bench bench;
+  EXPECT_TRUE(refused(bench.say("set joint1.motor.fitted 0"), "maintenance"));
+  ASSERT_EQ(verdict(bench.say("maintenance open")), "ok");
+  ASSERT_EQ(verdict(bench.say("set joint1.motor.fitted 0")), "ok");
+  ASSERT_EQ(verdict(bench.say("arm")), "ok");
+  EXPECT_TRUE(has_line(bench.say("status"), "joint1 not fitted"));
+  EXPECT_TRUE(refused(bench.say("move joint1 0.2 rad"), "not_fitted"));
+  EXPECT_TRUE(refused(bench.say("hold joint1"), "not_fitted"));
+  EXPECT_TRUE(refused(bench.say("experiment joint1 triangle"), "range"));
+  ASSERT_EQ(verdict(bench.say("move joint0 0.2 rad")), "ok");
+  bench.ticks(1000);
+  EXPECT_NEAR(bench.joint(0).q2_rad.to_double(), 0.2, 0.02);
+  EXPECT_FALSE(bench.io.drive.axis[1].enabled);
+  EXPECT_TRUE(bench.io.drive.axis[0].enabled);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(ShellParameters, ListPrintsEveryParameterOfTheChosenPart) {
   EXPECT_EQ(lines_of(bench.say("list")).size(), 2 * all + 1);
   EXPECT_EQ(lines_of(bench.say("list joint1")).size(), all + 1);
   const auto group = lines_of(bench.say("list joint1.motor"));
-  ASSERT_EQ(group.size(), 4U + 1U);
+  ASSERT_EQ(group.size(), 5U + 1U);
   EXPECT_EQ(group[3], "joint1.motor.speed_limit 60 rad/s (0.1 to 120 rad/s) an encoder that moves faster is a fault");
   EXPECT_TRUE(refused(bench.say("list joint0.nonsense"), "unknown_group"));
   EXPECT_TRUE(refused(bench.say("list joint0motor"), "unknown_group"));
