@@ -47,12 +47,16 @@ struct AxisWiring {
   std::uint8_t current_channel;  ///< of ADC1
   Pin current;
   Pin enable;
+  Pin index;  ///< rising at the encoder's index
   bool encoder_inverted = false;
 };
 
 [[nodiscard]] constexpr auto encoder_pin(Port port, std::uint8_t number, std::uint8_t function, const char* signal)
     -> Pin {
   return {port, number, PinMode::kAlternate, function, Pull::kUp, signal};
+}
+[[nodiscard]] constexpr auto index_pin(std::uint8_t number, const char* signal) -> Pin {
+  return {Port::kB, number, PinMode::kInput, 0, Pull::kDown, signal};
 }
 [[nodiscard]] constexpr auto set_value_pin(Port port, std::uint8_t number, std::uint8_t function, const char* signal)
     -> Pin {
@@ -68,16 +72,16 @@ struct AxisWiring {
 inline constexpr std::array<AxisWiring, kMostAxes> kAxisWiring = {{
     {2, CounterWidth::k32, encoder_pin(Port::kA, 15, 1, "TIM2_CH1"), encoder_pin(Port::kB, 3, 1, "TIM2_CH2"),
      PwmTimer::kTim1, 0, set_value_pin(Port::kA, 8, 1, "TIM1_CH1"), 10, analogue_pin(0, "ADC1_IN10"),
-     enable_pin(Port::kC, 10)},
+     enable_pin(Port::kC, 10), index_pin(10, "EXTI10")},
     {5, CounterWidth::k32, encoder_pin(Port::kA, 0, 2, "TIM5_CH1"), encoder_pin(Port::kA, 1, 2, "TIM5_CH2"),
      PwmTimer::kTim1, 3, set_value_pin(Port::kA, 11, 1, "TIM1_CH4"), 11, analogue_pin(1, "ADC1_IN11"),
-     enable_pin(Port::kC, 11)},
+     enable_pin(Port::kC, 11), index_pin(13, "EXTI13")},
     {3, CounterWidth::k16, encoder_pin(Port::kB, 4, 2, "TIM3_CH1"), encoder_pin(Port::kB, 5, 2, "TIM3_CH2"),
      PwmTimer::kTim8, 2, set_value_pin(Port::kC, 8, 3, "TIM8_CH3"), 12, analogue_pin(2, "ADC1_IN12"),
-     enable_pin(Port::kC, 12)},
+     enable_pin(Port::kC, 12), index_pin(14, "EXTI14")},
     {4, CounterWidth::k16, encoder_pin(Port::kB, 6, 2, "TIM4_CH1"), encoder_pin(Port::kB, 7, 2, "TIM4_CH2"),
      PwmTimer::kTim8, 3, set_value_pin(Port::kC, 9, 3, "TIM8_CH4"), 13, analogue_pin(3, "ADC1_IN13"),
-     enable_pin(Port::kD, 2)},
+     enable_pin(Port::kD, 2), index_pin(15, "EXTI15")},
 }};
 
 inline constexpr Pin kSupply = analogue_pin(4, "ADC1_IN14");
@@ -88,6 +92,12 @@ inline constexpr Pin kEstop8{Port::kA, 6, PinMode::kAlternate, 3, Pull::kDown, "
 inline constexpr Pin kCanRx{Port::kB, 8, PinMode::kAlternate, 9, Pull::kUp, "CAN1_RX"};
 inline constexpr Pin kCanTx{Port::kB, 9, PinMode::kAlternate, 9, Pull::kNone, "CAN1_TX"};
 
+/// Counts from one index to the next, from CMake's CAPSTAN_INDEX_COUNTS: four times the lines of the encoder's disc; 0
+/// if the encoders have no index.
+inline constexpr std::uint32_t kIndexCounts = CAPSTAN_INDEX_COUNTS;
+static_assert(kIndexCounts == 0 || (kIndexCounts >= 64 && kIndexCounts <= 1'000'000),
+              "CAPSTAN_INDEX_COUNTS is impossible");
+
 /// Node of the board on CAN, from CMake's CAPSTAN_CAN_NODE.
 inline constexpr std::uint8_t kCanNode = CAPSTAN_CAN_NODE;
 static_assert(kCanNode >= 1 && kCanNode <= 127, "CAPSTAN_CAN_NODE must be 1 to 127");
@@ -95,9 +105,9 @@ static_assert(kCanNode >= 1 && kCanNode <= 127, "CAPSTAN_CAN_NODE must be 1 to 1
 inline constexpr std::array kCommonPins = {kConsoleTx, kConsoleRx, kCanRx, kCanTx};
 inline constexpr std::array kPlantPins = {kPlantTx, kPlantRx};
 
-inline constexpr std::size_t kPinsPerAxis = 5;
+inline constexpr std::size_t kPinsPerAxis = 6;
 [[nodiscard]] constexpr auto axis_pins(const AxisWiring& axis) -> std::array<Pin, kPinsPerAxis> {
-  return {axis.encoder_a, axis.encoder_b, axis.set_value, axis.current, axis.enable};
+  return {axis.encoder_a, axis.encoder_b, axis.set_value, axis.current, axis.enable, axis.index};
 }
 inline constexpr std::array kSharedMotorPins = {kSupply, kEstop1, kEstop8};
 

@@ -61,6 +61,9 @@ void rt_can_receive0_isr() {
 void rt_can_receive1_isr() {
   runtime.rt_can_isr(1);
 }
+void rt_encoder_index_isr() {
+  hardware.rt_index_isr();
+}
 
 }  // extern "C"
 

@@ -21,6 +21,9 @@ class MotorHardware {
   /// Clocks, drivers, then pins: no pin changes hands before its peripheral is at rest. Ends with every output off.
   void start(const stm32f4::ClockStatus& clock) noexcept;
 
+  /// An encoder's index has passed.
+  void rt_index_isr() noexcept;
+
   /// Every enable line low and both main outputs off, by registers alone.
   static void release_by_registers() noexcept;
 

@@ -34,6 +34,7 @@ extern void (*const capstan_init_end[])();
 extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_usart2_isr();
 extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_can_receive0_isr();
 extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_can_receive1_isr();
+extern "C" [[gnu::weak, gnu::alias("capstan_fault_entry")]] void rt_encoder_index_isr();
 #pragma GCC diagnostic pop
 
 namespace {
@@ -67,6 +68,7 @@ constexpr auto make_chip_vectors() -> std::array<Handler, capstan::stm32f4::kInt
   table[static_cast<std::size_t>(Interrupt::kUsart2)] = rt_usart2_isr;
   table[static_cast<std::size_t>(Interrupt::kCan1Receive0)] = rt_can_receive0_isr;
   table[static_cast<std::size_t>(Interrupt::kCan1Receive1)] = rt_can_receive1_isr;
+  table[static_cast<std::size_t>(Interrupt::kExti15To10)] = rt_encoder_index_isr;
   return table;
 }
 

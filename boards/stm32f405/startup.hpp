@@ -32,7 +32,7 @@ struct FaultRecord {
 }  // namespace capstan::stm32f405
 
 // What the start-up code calls in the image. The image defines every one of them but the last
-// three, which it may leave out.
+// four, which it may leave out.
 extern "C" {
 int main();
 /// De-energises the outputs by register writes alone. Runs first in every fault handler, on a fresh stack, with no
@@ -44,4 +44,5 @@ void rt_usart1_isr();
 void rt_usart2_isr();
 void rt_can_receive0_isr();
 void rt_can_receive1_isr();
+void rt_encoder_index_isr();
 }

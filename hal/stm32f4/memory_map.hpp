@@ -8,6 +8,7 @@
 #include "hal/stm32f4/adc_registers.hpp"
 #include "hal/stm32f4/can_registers.hpp"
 #include "hal/stm32f4/dma_registers.hpp"
+#include "hal/stm32f4/edge_inputs.hpp"
 #include "hal/stm32f4/gpio.hpp"
 #include "hal/stm32f4/registers.hpp"
 #include "hal/stm32f4/timer_registers.hpp"
@@ -63,6 +64,12 @@ inline auto adc_common_registers() noexcept -> auto& {
 }
 inline auto dma2_registers() noexcept -> auto& {
   return detail::at<DmaRegisters<Memory>, 0x4002'6400>();
+}
+inline auto syscfg_registers() noexcept -> auto& {
+  return detail::at<SyscfgRegisters<Memory>, 0x4001'3800>();
+}
+inline auto exti_registers() noexcept -> auto& {
+  return detail::at<ExtiRegisters<Memory>, 0x4001'3C00>();
 }
 inline auto systick_registers() noexcept -> auto& {
   return detail::at<SysTickRegisters<Memory>, 0xE000'E010>();

@@ -58,6 +58,7 @@ inline constexpr std::uint32_t kApb2Tim1 = 1U << 0;
 inline constexpr std::uint32_t kApb2Tim8 = 1U << 1;
 inline constexpr std::uint32_t kApb2Usart1 = 1U << 4;
 inline constexpr std::uint32_t kApb2Adc1 = 1U << 8;
+inline constexpr std::uint32_t kApb2Syscfg = 1U << 14;
 inline constexpr std::uint32_t kCsrRemoveFlags = 1U << 24;
 inline constexpr std::uint32_t kCsrBrownOut = 1U << 25;
 inline constexpr std::uint32_t kCsrPin = 1U << 26;

@@ -108,6 +108,75 @@ TEST_P(Quadrature, TimerWithoutAClockDoesNotStartAndNeverPassesForAJointAtRest) 
   EXPECT_EQ(counts(), 0x4000'0000);
 }
 
+/// An encoder with an index every 1000 counts, first at 300, that its interrupt sees `late` counts behind. The disc and
+/// the counter part when counts get lost.
+class QuadratureWithIndex : public Quadrature {
+ protected:
+  static constexpr std::int64_t kEvery = 1000;
+  QuadratureWithIndex() { EXPECT_TRUE(encoder.start(5, false, kEvery)); }
+
+  void turn(std::int64_t counts, std::int64_t late = 0) {
+    const std::int64_t direction = counts < 0 ? -1 : 1;
+    for (std::int64_t i = 0; i < direction * counts; ++i) {
+      disc_ += direction;
+      timer.turn(direction);
+      if (((disc_ - 300) % kEvery + kEvery) % kEvery == 0) {
+        timer.turn(direction * late);
+        encoder.rt_index();
+        timer.turn(-direction * late);
+      }
+    }
+  }
+  void lose(std::int64_t counts) { disc_ += counts; }
+  /// Turns on in cycles of 90 counts; how many were read until the position was lost, or -1.
+  auto cycles_until_lost(int cycles, std::int64_t lost_per_cycle = 0) -> int {
+    std::int32_t value = 0;
+    for (int i = 0; i < cycles; ++i) {
+      lose(lost_per_cycle);
+      turn(90, i % 4);
+      if (!encoder.rt_read(value)) {
+        return i;
+      }
+    }
+    return -1;
+  }
+
+ private:
+  std::int64_t disc_ = 0;
+};
+INSTANTIATE_TEST_SUITE_P(Widths, QuadratureWithIndex, testing::Values(CounterWidth::k16, CounterWidth::k32));
+
+TEST_P(QuadratureWithIndex, WholeTurnsInBothDirectionsAreNeverTakenForALoss) {
+  std::int64_t truth = 0;
+  for (int cycle = 0; cycle < 3000; ++cycle) {
+    const std::int64_t step = cycle % 700 < 400 ? 391 : -500;
+    turn(step, cycle % 5);
+    truth += step;
+    ASSERT_EQ(counts(), truth) << cycle;
+  }
+}
+
+TEST_P(QuadratureWithIndex, CountsThatGotLostAreFoundAtTheNextIndexAndThePositionIsLost) {
+  ASSERT_EQ(cycles_until_lost(50), -1);
+  const std::int32_t before = counts();
+  lose(40);
+  const int took = cycles_until_lost(50);
+  EXPECT_GE(took, 0);
+  EXPECT_LE(took, 1000 / 90 + 1);
+  EXPECT_GT(counts(), before + 0x3000'0000) << "the firmware must see a jump";
+  EXPECT_EQ(cycles_until_lost(50), -1) << "and goes on from there";
+}
+
+TEST_P(QuadratureWithIndex, ALossThatCreepsIsFoundToo) {
+  ASSERT_EQ(cycles_until_lost(50), -1);
+  EXPECT_GE(cycles_until_lost(100, 1), 0);
+}
+
+TEST_P(QuadratureWithIndex, WithoutItsDistanceTheIndexIsNotLookedAt) {
+  ASSERT_TRUE(encoder.start(5, false));
+  EXPECT_EQ(cycles_until_lost(200, 1), -1);
+}
+
 class Quadrature16 : public Quadrature {};
 INSTANTIATE_TEST_SUITE_P(Sixteen, Quadrature16, testing::Values(CounterWidth::k16));
 
