@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "firmware/axis.hpp"
 
+#include <memory>
+
 namespace capstan {
 namespace {
 
@@ -73,8 +75,13 @@ void Axis::rt_configure(const AxisConfig& config) {
   scales_ = Scales(config_);
   controller_.rt_configure(config_.control);
   if (rebuild) {
-    law_ = MotionLaw<Q24>(kPeriod, config_.law);
+    rt_renew_law();
   }
+}
+
+/// In place: a law is too large to be made and then copied within a cycle.
+void Axis::rt_renew_law() {
+  std::construct_at(&law_, kPeriod, config_.law);
 }
 
 void Axis::rt_zero(Q24 q1_rad) {
@@ -82,7 +89,7 @@ void Axis::rt_zero(Q24 q1_rad) {
   counting_ = false;
   zeroed_ = true;
   lost_ = false;
-  law_ = MotionLaw<Q24>(kPeriod, config_.law);
+  rt_renew_law();
 }
 
 void Axis::rt_count(const AxisSensed& sensed) {

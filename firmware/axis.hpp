@@ -86,6 +86,7 @@ class Axis {
   [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return telemetry_; }
 
  private:
+  void rt_renew_law();
   void rt_count(const AxisSensed& sensed);
   /// Monitors of the motor's current and heat.
   [[nodiscard]] auto rt_current_faults() -> FaultSet;

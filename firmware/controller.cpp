@@ -40,7 +40,8 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
   const Q24 shared = law.rest_either_way(q2, motion);
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
-  const auto rest_on = [&](bool forward) {
+  // The direction is a constant where it is called, so what the other direction's tendon adds falls away.
+  const auto rest_on = [&](auto forward) {
     motion.forward = forward;
     motion.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
     // On the other branch it will have turned out of the other steady motion.
@@ -48,8 +49,8 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
     motion.tau_reversal = forward == went_forward ? turned_at : other_torque;
     return law.rest_one_way(motion);
   };
-  const Q24 backward = rest_on(false);
-  return law.per_beta(q2 - (shared + mix(backward, rest_on(true), branch_)));
+  const Q24 backward = rest_on(std::false_type{});
+  return law.per_beta(q2 - (shared + mix(backward, rest_on(std::true_type{}), branch_)));
 }
 
 auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {

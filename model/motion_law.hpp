@@ -83,11 +83,11 @@ class MotionLaw {
   }
   /// The two parts of the rest, for who turns the law round for both directions at once: what is the same whichever
   /// way the motion goes and whatever torque it takes, and what is not.
-  [[nodiscard]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar> motion) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar> motion) const -> Scalar {
     motion.q2 = q2;
     return settled<true>(motion);
   }
-  [[nodiscard]] constexpr auto rest_one_way(const Sample<Scalar>& motion) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(const Sample<Scalar>& motion) const -> Scalar {
     return settled<false>(motion);
   }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
@@ -131,20 +131,22 @@ class MotionLaw {
   }
   static_assert(std::tuple_size_v<typename SumTerms::Tuple<Scalar>> <= 32);
 
+  /// Where a term's coefficients begin.
+  template <std::size_t Index>
+  static constexpr std::size_t kFirst = []<std::size_t... I>(std::index_sequence<I...>) {
+    return (std::size_t{0} + ... + kCoefficientsOf<std::tuple_element_t<I, typename SumTerms::Tuple<Scalar>>>);
+  }
+  (std::make_index_sequence<Index>{});
+
   /// Calls visit(term, place of its first coefficient) for every effect that is on. One that is off adds nothing,
   /// whatever its state: its coefficients change only with a new law.
   template <typename Terms, typename Visit>
   [[gnu::always_inline]] constexpr void for_each_active(Terms& terms, Visit&& visit) const {
-    std::size_t first = 0;
-    std::uint32_t bit = 1;
-    const auto each = [&]<typename Term>(Term& term) {
-      if ((active_ & bit) != 0) {
-        visit(term, first);
-      }
-      first += kCoefficientsOf<Term>;
-      bit <<= 1U;
-    };
-    std::apply([&each](auto&... term) { (each(term), ...); }, terms);
+    visit_active(terms, visit, std::make_index_sequence<std::tuple_size_v<typename SumTerms::Tuple<Scalar>>>{});
+  }
+  template <typename Terms, typename Visit, std::size_t... I>
+  [[gnu::always_inline]] constexpr void visit_active(Terms& terms, Visit& visit, std::index_sequence<I...>) const {
+    ((active_ >> I & 1U ? visit(std::get<I>(terms), kFirst<I>) : void()), ...);
   }
 
   template <std::size_t Count>
@@ -157,13 +159,14 @@ class MotionLaw {
 
   /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta q1.
   template <bool Alike>
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
     WeightedSum<Scalar> rest;
-    for_each_active(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
-        add(term.settled(motion), first, rest);
-      }
-    });
+    for_each_active(
+        terms_, [&]<typename Term>(const Term& term, std::size_t first) __attribute__((always_inline)) {
+          if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
+            add(term.settled(motion), first, rest);
+          }
+        });
     return rest.value();
   }
 

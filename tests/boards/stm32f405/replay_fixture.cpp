@@ -49,7 +49,7 @@ struct NoMeter {
 
 using Input = ReplayInput<kAxes>;
 
-/// A law in which no term is idle, a little different for each axis; every axis but the first feels the one before it.
+/// A law with every effect of the catalogue on, a little different for each axis; each feels the one before it.
 auto lively_config(std::size_t axis) -> AxisConfig {
   AxisConfig config;
   const auto set = [&config](const char* name, double value) {
@@ -70,11 +70,31 @@ auto lively_config(std::size_t axis) -> AxisConfig {
   set("play.gain", 0.05);
   set("play.half_width", 0.01);
   set("transport_delay.delay", 0.03);
-  if (axis > 0) {
-    set("axis_coupling.angle", 0.02);
-    set("axis_coupling.top", -0.003);
-    set("axis_coupling.bottom", -0.002);
-    config.coupled_to = static_cast<std::int32_t>(axis) - 1;
+  set("reversal_memory.top", 0.002);
+  set("reversal_memory.bottom", 0.003);
+  set("slip_propagation.a", -0.04);
+  set("slip_propagation.top", 0.01);
+  set("slip_propagation.bottom", -0.01);
+  set("presliding.gain", 0.03);
+  set("gravity.sine", 0.004);
+  set("gravity.cosine", -0.003);
+  set("viscoelastic_creep.creep", -0.02);
+  set("thermal_drift.warm_up", 0.005);
+  set("thermal_drift.temperature", 0.0002);
+  set("angle_periodic.sine", 0.002);
+  set("angle_periodic.cosine", 0.001);
+  set("stiffness_hardening.top", 0.05);
+  set("stiffness_hardening.bottom", 0.04);
+  set("load_inertia.lag", -0.05);
+  set("axis_coupling.angle", 0.02);
+  set("axis_coupling.top", -0.003);
+  set("axis_coupling.bottom", -0.002);
+  config.coupled_to = static_cast<std::int32_t>((axis + kAxes - 1) % kAxes);
+  for (const Q24 coefficient : config.law.coefficients) {
+    if (coefficient == Q24{}) {
+      std::fprintf(stderr, "the catalogue has an effect that this law leaves off; add it to replay_fixture.cpp\n");
+      std::exit(1);
+    }
   }
   set("control.torque_forward", 0.05);
   set("control.torque_backward", -0.04);

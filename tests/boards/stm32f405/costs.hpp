@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// What each law and term costs on this core, in one number format. Prints "cost NAME MEAN MAX", instructions of one
+// call over random and adversarial input; tools/law_table makes the table of model/README.md of it.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+#include "boards/stm32f405/host_sink.hpp"
+#include "firmware/text.hpp"
+#include "hal/stm32f4/memory_map.hpp"
+#include "hal/stm32f4/semihosting.hpp"
+#include "hal/stm32f4/tick.hpp"
+#include "model/coupled_axes.hpp"
+#include "model/effort_catalogue.hpp"
+#include "model/motion_law.hpp"
+#include "model/preisach.hpp"
+#include "model/pull_push.hpp"
+#include "model/tension_state.hpp"
+
+namespace capstan::costs {
+namespace semihosting = stm32f4::semihosting;
+
+inline constexpr std::uint32_t kCoreHz = 168'000'000;  // at which the emulator's timer counts
+inline constexpr int kCalls = 1000;
+
+inline stm32f4::Tick<stm32f4::MemoryRegister> tick{stm32f4::systick_registers()};
+
+/// A number of the format from units of 2^-24.
+template <typename Scalar>
+constexpr auto number(std::int32_t raw) -> Scalar {
+  if constexpr (std::is_same_v<Scalar, Q24>) {
+    return Q24::from_raw(raw);
+  } else {
+    return static_cast<Scalar>(raw) * ScalarTraits<Scalar>::from(0x1p-24);
+  }
+}
+
+/// A constant of the format: the target converts no double at run time.
+template <typename Scalar>
+consteval auto from(double value) -> Scalar {
+  return ScalarTraits<Scalar>::from(value);
+}
+
+/// Numbers that look like chance, the same every run and in every format.
+template <typename Scalar>
+class Chance {
+ public:
+  /// In [-size, size).
+  auto within(Scalar size) -> Scalar {
+    state_ = state_ * 1664525U + 1013904223U;
+    return size * number<Scalar>(static_cast<std::int32_t>(state_) >> 7);
+  }
+
+ private:
+  std::uint32_t state_ = 12345;
+};
+template <typename Scalar>
+inline Chance<Scalar> chance;
+
+/// Keeps the compiler from working anything out beforehand, or from leaving it out.
+template <typename T>
+void touch(T& value) {
+  asm volatile("" : : "r"(&value) : "memory");
+}
+
+/// Ticks of one call, or nothing if the timer began anew meanwhile. The timer's interrupt is held off.
+template <typename Work>
+auto ticks_of(Work&& work, std::uint32_t& ticks) -> bool {
+  asm volatile("cpsid i" : : : "memory");
+  const std::uint32_t begin = tick.since_edge();
+  asm volatile("" : : : "memory");
+  work();
+  asm volatile("" : : : "memory");
+  const std::uint32_t end = tick.since_edge();
+  asm volatile("cpsie i" : : : "memory");
+  ticks = end - begin;
+  return end > begin;
+}
+
+/// @param prepare  called before each call and not counted
+template <typename Prepare, typename Work>
+void measure(Print& out, std::string_view name, Prepare&& prepare, Work&& work) {
+  static std::uint32_t overhead = 0;
+  if (overhead == 0) {
+    overhead = std::numeric_limits<std::uint32_t>::max();
+    for (int i = 0; i < 100; ++i) {
+      std::uint32_t ticks = 0;
+      overhead = ticks_of([] {}, ticks) ? std::min(overhead, ticks) : overhead;
+    }
+  }
+  std::uint32_t sum = 0;
+  std::uint32_t max = 0;
+  std::uint32_t calls = 0;
+  for (int i = 0; i < kCalls; ++i) {
+    prepare(i);
+    std::uint32_t ticks = 0;
+    if (ticks_of(work, ticks)) {
+      const std::uint32_t own = ticks > overhead ? ticks - overhead : 0;
+      sum += own;
+      max = std::max(max, own);
+      ++calls;
+    }
+  }
+  out << "cost " << name << " " << stm32f4::emulated_instructions(sum, kCoreHz) / std::max<std::uint32_t>(1, calls)
+      << " " << stm32f4::emulated_instructions(max, kCoreHz) << "\n";
+}
+
+/// One motion for all: a walk with reversals, torque and angle.
+template <typename Scalar>
+struct Walk {
+  Scalar q1{};
+  Scalar tau{};
+  void step(int i) {
+    constexpr Scalar kStride = from<Scalar>(0.01);
+    constexpr Scalar kShare = from<Scalar>(0.3);
+    constexpr Scalar kMost = from<Scalar>(0.2);
+    const Scalar stride = chance<Scalar>.within(kStride + kStride) + (i % 200 < 100 ? kStride : -kStride);
+    q1 += stride;
+    tau = clamp(tau + stride * kShare + chance<Scalar>.within(kStride), -kMost, kMost);
+  }
+};
+
+/// Every effect on, so that nothing is left out.
+template <typename Scalar>
+consteval auto law_parameters() -> LawParameters<Scalar> {
+  LawParameters<Scalar> parameters;
+  parameters.coefficients.fill(from<Scalar>(0.05));
+  parameters.coefficients[0] = from<Scalar>(1.08);
+  std::size_t next = 0;
+  const auto add = [&]<typename Term>() {
+    for (const auto& shape : Term::kInfo.shapes) {
+      parameters.shapes[next++] = ScalarTraits<Scalar>::from(shape.initial);
+    }
+  };
+  SumTerms::for_each<Scalar>(add);
+  OutputTerms::for_each<Scalar>(add);
+  return parameters;
+}
+template <typename Scalar>
+constexpr auto period() -> SamplePeriod<Scalar> {
+  if constexpr (std::is_same_v<Scalar, Q24>) {
+    return SamplePeriod<Q24>(1000);
+  } else {
+    return SamplePeriod<Scalar>(ScalarTraits<Scalar>::from(0.001));
+  }
+}
+template <typename Scalar>
+inline constexpr LawParameters<Scalar> kLaw = law_parameters<Scalar>();
+
+template <typename Scalar>
+void measure_motion_law(Print& out) {
+  static MotionLaw<Scalar> law(period<Scalar>(), kLaw<Scalar>);
+  Walk<Scalar> walk;
+  Estimate<Scalar> estimate;
+  measure(
+      out, "motion_law", [&](int i) { walk.step(i); },
+      [&] {
+        estimate = law.update(walk.q1, walk.tau);
+        touch(estimate);
+      });
+  Scalar angle;
+  measure(
+      out, "motion_law_inverse", [&](int i) { walk.step(i); },
+      [&] {
+        angle = law.invert(walk.q1, law.sample());
+        touch(angle);
+      });
+}
+
+template <typename Scalar, typename Term>
+consteval auto initial_shape() -> std::array<Scalar, kShapesOf<Term>> {
+  std::array<Scalar, kShapesOf<Term>> shape{};
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    shape[i] = ScalarTraits<Scalar>::from(Term::kInfo.shapes[i].initial);
+  }
+  return shape;
+}
+
+template <typename Scalar, typename List>
+void measure_terms(Print& out) {
+  List::template for_each<Scalar>([&out]<typename Term>() {
+    static constexpr auto kShape = initial_shape<Scalar, Term>();
+    static Term term(period<Scalar>(), kShape);
+    SampleConditioner<Scalar> conditioner(period<Scalar>(), kLaw<Scalar>.conditioner);
+    Walk<Scalar> walk;
+    measure(
+        out, Term::kInfo.name,
+        [&](int i) {
+          walk.step(i);
+          conditioner.update(walk.q1, walk.tau);
+        },
+        [&] {
+          auto regressors = term.update(conditioner.sample());
+          touch(regressors);
+        });
+  });
+}
+
+/// Relays spread evenly: f_ab is the area below a and b.
+template <typename Scalar, std::size_t Levels>
+auto even_table() -> const ReversalTable<Scalar, Levels>& {
+  static ReversalTable<Scalar, Levels> table;
+  table.levels = Levels;
+  for (std::size_t a = 0; a < Levels; ++a) {
+    const auto ia = static_cast<std::int32_t>(a);
+    table.inputs[a] = number<Scalar>((2 * ia - static_cast<std::int32_t>(Levels) + 1) * 100'000);
+    for (std::size_t b = 0; b <= a; ++b) {
+      const auto ib = static_cast<std::int32_t>(b);
+      table.set_force(a, b, number<Scalar>((2 * ia * ib - ib * ib) * 1000));
+    }
+  }
+  return table;
+}
+
+/// Before every fiftieth step: a memory full of nested loops, to be wiped out by one step to the end of the table.
+template <typename Scalar, std::size_t Levels>
+void nest_loops(Preisach<Scalar, Levels>& preisach, Scalar end, int step) {
+  if (step % 50 == 0) {
+    preisach.reset(StartState::kNegativeSaturation);
+    for (std::int32_t k = 0; k < 61; ++k) {
+      const Scalar size = end * number<Scalar>((63 - k) * (1 << 18));
+      preisach.update(k % 2 == 0 ? size : -size);
+    }
+  }
+}
+
+template <typename Scalar, std::size_t Levels>
+void measure_preisach(Print& out, std::string_view name, std::string_view inverse) {
+  const auto& table = even_table<Scalar, Levels>();
+  static Preisach<Scalar, Levels> preisach(table);
+  const Scalar end = table.inputs[Levels - 1];
+  Scalar input;
+  ForceEstimate<Scalar> estimate;
+  measure(
+      out, name,
+      [&](int i) {
+        nest_loops(preisach, end, i);
+        input = i % 50 == 0 ? end : chance<Scalar>.within(end);
+      },
+      [&] {
+        estimate = preisach.update(input);
+        touch(estimate);
+      });
+  const Scalar largest = table.force(Levels - 1, Levels - 1);
+  InputCommand<Scalar> command;
+  measure(
+      out, inverse,
+      [&](int i) {
+        nest_loops(preisach, end, i);
+        input = i % 50 == 0 ? largest : (chance<Scalar>.within(largest) + largest) * from<Scalar>(0.5);
+      },
+      [&] {
+        command = preisach.input_for(input);
+        touch(command);
+      });
+}
+
+template <typename Scalar>
+void measure_force_laws(Print& out) {
+  constexpr PullPushParameters<Scalar> kForceps = {from<Scalar>(1.1414), from<Scalar>(1.1404), from<Scalar>(0.072),
+                                                   from<Scalar>(0.923),  from<Scalar>(0.59),   from<Scalar>(0.47)};
+  static PullPush<Scalar> pull_push(kForceps);
+  Walk<Scalar> walk;
+  ForceEstimate<Scalar> estimate;
+  measure(
+      out, "pull_push", [&](int i) { walk.step(i); },
+      [&] {
+        estimate = pull_push.update(walk.tau, true);
+        touch(estimate);
+      });
+  constexpr TensionStateParameters<Scalar> kState = {from<Scalar>(1.1414), from<Scalar>(1.1404), from<Scalar>(0.072),
+                                                     from<Scalar>(2.92),   from<Scalar>(2.91),   from<Scalar>(1.083)};
+  static TensionState<Scalar> state(kState);
+  TensionStateEstimate<Scalar> both;
+  Scalar tau;
+  measure(
+      out, "tension_state", [&](int i) { walk.step(i); },
+      [&] {
+        both = state.update(walk.q1, walk.tau, true);
+        touch(both);
+      });
+  measure(
+      out, "tension_state_jumps", [&](int) { tau = chance<Scalar>.within(from<Scalar>(0.25)); },
+      [&] {
+        both = state.update(walk.q1, tau, true);
+        touch(both);
+      });
+}
+
+template <typename Scalar>
+void measure_coupled_axes(Print& out) {
+  constexpr CouplingMatrices<Scalar, 3> kWrist =
+      coupling_of(WristTransmission<Scalar>{from<Scalar>(0.996),
+                                            from<Scalar>(1.109),
+                                            from<Scalar>(1.138),
+                                            from<Scalar>(0.674),
+                                            from<Scalar>(0.664),
+                                            {from<Scalar>(-0.424), from<Scalar>(-2.828)},
+                                            {from<Scalar>(-1.907), from<Scalar>(-1.054)},
+                                            {from<Scalar>(-1.047), from<Scalar>(-0.541)}});
+  static CoupledAxes<Scalar, 3> wrist(kWrist);
+  std::array<Scalar, 3> q{};
+  std::array<Scalar, 3> tau{};
+  std::array<Scalar, 3> theta{};
+  const auto draw = [&](int) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      q[i] = chance<Scalar>.within(from<Scalar>(3.0));
+      tau[i] = chance<Scalar>.within(from<Scalar>(0.2));
+    }
+  };
+  measure(out, "coupled_axes_3", draw, [&] {
+    theta = wrist.joints(q, tau, {true, false, true});
+    touch(theta);
+  });
+  measure(out, "coupled_axes_3_inverse", draw, [&] {
+    theta = wrist.motors(q, tau, {true, false, true});
+    touch(theta);
+  });
+}
+
+/// One axis of one cycle, at its worst: the law with every effect on, and a Preisach model whose memory is full. The
+/// motor jumps and turns, and every fiftieth step wipes out all loops at once.
+template <typename Scalar>
+void measure_axis(Print& out) {
+  static MotionLaw<Scalar> law(period<Scalar>(), kLaw<Scalar>);
+  const auto& table = even_table<Scalar, 41>();
+  static Preisach<Scalar, 41> preisach(table);
+  const Scalar end = table.inputs[40];
+  Scalar q1{};
+  Scalar tau{};
+  Estimate<Scalar> angle;
+  ForceEstimate<Scalar> force;
+  measure(
+      out, "axis_law_and_preisach_41",
+      [&](int i) {
+        constexpr Scalar kFar = from<Scalar>(30.0);
+        constexpr Scalar kNear = from<Scalar>(0.05);
+        q1 = chance<Scalar>.within(i % 3 == 0 ? kFar : kNear);
+        nest_loops(preisach, end, i);
+        tau = i % 50 == 0 ? end : chance<Scalar>.within(end);
+      },
+      [&] {
+        angle = law.update(q1, tau);
+        force = preisach.update(tau);
+        touch(angle);
+        touch(force);
+      });
+}
+
+/// Every law and term in one number format; does not return.
+template <typename Scalar>
+[[noreturn]] void measure_everything() {
+  stm32f405::HostSink sink;
+  Print out(sink);
+  if (!tick.start(kCoreHz, 1000)) {
+    stm32f4::semihosting::exit(21);
+  }
+  measure_axis<Scalar>(out);
+  measure_motion_law<Scalar>(out);
+  measure_terms<Scalar, SumTerms>(out);
+  measure_terms<Scalar, EffortTerms>(out);
+  measure_preisach<Scalar, 11>(out, "preisach_11", "preisach_11_inverse");
+  measure_preisach<Scalar, 41>(out, "preisach_41", "preisach_41_inverse");
+  measure_force_laws<Scalar>(out);
+  measure_coupled_axes<Scalar>(out);
+  stm32f4::semihosting::exit(0);
+}
+
+}  // namespace capstan::costs
+
+extern "C" {
+
+void rt_release_outputs() {
+  capstan::stm32f4::semihosting::exit(20);
+}
+void rt_systick_isr() {
+  capstan::costs::tick.rt_isr();
+}
+void rt_cycle_isr() {
+  capstan::stm32f4::semihosting::exit(20);
+}
+void rt_usart1_isr() {
+  capstan::stm32f4::semihosting::exit(20);
+}
+
+}  // extern "C"

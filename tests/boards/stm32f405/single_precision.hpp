@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "model/scalar.hpp"
+
+namespace capstan {
+// Seen by the templates below only if it comes before them.
+constexpr auto abs(float x) -> float {
+  return __builtin_fabsf(x);
+}
+}  // namespace capstan
+
+#include "model/exponential.hpp"
+#include "model/reciprocal.hpp"
+#include "model/reversal_surface.hpp"
+#include "model/trigonometry.hpp"
+
+// Single precision for the laws, to compare with and for nothing else: with the same polynomials as fixed point, since
+// the library's functions take longer, and without saturation or its flags, which float has no use for.
+namespace capstan {
+
+template <>
+struct ScalarTraits<float> {
+  using Gain = float;
+  static constexpr auto from(double value) -> float { return static_cast<float>(value); }
+  static constexpr auto fraction(double value) -> float { return static_cast<float>(value); }
+  static constexpr auto gain(float numerator, float denominator) -> float { return numerator / denominator; }
+  static constexpr auto is_saturated(float /*x*/) -> bool { return false; }
+  static constexpr auto missing() -> float { return std::numeric_limits<float>::quiet_NaN(); }
+  static constexpr auto is_missing(float x) -> bool { return !(x - x == 0.0F); }
+};
+
+template <>
+class SamplePeriod<float> {
+ public:
+  constexpr explicit SamplePeriod(float seconds) : seconds_(seconds), rate_hz_(1.0F / seconds) {}
+  [[nodiscard]] constexpr auto rate_of(float difference) const -> float { return difference * rate_hz_; }
+  [[nodiscard]] constexpr auto samples_per_millisecond() const -> float { return 0.001F * rate_hz_; }
+  [[nodiscard]] constexpr auto filter_gain(float time_constant_s) const -> float {
+    return time_constant_s > 0.0F ? seconds_ / (time_constant_s + seconds_) : 1.0F;
+  }
+  constexpr void split(float duration_s, std::int32_t& whole, float& fraction) const {
+    const float samples = duration_s > 0.0F ? duration_s * rate_hz_ : 0.0F;
+    whole = static_cast<std::int32_t>(samples);
+    fraction = samples - static_cast<float>(whole);
+  }
+
+ private:
+  float seconds_;
+  float rate_hz_;
+};
+
+template <>
+class Reciprocal<float> {
+ public:
+  constexpr Reciprocal() = default;
+  constexpr explicit Reciprocal(float number) : inverse_(1.0F / number) {}
+  friend constexpr auto operator*(float x, const Reciprocal& r) -> float { return x * r.inverse_; }
+
+ private:
+  float inverse_ = 0.0F;
+};
+
+template <>
+class CellScale<float> {
+ public:
+  constexpr CellScale() = default;
+  constexpr CellScale(float low, float high) : inverse_(1.0F / (high - low)) {}
+  [[nodiscard]] constexpr auto fraction(float x, float low) const -> float {
+    const float fraction = (x - low) * inverse_;
+    return fraction < 1.0F ? fraction : 1.0F;
+  }
+
+ private:
+  float inverse_ = 0.0F;
+};
+
+/// The polynomial of Phase<Q24>, the phase in quarters of a turn.
+template <>
+class Phase<float> {
+ public:
+  explicit Phase(float quarters) : quarters_(quarters) {}
+  [[nodiscard]] auto sine() const -> float { return sine_of(quarters_); }
+  [[nodiscard]] auto cosine() const -> float { return sine_of(quarters_ + 1.0F); }
+
+ private:
+  static auto sine_of(float quarters) -> float {
+    const auto whole = static_cast<std::int32_t>(quarters * 0.25F + (quarters < 0.0F ? -0.5F : 0.5F));
+    float x = quarters - 4.0F * static_cast<float>(whole);  // [-2, 2]
+    x = x > 1.0F ? 2.0F - x : (x < -1.0F ? -2.0F - x : x);
+    const float u = x * x;
+    float p = 0.000150820565F;
+    p = -0.004672227923F + p * u;
+    p = 0.079688480540F + p * u;
+    p = -0.645963359866F + p * u;
+    p = 1.570796290022F + p * u;
+    return p * x;
+  }
+  float quarters_;
+};
+template <>
+class PhaseScale<float> {
+ public:
+  constexpr explicit PhaseScale(float factor) : quarters_per_unit_(factor * 0.636619772368F) {}
+  [[nodiscard]] auto operator()(float x) const -> Phase<float> { return Phase<float>(quarters_per_unit_ * x); }
+
+ private:
+  float quarters_per_unit_;
+};
+
+namespace detail {
+/// The polynomial of share_gone_of.
+inline auto share_gone_of(float x) -> float {
+  const float y = x * 1.44269504F;
+  const auto n = static_cast<std::int32_t>(y);
+  const float f = y - static_cast<float>(n);
+  float q = 0.000109936021F;
+  q = -0.001277473013F + q * f;
+  q = 0.009582214112F + q * f;
+  q = -0.055492297321F + q * f;
+  q = 0.240224711051F + q * f;
+  q = -0.693147089400F + q * f;
+  return 1.0F - (1.0F + q * f) * std::bit_cast<float>((127 - n) << 23);
+}
+}  // namespace detail
+
+inline auto share_gone(float a, float b) -> float {
+  const float x = abs(a) / b;
+  return x < 22.0F ? detail::share_gone_of(x) : 1.0F;
+}
+inline auto mean_decay(float x) -> float {
+  return x < 0.125F ? 1.0F - (0.5F - (1.0F / 6.0F - x * (1.0F / 24.0F)) * x) * x : share_gone(x, 1.0F) / x;
+}
+inline auto bell(float r) -> float {
+  return r * r < 22.0F ? 1.0F - detail::share_gone_of(r * r) : 0.0F;
+}
+template <>
+class FadingScale<float> {
+ public:
+  constexpr explicit FadingScale(float scale) : per_scale_(1.0F / scale) {}
+  [[nodiscard]] auto share_gone(float a) const -> float {
+    const float x = abs(a) * per_scale_;
+    return x < 22.0F ? detail::share_gone_of(x) : 1.0F;
+  }
+
+ private:
+  float per_scale_;
+};
+
+}  // namespace capstan
