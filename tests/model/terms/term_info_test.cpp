@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "model/catalogue.hpp"
 #include "model/effort_catalogue.hpp"
 #include "model/terms/angle_periodic.hpp"
 #include "model/terms/axis_coupling.hpp"
@@ -84,6 +85,30 @@ void expect_finite_with_no_shape() {
       EXPECT_FALSE(ScalarTraits<Scalar>::is_missing(regressor)) << Term::kInfo.name;
     }
   }
+}
+
+// The inverse asks such a term once for both directions.
+TEST(TermInfo, WhatSettlesAlikeDoesSoWhateverDirectionAndTorque) {
+  int alike = 0;
+  SumTerms::for_each<Q24>([&alike]<typename Term>() {
+    std::array<Q24, kShapesOf<Term>> shape{};
+    std::transform(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end(), shape.begin(),
+                   [](const ShapeInfo& info) { return Q24::from_double(info.initial); });
+    Term term(test::one_khz<Q24>(), shape);
+    const auto on = [](bool forward, double tau) {
+      return Sample<Q24>{.q1 = test::number<Q24>(0.7),
+                         .dq1 = test::number<Q24>(1.5),
+                         .tau = test::number<Q24>(tau),
+                         .forward = forward,
+                         .tau_reversal = test::number<Q24>(-tau),
+                         .q2 = test::number<Q24>(0.3)};
+    };
+    term.update(on(true, 0.1));
+    const bool same = term.settled(on(true, 0.2)) == term.settled(on(false, -0.3));
+    EXPECT_EQ(same, settles_alike<Term>() || std::string_view(Term::kInfo.name) == "motor_angle") << Term::kInfo.name;
+    alike += settles_alike<Term>() ? 1 : 0;
+  });
+  EXPECT_EQ(alike, 6);
 }
 
 TEST(TermInfo, NoTermMindsShapesOfZero) {
