@@ -44,14 +44,14 @@ class SlipPropagation {
   };
 
   constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
-      : torque_(shape[0]), share_of_reach_(shape[0] * kReach) {
+      : share_of_reach_(shape[0] * kReach) {
     constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
-    Scalar half_width = torque_ * kHalfShare;
+    Scalar half_width = shape[0] * kHalfShare;
     for (std::size_t k = 0; k < kOperators; ++k) {
       place_[k] = half_width;
       width_[k] = half_width + half_width;
       lowest_ -= half_width;
-      half_width += torque_ * kShare;
+      half_width += shape[0] * kShare;
     }
   }
 
@@ -73,9 +73,7 @@ class SlipPropagation {
 
   /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
-    constexpr auto kHalf = Traits::fraction(0.5);
-    const Scalar lag = torque_ * kHalf;
-    return {s.forward ? -lag : lag, Scalar{}, Scalar{}};
+    return {(s.forward ? lowest_ : -lowest_) * kShare, Scalar{}, Scalar{}};
   }
 
  private:
@@ -84,7 +82,6 @@ class SlipPropagation {
   static constexpr Scalar kOne = Traits::from(1.0);
   static constexpr Scalar kReach = Traits::from(4.0);
 
-  Scalar torque_;
   Reciprocal<Scalar> share_of_reach_;       ///< of the change of torque after which nothing of the old stretch is left
   std::array<Scalar, kOperators> width_{};  ///< 2 r_k
   std::array<Scalar, kOperators> place_{};  ///< play(tau, r_k) - tau + r_k, from 0 to 2 r_k
