@@ -21,7 +21,12 @@ class Application final : public Machine {
   /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
   /// @param fault_memory  FaultLog::words_for(kAxes) words that outlive a reset; empty: faults are not logged
   Application(Io& io, Banks& banks, std::span<std::uint32_t> fault_memory = {})
-      : Application(io, banks, Stored(banks), fault_memory) {}
+      : io_(io), storage_(banks), start_(load_at_start()), state_(config_), fault_log_(fault_memory, kAxes) {
+    parameter_faults_.store(start_ == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
+                            : start_ == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
+                                                                : 0,
+                            std::memory_order_relaxed);
+  }
 
   /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
   void rt_tick(const Streamed& streamed = {}) {
@@ -50,21 +55,29 @@ class Application final : public Machine {
   auto telemetry() const -> MachineTelemetry override { return published_.read().machine; }
   auto axis_telemetry(std::size_t axis) const -> AxisTelemetry override { return published_.read().axis[axis]; }
   auto config() const -> std::span<const AxisConfig> override { return config_; }
+  auto staging(const void* owner) -> std::span<AxisConfig> override {
+    if (staging_owner_ != nullptr && staging_owner_ != owner) {
+      return {};
+    }
+    staging_owner_ = owner;
+    return staged_;
+  }
+  void end_staging(const void* owner) override { staging_owner_ = staging_owner_ == owner ? nullptr : staging_owner_; }
   auto configure(std::span<const AxisConfig> axes) -> bool override {
-    Config<kAxes> next = config_;
-    std::copy_n(axes.begin(), std::min(axes.size(), kAxes), next.begin());
-    const bool changes = !std::equal(next.begin(), next.end(), config_.begin(),
+    const std::size_t count = std::min(axes.size(), kAxes);
+    const bool changes = !std::equal(axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(count), config_.begin(),
                                      [](const AxisConfig& a, const AxisConfig& b) { return !needs_rest(a, b); });
-    if ((changes && has_torque()) || !config_box_.offer(next)) {
+    if ((changes && has_torque()) || config_waits_.load(std::memory_order_acquire)) {
       return false;
     }
-    config_ = next;
+    std::copy_n(axes.begin(), count, config_.begin());
+    config_waits_.store(true, std::memory_order_release);
     return true;
   }
   auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
   auto settled() const -> bool override {
-    return request_box_.empty() && config_box_.empty() && scope_.settled() && recorder_.settled() &&
-           experiment_box_.empty();
+    return request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.settled() &&
+           recorder_.settled() && experiment_box_.empty();
   }
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_, key_);
@@ -74,13 +87,13 @@ class Application final : public Machine {
     return saved;
   }
   auto load() -> LoadResult override {
-    if (has_torque() || !config_box_.empty()) {
+    if (has_torque() || config_waits_.load(std::memory_order_acquire) || staging_owner_ != nullptr) {
       return LoadResult::kRefused;
     }
-    Config<kAxes> next{};
-    const LoadResult result = storage_.load(next, &key_);
+    staged_.fill(AxisConfig{});
+    const LoadResult result = storage_.load(staged_, &key_);
     if (result == LoadResult::kLoaded) {
-      static_cast<void>(configure(next));  // the box is empty and torque is off
+      static_cast<void>(configure(staged_));  // nothing waits and torque is off
       parameter_faults_.store(0, std::memory_order_relaxed);
     }
     return result;
@@ -90,6 +103,7 @@ class Application final : public Machine {
   auto recorder() -> Recorder& override { return recorder_; }
   auto scope() -> Scope& override { return scope_; }
   auto fault_log() -> FaultLog& override { return fault_log_; }
+  auto palpation() -> Palpation& override { return palpation_; }
   auto begin_experiment(const ExperimentSetup& setup) -> bool override {
     return setup.axis < kAxes && experiment_box_.offer(setup);
   }
@@ -99,27 +113,13 @@ class Application final : public Machine {
     MachineTelemetry machine;
     std::array<AxisTelemetry, kAxes> axis{};
   };
-  struct Stored {
-    explicit Stored(Banks& banks) : result(ParameterStorage(banks).load(config, &key)) {
-      if (result != LoadResult::kLoaded) {
-        config = {};
-      }
+  auto load_at_start() -> LoadResult {
+    const LoadResult result = storage_.load(config_, &key_);
+    if (result != LoadResult::kLoaded) {
+      config_.fill(AxisConfig{});
     }
-    Config<kAxes> config{};
-    KeyDigest key;
-    LoadResult result;
-  };
-
-  Application(Io& io, Banks& banks, const Stored& stored, std::span<std::uint32_t> fault_memory)
-      : io_(io),
-        storage_(banks),
-        config_(stored.config),
-        key_(stored.key),
-        state_(stored.config),
-        fault_log_(fault_memory, kAxes),
-        parameter_faults_(stored.result == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
-                          : stored.result == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
-                                                                     : 0) {}
+    return result;
+  }
 
   /// Also while a request that may give torque is under way.
   [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
@@ -143,11 +143,11 @@ class Application final : public Machine {
   }
 
   void rt_take_config() {
-    if (const Config<kAxes>* next = config_box_.rt_peek()) {
+    if (config_waits_.load(std::memory_order_acquire)) {
       for (std::size_t i = 0; i < kAxes; ++i) {
-        state_.axis[i].rt_configure((*next)[i]);
+        state_.axis[i].rt_configure(config_[i]);
       }
-      config_box_.rt_taken();
+      config_waits_.store(false, std::memory_order_release);
     }
     state_.board_faults = board_faults_.load(std::memory_order_relaxed);
     state_.model_faults = parameter_faults_.load(std::memory_order_relaxed);
@@ -180,6 +180,12 @@ class Application final : public Machine {
         case Request::Kind::kStop:
           rt_end_experiment(command, request->axis);
           command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
+          break;
+        case Request::Kind::kForce:
+          rt_end_experiment(command, request->axis);
+          command.axis[request->axis] = {.kind = AxisCommand::Kind::kForce,
+                                         .joint_torque_nm = request->joint_torque_nm,
+                                         .torque_rate_nm_s = request->torque_rate_nm_s};
           break;
         case Request::Kind::kZero:
           command.axis[request->axis] = {AxisCommand::Kind::kZero, request->position_rad, {}};
@@ -217,11 +223,14 @@ class Application final : public Machine {
 
   Io& io_;
   ParameterStorage storage_;
-  Config<kAxes> config_;     // the background's copy
-  KeyDigest key_;            // the background's own
+  Config<kAxes> config_{};                  // the background's copy, which it leaves alone while ...
+  std::atomic<bool> config_waits_ = false;  // ... the cycle is to take it
+  Config<kAxes> staged_{};
+  const void* staging_owner_ = nullptr;
+  KeyDigest key_;  // the background's own
+  LoadResult start_;
   CycleState<kAxes> state_;  // the cycle's
   bool acknowledge_ = false;
-  Mailbox<Config<kAxes>> config_box_;
   Mailbox<Request> request_box_;
   Published<Snapshot> published_;
   Recorder recorder_;
@@ -230,9 +239,10 @@ class Application final : public Machine {
   Mailbox<ExperimentSetup> experiment_box_;
   Scope scope_;
   FaultLog fault_log_;
+  Palpation palpation_;
   std::atomic<bool> link_lost_ = false;
   std::atomic<FaultSet> board_faults_ = 0;
-  std::atomic<FaultSet> parameter_faults_;
+  std::atomic<FaultSet> parameter_faults_ = 0;
 };
 
 }  // namespace capstan

@@ -52,6 +52,20 @@ auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool 
          a.conditioner.rate_time_constant_s == b.conditioner.rate_time_constant_s;
 }
 
+auto same_force_law(const ForceConfig& a, const ForceConfig& b) -> bool {
+  return a.law == b.law && a.eta_top == b.eta_top && a.eta_bottom == b.eta_bottom &&
+         a.pretension_nm == b.pretension_nm && a.ratio == b.ratio && a.friction_nm == b.friction_nm &&
+         a.offset_nm == b.offset_nm && a.grid.levels == b.grid.levels && a.grid.inputs == b.grid.inputs &&
+         a.grid.forces == b.grid.forces;
+}
+
+auto same_monitor(const AxisConfig& a, const AxisConfig& b) -> bool {
+  return a.monitor.joint_rms_rad == b.monitor.joint_rms_rad && a.monitor.torque_rms_nm == b.monitor.torque_rms_nm &&
+         a.monitor.excess == b.monitor.excess && a.monitor.settle_rad == b.monitor.settle_rad &&
+         a.control.torque_forward_nm == b.control.torque_forward_nm &&
+         a.control.torque_backward_nm == b.control.torque_backward_nm;
+}
+
 // What turns counts and currents into the law's arguments; a change of it is a jump for the law's memory.
 auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
   return a.encoder_counts_per_turn == b.encoder_counts_per_turn && a.encoder_sign == b.encoder_sign &&
@@ -61,7 +75,12 @@ auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
 }  // namespace
 
 Axis::Axis(const AxisConfig& config)
-    : config_(config), scales_(config), law_(kPeriod, config.law), controller_(config.control) {}
+    : config_(config),
+      scales_(config),
+      law_(kPeriod, config.law),
+      controller_(config.control),
+      force_(config_.force),
+      monitor_(config.monitor) {}
 
 Axis::Scales::Scales(const AxisConfig& config)
     : encoder(config.motor),
@@ -70,12 +89,23 @@ Axis::Scales::Scales(const AxisConfig& config)
       thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)) {}
 
 void Axis::rt_configure(const AxisConfig& config) {
-  const bool rebuild = !same_law(config.law, config_.law) || !same_scale(config.motor, config_.motor);
+  const bool new_scale = !same_scale(config.motor, config_.motor);
+  const bool new_law = new_scale || !same_law(config.law, config_.law);
+  const bool new_force = new_scale || !same_force_law(config.force, config_.force);
+  const bool new_monitor = new_law || !same_monitor(config, config_);
   config_ = config;
   scales_ = Scales(config_);
   controller_.rt_configure(config_.control);
-  if (rebuild) {
+  if (new_law) {
     rt_renew_law();
+  }
+  if (new_force) {
+    force_.rt_configure(config_.force);
+  }
+  if (new_monitor) {
+    monitor_.rt_configure(config_.monitor);
+    telemetry_.misfit = Q24{};
+    telemetry_.warnings = 0;
   }
 }
 
@@ -128,15 +158,18 @@ void Axis::rt_sense(const AxisSensed& sensed) {
     telemetry_.current_a = sensed.current_a;
     telemetry_.tau_nm = sensed.current_a * config_.motor.torque_per_current_nm_per_a;
   }
+  has_joint_ = sensed.joint == Quality::kOk;
+  joint_rad_ = sensed.joint_rad;
 }
 
-void Axis::rt_estimate(const Axis* other) {
+void Axis::rt_estimate(const Axis* other, Q24 temperature_c) {
   if (!fitted() || sensor_faults_ != 0 || (other != nullptr && other->sensor_faults_ != 0)) {
     return;  // an estimate from an old value would be a guess; the fault is the sensor's own
   }
   Measured<Q24> now;
   now.q1 = telemetry_.q1_rad;
   now.tau = telemetry_.tau_nm;
+  now.temperature = temperature_c;
   if (other != nullptr) {
     now.other_q1 = other->telemetry_.q1_rad;
     now.other_tau = other->telemetry_.tau_nm;
@@ -148,7 +181,29 @@ void Axis::rt_estimate(const Axis* other) {
   telemetry_.estimate_valid = !estimate.saturated;
   if (estimate.saturated) {
     sensor_faults_ |= bit(Fault::kEstimatorRange);
+    return;
   }
+  if (monitor_.watches()) {
+    rt_monitor();
+  }
+  if (force_.has_law()) {
+    force_.rt_observe(telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a);
+    telemetry_.joint_torque_nm = force_.estimate().force;
+    telemetry_.joint_torque_known = force_.estimate().known;
+  }
+}
+
+void Axis::rt_monitor() {
+  const Sample<Q24>& sample = law_.sample();
+  monitor_.rt_step(config_.monitor, config_.control,
+                   {.q1_rad = sample.q1,
+                    .q1_reversal_rad = sample.q1_reversal,
+                    .tau_nm = sample.tau,
+                    .forward = sample.forward,
+                    .has_joint = has_joint_,
+                    .joint_error_rad = joint_rad_ - telemetry_.q2_reported_rad});
+  telemetry_.misfit = monitor_.level();
+  telemetry_.warnings = monitor_.warnings();
 }
 
 auto Axis::rt_current_faults() -> FaultSet {
@@ -201,7 +256,7 @@ auto Axis::rt_faults(bool energised) -> FaultSet {
     cycles_off_reference_ = 0;
     still_cycles_ = 0;
     following_ = false;
-    in_torque_ = false;
+    mode_ = ControlMode::kPosition;
   }
   return telemetry_.faults;
 }
@@ -213,8 +268,8 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
   const LimitConfig& limits = config_.limits;
   const bool takes_over = command.kind == AxisCommand::Kind::kStop || command.kind == AxisCommand::Kind::kMove ||
                           command.kind == AxisCommand::Kind::kFollow;
-  if (in_torque_ && takes_over) {
-    rt_hold_here();
+  if (in_torque() && takes_over) {
+    rt_hold_here(true);
   }
   const bool inside = command.position_rad >= limits.joint_min_rad && command.position_rad <= limits.joint_max_rad;
   switch (command.kind) {
@@ -242,26 +297,61 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
       cycles_since_reference_ = 0;
       return inside;
     case AxisCommand::Kind::kTorque:
-      torque_target_nm_ = command.torque_nm;
-      trailing_q2_ = in_torque_ ? trailing_q2_ : telemetry_.q2_rad;
-      in_torque_ = true;
-      following_ = true;
-      cycles_since_reference_ = 0;
-      return true;
+      return rt_take_torque(command);
+    case AxisCommand::Kind::kForce:
+    case AxisCommand::Kind::kFollowForce:
+      return rt_take_force(command);
   }
   return false;
 }
 
-void Axis::rt_hold_here() {
+auto Axis::rt_take_torque(const AxisCommand& command) -> bool {
+  torque_target_nm_ = command.torque_nm;
+  trailing_q2_ = in_torque() ? trailing_q2_ : telemetry_.q2_rad;
+  mode_ = ControlMode::kTorque;
+  following_ = true;
+  cycles_since_reference_ = 0;
+  return true;
+}
+
+auto Axis::rt_take_force(const AxisCommand& command) -> bool {
+  if (!force_.has_law() || command.torque_rate_nm_s <= Q24{} || (!in_force() && in_motion())) {
+    return false;
+  }
+  const Q24 most = config_.limits.joint_torque_nm;
+  const bool inside = abs(command.joint_torque_nm) <= most;
+  const bool streamed = command.kind == AxisCommand::Kind::kFollowForce;
+  if (!inside && !streamed) {
+    return false;
+  }
+  if (!inside) {
+    rt_flag(Limit::kJointTorque);
+  }
+  if (!in_force()) {
+    trailing_q2_ = telemetry_.q2_rad;
+    mode_ = ControlMode::kForce;
+    force_.rt_start(telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a);
+  }
+  force_.rt_aim(clamp(command.joint_torque_nm, -most, most), command.torque_rate_nm_s);
+  following_ = streamed;
+  cycles_since_reference_ = 0;
+  return inside;
+}
+
+void Axis::rt_hold_here(bool keeps_torque) {
   trajectory_.rt_reset(telemetry_.q2_rad);
   telemetry_.q2_reference_rad = telemetry_.q2_rad;
+  telemetry_.joint_torque_reference_nm = Q24{};
   following_ = false;
-  in_torque_ = false;
+  mode_ = ControlMode::kPosition;
   controller_.rt_start(config_.control, law_, telemetry_.q2_rad);
+  if (keeps_torque) {
+    controller_.rt_keep_torque(config_.control, telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a);
+  }
 }
 
 void Axis::rt_arm() {
-  rt_hold_here();
+  rt_hold_here(false);
   last_drive_a_ = Q24{};
 }
 
@@ -291,16 +381,25 @@ auto Axis::rt_reference() -> Q24 {
 }
 
 auto Axis::rt_control() -> Q24 {
-  if (in_torque_ && rt_runs_away()) {
+  if (in_torque() && rt_runs_away()) {
     rt_flag(Limit::kReference);
-    rt_hold_here();
+    rt_hold_here(false);
   }
-  if (in_torque_) {
+  if (in_torque()) {
     telemetry_.q2_reference_rad = telemetry_.q2_rad;  // nothing is asked of the position
-    return torque_target_nm_;
+    return in_force() ? rt_force() : torque_target_nm_;
   }
   telemetry_.q2_reference_rad = rt_reference();
   return controller_.rt_update(config_, law_, telemetry_.q2_reference_rad, telemetry_.q2_rad);
+}
+
+auto Axis::rt_force() -> Q24 {
+  const Q24 torque = force_.rt_update(config_.force);
+  telemetry_.joint_torque_reference_nm = force_.wanted();
+  if (force_.out_of_reach()) {
+    rt_flag(Limit::kJointTorque);
+  }
+  return torque;
 }
 
 void Axis::rt_warm() {
@@ -316,6 +415,8 @@ auto Axis::rt_outward(Q24 current_a) const -> bool {
 
 auto Axis::rt_limit(Q24 torque_nm, bool energised) -> AxisDrive {
   const LimitConfig& limits = config_.limits;
+  telemetry_.mode = mode_;
+  telemetry_.moving = energised && in_motion();
   rt_warm();
   if (!energised || !fitted()) {
     last_drive_a_ = Q24{};

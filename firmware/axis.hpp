@@ -4,6 +4,8 @@
 #include "firmware/controller.hpp"
 #include "firmware/encoder_scale.hpp"
 #include "firmware/faults.hpp"
+#include "firmware/force_control.hpp"
+#include "firmware/law_monitor.hpp"
 #include "firmware/trajectory.hpp"
 #include "hal/joint_io.hpp"
 
@@ -19,21 +21,34 @@ struct AxisCommand {
     kZero,    ///< the motor stands at position_rad, whatever its encoder says; only without torque
     kTorque,  ///< streamed too: motor-side torque_nm instead of a position. A joint that gets faster than its moves may
               ///< or leaves its range is held where it then is
+    kForce,  ///< force control: the joint's torque to joint_torque_nm at torque_rate_nm_s, and there from then on; from
+             ///< rest only. Watched as kTorque is
+    kFollowForce,  ///< the same as a stream, the next one within 100 ms
   };
   Kind kind = Kind::kNone;
   Q24 position_rad{};
   Q24 speed_rad_s{};
   Q24 torque_nm{};
+  Q24 joint_torque_nm{};
+  Q24 torque_rate_nm_s{};
 };
 
 /// Normal, reported, and each names the setting behind it; not faults.
 enum class Limit : std::uint8_t {
   kNone = 0,
-  kCurrent = 1,      ///< limits.current
-  kThermal = 2,      ///< limits.continuous_current
-  kRate = 4,         ///< limits.current_rate
-  kMotorTravel = 8,  ///< limits.motor_min, limits.motor_max
-  kReference = 16,   ///< limits.joint_min, joint_max, joint_speed
+  kCurrent = 1,       ///< limits.current
+  kThermal = 2,       ///< limits.continuous_current
+  kRate = 4,          ///< limits.current_rate
+  kMotorTravel = 8,   ///< limits.motor_min, limits.motor_max
+  kReference = 16,    ///< limits.joint_min, joint_max, joint_speed
+  kJointTorque = 32,  ///< limits.joint_torque, or the end of what the force law reaches
+};
+
+/// What a joint is controlled by.
+enum class ControlMode : std::uint8_t {
+  kPosition,  ///< through the estimated joint angle
+  kTorque,    ///< of the motor
+  kForce,     ///< the joint's torque, through the inverse force law
 };
 
 /// One joint's numbers of the last cycle, for shell, log and telemetry.
@@ -43,11 +58,18 @@ struct AxisTelemetry {
   Q24 q2_rad;           ///< estimated joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
   Q24 q2_reference_rad;
-  Q24 current_a;        ///< measured
-  Q24 drive_a;          ///< commanded
-  FaultSet faults = 0;  ///< present now
+  Q24 current_a;                  ///< measured
+  Q24 drive_a;                    ///< commanded
+  Q24 joint_torque_nm;            ///< by the force law, 0 without one
+  Q24 joint_torque_reference_nm;  ///< wanted, in force control
+  Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
+  FaultSet faults = 0;            ///< present now
   std::uint8_t limits = 0;
   bool estimate_valid = false;
+  bool joint_torque_known = false;  ///< the force law's past no longer matters
+  WarningSet warnings = 0;
+  ControlMode mode = ControlMode::kPosition;
+  bool moving = false;  ///< its reference is, or comes as a stream
 };
 
 /// Estimator, monitors, controller and gate of one joint. The functions are called once a cycle in the order they stand
@@ -55,6 +77,9 @@ struct AxisTelemetry {
 class Axis {
  public:
   explicit Axis(const AxisConfig& config);
+  Axis(const Axis&) = delete;  // the force law refers to the parameters in here
+  auto operator=(const Axis&) -> Axis& = delete;
+  ~Axis() = default;
 
   /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed;
   /// torque must be off then (needs_rest).
@@ -64,18 +89,24 @@ class Axis {
   void rt_zero(Q24 q1_rad);
   /// Converts the sensors.
   void rt_sense(const AxisSensed& sensed);
-  /// Runs the law. `other`: the axis whose motor pulls at this one; nullptr if there is none.
-  void rt_estimate(const Axis* other);
+  /// Runs the law. `other`: the axis whose motor pulls at this one; nullptr if there is none. `temperature_c`: the last
+  /// that was measured, or the mark of a missing value.
+  void rt_estimate(const Axis* other, Q24 temperature_c = ScalarTraits<Q24>::missing());
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   [[nodiscard]] auto rt_faults(bool energised) -> FaultSet;
-  /// Takes a command. Only while energised. A move outside the limits or without speed is refused: false, and nothing
-  /// changes. A streamed reference outside them is cut to them: false, and followed.
+  /// Takes a command. Only while energised. A move outside the limits or without speed is refused, and so is force
+  /// control without a law, without a rate or of a joint that moves: false, and nothing changes. A streamed reference
+  /// outside the limits is cut to them: false, and followed.
   auto rt_command(const AxisCommand& command) -> bool;
   /// Gets ready for torque: stand where the joint is.
   void rt_arm();
-  [[nodiscard]] auto in_motion() const -> bool { return following_ || !trajectory_.finished(); }
-  /// Torque is commanded, not a position.
-  [[nodiscard]] auto in_torque() const -> bool { return in_torque_; }
+  [[nodiscard]] auto in_motion() const -> bool {
+    return following_ || !trajectory_.finished() || (in_force() && !force_.arrived());
+  }
+  /// Torque is commanded, the motor's or the joint's, not a position.
+  [[nodiscard]] auto in_torque() const -> bool { return mode_ != ControlMode::kPosition; }
+  /// The joint's torque is.
+  [[nodiscard]] auto in_force() const -> bool { return mode_ == ControlMode::kForce; }
   /// Motor-side torque wanted, N m.
   auto rt_control() -> Q24;
   /// The one gate every output passes: state, thermal and peak current, tendon travel, rate.
@@ -88,13 +119,17 @@ class Axis {
  private:
   void rt_renew_law();
   void rt_count(const AxisSensed& sensed);
+  void rt_monitor();
+  auto rt_take_torque(const AxisCommand& command) -> bool;
+  auto rt_take_force(const AxisCommand& command) -> bool;
+  auto rt_force() -> Q24;
   /// Monitors of the motor's current and heat.
   [[nodiscard]] auto rt_current_faults() -> FaultSet;
   /// Monitors of what the joint was asked to do.
   [[nodiscard]] auto rt_motion_faults() -> FaultSet;
   auto rt_reference() -> Q24;
-  /// Position control takes over without a jump: stand where the joint is.
-  void rt_hold_here();
+  /// Position control takes over: stand where the joint is. The motor keeps its torque if the joint stands still.
+  void rt_hold_here(bool keeps_torque);
   [[nodiscard]] auto rt_runs_away() -> bool;
   void rt_warm();
   /// True for a current that pulls further out where the tendon travel ends.
@@ -115,17 +150,21 @@ class Axis {
   MotionLaw<Q24> law_;
   Controller controller_;
   Trajectory trajectory_;
+  ForceControl force_;
+  LawMonitor monitor_;
   AxisTelemetry telemetry_;
 
   std::int64_t counts_ = 0;  // unwrapped
   std::int32_t last_counts_ = 0;
+  Q24 joint_rad_;           // by its sensor
+  bool has_joint_ = false;  // in this cycle
   bool counting_ = false;
   bool zeroed_ = false;  // counts_ are the operator's, not the encoder's first ones
   bool lost_ = false;    // the encoder jumped, so counts_ may be anything until rt_zero
   FaultSet sensor_faults_ = 0;
 
   bool following_ = false;  // a stream, of positions or torques
-  bool in_torque_ = false;
+  ControlMode mode_ = ControlMode::kPosition;
   Q24 follow_target_;
   Q24 torque_target_nm_;
   Q24 trailing_q2_;  // in torque: the joint's angle, as long ago as kTrailS

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "model/force_law.hpp"
 #include "model/motion_law.hpp"
 
 namespace capstan {
@@ -56,6 +57,36 @@ struct LimitConfig {
   Q24 following_error_rad = Q24::from_double(0.35);
   Q24 following_time_s = Q24::from_double(0.25);
   Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted
+  Q24 joint_torque_nm = Q24::from_double(0.2);     ///< largest that force control may be asked for
+};
+
+/// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.
+struct ForceConfig {
+  static constexpr std::size_t kLevels = 11;  ///< the thesis's grid, and the one that is identified
+  static constexpr std::size_t kDepth = 16;   ///< reversals that are remembered
+  using Law = ForceLaw<Q24, kLevels, kDepth>;
+
+  std::int32_t law = 0;  ///< a ForceLawKind
+  Q24 eta_top{};
+  Q24 eta_bottom{};
+  Q24 pretension_nm{};
+  Q24 ratio = Q24::from_int(1);
+  Q24 friction_nm{};               ///< the motor's own
+  Q24 offset_nm{};                 ///< of the motor's torque
+  Q24 stiffness_top_nm_per_rad{};  ///< r1^2 Kn, for palpation; 0: not known
+  Q24 stiffness_bottom_nm_per_rad{};
+  Q24 rate_nm_per_s = Q24::from_double(0.05);      ///< of `move jointN force=`
+  Q24 reversal_time_s = Q24::from_double(0.03);    ///< the motor's torque crosses the hysteresis within about this
+  Q24 threshold_nm = Q24::from_double(0.0002);     ///< return of the wanted torque that counts as a reversal
+  ReversalTable<Q24, kLevels> grid{.forces = {}};  ///< of preisach
+};
+
+/// What the monitor takes for right. 0: not watched.
+struct MonitorConfig {
+  Q24 joint_rms_rad{};                      ///< of the law's error against a joint sensor
+  Q24 torque_rms_nm{};                      ///< of the mean friction torque of a stretch of motion
+  Q24 excess = Q24::from_double(1.5);       ///< of either that is still allowed, times
+  Q24 settle_rad = Q24::from_double(0.35);  ///< motor's travel after a reversal until its torque is steady
 };
 
 /// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.
@@ -64,6 +95,8 @@ struct AxisConfig {
   ControlConfig control;
   LimitConfig limits;
   LawParameters<Q24> law;
+  ForceConfig force;
+  MonitorConfig monitor;
   std::int32_t coupled_to = -1;  ///< joint whose motor pulls at this one, for axis_coupling; -1: none
 
   constexpr AxisConfig() { law.coefficients[0] = Q24::from_int(1); }  // rigid until a model is loaded

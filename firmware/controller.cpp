@@ -19,10 +19,13 @@ constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
 }  // namespace
 
 Controller::Controller(const ControlConfig& gains)
-    : reference_(kPeriod, kReferenceShape), reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)) {}
+    : reference_(kPeriod, kReferenceShape),
+      reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)),
+      per_stiffness_(gains.stiffness_nm_per_rad) {}
 
 void Controller::rt_configure(const ControlConfig& gains) {
   reversal_gain_ = kPeriod.filter_gain(gains.reversal_time_s);
+  per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
 }
 
 void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad) {
@@ -32,7 +35,16 @@ void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
   motor_reference_ = rest.q1;
-  integral_ = rest.q1 - rt_inverse(gains, law, q2_rad, rest);
+  pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);
+  integral_ = rest.q1 - pull_extreme_;
+  pull_known_ = false;
+}
+
+void Controller::rt_keep_torque(const ControlConfig& gains, Q24 torque_nm) {
+  if (gains.stiffness_nm_per_rad > Q24{}) {
+    const Q24 own = mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
+    integral_ += (torque_nm - own) * per_stiffness_;
+  }
 }
 
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
@@ -53,6 +65,20 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
   return law.per_beta(q2 - (shared + mix(backward, rest_on(std::true_type{}), branch_)));
 }
 
+/// With a play, for the other axis' encoder is in it.
+void Controller::rt_follow_pull(Q24 asked) {
+  constexpr Q24 kPlay = Q24::from_double(0.002);
+  const Q24 moved = asked - pull_extreme_;
+  const bool turns = abs(moved) > kPlay && (!pull_known_ || (moved > Q24{}) != pull_forward_);
+  if (turns) {
+    pull_known_ = true;
+    pull_forward_ = moved > Q24{};
+  }
+  if (turns || (pull_known_ && (moved > Q24{}) == pull_forward_)) {
+    pull_extreme_ = asked;
+  }
+}
+
 auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {
   // The start value may lie outside the limit; the integral may then only shrink.
   const Q24 limit = abs(integral_) < gains.integral_limit_rad ? gains.integral_limit_rad : abs(integral_);
@@ -67,8 +93,10 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   const auto motor_side = [crossed](Q24 joint_side) { return crossed ? -joint_side : joint_side; };
 
   const Sample<Q24>& reference = reference_.update(q2_reference, Q24{});
-  if (reference.dq1 != Q24{}) {
-    const Q24 target = reference.forward != crossed ? kOne : Q24{};
+  const bool pulled = config.coupled_to >= 0;
+  if (pulled ? pull_known_ : reference.dq1 != Q24{}) {
+    const bool forward = pulled ? pull_forward_ : reference.forward != crossed;
+    const Q24 target = forward ? kOne : Q24{};
     branch_ += (target - branch_) * reversal_gain_;
   }
   Sample<Q24> motion = law.sample();
@@ -77,7 +105,11 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   motion.ddq1 = law.per_beta(reference.ddq1);
   const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
   last_q2_ = q2;
-  motor_reference_ = rt_inverse(gains, law, q2_reference, motion) + correction;
+  const Q24 asked = rt_inverse(gains, law, q2_reference, motion);
+  if (pulled) {
+    rt_follow_pull(asked);
+  }
+  motor_reference_ = asked + correction;
   const Q24 feedforward = mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
   return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - law.sample().q1) +
          gains.damping_nms_per_rad * (motion.dq1 - law.sample().dq1);

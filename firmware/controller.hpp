@@ -2,6 +2,7 @@
 #pragma once
 
 #include "firmware/config.hpp"
+#include "model/reciprocal.hpp"
 
 namespace capstan {
 
@@ -11,7 +12,8 @@ namespace capstan {
 ///                                          with beta, so that it pulls the joint back on a crossed transmission too
 ///   tau = tau*(direction) + stiffness (q1* - q1) + damping (q1*' - q1')
 /// At a reversal of the reference the feedforward passes from one branch of the law to the other within reversal_time,
-/// so it crosses the hysteresis at once but does not kick.
+/// so it crosses the hysteresis at once but does not kick. Where another axis pulls at the joint, the motor turns round
+/// with what that asks of it, reference or no reference: then the direction is that of the inverse itself.
 class Controller {
  public:
   explicit Controller(const ControlConfig& gains);
@@ -19,6 +21,8 @@ class Controller {
   void rt_configure(const ControlConfig& gains);
   /// Takes over without a jump: with the reference at the present estimate the motor is asked to stay where it is.
   void rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad);
+  /// Right after rt_start: begin with the torque that the motor already has, N m, instead of that of a steady motion.
+  void rt_keep_torque(const ControlConfig& gains, Q24 torque_nm);
   /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
   /// N m
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
@@ -28,15 +32,22 @@ class Controller {
   /// motor's angle, rate and acceleration there, the rest as the law last saw it.
   [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
       -> Q24;
+  /// `asked`: what the inverse asks of the motor now. Crossing to the other branch goes the same way, so it turns
+  /// nothing back.
+  void rt_follow_pull(Q24 asked);
   /// Both arguments in the motor's direction.
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;
+  Reciprocal<Q24> per_stiffness_;
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;  // of the last cycle
-  Q24 branch_;           // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
+  Q24 pull_extreme_;     // of the inverse, in the present direction
+  bool pull_known_ = false;
+  bool pull_forward_ = true;
+  Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
 };
 
 }  // namespace capstan

@@ -33,7 +33,9 @@ struct MachineTelemetry {
   Fault first_fault = Fault::kNone;
   FaultSet conditions = 0;  ///< faults present now; while disarmed they are what blocks arming
   std::uint32_t overruns = 0;
+  Q24 temperature_c = ScalarTraits<Q24>::missing();     ///< the last one measured; missing: never
   ExperimentPhase experiment = ExperimentPhase::kIdle;  ///< set by whoever runs one
+  WarningSet warnings = 0;                              ///< of the machine; those of a joint are in its telemetry
 };
 
 /// Cycles that may begin late within a second before torque is taken away: one is noise, three are a pattern.
@@ -88,6 +90,15 @@ auto coupled_axis(const std::array<Axis, Axes>& axes, std::size_t i) -> const Ax
   return other < Axes && other != i ? &axes[other] : nullptr;
 }
 
+/// The law keeps the last temperature: a thermometer that is not there, or no longer, stops nothing.
+inline void rt_feel(MachineTelemetry& machine, Quality quality, Q24 temperature_c) {
+  if (quality == Quality::kOk) {
+    machine.temperature_c = temperature_c;
+  }
+  const bool lost = quality != Quality::kOk && !ScalarTraits<Q24>::is_missing(machine.temperature_c);
+  machine.warnings = lost ? bit(Warning::kThermometerLost) : WarningSet{0};
+}
+
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. A pure
 /// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
 template <std::size_t Axes>
@@ -97,6 +108,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
       state.model_faults | state.drive_faults | state.board_faults | state.overruns.rt_step(sensed.overruns);
   faults |= sensed.estop ? bit(Fault::kEmergencyStop) : 0;
   bool in_motion = false;
+  rt_feel(state.telemetry, sensed.temperature, sensed.temperature_c);
 
   for (std::size_t i = 0; i < Axes; ++i) {
     if (!had_torque && command.axis[i].kind == AxisCommand::Kind::kZero) {
@@ -105,7 +117,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     state.axis[i].rt_sense(sensed.axis[i]);
   }
   for (std::size_t i = 0; i < Axes; ++i) {
-    state.axis[i].rt_estimate(coupled_axis(state.axis, i));
+    state.axis[i].rt_estimate(coupled_axis(state.axis, i), state.telemetry.temperature_c);
     if (had_torque) {
       static_cast<void>(state.axis[i].rt_command(command.axis[i]));
     }

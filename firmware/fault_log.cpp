@@ -8,7 +8,7 @@
 namespace capstan {
 namespace {
 
-constexpr std::uint32_t kMagicOfThisLayout = 0x314C4643;  // "CFL1"; another layout has another
+constexpr std::uint32_t kMagicOfThisLayout = 0x324C4643;  // "CFL2"; another layout has another
 
 constexpr std::array<std::string_view, FaultLog::kSignals> kNames = {"q1", "torque", "q2", "reference"};
 
@@ -94,7 +94,7 @@ auto FaultLog::kept_entry() const -> FaultEntry {
 
 auto FaultLog::place_of(std::size_t sample) const -> std::size_t {
   const std::size_t oldest = memory_[kStored] < kSamples ? 0 : memory_[kNext];
-  return kHeadWords + kEntries * kEntryWords + (oldest + sample) % kSamples * (1 + axes_ * kSignals);
+  return kHeadWords + kEntries * kEntryWords + (oldest + sample) % kSamples * sample_words(axes_);
 }
 
 auto FaultLog::cycles_from_fault(std::size_t sample) const -> std::int32_t {
@@ -102,7 +102,11 @@ auto FaultLog::cycles_from_fault(std::size_t sample) const -> std::int32_t {
 }
 
 auto FaultLog::raw(std::size_t sample, std::size_t axis, std::size_t signal) const -> std::int32_t {
-  return static_cast<std::int32_t>(memory_[place_of(sample) + 1 + axis * kSignals + signal]);
+  const auto words = memory_.subspan(place_of(sample) + 1 + axis * kWordsOfJoint, kWordsOfJoint);
+  if (signal < kWordsOfJoint) {
+    return static_cast<std::int32_t>(words[signal] << 8U);
+  }
+  return static_cast<std::int32_t>((words[0] >> 24U) << 8U | (words[1] >> 24U) << 16U | (words[2] >> 24U) << 24U);
 }
 
 void FaultLog::release() {
@@ -121,11 +125,15 @@ void FaultLog::rt_add(const FaultEntry& entry) {
 }
 
 void FaultLog::rt_store(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {
-  std::uint32_t* place = &memory_[kHeadWords + kEntries * kEntryWords + memory_[kNext] * (1 + axes_ * kSignals)];
+  std::uint32_t* place = &memory_[kHeadWords + kEntries * kEntryWords + memory_[kNext] * sample_words(axes_)];
   *place++ = machine.tick;
   for (const AxisTelemetry& axis : axes) {
-    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reference_rad}) {
-      *place++ = static_cast<std::uint32_t>(value.raw());
+    // Three numbers in the lower 24 bits, the fourth in the upper 8 of all.
+    const auto last = static_cast<std::uint32_t>(axis.q2_reference_rad.raw()) >> 8U;
+    std::uint32_t shift = 0;
+    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad}) {
+      *place++ = static_cast<std::uint32_t>(value.raw()) >> 8U | (last >> shift) << 24U;
+      shift += 8;
     }
   }
   memory_[kNext] = memory_[kNext] + 1 == kSamples ? 0 : memory_[kNext] + 1;

@@ -28,9 +28,9 @@ class FaultLog {
   static constexpr std::size_t kEntries = 8;
   static constexpr std::uint32_t kEvery = 10;  ///< cycles from sample to sample; the last one is the fault's own
   static constexpr std::size_t kSamples = 100;
-  static constexpr std::size_t kSignals = 4;  ///< of each joint
+  static constexpr std::size_t kSignals = 4;  ///< of each joint, kept to 2^-16 in 24 bits
   static constexpr auto words_for(std::size_t axes) -> std::size_t {
-    return kHeadWords + kEntries * kEntryWords + kSamples * (1 + axes * kSignals);
+    return kHeadWords + kEntries * kEntryWords + kSamples * sample_words(axes);
   }
   /// What is recorded of each joint, in the order of the samples.
   static auto signals() -> std::array<const SignalInfo*, kSignals>;
@@ -59,6 +59,8 @@ class FaultLog {
  private:
   static constexpr std::size_t kHeadWords = 8;
   static constexpr std::size_t kEntryWords = 4;
+  static constexpr std::size_t kWordsOfJoint = 3;
+  static constexpr auto sample_words(std::size_t axes) -> std::size_t { return 1 + axes * kWordsOfJoint; }
   enum Head : std::size_t { kMagic, kStarts, kFaults, kPhase, kKept, kNext, kStored, kLastTick };
   enum Phase : std::uint32_t { kFree, kRunning, kFrozen };
 

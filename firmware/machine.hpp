@@ -6,6 +6,7 @@
 #include "firmware/cycle.hpp"
 #include "firmware/experiment.hpp"
 #include "firmware/fault_log.hpp"
+#include "firmware/palpation.hpp"
 #include "firmware/recorder.hpp"
 #include "firmware/scope.hpp"
 #include "firmware/storage.hpp"
@@ -14,11 +15,13 @@ namespace capstan {
 
 /// What the shell asks the cycle to do; one at a time.
 struct Request {
-  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero };
+  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero, kForce };
   Kind kind = Kind::kDisarm;
   std::size_t axis = 0;
   Q24 position_rad{};
   Q24 speed_rad_s{};
+  Q24 joint_torque_nm{};
+  Q24 torque_rate_nm_s{};
 };
 
 /// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other.
@@ -30,6 +33,10 @@ class Machine {
   [[nodiscard]] virtual auto axis_telemetry(std::size_t axis) const -> AxisTelemetry = 0;
   /// The parameters in force.
   [[nodiscard]] virtual auto config() const -> std::span<const AxisConfig> = 0;
+  /// Room for one console at a time to put a set together, one element a joint, and what it left there until it lets go
+  /// of it. Empty: somebody else is at it.
+  virtual auto staging(const void* owner) -> std::span<AxisConfig> = 0;
+  virtual void end_staging(const void* owner) = 0;
   /// Hands a checked set to the cycle, which takes it whole before its next step. False, and nothing changed: the last
   /// one is still under way, or torque is on and the set differs in what must not change then.
   virtual auto configure(std::span<const AxisConfig> axes) -> bool = 0;
@@ -39,7 +46,7 @@ class Machine {
   [[nodiscard]] virtual auto settled() const -> bool = 0;
   /// False: torque is on (saving may stop the processor) or the storage failed. The old set is then still there.
   virtual auto save() -> bool = 0;
-  /// Takes the stored parameters into force.
+  /// Takes the stored parameters into force. The room for staging serves it: kRefused also while somebody has it.
   virtual auto load() -> LoadResult = 0;
   /// Digest of the maintenance key in force, as loaded or set last; save() keeps it. Who may set it is the caller's
   /// business.
@@ -48,6 +55,8 @@ class Machine {
   virtual auto recorder() -> Recorder& = 0;
   virtual auto scope() -> Scope& = 0;
   virtual auto fault_log() -> FaultLog& = 0;
+  /// For whoever has the recorder.
+  virtual auto palpation() -> Palpation& = 0;
   /// Hands an experiment to the cycle, which begins it if every joint holds still. @pre check_experiment() has nothing
   /// against it. False: the last one is still under way to the cycle, or there is no such joint.
   virtual auto begin_experiment(const ExperimentSetup& setup) -> bool = 0;

@@ -34,6 +34,10 @@ constexpr std::size_t kMotor = offsetof(AxisConfig, motor);
 constexpr std::size_t kControl = offsetof(AxisConfig, control);
 constexpr std::size_t kLimits = offsetof(AxisConfig, limits);
 constexpr std::size_t kLaw = offsetof(AxisConfig, law);
+using ForceGrid = decltype(ForceConfig::grid);
+constexpr std::size_t kForce = offsetof(AxisConfig, force);
+constexpr std::size_t kGrid = kForce + offsetof(ForceConfig, grid);
+constexpr std::size_t kMonitor = offsetof(AxisConfig, monitor);
 constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
 
 constexpr std::array kFixedParameters = {
@@ -91,16 +95,109 @@ constexpr std::array kFixedParameters = {
          kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0, kSafety),
     real("limits", "current_mismatch", "A", "measured and wanted current may differ by this for 50 ms",
          kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0, kSafety),
+    real("limits", "joint_torque", "Nm", "largest torque that force control may be asked for",
+         kLimits + offsetof(LimitConfig, joint_torque_nm), 0.0, 100.0, kSafety),
     real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
          kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
     real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",
          kConditioner + offsetof(ConditionerShape<Q24>, rate_time_constant_s), 0.0, 1.0),
     integer("axis_coupling", "joint", "1", "joint whose motor pulls at this one; -1: none",
             offsetof(AxisConfig, coupled_to), -1, 3),
+    integer("force", "law", "1", "motor torque to joint torque: 0 none, 1 pull, 2 pull-push, 3 preisach",
+            kForce + offsetof(ForceConfig, law), 0, 3),
+    real("force", "eta_top", "1", "friction-bending number of the top tendon", kForce + offsetof(ForceConfig, eta_top),
+         0.0, 3.0),
+    real("force", "eta_bottom", "1", "the same of the bottom tendon", kForce + offsetof(ForceConfig, eta_bottom), 0.0,
+         3.0),
+    real("force", "pretension", "Nm", "tendon integral times the input radius, I r1",
+         kForce + offsetof(ForceConfig, pretension_nm), 0.0, 8.0),
+    real("force", "ratio", "1", "output radius over input radius, r2 / r1", kForce + offsetof(ForceConfig, ratio),
+         0.001, 4.0),
+    real("force", "friction", "Nm", "the motor's own friction", kForce + offsetof(ForceConfig, friction_nm), 0.0, 8.0),
+    real("force", "offset", "Nm", "of the motor's torque", kForce + offsetof(ForceConfig, offset_nm), -8.0, 8.0),
+    real("force", "stiffness_top", "Nm/rad", "of the top tendon at the motor, r1^2 K, for palpation; 0: not known",
+         kForce + offsetof(ForceConfig, stiffness_top_nm_per_rad), 0.0, 127.0),
+    real("force", "stiffness_bottom", "Nm/rad", "the same of the bottom tendon",
+         kForce + offsetof(ForceConfig, stiffness_bottom_nm_per_rad), 0.0, 127.0),
+    real("force", "rate", "Nm/s", "how fast 'move jointN force=' changes the joint's torque",
+         kForce + offsetof(ForceConfig, rate_nm_per_s), 0.0001, 100.0, kTunable),
+    real("force", "reversal_time", "s", "the motor's torque crosses the hysteresis within about this time",
+         kForce + offsetof(ForceConfig, reversal_time_s), 0.001, 2.0, kTunable),
+    real("force", "threshold", "Nm", "return of the wanted joint torque that counts as a reversal",
+         kForce + offsetof(ForceConfig, threshold_nm), 0.0, 1.0, kTunable),
+    real("monitor", "joint_rms", "rad", "expected error of the law against the joint's sensor; 0: not watched",
+         kMonitor + offsetof(MonitorConfig, joint_rms_rad), 0.0, 1.0),
+    real("monitor", "torque_rms", "Nm",
+         "expected error of the mean friction torque, without a joint sensor; 0: not watched",
+         kMonitor + offsetof(MonitorConfig, torque_rms_nm), 0.0, 10.0),
+    real("monitor", "excess", "1", "a warning comes when either error is larger than this times the expected",
+         kMonitor + offsetof(MonitorConfig, excess), 1.1, 5.0),
+    real("monitor", "settle", "rad", "motor's travel after a reversal until its torque is steady",
+         kMonitor + offsetof(MonitorConfig, settle_rad), 0.0, 10.0),
+    ParameterInfo{"preisach", "levels", "1", "levels of the grid of reversal values", ParameterType::kInteger,
+                  ParameterChange::kDisarmed, static_cast<std::uint16_t>(kGrid + offsetof(ForceGrid, levels)), 0,
+                  ForceConfig::kLevels},
 };
 
 constexpr double kCoefficientLimit = 100.0;
-constexpr std::size_t kCount = kFixedParameters.size() + kCoefficientCount + kShapeCount;
+
+/// "input_3", "force_10_7": the grid's rows have numbers instead of names.
+struct GridName {
+  std::array<char, 12> text{};
+  constexpr explicit GridName(std::string_view stem) {
+    for (const char c : stem) {
+      text[size_++] = c;
+    }
+  }
+  constexpr auto with(std::size_t number) const -> GridName {
+    GridName longer = *this;
+    longer.text[longer.size_++] = '_';
+    if (number > 9) {
+      longer.text[longer.size_++] = static_cast<char>('0' + number / 10);
+    }
+    longer.text[longer.size_++] = static_cast<char>('0' + number % 10);
+    return longer;
+  }
+
+ private:
+  std::size_t size_ = 0;
+};
+
+constexpr std::size_t kGridRows = ForceConfig::kLevels + ForceGrid::kMaxValues;
+constexpr auto make_grid_names() {
+  std::array<GridName, kGridRows> names = []<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<GridName, kGridRows>{((void)I, GridName(""))...};
+  }
+  (std::make_index_sequence<kGridRows>{});
+  std::size_t next = 0;
+  for (std::size_t level = 0; level < ForceConfig::kLevels; ++level) {
+    names[next++] = GridName("input").with(level);
+  }
+  for (std::size_t row = 0; row < ForceConfig::kLevels; ++row) {
+    for (std::size_t column = 0; column <= row; ++column) {
+      names[next++] = GridName("force").with(row).with(column);
+    }
+  }
+  return names;
+}
+constexpr std::array<GridName, kGridRows> kGridNames = make_grid_names();
+
+constexpr std::size_t kLawAt = kFixedParameters.size() + kGridRows;
+constexpr std::size_t kCount = kLawAt + kCoefficientCount + kShapeCount;
+
+constexpr void add_grid_rows(std::array<ParameterInfo, kCount>& table) {
+  constexpr double kMost = 127.0;
+  for (std::size_t i = 0; i < kGridRows; ++i) {
+    const bool input = i < ForceConfig::kLevels;
+    const std::size_t offset = input ? offsetof(ForceGrid, inputs) + i * sizeof(Q24)
+                                     : offsetof(ForceGrid, forces) + (i - ForceConfig::kLevels) * sizeof(Q24);
+    table[kFixedParameters.size() + i] =
+        real("preisach", kGridNames[i].text.data(), "Nm",
+             input ? "motor torque of this level, in increasing order"
+                   : "joint torque after a rise to the first level and a fall to the second",
+             kGrid + offset, -kMost, kMost);
+  }
+}
 
 /// Walks a list of terms and writes a row for every coefficient and shape it declares.
 class LawRows {
@@ -122,7 +219,7 @@ class LawRows {
 
  private:
   std::array<ParameterInfo, kCount>& table_;
-  std::size_t next_ = kFixedParameters.size();
+  std::size_t next_ = kLawAt;
   std::size_t coefficient_ = 0;
   std::size_t shape_ = 0;
 };
@@ -132,6 +229,7 @@ constexpr auto make_table() -> std::array<ParameterInfo, kCount> {
   for (std::size_t i = 0; i < kFixedParameters.size(); ++i) {
     table[i] = kFixedParameters[i];
   }
+  add_grid_rows(table);
   LawRows rows(table);
   SumTerms::for_each<Q24>(rows);
   OutputTerms::for_each<Q24>(rows);
@@ -208,6 +306,11 @@ auto check(const AxisConfig& config) -> const char* {
   }
   if (config.limits.continuous_current_a > config.limits.current_a) {
     return "limits.continuous_current is above limits.current; lower it or raise limits.current";
+  }
+  if (config.force.law == static_cast<std::int32_t>(ForceLawKind::kPreisach)) {
+    if (const TableCheck table = check(config.force.grid, ForceConfig::Law::kRounding); !table.ok()) {
+      return describe(table.fault);
+    }
   }
   return nullptr;
 }

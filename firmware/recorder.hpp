@@ -40,7 +40,7 @@ class Recorder {
   void rt_step(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes);
 
  private:
-  static constexpr std::size_t kRoom = 64;
+  static constexpr std::size_t kRoom = 32;
   Mailbox<RecorderSetup> box_;
   std::atomic<bool> on_ = false;
   RecorderSetup setup_;    // the cycle's

@@ -38,6 +38,7 @@ class Shell {
   void peer_left() {
     maintenance_.close();
     end_frames();
+    abandon();
   }
 
  private:
@@ -69,11 +70,13 @@ class Shell {
   void finish();
   void finish_arming();
   void print_fault(const char* what, const FaultInfo& entry);
+  void print_warnings(WarningSet warnings);
   void go_on_logging();
   void go_on_experimenting();
   auto begin_recording(std::size_t axis, std::uint32_t every) -> bool;
   void end_recording();
   void print_row(const SignalSample& sample);
+  void print_stiffness();
   void go_on_dumping();
   void go_on_dumping_faults();
   void go_on_watching();
@@ -84,6 +87,8 @@ class Shell {
 
   auto parse_name(std::string_view text, Name& name) -> bool;
   auto parse_axis(std::string_view& text, std::size_t& axis) -> bool;
+  auto begin_staging() -> bool;
+  void abandon();
   auto stage(std::string_view arguments) -> bool;
   void commit();
 
@@ -96,7 +101,7 @@ class Shell {
   LineEditor editor_;
 
   Activity activity_ = Activity::kIdle;
-  std::array<AxisConfig, kMaxAxes> staged_{};
+  std::span<AxisConfig> staged_;  ///< the machine's room for it, while this console has it
   bool staging_ = false;
   Maintenance maintenance_;
   RecorderSetup recorded_;  ///< by a log, an experiment or the frames; one of them at a time
@@ -104,6 +109,7 @@ class Shell {
   std::uint16_t schema_ = 0;       ///< CRC of the schema that was sent last ...
   std::uint32_t schema_tick_ = 0;  ///< ... and when
   std::int32_t log_site_ = -1;     ///< the site that is palpated; -1: none
+  bool palpating_ = false;         ///< with a law that tells stiffness
   std::uint32_t log_left_ = 0;     ///< rows; of an experiment 0 when it is to end
   std::uint32_t log_dropped_before_ = 0;
   ScopeSetup scope_;           ///< as typed so far

@@ -11,7 +11,8 @@ namespace {
 // For commands that look at all of them by themselves, and for 'disarm', which is not refused over a word too many.
 constexpr std::size_t kAnyNumber = Shell::kLineLength;
 
-constexpr std::array kCommands = {
+// The type is written out: a deduced one puts the table into RAM.
+constexpr std::array<ShellCommand, 30> kCommands = {
     ShellCommand{"help", "[COMMAND|PARAMETER|GROUP]", 1,
                  "this list; of one command, or of parameters with unit, range, default and meaning",
                  ShellCommands::help},
@@ -38,7 +39,9 @@ constexpr std::array kCommands = {
                  ShellCommands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", ShellCommands::arm},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", ShellCommands::disarm},
-    ShellCommand{"move", "jointN ANGLE [rad|deg]", kAnyNumber, "moves a joint within its limits", ShellCommands::move},
+    ShellCommand{"move", "jointN ANGLE [rad|deg] | jointN force=TORQUE [rate=R]", kAnyNumber,
+                 "moves a joint within its limits, or, tip held, brings its torque there by the force law",
+                 ShellCommands::move},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", ShellCommands::hold},
     ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,
                  "says at which motor angle the joint stands now (disarmed only)", ShellCommands::zero},
@@ -50,8 +53,10 @@ constexpr std::array kCommands = {
                  "[cycles=N] [repeats=N] [every=MS]",
                  kAnyNumber, "moves a joint as a law needs it to be identified, within its limits, and prints the log",
                  ShellCommands::experiment},
-    ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS]", kAnyNumber,
-                 "presses with torque triangles where the joint stands, and prints the log of that site",
+    ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
+                 kAnyNumber,
+                 "presses with torque triangles where the joint stands, and prints the log of that site and its "
+                 "stiffness; 'map' shows the sites so far",
                  ShellCommands::palpate},
     ShellCommand{"watch", "[EVERY] SIGNAL...", 1 + ScopeSetup::kMostChannels,
                  "prints signals every EVERY ms (200) until the next line or Ctrl-C", ShellCommands::watch},
@@ -100,34 +105,6 @@ void ShellCommands::version(Shell& shell, std::string_view /*arguments*/) {
   shell.ok();
 }
 
-void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
-  static constexpr std::array<const char*, 5> kLimitNames = {"limits.current", "limits.continuous_current",
-                                                             "limits.current_rate", "limits.motor_min/motor_max",
-                                                             "limits.joint_min/joint_max/joint_speed"};
-  const MachineTelemetry now = shell.machine_.telemetry();
-  Print& out = shell.out_;
-  out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
-      << " overruns " << now.overruns << "\r\n";
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
-    out << "joint" << static_cast<std::uint32_t>(axis);
-    if (shell.machine_.config()[axis].motor.fitted == 0) {
-      out << " not fitted\r\n";
-      continue;
-    }
-    out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
-        << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
-        << joint.current_a << " A";
-    for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
-      if ((joint.limits & (1U << i)) != 0) {
-        out << " limited by " << kLimitNames[i];
-      }
-    }
-    out << "\r\n";
-  }
-  shell.ok();
-}
-
 void ShellCommands::post(Shell& shell, const Request& request, Shell::Activity activity) {
   if (shell.machine_.post(request)) {
     shell.activity_ = activity;
@@ -160,6 +137,11 @@ void ShellCommands::move(Shell& shell, std::string_view arguments) {
     return;
   }
   if (refuses_missing(shell, request.axis)) {
+    return;
+  }
+  std::string_view first = arguments;
+  if (const std::string_view word = next_word(first); word.find('=') != std::string_view::npos) {
+    move_force(shell, request.axis, arguments);
     return;
   }
   const LimitConfig& limits = shell.machine_.config()[request.axis].limits;

@@ -62,11 +62,12 @@ struct ShellCommands {
   /// Says so where there is no joint. True: nothing may be done.
   static auto refuses_missing(Shell& shell, std::size_t axis) -> bool;
   static void post(Shell& shell, const Request& request, Shell::Activity activity);
-  static void begin_staging(Shell& shell);
+  static void move_force(Shell& shell, std::size_t axis, std::string_view arguments);
   static void maintenance_status(Shell& shell);
   static void maintenance_open(Shell& shell, std::string_view key);
   static void maintenance_key(Shell& shell, std::string_view key);
   static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
+  static void palpation_map(Shell& shell);
   static void fault_history(Shell& shell);
   static void fault_second(Shell& shell);
   static void help_parameters(Shell& shell, std::string_view name);

@@ -242,10 +242,27 @@ void ShellCommands::experiment(Shell& shell, std::string_view arguments) {
 void ShellCommands::palpate(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   std::size_t axis = 0;
+  if (joint == "map" || joint == "clear") {
+    if (joint == "clear") {
+      shell.machine_.palpation().clear();
+    }
+    palpation_map(shell);
+    return;
+  }
   if (!shell.parse_axis(joint, axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'palpate joint0 site=1'");
   } else {
+    const ForceConfig& force = shell.machine_.config()[axis].force;
+    const char* problem = Palpation::check(force);
+    if (problem != nullptr) {  // before the log, which is one from its header on
+      shell.out_ << "# no stiffness will be told: " << problem << "\r\n";
+    }
     begin_experiment(shell, kPalpation, axis, arguments);
+    if (problem == nullptr && shell.activity_ == Shell::Activity::kExperimenting) {
+      shell.palpating_ = true;
+      shell.machine_.palpation().begin(force, std::max<std::int32_t>(shell.log_site_, 0),
+                                       static_cast<std::int32_t>(shell.recorded_.every));
+    }
   }
 }
 
@@ -281,6 +298,7 @@ void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std
     return;
   }
   shell.log_site_ = options.site;
+  shell.palpating_ = false;
   if (!shell.machine_.settled()) {
     shell.error("busy", "the cycle has not taken the last request yet, and nothing moved", "send the line again");
     return;
@@ -302,6 +320,9 @@ void Shell::go_on_experimenting() {
   while (machine_.recorder().next(sample)) {
     if (sample.raw[kLogged.size()] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
       print_row(sample);
+      if (palpating_) {
+        machine_.palpation().add(Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]));
+      }
     }
   }
   if (log_left_ == 0 && now.state == State::kExperiment && urgent_ == Urgent::kNone) {  // somebody wants it to end
@@ -312,6 +333,9 @@ void Shell::go_on_experimenting() {
   }
   end_recording();
   if (now.experiment == ExperimentPhase::kDone) {
+    if (palpating_) {
+      print_stiffness();
+    }
     ok();
   } else if (now.first_fault != Fault::kNone) {
     print_fault("ended by ", info(now.first_fault));

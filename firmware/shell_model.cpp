@@ -52,6 +52,27 @@ class LawPrinter {
   std::uint32_t off_ = 0;
 };
 
+void print_force_law(Print& out, const ForceConfig& force) {
+  switch (static_cast<ForceLawKind>(force.law)) {
+    case ForceLawKind::kNone:
+      out << "  no force law: 'move jointN force=' is refused\r\n";
+      return;
+    case ForceLawKind::kPreisach:
+      out << "  joint torque, tip held: Preisach model (4.4), " << force.grid.levels << " levels from "
+          << force.grid.inputs[0] << " to " << force.grid.inputs[force.grid.levels - 1] << " Nm of the motor, "
+          << force.grid.force(0, 0) << " to " << force.grid.force(force.grid.levels - 1, force.grid.levels - 1)
+          << " Nm of the joint\r\n";
+      break;
+    case ForceLawKind::kPull:
+    case ForceLawKind::kPullPush:
+      out << "  joint torque, tip held: " << (force.law == 1 ? "pull model (2.17)" : "pull-push model (2.18)-(2.21)")
+          << ", eta_top " << force.eta_top << ", eta_bottom " << force.eta_bottom << ", pretension "
+          << force.pretension_nm << " Nm, ratio " << force.ratio << "\r\n";
+      break;
+  }
+  out << "    the motor's own friction " << force.friction_nm << " Nm, offset " << force.offset_nm << " Nm\r\n";
+}
+
 }  // namespace
 
 void ShellCommands::model(Shell& shell, std::string_view arguments) {
@@ -69,6 +90,7 @@ void ShellCommands::model(Shell& shell, std::string_view arguments) {
     OutputTerms::for_each<Q24>(printer);
     shell.out_ << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
                << ".TERM.NAME' changes one while disarmed\r\n";
+    print_force_law(shell.out_, shell.machine_.config()[axis].force);
   }
   shell.ok();
 }

@@ -7,6 +7,8 @@
 namespace capstan {
 namespace {
 
+constexpr AxisConfig kFresh;
+
 auto is_group(std::string_view name) -> bool {
   const auto all = parameters();
   return std::any_of(all.begin(), all.end(),
@@ -38,7 +40,6 @@ void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
   if (shell.parse_axis(rest, axis) && rest.size() > 1 && rest.front() == '.') {
     name = std::string_view(rest.data() + 1, rest.size() - 1);
   }
-  const AxisConfig fresh;
   const ParameterInfo* one = find_parameter(name);
   bool found = false;
   for (const ParameterInfo& parameter : parameters()) {
@@ -50,7 +51,7 @@ void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
     out << "  " << parameter.group << '.' << parameter.name << ": " << parameter.doc << "\r\n      ";
     print_range(out, parameter);
     out << ", default ";
-    print_value(out, parameter, raw_value(fresh, parameter));
+    print_value(out, parameter, raw_value(kFresh, parameter));
     switch (parameter.change) {
       case ParameterChange::kAnyTime:
         out << ", changes at any time\r\n";
@@ -71,22 +72,37 @@ void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
   }
 }
 
-void ShellCommands::begin_staging(Shell& shell) {
-  std::copy(shell.machine_.config().begin(), shell.machine_.config().end(), shell.staged_.begin());
+/// Takes the room for a new set, with the one in force in it. False: another console has it, and that was answered.
+auto Shell::begin_staging() -> bool {
+  staged_ = machine_.staging(this);
+  if (staged_.empty()) {
+    error("staging", "another console puts a set together, and nothing was changed", "'commit' or 'abandon' it there");
+    return false;
+  }
+  std::copy(machine_.config().begin(), machine_.config().end(), staged_.begin());
+  return true;
+}
+
+void Shell::abandon() {
+  staging_ = false;
+  staged_ = {};
+  machine_.end_staging(this);
 }
 
 void ShellCommands::set(Shell& shell, std::string_view arguments) {
-  if (!shell.staging_) {
-    begin_staging(shell);
-  }
-  if (!shell.stage(arguments)) {
+  if (shell.staging_) {
+    if (shell.stage(arguments)) {
+      shell.ok();
+    }
     return;
   }
-  if (shell.staging_) {
-    shell.ok();
-  } else {
+  if (!shell.begin_staging()) {
+    return;
+  }
+  if (shell.stage(arguments)) {
     shell.commit();
   }
+  shell.abandon();  // what is to be taken is on its way, and what was refused is forgotten
 }
 
 auto Shell::stage(std::string_view arguments) -> bool {
@@ -136,11 +152,11 @@ void Shell::commit() {
       return;
     }
   }
-  if (!machine_.configure(std::span(staged_).first(now.size()))) {
+  if (!machine_.configure(staged_)) {
     error("busy", "the cycle has not taken the last change yet, and nothing was changed", "send the line again");
     return;
   }
-  staging_ = false;
+  abandon();
   activity_ = Activity::kApplying;
 }
 
@@ -179,12 +195,11 @@ void ShellCommands::list(Shell& shell, std::string_view arguments) {
 }
 
 void ShellCommands::replay_lines(Shell& shell, bool changed_only) {
-  const AxisConfig fresh;
   shell.out_ << "begin\r\n";
   for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
     for (const ParameterInfo& parameter : parameters()) {
       const std::int32_t raw = raw_value(shell.machine_.config()[axis], parameter);
-      if (changed_only && raw == raw_value(fresh, parameter)) {
+      if (changed_only && raw == raw_value(kFresh, parameter)) {
         continue;
       }
       shell.out_ << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
@@ -205,9 +220,10 @@ void ShellCommands::diff(Shell& shell, std::string_view /*arguments*/) {
 }
 
 void ShellCommands::begin(Shell& shell, std::string_view /*arguments*/) {
-  begin_staging(shell);
-  shell.staging_ = true;
-  shell.ok();
+  if (shell.begin_staging()) {
+    shell.staging_ = true;
+    shell.ok();
+  }
 }
 
 void ShellCommands::commit(Shell& shell, std::string_view /*arguments*/) {
@@ -219,14 +235,16 @@ void ShellCommands::commit(Shell& shell, std::string_view /*arguments*/) {
 }
 
 void ShellCommands::abandon(Shell& shell, std::string_view /*arguments*/) {
-  shell.staging_ = false;
+  shell.abandon();
   shell.ok();
 }
 
 void ShellCommands::defaults(Shell& shell, std::string_view /*arguments*/) {
-  shell.staged_.fill(AxisConfig{});
-  shell.staging_ = true;
-  shell.ok();
+  if (shell.begin_staging()) {
+    std::fill(shell.staged_.begin(), shell.staged_.end(), kFresh);
+    shell.staging_ = true;
+    shell.ok();
+  }
 }
 
 void ShellCommands::save(Shell& shell, std::string_view /*arguments*/) {
@@ -245,9 +263,9 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
     shell.error("armed", "a model changes only without torque", "'disarm' first");
     return;
   }
+  shell.abandon();
   switch (shell.machine_.load()) {
     case LoadResult::kLoaded:
-      shell.staging_ = false;
       shell.activity_ = Shell::Activity::kApplying;
       break;
     case LoadResult::kEmpty:
@@ -266,7 +284,7 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
                   "load a model and 'save' it");
       break;
     case LoadResult::kRefused:
-      shell.error("busy", "the cycle has not taken the last change yet, and nothing was changed",
+      shell.error("busy", "the last change is not taken yet or another console stages one, and nothing was changed",
                   "send the line again");
       break;
   }

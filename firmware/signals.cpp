@@ -13,7 +13,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array kJointSignals = {
+constexpr std::array<SignalInfo, 16> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -22,15 +22,27 @@ constexpr std::array kJointSignals = {
     real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
     real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
+    real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law", offsetof(AxisTelemetry, joint_torque_nm)),
+    real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
+         offsetof(AxisTelemetry, joint_torque_reference_nm)),
+    real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
+         offsetof(AxisTelemetry, misfit)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
-    SignalInfo{"limits", "limits", "1", "active limits: 1 current, 2 thermal, 4 rate, 8 motor travel, 16 reference",
+    SignalInfo{"limits", "limits", "1",
+               "active limits: 1 current, 2 thermal, 4 rate, 8 motor travel, 16 reference, 32 joint torque",
                SignalType::kByte, offsetof(AxisTelemetry, limits)},
     SignalInfo{"valid", "valid", "1", "1 while the estimate is valid", SignalType::kByte,
                offsetof(AxisTelemetry, estimate_valid)},
+    SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
+               offsetof(AxisTelemetry, joint_torque_known)},
+    SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control", SignalType::kByte,
+               offsetof(AxisTelemetry, mode)},
+    SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,
+               offsetof(AxisTelemetry, warnings)},
 };
 
-constexpr std::array kMachineSignals = {
+constexpr std::array<SignalInfo, 6> kMachineSignals = {
     SignalInfo{"state", "state", "1", "number of the state, in the order of the table of states", SignalType::kByte,
                offsetof(MachineTelemetry, state)},
     SignalInfo{"fault", "fault", "1", "number of the latched fault", SignalType::kByte,
@@ -39,6 +51,8 @@ constexpr std::array kMachineSignals = {
                offsetof(MachineTelemetry, conditions)},
     SignalInfo{"overruns", "overruns", "1", "late or skipped cycles since start", SignalType::kWord,
                offsetof(MachineTelemetry, overruns)},
+    real("temperature", "temperature_C", "C", "of the transmission, the last one measured",
+         offsetof(MachineTelemetry, temperature_c)),
     SignalInfo{"experiment", "experiment", "1", "0 none yet, 1 approaching, 2 running, 3 done, 4 ended early",
                SignalType::kByte, offsetof(MachineTelemetry, experiment)},
 };

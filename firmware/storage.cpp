@@ -179,13 +179,22 @@ void restore_key(KeyDigest& key, std::uint32_t hash, std::uint32_t value) {
   }
 }
 
-void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw) {
-  for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-    for (const ParameterInfo& parameter : parameters()) {
-      if (hash_of(axis, parameter) == hash && raw >= parameter.minimum && raw <= parameter.maximum) {
-        set_raw_value(axes[axis], parameter, raw);
-      }
+/// Puts entries back where their names say. `likely`: the parameter that comes next if the set is of this version, so
+/// that only others are searched for; starts at 0.
+void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw, std::size_t& likely) {
+  const std::size_t count = parameters().size();
+  const std::size_t all = axes.size() * count;
+  for (std::size_t tried = 0; tried < all; ++tried) {
+    const std::size_t i = (likely + tried) % all;
+    const ParameterInfo& parameter = parameters()[i % count];
+    if (hash_of(i / count, parameter) != hash) {
+      continue;
     }
+    if (raw >= parameter.minimum && raw <= parameter.maximum) {
+      set_raw_value(axes[i / count], parameter, raw);
+    }
+    likely = i + 1;
+    return;
   }
 }
 
@@ -228,13 +237,14 @@ auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadR
                                            : LoadResult::kEmpty;
   }
   KeyDigest stored_key;
+  std::size_t likely = 0;
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
     if (!banks_.read(bank, kHeaderBytes + at, entry)) {
       return LoadResult::kCorrupt;
     }
     const std::span<const std::uint8_t> all(entry);
-    restore(axes, take(all.first(4)), static_cast<std::int32_t>(take(all.last(4))));
+    restore(axes, take(all.first(4)), static_cast<std::int32_t>(take(all.last(4))), likely);
     restore_key(stored_key, take(all.first(4)), take(all.last(4)));
   }
   for (const AxisConfig& axis : axes) {

@@ -26,12 +26,16 @@ struct AxisSensed {
   Q24 current_a{};                  ///< motor current, A
   Quality encoder = Quality::kMissing;
   Quality current = Quality::kMissing;
+  Q24 joint_rad{};                    ///< joint angle, where the joint has a sensor
+  Quality joint = Quality::kMissing;  ///< no joint needs one: missing is no fault
 };
 
 /// Everything the firmware knows about the world in one cycle.
 template <std::size_t Axes>
 struct Sensed {
   std::array<AxisSensed, Axes> axis{};
+  Q24 temperature_c{};                      ///< of the transmission, where there is a thermometer
+  Quality temperature = Quality::kMissing;  ///< missing is no fault
   std::uint32_t overruns = 0;  ///< cycles that began late or were skipped since start, counted by the board
   bool estop = false;          ///< emergency stop input is open
 };

@@ -26,4 +26,11 @@ struct ForceEstimate {
   ForcePhase phase = ForcePhase::kUnknown;
 };
 
+/// The input that brings a force about.
+template <typename Scalar>
+struct InputCommand {
+  Scalar input{};          ///< within what the law was measured on
+  bool reachable = false;  ///< the force lies between the two saturations (or at one of them)
+};
+
 }  // namespace capstan

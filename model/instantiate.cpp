@@ -2,6 +2,7 @@
 // Instantiates every law for the number formats in use, so that a mistake shows when the library is built.
 #include "model/coupled_axes.hpp"
 #include "model/effort_catalogue.hpp"
+#include "model/force_law.hpp"
 #include "model/motion_law.hpp"
 #include "model/preisach.hpp"
 #include "model/pull_push.hpp"
@@ -53,6 +54,8 @@ template class CoupledAxes<double, 3>;
 template class CoupledAxes<Q24, 3>;
 template class PullPush<double>;
 template class PullPush<Q24>;
+template class ForceLaw<double, 11, 16>;
+template class ForceLaw<Q24, 11, 16>;
 template class TensionState<double>;
 template class TensionState<Q24>;
 

@@ -15,13 +15,6 @@ enum class StartState : std::uint8_t {
   kDemagnetised,  ///< ever smaller swings about the middle of the grid: halfway between what the past could have been
 };
 
-/// The input that brings a force about.
-template <typename Scalar>
-struct InputCommand {
-  Scalar input{};          ///< within the table
-  bool reachable = false;  ///< the force lies between the two saturations (or at one of them)
-};
-
 /// Classical Preisach model from first-order reversal values, (4.4) and (4.5):
 ///   f = f- + sum_{k<n} (f_{a_k b_k} - f_{a_k b_{k-1}}) + f*,
 ///   f* = f_{a_n u} - f_{a_n b_{n-1}} falling, f_{u u} - f_{u b_{n-1}} rising.

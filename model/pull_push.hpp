@@ -97,6 +97,13 @@ class TransmissionLine {
     }
     return x < slack_until_ ? Point{pushed_slope_ * x, true} : Point{both_slope_ * x + both_base_, false};
   }
+  /// The line turned round: the motor torque at which the output is this.
+  [[nodiscard]] constexpr auto input_for(Scalar torque) const -> Scalar {
+    if (pulled_slope_ * slack_from_ <= torque) {
+      return torque / pulled_slope_;
+    }
+    return torque < pushed_slope_ * slack_until_ ? torque / pushed_slope_ : (torque - both_base_) / both_slope_;
+  }
   /// Both tendons are taut (or the pushed one just slack) and the pulled one carries more: what (2.18) and (2.21) ask.
   [[nodiscard]] constexpr auto is_admissible(Scalar x) const -> bool { return Scalar{} < x && Scalar{} < at(x).torque; }
 
@@ -152,6 +159,16 @@ class PullPush {
       estimate.phase = ForcePhase::kPulledActive;
     }
     return estimate;
+  }
+
+  /// The law turned round, for kUntilPassed and one law alone: the motor torque nearest to `now` that brings the output
+  /// there. Changes nothing. @pre the parameters are usable, one of the weights is 1 and the other 0
+  [[nodiscard]] constexpr auto input_for(Scalar torque, Scalar now) const -> Scalar {
+    const Law& law = parameters_.pull_push_weight == Scalar{} ? pull_ : pull_push_;
+    if (law.held < torque) {
+      return std::max(now, law.forward_line.input_for(torque));
+    }
+    return torque < law.held ? std::min(now, -law.backward_line.input_for(-torque)) : now;
   }
 
  private:

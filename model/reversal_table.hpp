@@ -18,7 +18,7 @@ struct ReversalTable {
   static constexpr std::size_t kMaxLevels = MaxLevels;
   static constexpr std::size_t kMaxValues = MaxLevels * (MaxLevels + 1) / 2;
 
-  std::size_t levels = 0;                             ///< how many of the levels are in use, 2 to MaxLevels
+  std::uint32_t levels = 0;                           ///< how many of the levels are in use, 2 to MaxLevels
   std::array<Scalar, MaxLevels> inputs{};             ///< strictly increasing; the ends are the input's range
   std::array<Scalar, kMaxValues> forces = missing();  ///< the triangle row by row
 

@@ -183,7 +183,12 @@ class CanNode {
     }
     frame.data[0] = static_cast<std::uint8_t>(now.state);
     frame.data[1] = static_cast<std::uint8_t>(now.first_fault);
-    can_bytes::put32(std::span(frame.data).subspan(2, 4), now.conditions);
+    unsigned warnings = now.warnings;
+    for (std::size_t axis = 0; axis < machine_.axes(); ++axis) {
+      warnings |= machine_.axis_telemetry(axis).warnings;
+    }
+    static_assert(kFaultTable.size() <= 24, "the word's upper byte is for warnings");
+    can_bytes::put32(std::span(frame.data).subspan(2, 4), now.conditions | warnings << 24U);
     frame.data[6] = static_cast<std::uint8_t>(refused);
     frame.data[7] = heartbeats_++;
     return frame;

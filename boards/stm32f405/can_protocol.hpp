@@ -18,7 +18,7 @@
 ///   before 0x600 + n               in   shell: sequence u8, one to seven characters 0x180 + 0x100 axis + n  out
 ///   telemetry, 100 Hz: joint angle Q24 i32, motor current mA i16, limits u8 (bit 7: angle valid), ms u8 0x580 + n out
 ///   shell: sequence u8, one to seven characters 0x700 + n               out  heartbeat, 10 Hz: state u8, first fault
-///   u8, fault word u32, refused frames u8, counter u8
+///   u8, fault word u24, warnings of any joint u8, refused frames u8, counter u8
 namespace capstan::stm32f405 {
 
 inline constexpr std::uint16_t kCanSetpoint = 0x200;

@@ -43,6 +43,7 @@ constexpr std::array kPlantFields = std::to_array<Field<P>>({
     {"camera_noise_rad", &P::camera_noise_rad, 0.0, 1.0},
     {"camera_rate_hz", &P::camera_rate_hz, 0.0, 1000.0},
     {"camera_delay_s", &P::camera_delay_s, 0.0, 10.0},
+    {"joint_sensor", &P::joint_sensor, 0.0, 1.0},
     {"tip_length_m", &P::tip_length_m, 1.0e-5, 10.0},
     {"tip_force_noise_n", &P::tip_force_noise_n, 0.0, 1.0e3},
     {"ambient_c", &P::ambient_c, -100.0, 200.0},

@@ -143,14 +143,15 @@ struct PlantParameters {
   double current_adc_step_a = 0.00122;
   double current_full_scale_a = 2.5;
   double sample_delay_s = 0.0;  ///< both are sampled this long before the board reads them
-  // Joint camera, for the log only.
+  // Joint camera, for the log; with joint_sensor = 1 the board reads it too.
   double camera_noise_rad = 0.0017;
   double camera_rate_hz = 0.0;  ///< 0: every step; otherwise the value is held between frames
   double camera_delay_s = 0.0;
+  double joint_sensor = 0.0;  ///< 0 or 1
   // Tip force sensor, for the log only.
   double tip_length_m = 0.01;  ///< joint axis to tip
   double tip_force_noise_n = 0.02;
-  // Thermometer, for the log only. The instrument warms up from ambient by `warming` as effects.thermal_time_s says; 0:
+  // Thermometer, of log and board. The instrument warms up from ambient by `warming` as effects.thermal_time_s says; 0:
   // there is no thermometer.
   double ambient_c = 25.0;
   double warming_k = 0.0;

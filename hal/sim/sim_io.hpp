@@ -47,8 +47,11 @@ class PlantIo {
   }
 
   auto read(Sensed<Axes>& sensed) noexcept -> Status {
-    for (std::size_t i = 0; i < Axes; ++i)
+    for (std::size_t i = 0; i < Axes; ++i) {
       sensed.axis[i] = i < plant_.axis_count() ? sensed_of(plant_.readings(i)) : AxisSensed{};
+      if (i < plant_.axis_count())
+        read_rare(i, sensed);
+    }
     return Status::kOk;
   }
 
@@ -77,6 +80,20 @@ class PlantIo {
   [[nodiscard]] auto failure() const -> const std::string& { return failure_; }
 
  private:
+  /// What not every instrument has: a thermometer, a joint sensor.
+  void read_rare(std::size_t axis, Sensed<Axes>& sensed) noexcept {
+    const sim::PlantParameters& parameters = plant_.parameters(axis);
+    const sim::Truth& truth = plant_.truth(axis);
+    if (parameters.warming_k > 0.0) {
+      sensed.temperature_c = Q24::from_double(truth.temperature_c);
+      sensed.temperature = Quality::kOk;
+    }
+    if (parameters.joint_sensor > 0.5 && std::isfinite(truth.q2_camera_rad)) {
+      sensed.axis[axis].joint_rad = Q24::from_double(truth.q2_camera_rad);
+      sensed.axis[axis].joint = Quality::kOk;
+    }
+  }
+
   PlantType& plant_;
   std::optional<Commands> bench_;
   std::string failure_;

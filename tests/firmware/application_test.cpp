@@ -300,9 +300,9 @@ TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
   rig.ticks(10);
   EXPECT_FALSE(recorder.next(sample)) << "nothing is recorded unasked";
   ASSERT_TRUE(recorder.start(&rig, {.signals = {find_signal("joint0.q1", 1)}, .count = 1}));
-  rig.ticks(50);
+  rig.ticks(30);
   std::uint32_t last = 0;
-  for (int i = 0; i < 50; ++i) {
+  for (int i = 0; i < 30; ++i) {
     ASSERT_TRUE(recorder.next(sample));
     EXPECT_TRUE(i == 0 || sample.tick == last + 1);
     last = sample.tick;
@@ -310,7 +310,7 @@ TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {
   EXPECT_EQ(recorder.dropped(), 0U);
   EXPECT_FALSE(recorder.start(&recorder, {.signals = {find_signal("joint0.q2", 1)}, .count = 1})) << "it is in use";
   rig.ticks(200);
-  EXPECT_EQ(recorder.dropped(), 200U - 64U);
+  EXPECT_EQ(recorder.dropped(), 200U - 32U);
   ASSERT_TRUE(recorder.start(&rig, {.signals = {find_signal("joint0.q1", 1)}, .count = 1, .every = 10}));
   rig.ticks(30);
   for (int i = 0; i < 3; ++i) {

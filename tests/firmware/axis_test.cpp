@@ -270,15 +270,14 @@ TEST(AxisConfiguration, NewGainsLeaveTheLawsMemoryAlone) {
 }
 
 /// An axis at rest with torque.
-auto armed_axis(const AxisConfig& config) -> Axis {
-  Axis axis(config);
+void arm(Axis& axis) {
   estimate(axis, sensed_at(0.0, 0.0));
   axis.rt_arm();
-  return axis;
 }
 
 TEST(AxisCommands, AMoveOutsideTheLimitsOrWithoutSpeedChangesNothing) {
-  Axis axis = armed_axis(AxisConfig{});
+  Axis axis(AxisConfig{});
+  arm(axis);
   using Kind = AxisCommand::Kind;
   EXPECT_FALSE(axis.rt_command({Kind::kMove, q(2.0001), q(1.0)}));
   EXPECT_FALSE(axis.rt_command({Kind::kMove, q(-2.0001), q(1.0)}));
@@ -291,7 +290,8 @@ TEST(AxisCommands, AMoveOutsideTheLimitsOrWithoutSpeedChangesNothing) {
 }
 
 TEST(AxisCommands, AMoveIsNoFasterThanTheJointsLimitWhateverIsAskedFor) {
-  Axis axis = armed_axis(AxisConfig{});
+  Axis axis(AxisConfig{});
+  arm(axis);
   ASSERT_TRUE(axis.rt_command({AxisCommand::Kind::kMove, q(2.0), q(100.0)}));
   Q24 last;
   for (int i = 0; i < 2000; ++i) {
@@ -305,7 +305,8 @@ TEST(AxisCommands, AMoveIsNoFasterThanTheJointsLimitWhateverIsAskedFor) {
 
 TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
   for (const double wild : {100.0, -127.0}) {
-    Axis axis = armed_axis(AxisConfig{});
+    Axis axis(AxisConfig{});
+    arm(axis);
     Q24 last;
     for (int i = 0; i < 1500; ++i) {
       estimate(axis, sensed_at(0.0, 0.0));
@@ -321,7 +322,8 @@ TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
 }
 
 TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
-  Axis axis = armed_axis(AxisConfig{});
+  Axis axis(AxisConfig{});
+  arm(axis);
   for (int i = 0; i < 100; ++i) {
     estimate(axis, sensed_at(0.0, 0.0));
     static_cast<void>(axis.rt_command({AxisCommand::Kind::kFollow, q(0.001 * i), {}}));
@@ -337,7 +339,8 @@ TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
 
 TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce) {
   for (const double speed : {1.0, -1.5, 0.3}) {
-    Axis axis = armed_axis(AxisConfig{});
+    Axis axis(AxisConfig{});
+    arm(axis);
     Q24 last;
     for (int i = 1; i <= 500; ++i) {
       estimate(axis, sensed_at(0.0, 0.0));

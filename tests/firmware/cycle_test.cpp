@@ -85,7 +85,8 @@ TEST(Cycle, ARecordedRunReplaysBitForBitIntoAnyFreshState) {
   test::CycleRig<2> rig(config);
   std::vector<std::pair<Sensed<2>, Command<2>>> run;
   std::vector<std::vector<std::int64_t>> results;
-  rig.state = CycleState<2>(config);
+  run.emplace_back(rig.sensed, Command<2>{});  // the rig's own first cycle
+  results.push_back(bytes_of(rig.state, rig.drive));
   for (int i = 0; i < 6000; ++i) {
     Command<2> command;
     command.arm = i % 1000 == 10;

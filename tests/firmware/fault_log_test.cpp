@@ -136,10 +136,10 @@ TEST(FaultLog, TheLastSecondIsKeptWithTheFaultsOwnCycleAtItsEnd) {
   for (std::size_t i = 0; i < FaultLog::kSamples; ++i) {
     const std::int32_t cycles = board.log().cycles_from_fault(i);
     const AxisTelemetry& then = seen[seen.size() - 1 - static_cast<std::size_t>(-cycles)];
-    EXPECT_EQ(board.log().raw(i, 0, 0), then.q1_rad.raw()) << cycles;
-    EXPECT_EQ(board.log().raw(i, 0, 1), then.tau_nm.raw());
-    EXPECT_EQ(board.log().raw(i, 0, 2), then.q2_rad.raw());
-    EXPECT_EQ(board.log().raw(i, 0, 3), then.q2_reference_rad.raw());
+    EXPECT_EQ(board.log().raw(i, 0, 0), then.q1_rad.raw() & ~0xFF) << cycles;
+    EXPECT_EQ(board.log().raw(i, 0, 1), then.tau_nm.raw() & ~0xFF);
+    EXPECT_EQ(board.log().raw(i, 0, 2), then.q2_rad.raw() & ~0xFF);
+    EXPECT_EQ(board.log().raw(i, 0, 3), then.q2_reference_rad.raw() & ~0xFF);
     EXPECT_TRUE(i + 1 == FaultLog::kSamples ? cycles == 0 : cycles < 0);
   }
   EXPECT_LE(board.log().cycles_from_fault(0), -980);

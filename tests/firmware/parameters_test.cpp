@@ -156,7 +156,9 @@ TEST(Parameters, EveryCoefficientAndShapeOfTheCatalogueHasARow) {
 
 TEST(Parameters, OnlyGainsMayChangeUnderTorque) {
   for (const ParameterInfo& parameter : parameters()) {
-    const bool gain = std::string(parameter.group) == "control";
+    const std::string name = full_name(parameter);
+    const bool gain = std::string(parameter.group) == "control" || name == "force.rate" ||
+                      name == "force.reversal_time" || name == "force.threshold";
     EXPECT_EQ(parameter.change == ParameterChange::kAnyTime, gain) << full_name(parameter);
     AxisConfig changed;
     set_raw_value(changed, parameter, raw_value(changed, parameter) + 1);

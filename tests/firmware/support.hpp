@@ -98,7 +98,7 @@ static_assert(JointIo<FakeIo<1>>);
 /// in the middle of one.
 class FlashBanks final : public Banks {
  public:
-  static constexpr std::size_t kSize = 4096;
+  static constexpr std::size_t kSize = 8192;
   FlashBanks() {
     for (auto& bank : memory) {
       bank.fill(0xFF);
@@ -182,6 +182,7 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   config.limits.motor_max_rad = scaled(6.0);
   config.limits.joint_min_rad = scaled(-2.0);
   config.limits.joint_max_rad = scaled(2.0);
+  config.force.law = static_cast<std::int32_t>(seed % 3);  // a grid of any numbers would be no Preisach law
   config.limits.continuous_current_a = scaled(1.0);
   config.limits.current_a = scaled(2.0);
   return config;

@@ -12,7 +12,7 @@ namespace capstan::test {
 template <typename Scalar>
 auto any_table() -> ReversalTable<Scalar, 9> {
   ReversalTable<double, 9> table;
-  table.levels = *rc::gen::inRange<std::size_t>(2, 10);
+  table.levels = *rc::gen::inRange<std::uint32_t>(2, 10);
   double input = -0.25 * *rc::gen::inRange(1, 20);
   double lower = -0.125 * *rc::gen::inRange(-20, 40);
   for (std::size_t row = 0; row < table.levels; ++row) {

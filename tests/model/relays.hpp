@@ -46,7 +46,7 @@ class Relays {
   template <std::size_t MaxLevels>
   [[nodiscard]] auto table(std::size_t levels) const -> ReversalTable<double, MaxLevels> {
     ReversalTable<double, MaxLevels> table;
-    table.levels = levels;
+    table.levels = static_cast<std::uint32_t>(levels);
     const int per_cell = n_ / static_cast<int>(levels - 1);
     std::vector<double> up_by_column(static_cast<std::size_t>(n_) + 1, 0.0);  // weight up if b is at that line
     double all = 0.0;

@@ -38,7 +38,7 @@ TEST(ReversalTable, ThatNobodyFilledIsRefused) {
 
 TEST(ReversalTable, MoreLevelsThanItHoldsAreRefusedBeforeAnyIsRead) {
   Table table = good_table();
-  for (const std::size_t levels : {std::size_t{0}, std::size_t{1}, std::size_t{12}, std::size_t{1000000}}) {
+  for (const std::uint32_t levels : {0U, 1U, 12U, 1000000U}) {
     table.levels = levels;
     EXPECT_EQ(check(table).fault, TableFault::kLevelCount) << levels;
   }

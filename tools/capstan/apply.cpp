@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "tools/apply/force_lines.hpp"
 #include "tools/apply/model_lines.hpp"
 
 #include <cmath>
@@ -10,6 +11,7 @@
 #include "tools/apply/shell_client.hpp"
 #include "tools/capstan/commands.hpp"
 #include "tools/support/errors.hpp"
+#include "tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -41,11 +43,21 @@ void verify(ShellClient& shell, const std::string& set_line) {
                 " as it was set; nothing was saved, so restart it and apply again");
 }
 
+/// The motion law, the force law, or both: what the file has.
+auto lines_of(const ApplyOptions& options) -> std::vector<std::string> {
+  const std::string text = read_text_file(options.model);
+  std::vector<std::string> force = force_lines(text, options.model, options.axis);
+  const bool only_force = !force.empty() && text.find("[terms") == std::string::npos;
+  std::vector<std::string> lines = only_force ? std::vector<std::string>{"begin", "commit"}
+                                              : model_lines(parse_joint_file(text, options.model), options.axis);
+  lines.insert(lines.end() - 1, force.begin(), force.end());
+  return lines;
+}
+
 auto apply(const ApplyOptions& options) -> int {
-  const JointFile joint = read_joint_file(options.model);
+  const std::vector<std::string> lines = lines_of(options);
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
-  const auto lines = model_lines(joint, options.axis);
   for (const std::string& line : lines) {
     shell.ask(line);
   }

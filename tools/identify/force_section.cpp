@@ -32,6 +32,31 @@ auto array_of(const std::vector<double>& values) -> std::string {
   return "[" + joined(words) + "]";
 }
 
+auto parse(const std::string& joint_file, const std::string& name) -> toml::table {
+  std::string ascii = joint_file;  // names and numbers are; what is not may only be a remark
+  std::replace_if(
+      ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
+  try {
+    return toml::parse(ascii);
+  } catch (const toml::parse_error& error) {
+    throw BadInput(name + ": line " + std::to_string(error.source().begin.line) + ": this is no joint file (" +
+                   std::string(error.description()) + "); correct the line");
+  }
+}
+
+auto numbers(const toml::node_view<const toml::node>& node, const std::string& what) -> std::vector<double> {
+  std::vector<double> values;
+  if (const toml::array* array = node.as_array()) {
+    for (const auto& value : *array) {
+      values.push_back(value.value<double>().value_or(std::nan("")));
+    }
+  }
+  if (values.empty() || !std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); })) {
+    throw BadInput(what + " is not a list of numbers; identify the law anew");
+  }
+  return values;
+}
+
 }  // namespace
 
 auto force_section(const PullPushFit& fit) -> std::string {
@@ -64,19 +89,14 @@ auto force_section(const PreisachFit& fit) -> std::string {
   return text + "forces = [\n" + values + "]\nci95_half = [\n" + halves + "]\n" + fit_line(fit);
 }
 
+auto force_model(const std::string& joint_file, const std::string& name) -> std::string {
+  return parse(joint_file, name)["force"]["model"].value<std::string>().value_or("");
+}
+
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit {
   constexpr std::array kWritten = {"eta_top",  "eta_bottom", "pretension",    "ratio",
                                    "friction", "offset",     "stiffness_top", "stiffness_bottom"};
-  std::string ascii = joint_file;  // names and numbers are; what is not may only be a remark
-  std::replace_if(
-      ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
-  toml::table file;
-  try {
-    file = toml::parse(ascii);
-  } catch (const toml::parse_error& error) {
-    throw BadInput(name + ": line " + std::to_string(error.source().begin.line) + ": this is no joint file (" +
-                   std::string(error.description()) + "); correct the line");
-  }
+  const toml::table file = parse(joint_file, name);
   const auto section = file["force"];
   if (section["model"].value<std::string>().value_or("") != "pull_push") {
     throw BadInput(name +
@@ -99,6 +119,34 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
   fit.friction_nm = value_of(4);
   fit.offset_nm = value_of(5);
   return fit;
+}
+
+auto read_preisach(const std::string& joint_file, const std::string& name) -> ReversalTable<double, kPreisachLevels> {
+  const toml::table file = parse(joint_file, name);
+  const auto inputs = numbers(file["force"]["inputs"], name + ": [force] inputs");
+  ReversalTable<double, kPreisachLevels> table;
+  const toml::array* rows = file["force"]["forces"].as_array();
+  if (inputs.size() < 2 || inputs.size() > kPreisachLevels || rows == nullptr || rows->size() != inputs.size()) {
+    throw BadInput(name + ": [force] has not the same 2 to " + std::to_string(kPreisachLevels) +
+                   " levels in inputs and forces; identify the law anew");
+  }
+  table.levels = static_cast<std::uint32_t>(inputs.size());
+  for (std::size_t row = 0; row < inputs.size(); ++row) {
+    const auto values = numbers(file["force"]["forces"][row], name + ": row " + std::to_string(row) + " of forces");
+    if (values.size() != row + 1) {
+      throw BadInput(name + ": row " + std::to_string(row) + " of forces has not " + std::to_string(row + 1) +
+                     " values; identify the law anew");
+    }
+    table.inputs[row] = inputs[row];
+    for (std::size_t column = 0; column <= row; ++column) {
+      table.set_force(row, column, values[column]);
+    }
+  }
+  if (const TableCheck problem = check(table, 1e-9); !problem.ok()) {
+    throw BadInput(name + ": [force] row " + std::to_string(problem.row) + ", column " +
+                   std::to_string(problem.column) + ": " + describe(problem.fault));
+  }
+  return table;
 }
 
 auto with_force_section(const std::string& joint_file, const std::string& section) -> std::string {

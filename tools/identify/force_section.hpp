@@ -11,9 +11,16 @@ namespace capstan::tools {
 auto force_section(const PullPushFit& fit) -> std::string;
 auto force_section(const PreisachFit& fit) -> std::string;
 
+/// "pull_push", "preisach", or nothing where a joint file has no [force] section. Throws BadInput if it is no TOML.
+auto force_model(const std::string& joint_file, const std::string& name) -> std::string;
+
 /// The pull-push law of a joint file's [force] section, as far as it is written there. Throws BadInput: one sentence
 /// with file and cure where there is none or a number is missing.
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;
+
+/// The reversal table of a joint file's [force] section. Throws BadInput: one sentence with file and cure for a table
+/// that is not whole or not monotone. @pre force_model() is "preisach"
+auto read_preisach(const std::string& joint_file, const std::string& name) -> ReversalTable<double, kPreisachLevels>;
 
 /// The text of a joint file with its [force] section replaced by another, or put behind everything else. An empty text
 /// becomes a file of that section alone.

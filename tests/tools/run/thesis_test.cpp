@@ -45,6 +45,18 @@ TEST(Thesis, MultisineOfTable52IsAsPrinted) {
   EXPECT_GT(value(table, 2, "late camera", "km"), value(table, 0, "late camera", "km"));
 }
 
+TEST(Thesis, FirmwareTracksFortyPercentAndMoreBelowThePrintedControlOnEverySignalOfTable53) {
+  const ThesisTable table = table_5_3();
+  ASSERT_EQ(table.rows.size(), 6U);
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const double ours = value(table, i, "capstan", "control");
+    std::printf("%-24s control printed %.3f, firmware %.3f deg\n", table.rows[i].name.c_str(),
+                value(table, i, "printed", "control"), ours);
+    EXPECT_LT(ours, 0.6 * value(table, i, "printed", "control")) << table.rows[i].name;
+    EXPECT_LT(ours, 0.6 * value(table, i, "printed", "pm")) << "not even the estimate of PM was better";
+  }
+}
+
 TEST(Thesis, TextAndJsonHoldTheSameTable) {
   const ThesisTable table{
       "9.9", "a title", {"a condition"}, {{"printed", "km", "KM", "deg", 2}}, {{"x", {1.5}, "why so."}}};
