@@ -16,16 +16,30 @@ constexpr double kMatters = 0.08;         // of the energy: 4 % of the rms error
 constexpr double kCeilingWhite = 2.7;     // t over some 40 blocks at kCertain
 constexpr double kCeilingRaw = 2.0;
 
-/// Energy of the cycles' mean against that of their differences, both whitened; and in the measured quantity.
-void test_repetition(const Preparation& p, const Evidence& evidence, const Eigen::VectorXd& error, Adequacy& result) {
+/// Energy per learned block of what the sensors hide. A flexible model may find that, since torque says where between
+/// two counts the motor is, and the angle says what the torque is.
+auto hidden_energy(const Preparation& p, const Eigen::MatrixXd& sensing) -> Eigen::VectorXd {
+  const Blocks blocks = p.split.learned();
+  Eigen::VectorXd energy(static_cast<Eigen::Index>(blocks.size()));
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    energy[static_cast<Eigen::Index>(i)] = sensing.middleRows(blocks[i].begin, blocks[i].size()).squaredNorm();
+  }
+  return energy;
+}
+
+/// Energy of the cycles' mean against that of their differences, both whitened; and in the measured quantity. The mean
+/// has in it what the encoder hides.
+void test_repetition(const Preparation& p, const Evidence& evidence, Adequacy& result) {
   const Repeats cycles = learned_cycles(p);
   const auto count = static_cast<double>(cycles.count);
   const auto rows = static_cast<double>(cycles.length);
-  auto energies = [&](const Eigen::VectorXd& signal, double& mean, double& difference) {
+  auto energies = [&](const Eigen::VectorXd& signal, const Eigen::VectorXd& hidden, double& mean, double& difference) {
     const Eigen::VectorXd pure = pure_error(signal, cycles);
     double total = 0.0;
     for (Eigen::Index i = 0; i < cycles.count; ++i) {
-      total += signal.segment(cycles.cycle(i).begin, cycles.length).squaredNorm();
+      const RowRange cycle = cycles.cycle(i);
+      total += signal.segment(cycle.begin, cycles.length).squaredNorm();
+      total -= hidden.segment(cycle.begin, cycles.length).squaredNorm();
     }
     // pure_error() scales each cycle's deviation by count / (count - 1) in variance.
     difference = pure.squaredNorm() / count / rows;
@@ -33,10 +47,10 @@ void test_repetition(const Preparation& p, const Evidence& evidence, const Eigen
   };
   double mean = 0.0;
   double difference = 0.0;
-  energies(evidence.white_error, mean, difference);
+  energies(evidence.white_error, evidence.white_sensing.col(0), mean, difference);
   const double z = (mean / difference - 1.0) / std::sqrt(2.0 / rows + 2.0 / (rows * (count - 1.0)));
   result.lack_of_fit_p = normal_tail(z);
-  energies(error, mean, difference);
+  energies(evidence.error, evidence.sensing.col(0), mean, difference);
   result.reducible_share = std::max(result.reducible_share, (mean - difference) / (mean + (count - 1.0) * difference));
 }
 
@@ -69,9 +83,10 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   Adequacy result;
   const ColumnModel law = law_model(evidence.layout);
   result.law_energy = cross_validated(evidence.raw(), evidence.learned, law);
-  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned);
-  const Eigen::VectorXd white_gain =
-      cross_validated(evidence.white(), evidence.learned, law) - flexible_ceiling(evidence.white(), evidence.learned);
+  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned) + hidden_energy(p, evidence.sensing);
+  const Eigen::VectorXd white_gain = cross_validated(evidence.white(), evidence.learned, law) -
+                                     flexible_ceiling(evidence.white(), evidence.learned) -
+                                     hidden_energy(p, evidence.white_sensing);
   result.ceiling_t = t_statistic(white_gain);
   result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
   result.ceiling_p = sieve.ceiling_p;
@@ -79,7 +94,7 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   const bool above_ceiling = result.reducible_share > kMatters && certain &&
                              t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
   if (evidence.noise_from_repeats) {
-    test_repetition(p, evidence, evidence.error, result);
+    test_repetition(p, evidence, result);
   }
   const bool repeats_itself = result.lack_of_fit_p < kRepeatsItself && result.reducible_share > kMatters;
   result.lacks_something = above_ceiling || repeats_itself;

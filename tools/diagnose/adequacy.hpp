@@ -14,7 +14,8 @@ struct Adequacy {
   double reducible_share =
       0.0;  ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
   Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
-  Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added
+  Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added, and for what the sensors
+                                   ///< of motor angle and torque hide from any law
 };
 
 /// Judges the law of this round. "Something" must be both certain and large enough to matter (8 % of the energy).

@@ -82,7 +82,8 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
   for (Eigen::Index i = 0; i < cycles.count; ++i) {
     pieces.push_back(cycles.cycle(i));
   }
-  evidence.noise = fit_noise(pure_error(rest, cycles), pieces, kLargestOrder);
+  // What the encoder hides repeats with the motion, and is noise all the same.
+  evidence.noise = fit_noise(pure_error(rest, cycles) + residual.resolution, pieces, kLargestOrder);
 }
 
 void sort_blocks(const Split& split, Evidence& evidence) {
@@ -214,6 +215,9 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   const Blocks blocks = p.split.learned();
   const Eigen::MatrixXd white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
   evidence.white_error = white.col(evidence.layout.error());
+  evidence.sensing.resize(residual.error.size(), 2);
+  evidence.sensing << residual.resolution, residual.torque_noise;
+  evidence.white_sensing = whitened(evidence.sensing, p.coarse_logs, evidence.noise);
   evidence.raw_white.emplace_back(evidence.columns, evidence.layout, blocks);
   evidence.raw_white.emplace_back(white, evidence.layout, blocks);
   const Projected all = evidence.white().projected(evidence.learned);

@@ -76,6 +76,7 @@ struct Evidence {
   std::vector<BlockGrams> raw_white;              ///< [0] raw, [1] white
   Eigen::MatrixXd columns;                        ///< all of the layout, coarse rows, in the measured quantity
   Eigen::VectorXd error, white_error;             ///< coarse rows
+  Eigen::MatrixXd sensing, white_sensing;         ///< coarse rows; what resolution and torque noise bring into the law
   [[nodiscard]] auto raw() const -> const BlockGrams& { return raw_white[0]; }
   [[nodiscard]] auto white() const -> const BlockGrams& { return raw_white[1]; }
 };

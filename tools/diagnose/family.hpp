@@ -33,6 +33,7 @@ struct LawResidual {
   Eigen::MatrixXd full_base;  ///< columns of the law, every sample: coefficients, and sensitivities to its shapes
   Eigen::MatrixXd base;       ///< the same, coarse
   Eigen::VectorXd error;      ///< target less fitted, coarse
+  Eigen::VectorXd resolution, torque_noise;  ///< what these bring into the law's angle, one draw each, coarse
 };
 
 /// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/support/random.hpp"
 #include "tools/support/statistics.hpp"
 #include "tools/support/text.hpp"
 
@@ -109,24 +110,36 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-/// Samples in hindsight of all logs; `uncertain` gets the coarse rows touched by uncertain samples.
+/// Samples in hindsight of all logs, and two copies with what q1's resolution and the torque's noise may hide.
+struct HindsightOfLogs {
+  std::vector<Samples> samples, coarse_angle, noisy_torque;
+  Blocks uncertain;  ///< coarse rows touched by uncertain samples
+};
+
 auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner,
-                  const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing, Blocks& uncertain)
-    -> std::vector<Samples> {
-  std::vector<Samples> samples;
+                  const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing) -> HindsightOfLogs {
+  HindsightOfLogs all;
+  Random random(0x70C0);
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
-    Hindsight hindsight =
-        log.effort.size() > 0 ? given_motion(log, conditioner, noise) : hindsight_samples(log, conditioner, noise);
+    const bool effort = log.effort.size() > 0;
+    Hindsight hindsight = effort ? given_motion(log, conditioner, noise) : hindsight_samples(log, conditioner, noise);
     for (const auto& rows : hindsight.uncertain) {
       const Eigen::Index first = std::max<Eigen::Index>(0, rows.begin - smoothing);
       const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
-      uncertain.push_back({begin + first / factor, begin + last / factor + 1});
+      all.uncertain.push_back({begin + first / factor, begin + last / factor + 1});
     }
-    samples.push_back(std::move(hindsight.samples));
+    all.coarse_angle.push_back(hindsight.samples);
+    all.noisy_torque.push_back(hindsight.samples);
+    const double torque_noise = effort ? 0.0 : white_noise_level(log.tau_nm);
+    for (std::size_t i = 0; !effort && i < hindsight.samples.size(); ++i) {
+      all.coarse_angle.back()[i].q1 += hindsight.hidden_rad[static_cast<Eigen::Index>(i)];
+      all.noisy_torque.back()[i].tau += torque_noise * random.normal();
+    }
+    all.samples.push_back(std::move(hindsight.samples));
     begin += log.samples() / factor;
   }
-  return samples;
+  return all;
 }
 
 }  // namespace
@@ -235,9 +248,8 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
   const Eigen::Index smoothing = effort ? 0 : choose_smoothing(logs);
-  Blocks uncertain;
-  const LawDesign hindsight(logs, hindsight_of(logs, conditioner, noise, factor, smoothing + 2 * before, uncertain),
-                            before);
+  HindsightOfLogs seen = hindsight_of(logs, conditioner, noise, factor, smoothing + 2 * before);
+  const LawDesign hindsight(logs, std::move(seen.samples), before);
   if (effort) {
     notes.push_back(averaging_note(hindsight));
   }
@@ -246,6 +258,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 noise,
                 effort ? hindsight : LawDesign(logs, conditioner),
                 hindsight,
+                {{logs, std::move(seen.coarse_angle), before}, {logs, std::move(seen.noisy_torque), before}},
                 hindsight.smoothed(stacked_target(logs)),
                 factor,
                 smoothing,
@@ -256,7 +269,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 {},
                 {},
                 std::move(notes)};
-  p.uncertain = std::move(uncertain);
+  p.uncertain = std::move(seen.uncertain);
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < logs.size(); ++i) {
     const Eigen::Index rows = logs[i].samples() / factor;

@@ -23,9 +23,12 @@ struct Preparation {
   ConditionerShape<double> conditioner;
   AngleNoise noise;
   LawDesign causal, hindsight;  ///< of an effort both are the given motion's
-  Eigen::VectorXd target;       ///< q2 or the effort, every sample
-  Eigen::Index factor = 1;      ///< samples per coarse row
-  Eigen::Index smoothing = 0;   ///< half width of the moving mean before that, samples
+  /// Hindsight with what its sensors may have hidden added, one draw each: resolution of q1, noise of the torque. What
+  /// a law makes of that is neither noise of the target nor an effect.
+  std::vector<LawDesign> disturbed;
+  Eigen::VectorXd target;      ///< q2 or the effort, every sample
+  Eigen::Index factor = 1;     ///< samples per coarse row
+  Eigen::Index smoothing = 0;  ///< half width of the moving mean before that, samples
   double coarse_period_s = 0.0;
   Blocks coarse_logs;              ///< rows of each log, warm-up left out
   std::optional<Repeats> repeats;  ///< in coarse rows

@@ -45,6 +45,11 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
       base.rightCols(1) = (law_columns(p.hindsight, moved) * fit.theta - residual.fitted) / step;
     }
   }
+  const auto brought = [&](const LawDesign& disturbed) -> Eigen::VectorXd {
+    return p.coarse(law_columns(disturbed, law) * fit.theta - residual.fitted);
+  };
+  residual.resolution = brought(p.disturbed[0]);
+  residual.torque_noise = brought(p.disturbed[1]);
   residual.base = p.coarse(base);
   residual.full_base = std::move(base);
   return residual;

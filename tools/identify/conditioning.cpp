@@ -37,13 +37,28 @@ void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measure
   }
 }
 
-/// The joint angle as far as a straight line in motor angle and torque gives it: what stands for the estimate that a
-/// running law would have. The measured angle itself must not: a law could then copy what it is fitted to.
-auto joint_by_motor(const AxisLog& log) -> Eigen::VectorXd {
-  Eigen::MatrixXd columns(log.samples(), 3);
-  columns << log.q1_rad, Eigen::VectorXd::Ones(log.samples()), log.tau_nm;
-  const Eigen::MatrixXd gram = columns.transpose() * columns;
-  return columns * gram.completeOrthogonalDecomposition().solve(columns.transpose() * log.q2_rad);
+/// The joint angle as far as the usual law and the link's weight give it: what stands for the estimate that a running
+/// law would have. The measured angle itself must not: a law could then copy what it is fitted to.
+auto joint_by_motor(const AxisLog& log, const Samples& samples) -> Eigen::VectorXd {
+  constexpr Eigen::Index kWithoutWeight = 4;
+  constexpr int kRounds = 4;  // the weight acts at the angle that it changes
+  Eigen::MatrixXd columns(log.samples(), kWithoutWeight + 2);
+  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+    const bool forward = samples[static_cast<std::size_t>(i)].forward;
+    const double tau = log.tau_nm[i];
+    columns.row(i).head(kWithoutWeight) << log.q1_rad[i], 1.0, forward ? tau : 0.0, forward ? 0.0 : tau;
+  }
+  const auto fitted = [&](Eigen::Index count) -> Eigen::VectorXd {
+    const auto used = columns.leftCols(count);
+    const Eigen::MatrixXd gram = used.transpose() * used;
+    return used * gram.completeOrthogonalDecomposition().solve(used.transpose() * log.q2_rad);
+  };
+  Eigen::VectorXd joint = fitted(kWithoutWeight);
+  for (int round = 0; round < kRounds; ++round) {
+    columns.rightCols(2) << joint.array().sin(), joint.array().cos();
+    joint = fitted(columns.cols());
+  }
+  return joint;
 }
 
 }  // namespace
@@ -68,10 +83,14 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
   SampleConditioner<double> conditioner(SamplePeriod<double>(log.period_s), shape);
   Samples samples;
   samples.reserve(static_cast<std::size_t>(log.samples()));
-  const Eigen::VectorXd joint = log.q2_rad.size() > 0 ? joint_by_motor(log) : log.q1_rad;
-  for (Measured<double> now : measured_series(log)) {
-    now.q2 = joint[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(samples.size())) - 1];
+  for (const Measured<double>& now : measured_series(log)) {
     samples.push_back(conditioner.update(now));
+  }
+  if (log.q2_rad.size() > 0) {
+    const Eigen::VectorXd joint = joint_by_motor(log, samples);
+    for (std::size_t i = 0; i < samples.size(); ++i) {  // the last cycle's
+      samples[i].q2 = joint[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(i)) - 1];
+    }
   }
   return samples;
 }

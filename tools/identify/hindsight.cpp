@@ -42,6 +42,31 @@ auto find_turn(const AxisLog& log, RowRange stroke, bool was_forward, double vis
   return {std::max(last - seeing, first) + 1, {std::max(last - 4 * seeing, first), last + 1}};
 }
 
+/// The motor angle between the encoder's counts: straight lines through the edges that it crossed, each halfway between
+/// two samples, and never further from a count than half a step. Slow motions show far less of the steps so.
+auto between_counts(const Eigen::VectorXd& q1, double step_rad) -> Eigen::VectorXd {
+  if (step_rad <= 0.0) {
+    return q1;
+  }
+  Eigen::VectorXd angle = q1;
+  Eigen::Index entered = 0;  // first sample of the count that it is at
+  for (Eigen::Index i = 1; i < q1.size(); ++i) {
+    if (std::abs(q1[i] - q1[i - 1]) < 0.5 * step_rad) {
+      continue;
+    }
+    const double left = 0.5 * (q1[i - 1] + q1[i]);
+    // Several counts at a time: there is nothing in between, and a mean of neighbours would only cut corners.
+    const bool fast = i - entered == 1 && entered > 0 && std::abs(q1[i] - q1[i - 2]) > 3.5 * step_rad;
+    for (Eigen::Index k = entered; entered > 0 && !fast && k < i; ++k) {
+      const double came = 0.5 * (q1[entered - 1] + q1[entered]);
+      const double share = (static_cast<double>(k - entered) + 0.5) / static_cast<double>(i - entered);
+      angle[k] = std::clamp(came + share * (left - came), q1[k] - 0.5 * step_rad, q1[k] + 0.5 * step_rad);
+    }
+    entered = i;
+  }
+  return angle;
+}
+
 /// Torque up to a sample, averaged so that one noisy value does not stand for the reversal.
 auto torque_near(const AxisLog& log, Eigen::Index at) -> double {
   const auto reach = std::max<Eigen::Index>(1, std::lround(0.005 / log.period_s));
@@ -95,6 +120,17 @@ auto quiet_acceleration(const AxisLog& log, const AngleNoise& noise) -> Eigen::V
   }
 }
 
+/// What the encoder's resolution still hides from hindsight: the angle goes once more through an encoder of this step,
+/// whose edges lie elsewhere.
+auto hidden_by_encoder(const Eigen::VectorXd& angle, double step_rad) -> Eigen::VectorXd {
+  if (step_rad <= 0.0) {
+    return Eigen::VectorXd::Zero(angle.size());
+  }
+  const double shift = 0.5 * step_rad + angle[0] - step_rad * std::round(angle[0] / step_rad);
+  const Eigen::ArrayXd counts = ((angle.array() - shift) / step_rad).round() * step_rad + shift;
+  return between_counts(counts.matrix(), step_rad) - angle;
+}
+
 }  // namespace
 
 auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index {
@@ -137,13 +173,15 @@ auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double
 
 auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight {
-  Hindsight result{causal_samples(log, conditioner), {}};
+  Hindsight result{causal_samples(log, conditioner), {}, {}};
   const auto changes = direction_changes(result.samples);
   constexpr double kKiloRadPerRad = 1e-3;
   const Eigen::Index half_window = rate_half_window(log, noise);
+  const Eigen::VectorXd angle = between_counts(log.q1_rad, noise.step_rad);
   const Eigen::VectorXd rate = local_slope(log.q1_rad, half_window, log.period_s);
   const Eigen::VectorXd acceleration = quiet_acceleration(log, noise);
   for (std::size_t i = 0; i < result.samples.size(); ++i) {
+    result.samples[i].q1 = angle[static_cast<Eigen::Index>(i)];
     result.samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
     result.samples[i].ddq1 = kKiloRadPerRad * acceleration[static_cast<Eigen::Index>(i)];
   }
@@ -162,6 +200,7 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     stroke_begin = noticed;
   }
   remember_reversals(log, result.samples);
+  result.hidden_rad = hidden_by_encoder(angle, noise.step_rad);
   return result;
 }
 

@@ -7,13 +7,14 @@
 namespace capstan::tools {
 
 /// Samples as they are known afterwards, for deciding which effect it is: the direction turns when the motor did
-/// instead of when the causal switch notices it, torque and angle are those of that reversal, and neither rate nor
-/// acceleration lags. What is reported in the end is the causal
+/// instead of when the causal switch notices it, torque and angle are those of that reversal, neither rate nor
+/// acceleration lags, and the motor angle goes straight from count to count. What is reported in the end is the causal
 /// law's error.
 struct Hindsight {
   Samples samples;
   Blocks uncertain;  ///< rows around reversals where even hindsight can not tell the direction, for the encoder's
                      ///< resolution
+  Eigen::VectorXd hidden_rad;  ///< what the encoder's resolution may still be hiding of q1: one draw, no measurement
 };
 auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight;
