@@ -81,11 +81,12 @@ void add_diagnose(CLI::App& app, int& exit_status) {
       app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
   options->logs.add_to(*command, true);
   command->add_option("--base", options->base,
-                      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), or "
-                      "rigid_dynamics (default where the target is an effort)");
+                      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), "
+                      "rigid_dynamics (default where the target is an effort), or pull_push or preisach (joint torque "
+                      "from motor torque)");
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
-                      "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N");
+                      "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
   command->add_option("--next", options->next,

@@ -8,6 +8,7 @@
 #include "tools/capstan/commands.hpp"
 #include "tools/capstan/identify_force.hpp"
 #include "tools/capstan/options.hpp"
+#include "tools/identify/force_catalogue.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
 

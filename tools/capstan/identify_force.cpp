@@ -71,10 +71,6 @@ auto deliver(const Fit& fit, const std::string& model, const std::string& output
 
 }  // namespace
 
-auto is_force_model(const std::string& model) -> bool {
-  return model == "pull_push" || model == "preisach";
-}
-
 auto identify_force(const LogOptions& options, const std::string& model, const std::string& output) -> int {
   const auto logs = read_logs(options);
   return model == "preisach" ? deliver(fit_preisach(logs), model, output) : deliver(fit_pull_push(logs), model, output);

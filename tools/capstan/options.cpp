@@ -6,6 +6,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "tools/identify/force_catalogue.hpp"
 #include "tools/identify/identify.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/text.hpp"
@@ -97,7 +98,8 @@ void request_target(const std::string& target, const std::string& model, AxisReq
                   "--map \"axis0/tau_Nm=" + target + "*FACTOR\" --target axis0/tau_Nm");
   }
   request.target = target;
-  request.effort = is_effort_column(target) || (model == kEffortModel && !target.ends_with("_rad"));
+  request.force = is_force_model(model);
+  request.effort = !request.force && (is_effort_column(target) || (model == kEffortModel && !target.ends_with("_rad")));
 }
 
 }  // namespace capstan::tools

@@ -83,7 +83,9 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   Adequacy result;
   const ColumnModel law = law_model(evidence.layout);
   result.law_energy = cross_validated(evidence.raw(), evidence.learned, law);
-  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned) + hidden_energy(p, evidence.sensing);
+  const Eigen::VectorXd hidden = hidden_energy(p, evidence.sensing);
+  result.hidden_energy = hidden.sum();
+  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned) + hidden;
   const Eigen::VectorXd white_gain = cross_validated(evidence.white(), evidence.learned, law) -
                                      flexible_ceiling(evidence.white(), evidence.learned) -
                                      hidden_energy(p, evidence.white_sensing);

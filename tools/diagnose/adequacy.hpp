@@ -13,6 +13,7 @@ struct Adequacy {
   double ceiling_t = 0.0;      ///< t over blocks of what a flexible model gains, whitened
   double reducible_share =
       0.0;  ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
+  double hidden_energy = 0.0;      ///< of what sensors and a grid hide from the law, in the measured quantity
   Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
   Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added, and for what the sensors
                                    ///< of motor angle and torque hide from any law

@@ -4,6 +4,8 @@
 
 #include "tools/diagnose/free_run.hpp"
 #include "tools/diagnose/search.hpp"
+#include "tools/identify/force_catalogue.hpp"
+#include "tools/support/errors.hpp"
 #include "tools/support/statistics.hpp"
 #include "tools/support/text.hpp"
 
@@ -41,7 +43,7 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
     torque = torque && log.has_torque;
   }
   d.rate_hz = logs.front().rate_hz();
-  const bool effort = logs.front().effort.size() > 0;
+  const bool effort = logs.front().motion_alone();
   const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");
   d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
@@ -153,7 +155,11 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
   }
 }
 
+/// A Preisach table has cells that no motion but its recipe visits; they take no part then.
 auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std::string> {
+  if (base.has("preisach")) {
+    return {};
+  }
   const Eigen::MatrixXd columns = law_columns(p.causal, base);
   const Blocks blocks = refined(p.split, p.factor).learned();
   return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(base)), base, columns, p.target);
@@ -161,21 +167,32 @@ auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std:
 
 }  // namespace
 
-auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis {
+auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   Diagnosis d;
-  describe_logs(logs, options, d);
-  const LawForm base = form_of_model(d.base_model, logs);
-  d.unit = base.catalogue->target_unit();
-  d.motion_unit = base.catalogue->motion_unit();
-  d.base = d.law = JointFile(*base.catalogue);
-  if (const std::string unfit = reason_unfit(logs); !unfit.empty()) {
+  describe_logs(recorded, options, d);
+  const Catalogue& catalogue = catalogue_of_model(d.base_model, recorded);
+  d.unit = catalogue.target_unit();
+  d.motion_unit = catalogue.motion_unit();
+  d.base = d.law = JointFile(catalogue);
+  options.progress("checking the log");
+  std::vector<AxisLog> logs = recorded;
+  if (catalogue.target() == TargetKind::kForce) {
+    std::transform(logs.begin(), logs.end(), logs.begin(), averaged_for_force);
+  }
+  LawForm base;
+  std::string unfit = reason_unfit(logs);
+  try {
+    base = unfit.empty() ? form_of_model(d.base_model, logs) : base;
+  } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
+    unfit = refusal.what();
+  }
+  if (!unfit.empty()) {
     d.verdict = Verdict::kDataUnfit;
     d.reason = "The log is not fit for a diagnosis: " + unfit + ".";
     d.next_experiment = unfit.substr(unfit.find(';') + 2);
     return d;
   }
-  options.progress("checking the log");
-  const Preparation p = prepare(logs, base);
+  const Preparation p = prepare(std::move(logs), base);
   d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
   d.repeats = p.repeats ? p.repeats->count : 1;
   if (const auto names = undetermined(p, base); !names.empty()) {

@@ -33,7 +33,10 @@ struct LawResidual {
   Eigen::MatrixXd full_base;  ///< columns of the law, every sample: coefficients, and sensitivities to its shapes
   Eigen::MatrixXd base;       ///< the same, coarse
   Eigen::VectorXd error;      ///< target less fitted, coarse
-  Eigen::VectorXd resolution, torque_noise;  ///< what these bring into the law's angle, one draw each, coarse
+  Eigen::MatrixXd adapted;    ///< coarse columns that have taken up whatever they can and are not fitted again; or none
+  /// What the encoder's resolution (and a Preisach grid's), and the torque's noise bring into the law, one draw each,
+  /// coarse.
+  Eigen::VectorXd resolution, torque_noise;
 };
 
 /// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around

@@ -68,9 +68,25 @@ void trim(AxisLog& log, Eigen::Index factor) {
   }
 }
 
+/// Rows before the torque has first been at an end of its range: until then the past of the friction counts. Half at
+/// most.
+auto first_saturation(const Samples& samples) -> Eigen::Index {
+  constexpr double kInside = 0.01;
+  const auto by_torque = [](const auto& a, const auto& b) { return a.tau < b.tau; };
+  const auto [lowest, highest] = std::minmax_element(samples.begin(), samples.end(), by_torque);
+  const double margin = kInside * (highest->tau - lowest->tau);
+  const auto first = std::find_if(samples.begin(), samples.end(), [&](const auto& s) {
+    return s.tau < lowest->tau + margin || s.tau > highest->tau - margin;
+  });
+  return std::min(first - samples.begin(), static_cast<std::ptrdiff_t>(samples.size() / 2));
+}
+
 /// Rows before the second reversal, where terms with memory still depend on a past that was not logged; a twentieth at
 /// most.
-auto warm_up(const Samples& samples) -> Eigen::Index {
+auto warm_up(const Samples& samples, TargetKind target) -> Eigen::Index {
+  if (target == TargetKind::kForce) {
+    return first_saturation(samples);
+  }
   const auto changes = direction_changes(samples);
   const auto rows = static_cast<Eigen::Index>(samples.size());
   const Eigen::Index settled = changes.size() >= 2 ? static_cast<Eigen::Index>(changes[1]) : rows;
@@ -122,7 +138,7 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
   Random random(0x70C0);
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
-    const bool effort = log.effort.size() > 0;
+    const bool effort = log.motion_alone();
     Hindsight hindsight = effort ? given_motion(log, conditioner, noise) : hindsight_samples(log, conditioner, noise);
     for (const auto& rows : hindsight.uncertain) {
       const Eigen::Index first = std::max<Eigen::Index>(0, rows.begin - smoothing);
@@ -143,19 +159,6 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
 }
 
 }  // namespace
-
-auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd {
-  if (factor == 1) {
-    return columns;
-  }
-  Eigen::MatrixXd coarse(columns.rows() / factor, columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
-    for (Eigen::Index row = 0; row < coarse.rows(); ++row) {
-      coarse(row, c) = columns.col(c).segment(row * factor, factor).mean();
-    }
-  }
-  return coarse;
-}
 
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
   for (const auto& rows : uncertain) {
@@ -275,7 +278,8 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
     const Eigen::Index rows = logs[i].samples() / factor;
     // Derivatives and means have no neighbours beyond the ends.
     const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
-    p.coarse_logs.push_back({row + std::max(edge, warm_up(p.hindsight.samples()[i]) / factor), row + rows - edge});
+    p.coarse_logs.push_back({row + std::max(edge, warm_up(p.hindsight.samples()[i], base.catalogue->target()) / factor),
+                             row + rows - edge});
     row += rows;
   }
   p.signals = coarse_signals(p);

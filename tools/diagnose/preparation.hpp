@@ -47,9 +47,6 @@ struct Preparation {
   [[nodiscard]] auto certain() const -> Blocks;
 };
 
-/// Mean of every `factor` rows. @pre the number of rows is a multiple of it
-auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
-
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;
 

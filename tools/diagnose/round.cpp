@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "tools/identify/force_catalogue.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -36,11 +38,18 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   residual.fitted = columns * fit.theta;
   residual.error = p.coarse(p.target - residual.fitted);
   Eigen::MatrixXd base = columns;
+  if (law.has("preisach")) {
+    // Relays that a stretch of the motion alone has switched would be anything when that stretch is held out.
+    residual.adapted = p.coarse(columns);
+    base.resize(columns.rows(), 2);
+    base << Eigen::VectorXd::Ones(columns.rows()), residual.fitted;
+  }
   for (const auto& term : *law.catalogue) {
-    for (std::size_t i = 0; law.has(term.name) && i < term.shapes.size(); ++i) {
+    for (std::size_t i = 0; law.has(term.name) && i < searched_shapes(term); ++i) {
       LawForm moved = law;
-      const double step = 1e-3 * (term.shapes[i].maximum - term.shapes[i].minimum);
-      moved.shapes[term.first_shape + i] += step;
+      double& shape = moved.shapes[term.first_shape + i];
+      const double step = shape_step(term.shapes[i], shape);
+      shape += step;
       base.conservativeResize(Eigen::NoChange, base.cols() + 1);
       base.rightCols(1) = (law_columns(p.hindsight, moved) * fit.theta - residual.fitted) / step;
     }
@@ -48,7 +57,7 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   const auto brought = [&](const LawDesign& disturbed) -> Eigen::VectorXd {
     return p.coarse(law_columns(disturbed, law) * fit.theta - residual.fitted);
   };
-  residual.resolution = brought(p.disturbed[0]);
+  residual.resolution = brought(p.disturbed[0]) + p.coarse(hidden_by_grid(p.hindsight, law, residual.fitted));
   residual.torque_noise = brought(p.disturbed[1]);
   residual.base = p.coarse(base);
   residual.full_base = std::move(base);

@@ -146,6 +146,9 @@ class Searcher {
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
     const FamilyTrial* best = simplest(round, best_passing(round, false));
+    if (best != nullptr && best->explained * round.adequacy.law_energy.sum() < round.adequacy.hidden_energy) {
+      best = nullptr;  // what sensors or a grid hide may look like an effect; none is named that is not larger
+    }
     const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
     if (search_.effects.empty() && round.adequacy.lacks_something && too_little && add_pair(round)) {
       return true;

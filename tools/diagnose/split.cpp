@@ -27,16 +27,20 @@ void add_blocks(std::vector<RoleBlock>& blocks, RowRange rows, Eigen::Index coun
   }
 }
 
-/// Leaves out rows that belong to no piece.
+/// Leaves out rows that belong to no piece, and blocks of such rows alone.
 void keep_inside(std::vector<RoleBlock>& blocks, const Blocks& pieces) {
   for (auto& block : blocks) {
+    RowRange inside{block.rows.begin, block.rows.begin};
     for (const auto& piece : pieces) {
       if (block.rows.begin < piece.end && block.rows.end > piece.begin) {
-        block.rows = {std::max(block.rows.begin, piece.begin), std::min(block.rows.end, piece.end)};
+        inside = {std::max(block.rows.begin, piece.begin), std::min(block.rows.end, piece.end)};
         break;
       }
     }
+    block.rows = inside;
   }
+  blocks.erase(std::remove_if(blocks.begin(), blocks.end(), [](const auto& block) { return block.rows.size() == 0; }),
+               blocks.end());
 }
 
 /// Cuts the gap off the front of every block whose role differs from that of the block before it.

@@ -131,6 +131,19 @@ auto direction_changes(const Samples& samples) -> std::vector<std::size_t> {
   return changes;
 }
 
+auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd {
+  if (factor == 1) {
+    return columns;
+  }
+  Eigen::MatrixXd coarse(columns.rows() / factor, columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {
+    for (Eigen::Index row = 0; row < coarse.rows(); ++row) {
+      coarse(row, c) = columns.col(c).segment(row * factor, factor).mean();
+    }
+  }
+  return coarse;
+}
+
 auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
     -> Eigen::MatrixXd {
   if (half_width == 0) {

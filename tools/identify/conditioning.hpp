@@ -34,4 +34,7 @@ auto direction_changes(const Samples& samples) -> std::vector<std::size_t>;
 auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>& log_rows, Eigen::Index half_width)
     -> Eigen::MatrixXd;
 
+/// Mean of every `factor` rows. @pre the number of rows is a multiple of it
+auto decimated(const Eigen::MatrixXd& columns, Eigen::Index factor) -> Eigen::MatrixXd;
+
 }  // namespace capstan::tools

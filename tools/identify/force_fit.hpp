@@ -63,6 +63,10 @@ struct PreisachFit : ForceFit {
   std::vector<double> half_intervals;  ///< of the table's values, in its order; infinite where undetermined
 };
 
+/// What joints answer from the lower end on whose relays fill one cell of the grid each: ones, then a column per cell,
+/// row by row of the grid below its diagonal. A reversal table is a sum of these.
+auto relay_columns(double low_nm, double high_nm, std::size_t levels, const Eigen::VectorXd& tau_nm) -> Eigen::MatrixXd;
+
 /// The reversal table behind logs of any motion: a sum of relays with weights that are not negative, so the table is
 /// complete and monotone whatever the noise. A first-order-reversal log determines all of it, another what it visits.
 auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/identify/force_catalogue.hpp"
 #include "tools/identify/given_motion.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/statistics.hpp"
@@ -73,9 +74,8 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == kEffortModel) {
     return {"inertia", "viscous_friction"};
   }
-  if (model == "pull_push" || model == "preisach") {
-    throw Refusal("the model " + model +
-                  " is a force law: capstan identify fits it, and diagnosis has no effects for it yet");
+  if (is_force_model(model)) {
+    return {model};
   }
   throw BadInput(
       "there is no model " + model +
@@ -83,26 +83,34 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
       "and preisach");
 }
 
+auto catalogue_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> const Catalogue& {
+  const bool of_motion = logs.front().motion_alone();
+  if (of_motion != (model == kEffortModel) && !is_force_model(model)) {
+    throw BadInput(of_motion ? "the model " + model + " explains a joint angle, and the target " + logs.front().target +
+                                   " is an effort; choose " + kEffortModel
+                             : "the model " + model + " explains an effort, and the target " + logs.front().target +
+                                   " is a joint angle; name the effort with --target axis0/tau_Nm");
+  }
+  if (is_force_model(model)) {
+    return force_catalogue(model);
+  }
+  return of_motion ? effort_catalogue(logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary) : term_catalogue();
+}
+
 auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm {
+  if (is_force_model(model)) {
+    return force_form(model, logs);
+  }
   LawForm form;
   form.terms = terms_of_model(model);
-  const bool effort = logs.front().effort.size() > 0;
-  if (effort != (model == kEffortModel)) {
-    throw BadInput(effort ? "the model " + model + " explains a joint angle, and the target " + logs.front().target +
-                                " is an effort; choose " + kEffortModel
-                          : "the model " + model + " explains an effort, and the target " + logs.front().target +
-                                " is a joint angle; name the effort with --target axis0/tau_Nm");
-  }
-  if (effort) {
-    form.catalogue = &effort_catalogue(logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary);
-    form.shapes = form.catalogue->initial_shapes();
-  }
+  form.catalogue = &catalogue_of_model(model, logs);
+  form.shapes = form.catalogue->initial_shapes();
   return form;
 }
 
 auto design_for(const std::vector<AxisLog>& logs, const LawForm& form, const ConditionerShape<double>& conditioner)
     -> LawDesign {
-  if (form.catalogue->target() == TargetKind::kAngle) {
+  if (form.catalogue->target() != TargetKind::kEffort) {
     return {logs, conditioner};
   }
   const AngleNoise noise = motor_angle_noise(logs);

@@ -15,8 +15,10 @@ inline constexpr const char* kDefaultModel = "pseudo_kinematic";
 /// The base law of an effort: q1'' and q1'.
 inline constexpr const char* kEffortModel = "rigid_dynamics";
 
-/// The same as a form, with the catalogue that these logs need. Throws BadInput where the model explains an effort and
-/// the logs have a joint angle as target, or the other way round.
+/// The catalogue that a model's laws are made of, for these logs. Throws BadInput where the model explains an effort
+/// and the logs have a joint angle as target, or the other way round.
+auto catalogue_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> const Catalogue&;
+/// The model as a law to be fitted. Throws as catalogue_of_model(), and Refusal where a force law finds no start.
 auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm;
 
 struct Identification {

@@ -53,12 +53,6 @@ auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
   return cost_a < cost_b ? a : b;
 }
 
-/// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
-auto shape_step(const ShapeInfo& info, double value) -> double {
-  const double step = 1e-3 * (info.maximum - info.minimum);
-  return value + step > info.maximum ? -step : step;
-}
-
 }  // namespace
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
@@ -171,7 +165,7 @@ auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
   const auto terms = ordered_terms(form);
   for (int round = 0; round < kRounds; ++round) {
     for (const auto* term : terms) {
-      for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
         const auto& info = term->shapes[i];
         double& value = form.shapes[term->first_shape + i];
         const double reach = std::max(kReach[round] * value, 2e-3 * (info.maximum - info.minimum));
@@ -187,10 +181,19 @@ auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
   return form;
 }
 
+auto shape_step(const ShapeInfo& info, double value) -> double {
+  const double step = 1e-3 * (info.maximum - info.minimum);
+  return value + step > info.maximum ? -step : step;
+}
+
+auto searched_shapes(const CatalogueTerm& term) -> std::size_t {
+  return term.shapes_are_given ? 0 : term.shapes.size();
+}
+
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
   std::vector<std::string> names;
   for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+    for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
       const auto& info = term->shapes[i];
       const double value = form.shapes[term->first_shape + i];
       const double margin = 2e-3 * (info.maximum - info.minimum);
@@ -216,7 +219,7 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
   std::vector<std::size_t> shape_of_column;
   for (const auto* term : ordered_terms(form)) {
     joint.terms.push_back(term->name);
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+    for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
       LawForm moved = form;
       double& value = moved.shapes[term->first_shape + i];
       const double step = shape_step(term->shapes[i], value);

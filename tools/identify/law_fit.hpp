@@ -67,6 +67,11 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
     -> LawForm;
 
+/// How many of a term's shapes a fit searches for: all, or none.
+auto searched_shapes(const CatalogueTerm& term) -> std::size_t;
+/// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
+auto shape_step(const ShapeInfo& info, double value) -> double;
+
 /// A shape that ended at a limit of its range is not identified: names of those.
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
 

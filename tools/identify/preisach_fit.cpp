@@ -44,28 +44,43 @@ auto average(const std::vector<ForceLog>& logs) -> Averaged {
   return averaged;
 }
 
+/// Levels in equal steps.
+auto levels_between(double low, double high, std::size_t levels = kPreisachLevels) -> Table {
+  Table table;
+  table.levels = levels;
+  for (std::size_t i = 0; i < levels; ++i) {
+    table.inputs[i] = low + (high - low) * static_cast<double>(i) / static_cast<double>(levels - 1);
+  }
+  return table;
+}
+
 /// Levels over the range of the input, its ends a little inside so that the outermost swings saturate.
 auto grid(const Eigen::VectorXd& in) -> Table {
   constexpr double kInside = 0.005;
-  const double range = in.maxCoeff() - in.minCoeff();
-  const double low = in.minCoeff() + kInside * range;
-  Table table;
-  table.levels = kPreisachLevels;
-  for (std::size_t i = 0; i < kPreisachLevels; ++i) {
-    table.inputs[i] = low + (1.0 - 2.0 * kInside) * range * static_cast<double>(i) / (kPreisachLevels - 1);
-  }
-  return table;
+  const double margin = kInside * (in.maxCoeff() - in.minCoeff());
+  return levels_between(in.minCoeff() + margin, in.maxCoeff() - margin);
 }
 
 /// The table of a joint whose only relays fill one cell evenly and add up to one: up once the input has been above the
 /// cell's row, until it falls below its column.
 auto table_of_cell(Table table, std::size_t row, std::size_t column) -> Table {
-  for (std::size_t a = 0; a < kPreisachLevels; ++a) {
+  for (std::size_t a = 0; a < table.levels; ++a) {
     for (std::size_t b = 0; b <= a; ++b) {
       table.set_force(a, b, a > row && b > column ? 1.0 : 0.0);
     }
   }
   return table;
+}
+
+/// Calls visit(column, table) for every cell's table; column 0 is the lower saturation.
+template <typename Visit>
+void for_each_cell(const Table& levels, Visit&& visit) {
+  Eigen::Index column = 1;
+  for (std::size_t row = 0; row + 1 < levels.levels; ++row) {
+    for (std::size_t cell = 0; cell <= row; ++cell, ++column) {
+      visit(column, table_of_cell(levels, row, cell));
+    }
+  }
 }
 
 struct Regressors {
@@ -75,29 +90,25 @@ struct Regressors {
 };
 auto regressors(const Table& levels, const Averaged& averaged) -> Regressors {
   Regressors result;
-  const auto rows = averaged.in.size();
-  result.columns.resize(rows, kCells + 1);
-  result.columns.col(0).setOnes();
-  result.known.assign(static_cast<std::size_t>(rows), false);
+  result.columns.resize(averaged.in.size(), kCells + 1);
   result.table_from_theta.resize(Table::kMaxValues, kCells + 1);
   result.table_from_theta.col(0).setOnes();
-  Eigen::Index cell = 1;
-  for (std::size_t row = 0; row + 1 < kPreisachLevels; ++row) {
-    for (std::size_t column = 0; column <= row; ++column, ++cell) {
-      const Table table = table_of_cell(levels, row, column);
-      for (std::size_t i = 0; i < Table::kMaxValues; ++i) {
-        result.table_from_theta(static_cast<Eigen::Index>(i), cell) = table.forces[i];
-      }
-      Eigen::Index at = 0;
-      for (const Eigen::Index count : averaged.log_rows) {
-        Preisach<double, kPreisachLevels> relay(table);
-        for (Eigen::Index i = 0; i < count; ++i, ++at) {
-          const auto estimate = relay.update(averaged.in[at]);
-          result.columns(at, cell) = estimate.force;
-          result.known[static_cast<std::size_t>(at)] = estimate.known;
-        }
-      }
+  for_each_cell(levels, [&](Eigen::Index column, const Table& table) {
+    for (std::size_t i = 0; i < Table::kMaxValues; ++i) {
+      result.table_from_theta(static_cast<Eigen::Index>(i), column) = table.forces[i];
     }
+  });
+  const Table any_cell = table_of_cell(levels, 0, 0);
+  Eigen::Index at = 0;
+  for (const Eigen::Index count : averaged.log_rows) {
+    const Eigen::VectorXd in = averaged.in.segment(at, count);
+    result.columns.middleRows(at, count) =
+        relay_columns(levels.inputs[0], levels.inputs[levels.levels - 1], levels.levels, in);
+    Preisach<double, kPreisachLevels> any(any_cell);
+    for (const double input : in) {
+      result.known.push_back(any.update(input).known);
+    }
+    at += count;
   }
   return result;
 }
@@ -173,6 +184,19 @@ void judge_values(const LinearFit& fit, const Regressors& regressors, PreisachFi
 }
 
 }  // namespace
+
+auto relay_columns(double low_nm, double high_nm, std::size_t levels, const Eigen::VectorXd& tau_nm)
+    -> Eigen::MatrixXd {
+  Eigen::MatrixXd columns(tau_nm.size(), static_cast<Eigen::Index>(levels * (levels - 1) / 2 + 1));
+  columns.col(0).setOnes();
+  for_each_cell(levels_between(low_nm, high_nm, levels), [&](Eigen::Index column, const Table& table) {
+    Preisach<double, kPreisachLevels> relays(table);
+    for (Eigen::Index i = 0; i < tau_nm.size(); ++i) {
+      columns(i, column) = relays.update(tau_nm[i]).force;
+    }
+  });
+  return columns;
+}
 
 auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit {
   constexpr Eigen::Index kFewest = 200;

@@ -21,6 +21,7 @@ struct CatalogueTerm {
   std::size_t first_coefficient = 0;  ///< in the flat list of the catalogue's coefficients
   std::size_t first_shape = 0;        ///< in that of its shapes
   bool acts_on_output = false;
+  bool shapes_are_given = false;  ///< known before a fit, which leaves them alone
   /// A difference from one of these, so no effect of its own before one of them is in the law; empty: stands alone.
   std::vector<std::string> builds_on = {};
   /// Terms that it can stand for by a choice of its shapes or coefficients. Where one of them does as well, the answer
@@ -37,7 +38,11 @@ struct CatalogueTerm {
 };
 
 /// What the laws of a catalogue give.
-enum class TargetKind { kAngle, kEffort };
+enum class TargetKind {
+  kAngle,   ///< of the joint, from motor angle and torque
+  kEffort,  ///< of the motor, from its motion
+  kForce    ///< joint torque, from motor torque
+};
 
 /// How an axis moves: it decides the units of an effort law.
 enum class AxisKind { kRotary, kLinear };

@@ -137,6 +137,22 @@ void read_angle(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   }
 }
 
+/// Joint torque from motor torque.
+void read_force(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
+  const std::string tau = axis_column(request.axis, "tau_Nm");
+  axis.target = request.target.empty() ? axis_column(request.axis, "tau_out_Nm") : request.target;
+  if (axis.target == tau) {
+    throw BadInput("a force law gives the joint's torque from the motor's, and the target " + tau +
+                   " is the motor's; name the joint's, for instance --target " +
+                   axis_column(request.axis, "tau_out_Nm"));
+  }
+  axis.tau_nm = csv.column(tau);
+  axis.effort = csv.column(axis.target);
+  axis.has_torque = true;
+  check_motion(csv, axis, tau, axis.tau_nm);
+  check_motion(csv, axis, axis.target, axis.effort);
+}
+
 void read_effort(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   axis.target = request.target.empty() ? rotary_or_linear(csv, request.axis, "tau_Nm", "tau_N") : request.target;
   axis.effort = csv.column(axis.target);
@@ -167,7 +183,9 @@ auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
   const std::string q1 = rotary_or_linear(csv, request.axis, "q1_rad", request.effort ? "q1_m" : "q1_rad");
   axis.q1_rad = csv.column(q1);
   check_motion(csv, axis, q1, axis.q1_rad);
-  if (request.effort) {
+  if (request.force) {
+    read_force(csv, request, axis);
+  } else if (request.effort) {
     read_effort(csv, request, axis);
   } else {
     read_angle(csv, request, axis);

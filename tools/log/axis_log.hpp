@@ -29,7 +29,7 @@ struct AxisLog {
   std::string target = {};  ///< column that q2 was read from; empty if there is none
   double period_s = 0.0;    ///< median
   Eigen::VectorXd time_s, q1_rad;
-  Eigen::VectorXd tau_nm;  ///< zero if not logged
+  Eigen::VectorXd tau_nm;  ///< motor torque as an input of the law; zero if not logged, or if it is the target
   Eigen::VectorXd q2_rad;  ///< empty if not logged
   Eigen::VectorXd effort;  ///< torque or force that a law is to explain; empty where the target is the joint angle
   bool linear = false;     ///< metres and newtons instead of radians and newton metres
@@ -40,6 +40,8 @@ struct AxisLog {
   std::vector<std::string> warnings;
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
+  /// The motion is what an effort is explained by; else motor torque is an input too.
+  [[nodiscard]] auto motion_alone() const -> bool { return effort.size() > 0 && !has_torque; }
   /// The target: effort or joint angle.
   [[nodiscard]] auto measured() const -> const Eigen::VectorXd& { return effort.size() > 0 ? effort : q2_rad; }
   [[nodiscard]] auto rate_hz() const -> double { return 1.0 / period_s; }
@@ -54,6 +56,7 @@ struct AxisRequest {
   bool needs_target = true;
   bool needs_torque = false;
   bool effort = false;  ///< the target is an effort (empty: axis<N>/tau_Nm, or tau_N of a linear axis), no input
+  bool force = false;   ///< the target is the joint's torque (empty: axis<N>/tau_out_Nm), the motor's an input
   std::optional<int> other_axis = {};  ///< the axis that may pull at this one; else the first other that moves
 };
 

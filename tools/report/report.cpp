@@ -72,7 +72,7 @@ auto loop_plot(const Diagnosis& d, const Eigen::VectorXd& estimate, const std::s
   Plot plot;
   plot.title = "Loop " + which;
   plot.x_label = "motion q1 [" + motion.unit + "]";
-  plot.y_label = (angle ? "q2 less beta q1 [" : "effort [") + target.unit + "]";
+  plot.y_label = (angle ? "q2 less beta q1 [" : "torque or force [") + target.unit + "]";
   plot.series = {{"measured", kMeasuredColour, t.q1 * motion.factor, (t.measured - beta * t.q1) * target.factor},
                  {"law " + which, colour, t.q1 * motion.factor, (estimate - beta * t.q1) * target.factor}};
   return plot;
