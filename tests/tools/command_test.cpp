@@ -123,10 +123,16 @@ TEST_F(Command, ATruncatedLogIsUsedWithAWarning) {
 TEST_F(Command, ForceLawOfALogWithoutJointTorqueIsBadInput) {
   const std::string log = write_log(short_log(200.0));
   for (const std::string model : {"pull_push", "preisach"}) {
-    const Outcome outcome = run("identify " + log + " --model " + model);
-    EXPECT_EQ(outcome.status, 2) << outcome.output;
-    EXPECT_NE(outcome.output.find("axis0/tau_out_Nm"), std::string::npos) << outcome.output;
+    for (const std::string& command :
+         {"identify " + log + " --model " + model, "diagnose " + log + " --base " + model}) {
+      const Outcome outcome = run(command);
+      EXPECT_EQ(outcome.status, 2) << outcome.output;
+      EXPECT_NE(outcome.output.find("axis0/tau_out_Nm"), std::string::npos) << outcome.output;
+    }
   }
+  const Outcome motor = run("diagnose " + log + " --base preisach --target axis0/tau_Nm");
+  EXPECT_EQ(motor.status, 2) << motor.output;
+  EXPECT_NE(motor.output.find("name the joint's"), std::string::npos) << motor.output;
 }
 
 TEST_F(Command, EveryLawOfTheJointAngleIsFittedByItsName) {
@@ -142,9 +148,6 @@ TEST_F(Command, EveryLawOfTheJointAngleIsFittedByItsName) {
 
 TEST_F(Command, RefusalsEndWithStatusOne) {
   const std::string log = write_log(short_log(200.0));
-  const Outcome model = run("diagnose " + log + " --base preisach");
-  EXPECT_EQ(model.status, 1);
-  EXPECT_NE(model.output.find("is a force law"), std::string::npos) << model.output;
   run("identify " + log + " -o \"" + path("joint.toml") + "\"");
   const Outcome rate = run("replay " + log + " --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
   EXPECT_EQ(rate.status, 1);

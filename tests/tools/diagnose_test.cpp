@@ -173,8 +173,9 @@ TEST(Diagnose, WithoutTorqueTheBaseIsKinematic) {
   EXPECT_EQ(diagnose({log}, {}).base_model, "kinematic");
 }
 
-TEST(Diagnose, BasesOfLaterVersionsAreRefused) {
-  EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "preisach"), Refusal);
+TEST(Diagnose, AForceLawDoesNotExplainAJointAngle) {
+  EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "preisach"), BadInput);
+  EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "pull_push"), BadInput);
 }
 
 TEST(DiagnosisJson, HasEveryFieldOfTheContract) {

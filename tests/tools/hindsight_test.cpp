@@ -52,6 +52,23 @@ TEST(Hindsight, SamplesOfUncertainDirectionSurroundEveryReversal) {
   }
 }
 
+TEST(Hindsight, TheAngleBetweenCountsIsKnownBetterThanTheCounts) {
+  AxisLog log = swinging();
+  const Eigen::ArrayXd truth = 0.05 * (log.time_s.array() * std::numbers::pi).cos();  // five samples a count
+  log.q1_rad = (truth / kStep).round() * kStep;
+  const Hindsight hindsight = hindsight_samples(log, {}, {kStep, 0.0});
+  Eigen::ArrayXd known(8000);
+  for (Eigen::Index i = 0; i < 8000; ++i) {
+    known[i] = hindsight.samples[static_cast<std::size_t>(i)].q1;
+  }
+  const double of_counts = std::sqrt((log.q1_rad.array() - truth).square().mean());
+  const double of_lines = std::sqrt((known - truth).square().mean());
+  EXPECT_LT(of_lines, 0.6 * of_counts);  // most of what is left is hidden where it turns between two counts
+  EXPECT_LT((known - log.q1_rad.array()).abs().maxCoeff(), 0.501 * kStep);
+  // What may still be hidden is drawn from the same motion with its edges moved: of that size, and not measured.
+  EXPECT_NEAR(hindsight.hidden_rad.norm() / std::sqrt(8000.0), of_lines, 0.5 * of_lines);
+}
+
 TEST(Hindsight, TheRateHasNoLag) {
   AxisLog log = swinging();
   log.q1_rad = (log.time_s.array() * std::numbers::pi).cos();

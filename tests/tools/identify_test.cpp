@@ -105,8 +105,8 @@ TEST(Identify, TheDirectionThresholdIsAboveTheEncodersStep) {
   EXPECT_NE(notes.at(0).find("direction threshold"), std::string::npos);
 }
 
-TEST(Identify, ModelsOfLaterVersionsAreRefusedAndUnknownOnesAreBadInput) {
-  EXPECT_THROW(terms_of_model("preisach"), Refusal);
+TEST(Identify, AForceLawIsOneTermAndUnknownModelsAreBadInput) {
+  EXPECT_EQ(terms_of_model("preisach"), std::vector<std::string>{"preisach"});
   EXPECT_THROW(terms_of_model("nonsense"), BadInput);
   try {
     terms_of_model("dynamic");

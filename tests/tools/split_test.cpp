@@ -38,6 +38,15 @@ TEST(Split, WithRepeatsRolesGoByWholeCycles) {
   }
 }
 
+TEST(Split, BlocksOfRowsThatBelongToNoPieceAreLeftOut) {
+  const Split split = split_rows({{{400, 6000}}, Repeats{0, 1500, 4}, 10});
+  for (const auto& block : split.blocks) {
+    EXPECT_GE(block.rows.begin, 400);
+    EXPECT_LT(block.rows.begin, block.rows.end);
+  }
+  EXPECT_EQ(split.blocks.front().rows.begin, 400);
+}
+
 TEST(Split, LearnedRowsAndReportedRowsNeverMeet) {
   const Split split = split_rows({{{0, 900}, {900, 2501}}, std::nullopt, 20});
   for (const auto& learned : split.learned()) {

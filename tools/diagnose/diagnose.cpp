@@ -177,7 +177,8 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
   options.progress("checking the log");
   std::vector<AxisLog> logs = recorded;
   if (catalogue.target() == TargetKind::kForce) {
-    std::transform(logs.begin(), logs.end(), logs.begin(), averaged_for_force);
+    std::transform(logs.begin(), logs.end(), logs.begin(),
+                   [&d](const auto& log) { return averaged_for_force(d.base_model, log); });
   }
   LawForm base;
   std::string unfit = reason_unfit(logs);

@@ -43,21 +43,6 @@ auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::
   return columns;
 }
 
-/// Takes out of columns what the law's own have taken up of the residual already, were it in there (Frisch, Waugh,
-/// Lovell).
-void take_out(const Eigen::MatrixXd& adapted, const Blocks& rows, Eigen::Ref<Eigen::MatrixXd> columns) {
-  constexpr double kRidge = 1e-9;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(adapted.cols(), adapted.cols());
-  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(adapted.cols(), columns.cols());
-  for (const auto& block : rows) {
-    const auto x = adapted.middleRows(block.begin, block.size());
-    gram.noalias() += x.transpose() * x;
-    products.noalias() += x.transpose() * columns.middleRows(block.begin, block.size());
-  }
-  gram.diagonal().array() += kRidge * gram.trace();
-  columns -= adapted * gram.ldlt().solve(products);
-}
-
 /// What even a law with an offset that wanders and coefficients that change along the record leaves. Noise is looked
 /// for in that: slow changes are effects, and a noise model that has learned them excuses them.
 auto steadied(const Preparation& p, const LawResidual& residual) -> Eigen::VectorXd {
@@ -221,13 +206,15 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   evidence.by_energy = law.catalogue->target() != TargetKind::kAngle;
   evidence.families = catalogue_families(p, law, residual);
   for (auto& family : probe_families(p, *law.catalogue, residual)) {
-    evidence.families.push_back(std::move(family));
+    if (!law.catalogue->has(family.name)) {
+      evidence.families.push_back(std::move(family));
+    }
   }
   evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals, law.catalogue->target())),
                              evidence.families, evidence.layout);
   if (residual.adapted.cols() > 0) {
-    take_out(residual.adapted, p.split.learned(),
-             evidence.columns.rightCols(evidence.layout.total - evidence.layout.first_variant()));
+    project_out(residual.adapted, p.split.learned(),
+                evidence.columns.rightCols(evidence.layout.total - evidence.layout.first_variant()));
   }
   model_noise(p, residual, evidence);
   sort_blocks(p.split, evidence);

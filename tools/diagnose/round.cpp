@@ -41,6 +41,9 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   if (law.has("preisach")) {
     // Relays that a stretch of the motion alone has switched would be anything when that stretch is held out.
     residual.adapted = p.coarse(columns);
+    Eigen::MatrixXd error = residual.error;  // without the signs that the fit had to keep, as the effects are
+    project_out(residual.adapted, p.split.learned(), error);
+    residual.error = error;
     base.resize(columns.rows(), 2);
     base << Eigen::VectorXd::Ones(columns.rows()), residual.fitted;
   }

@@ -143,11 +143,19 @@ class Searcher {
     return families;
   }
 
+  /// What sensors or a grid hide is not noise to the trials. No effect is named that is not larger than that; beside a
+  /// grid, none where nothing is known to be missing.
+  static auto may_be_hidden(const Round& round, const FamilyTrial& trial) -> bool {
+    const bool grid = round.residual.adapted.cols() > 0;
+    const double explained = trial.explained * round.adequacy.law_energy.sum();
+    return explained < round.adequacy.hidden_energy || (grid && !round.adequacy.lacks_something);
+  }
+
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
     const FamilyTrial* best = simplest(round, best_passing(round, false));
-    if (best != nullptr && best->explained * round.adequacy.law_energy.sum() < round.adequacy.hidden_energy) {
-      best = nullptr;  // what sensors or a grid hide may look like an effect; none is named that is not larger
+    if (best != nullptr && may_be_hidden(round, *best)) {
+      best = nullptr;
     }
     const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
     if (search_.effects.empty() && round.adequacy.lacks_something && too_little && add_pair(round)) {

@@ -167,9 +167,9 @@ auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::V
   return (fitted - coarser * weights) / kGrowth;
 }
 
-auto averaged_for_force(const AxisLog& log) -> AxisLog {
-  constexpr Eigen::Index kMostRows = 4000;
-  const Eigen::Index stretch = (log.samples() + kMostRows - 1) / kMostRows;
+auto averaged_for_force(const std::string& model, const AxisLog& log) -> AxisLog {
+  const Eigen::Index most_rows = model == kPullPush ? 16000 : 4000;  // one column, or one for each cell
+  const Eigen::Index stretch = (log.samples() + most_rows - 1) / most_rows;
   AxisLog result = log;
   result.period_s *= static_cast<double>(stretch);
   const auto average = [stretch](Eigen::VectorXd& signal) {

@@ -26,6 +26,6 @@ auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::V
 
 /// A log averaged over stretches, so that no log has more rows than a quasi-static law can tell apart, and the noise of
 /// the torque is not taken for reversals.
-auto averaged_for_force(const AxisLog& log) -> AxisLog;
+auto averaged_for_force(const std::string& model, const AxisLog& log) -> AxisLog;
 
 }  // namespace capstan::tools

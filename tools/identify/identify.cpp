@@ -92,6 +92,10 @@ auto catalogue_of_model(const std::string& model, const std::vector<AxisLog>& lo
                                    " is a joint angle; name the effort with --target axis0/tau_Nm");
   }
   if (is_force_model(model)) {
+    if (logs.front().effort.size() == 0) {
+      throw BadInput("the model " + model + " explains the joint's torque, and the target " + logs.front().target +
+                     " is a joint angle; name the torque with --target axis0/tau_out_Nm");
+    }
     return force_catalogue(model);
   }
   return of_motion ? effort_catalogue(logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary) : term_catalogue();

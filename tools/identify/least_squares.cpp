@@ -201,4 +201,17 @@ auto even_blocks(const std::vector<Eigen::Index>& log_rows, Eigen::Index count) 
   return blocks;
 }
 
+void project_out(const Eigen::MatrixXd& base, const Blocks& rows, Eigen::Ref<Eigen::MatrixXd> columns) {
+  constexpr double kRidge = 1e-9;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(base.cols(), base.cols());
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(base.cols(), columns.cols());
+  for (const auto& block : rows) {
+    const auto x = base.middleRows(block.begin, block.size());
+    gram.noalias() += x.transpose() * x;
+    products.noalias() += x.transpose() * columns.middleRows(block.begin, block.size());
+  }
+  gram.diagonal().array() += kRidge * gram.trace();
+  columns -= base * gram.ldlt().solve(products);
+}
+
 }  // namespace capstan::tools

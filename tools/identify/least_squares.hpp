@@ -46,4 +46,8 @@ auto half_interval(const LinearFit& fit, Eigen::Index i) -> double;
 /// Splits [0, rows) of each log into `count` blocks overall, none across logs.
 auto even_blocks(const std::vector<Eigen::Index>& log_rows, Eigen::Index count) -> Blocks;
 
+/// Takes out of columns what a base explains of them on some rows, on all rows (Frisch, Waugh, Lovell). The base's
+/// columns may depend on each other.
+void project_out(const Eigen::MatrixXd& base, const Blocks& rows, Eigen::Ref<Eigen::MatrixXd> columns);
+
 }  // namespace capstan::tools
