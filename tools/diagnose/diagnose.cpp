@@ -165,43 +165,24 @@ auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std:
   return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(base)), base, columns, p.target);
 }
 
-}  // namespace
-
-auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
-  Diagnosis d;
-  describe_logs(recorded, options, d);
-  const Catalogue& catalogue = catalogue_of_model(d.base_model, recorded);
-  d.unit = catalogue.target_unit();
-  d.motion_unit = catalogue.motion_unit();
-  d.base = d.law = JointFile(catalogue);
-  options.progress("checking the log");
-  std::vector<AxisLog> logs = recorded;
-  if (catalogue.target() == TargetKind::kForce) {
-    std::transform(logs.begin(), logs.end(), logs.begin(),
-                   [&d](const auto& log) { return averaged_for_force(d.base_model, log); });
-  }
-  LawForm base;
+/// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.
+auto base_law(const std::vector<AxisLog>& logs, Diagnosis& d) -> std::optional<LawForm> {
   std::string unfit = reason_unfit(logs);
-  try {
-    base = unfit.empty() ? form_of_model(d.base_model, logs) : base;
-  } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
-    unfit = refusal.what();
+  if (unfit.empty()) {
+    try {
+      return form_of_model(d.base_model, logs);
+    } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
+      unfit = refusal.what();
+    }
   }
-  if (!unfit.empty()) {
-    d.verdict = Verdict::kDataUnfit;
-    d.reason = "The log is not fit for a diagnosis: " + unfit + ".";
-    d.next_experiment = unfit.substr(unfit.find(';') + 2);
-    return d;
-  }
-  const Preparation p = prepare(std::move(logs), base);
-  d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
-  d.repeats = p.repeats ? p.repeats->count : 1;
-  if (const auto names = undetermined(p, base); !names.empty()) {
-    d.verdict = Verdict::kNotIdentifiable;
-    d.reason = "This log can not determine " + joined(names) + " of the base law.";
-    d.next_experiment = kEverything;
-    return d;
-  }
+  d.verdict = Verdict::kDataUnfit;
+  d.reason = "The log is not fit for a diagnosis: " + unfit + ".";
+  d.next_experiment = unfit.substr(unfit.find(';') + 2);
+  return std::nullopt;
+}
+
+/// Searches, judges and reports.
+void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& options, Diagnosis& d) {
   const Search search = search_effects(p, base, options.progress);
   d.rounds = search.rounds;
   d.explained_share = search.share.value;
@@ -219,6 +200,37 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
         "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +
         std::string("and confirm it with a log of four equal cycles"));
   }
+}
+
+}  // namespace
+
+auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
+  Diagnosis d;
+  describe_logs(recorded, options, d);
+  const Catalogue& catalogue = catalogue_of_model(d.base_model, recorded);
+  d.unit = catalogue.target_unit();
+  d.motion_unit = catalogue.motion_unit();
+  d.base = d.law = JointFile(catalogue);
+  options.progress("checking the log");
+  std::vector<AxisLog> logs = recorded;
+  if (catalogue.target() == TargetKind::kForce) {
+    std::transform(logs.begin(), logs.end(), logs.begin(),
+                   [&d](const auto& log) { return averaged_for_force(d.base_model, log); });
+  }
+  const auto base = base_law(logs, d);
+  if (!base) {
+    return d;
+  }
+  const Preparation p = prepare(std::move(logs), *base);
+  d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
+  d.repeats = p.repeats ? p.repeats->count : 1;
+  if (const auto names = undetermined(p, *base); !names.empty()) {
+    d.verdict = Verdict::kNotIdentifiable;
+    d.reason = "This log can not determine " + joined(names) + " of the base law.";
+    d.next_experiment = kEverything;
+    return d;
+  }
+  examine(p, *base, options, d);
   return d;
 }
 

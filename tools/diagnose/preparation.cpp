@@ -158,6 +158,18 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
   return all;
 }
 
+/// Coarse rows of each log, without its warm-up and at least without its edges.
+auto rows_of_logs(const Preparation& p, TargetKind target, Eigen::Index edge) -> Blocks {
+  Blocks blocks;
+  Eigen::Index row = 0;
+  for (const auto& samples : p.hindsight.samples()) {
+    const Eigen::Index rows = static_cast<Eigen::Index>(samples.size()) / p.factor;
+    blocks.push_back({row + std::max(edge, warm_up(samples, target) / p.factor), row + rows - edge});
+    row += rows;
+  }
+  return blocks;
+}
+
 }  // namespace
 
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -273,15 +285,9 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 {},
                 std::move(notes)};
   p.uncertain = std::move(seen.uncertain);
-  Eigen::Index row = 0;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    const Eigen::Index rows = logs[i].samples() / factor;
-    // Derivatives and means have no neighbours beyond the ends.
-    const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
-    p.coarse_logs.push_back({row + std::max(edge, warm_up(p.hindsight.samples()[i], base.catalogue->target()) / factor),
-                             row + rows - edge});
-    row += rows;
-  }
+  // Derivatives and means have no neighbours beyond the ends.
+  const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
+  p.coarse_logs = rows_of_logs(p, base.catalogue->target(), edge);
   p.signals = coarse_signals(p);
   p.repeats = find_repeats(p.signals.q1, noise.white_rad);
   const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));
