@@ -47,7 +47,7 @@ auto average(const std::vector<ForceLog>& logs) -> Averaged {
 /// Levels in equal steps.
 auto levels_between(double low, double high, std::size_t levels = kPreisachLevels) -> Table {
   Table table;
-  table.levels = levels;
+  table.levels = static_cast<decltype(table.levels)>(levels);
   for (std::size_t i = 0; i < levels; ++i) {
     table.inputs[i] = low + (high - low) * static_cast<double>(i) / static_cast<double>(levels - 1);
   }
