@@ -97,7 +97,7 @@ void Axis::rt_configure(const AxisConfig& config) {
   scales_ = Scales(config_);
   controller_.rt_configure(config_.control);
   if (new_law) {
-    rt_renew_law();
+    std::construct_at(&law_, kPeriod, config_.law);  // in place: too large to be made and then copied within a cycle
   }
   if (new_force) {
     force_.rt_configure(config_.force);
@@ -109,17 +109,12 @@ void Axis::rt_configure(const AxisConfig& config) {
   }
 }
 
-/// In place: a law is too large to be made and then copied within a cycle.
-void Axis::rt_renew_law() {
-  std::construct_at(&law_, kPeriod, config_.law);
-}
-
 void Axis::rt_zero(Q24 q1_rad) {
   counts_ = scales_.encoder.counts_of(q1_rad);
   counting_ = false;
   zeroed_ = true;
   lost_ = false;
-  rt_renew_law();
+  law_.restart();
 }
 
 void Axis::rt_count(const AxisSensed& sensed) {
@@ -269,7 +264,7 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
   const bool takes_over = command.kind == AxisCommand::Kind::kStop || command.kind == AxisCommand::Kind::kMove ||
                           command.kind == AxisCommand::Kind::kFollow;
   if (in_torque() && takes_over) {
-    rt_hold_here(true);
+    rt_hold_here(Start::kKeepsTorque);
   }
   const bool inside = command.position_rad >= limits.joint_min_rad && command.position_rad <= limits.joint_max_rad;
   switch (command.kind) {
@@ -338,20 +333,25 @@ auto Axis::rt_take_force(const AxisCommand& command) -> bool {
   return inside;
 }
 
-void Axis::rt_hold_here(bool keeps_torque) {
+void Axis::rt_hold_here(Start start) {
   trajectory_.rt_reset(telemetry_.q2_rad);
   telemetry_.q2_reference_rad = telemetry_.q2_rad;
   telemetry_.joint_torque_reference_nm = Q24{};
   following_ = false;
   mode_ = ControlMode::kPosition;
-  controller_.rt_start(config_.control, law_, telemetry_.q2_rad);
-  if (keeps_torque) {
-    controller_.rt_keep_torque(config_.control, telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a);
-  }
+  start_ = start;
+}
+
+auto Axis::rt_take_over() -> Q24 {
+  const std::optional<Q24> kept_nm = start_ == Start::kKeepsTorque
+                                         ? std::optional(telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a)
+                                         : std::nullopt;
+  start_ = Start::kNone;
+  return controller_.rt_start(config_.control, law_, telemetry_.q2_rad, kept_nm);
 }
 
 void Axis::rt_arm() {
-  rt_hold_here(false);
+  rt_hold_here(Start::kSteady);
   last_drive_a_ = Q24{};
 }
 
@@ -383,11 +383,14 @@ auto Axis::rt_reference() -> Q24 {
 auto Axis::rt_control() -> Q24 {
   if (in_torque() && rt_runs_away()) {
     rt_flag(Limit::kReference);
-    rt_hold_here(false);
+    rt_hold_here(Start::kSteady);
   }
   if (in_torque()) {
     telemetry_.q2_reference_rad = telemetry_.q2_rad;  // nothing is asked of the position
     return in_force() ? rt_force() : torque_target_nm_;
+  }
+  if (start_ != Start::kNone) {
+    return rt_take_over();
   }
   telemetry_.q2_reference_rad = rt_reference();
   return controller_.rt_update(config_, law_, telemetry_.q2_reference_rad, telemetry_.q2_rad);

@@ -92,6 +92,8 @@ class Axis {
   /// Runs the law. `other`: the axis whose motor pulls at this one; nullptr if there is none. `temperature_c`: the last
   /// that was measured, or the mark of a missing value.
   void rt_estimate(const Axis* other, Q24 temperature_c = ScalarTraits<Q24>::missing());
+  /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
+  void rt_judge_law() { monitor_.rt_judge(config_.monitor); }
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   [[nodiscard]] auto rt_faults(bool energised) -> FaultSet;
   /// Takes a command. Only while energised. A move outside the limits or without speed is refused, and so is force
@@ -117,7 +119,6 @@ class Axis {
   [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return telemetry_; }
 
  private:
-  void rt_renew_law();
   void rt_count(const AxisSensed& sensed);
   void rt_monitor();
   auto rt_take_torque(const AxisCommand& command) -> bool;
@@ -128,8 +129,11 @@ class Axis {
   /// Monitors of what the joint was asked to do.
   [[nodiscard]] auto rt_motion_faults() -> FaultSet;
   auto rt_reference() -> Q24;
-  /// Position control takes over: stand where the joint is. The motor keeps its torque if the joint stands still.
-  void rt_hold_here(bool keeps_torque);
+  /// How position control takes over in this cycle: where the joint is, with the torque of a steady motion or the one
+  /// that the motor has. A move or a stream that makes it take over begins in the next cycle.
+  enum class Start : std::uint8_t { kNone, kSteady, kKeepsTorque };
+  void rt_hold_here(Start start);
+  auto rt_take_over() -> Q24;
   [[nodiscard]] auto rt_runs_away() -> bool;
   void rt_warm();
   /// True for a current that pulls further out where the tendon travel ends.
@@ -165,6 +169,7 @@ class Axis {
 
   bool following_ = false;  // a stream, of positions or torques
   ControlMode mode_ = ControlMode::kPosition;
+  Start start_ = Start::kNone;
   Q24 follow_target_;
   Q24 torque_target_nm_;
   Q24 trailing_q2_;  // in torque: the joint's angle, as long ago as kTrailS

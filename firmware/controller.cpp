@@ -28,23 +28,27 @@ void Controller::rt_configure(const ControlConfig& gains) {
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
 }
 
-void Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad) {
-  reference_ = SampleConditioner<Q24>(kPeriod, kReferenceShape);
+auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm)
+    -> Q24 {
+  reference_.restart();
+  reference_.update(q2_rad, Q24{});
   branch_ = kHalf;
   last_q2_ = q2_rad;
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
-  motor_reference_ = rest.q1;
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);
-  integral_ = rest.q1 - pull_extreme_;
   pull_known_ = false;
+  integral_ = rest.q1 - pull_extreme_;
+  if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
+    integral_ += (*kept_nm - mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_)) * per_stiffness_;
+  }
+  motor_reference_ = pull_extreme_ + integral_;
+  return rt_servo(gains, law.sample(), Q24{});
 }
 
-void Controller::rt_keep_torque(const ControlConfig& gains, Q24 torque_nm) {
-  if (gains.stiffness_nm_per_rad > Q24{}) {
-    const Q24 own = mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
-    integral_ += (torque_nm - own) * per_stiffness_;
-  }
+auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24 {
+  return mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_) +
+         gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) + gains.damping_nms_per_rad * (rate - motor.dq1);
 }
 
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
@@ -110,9 +114,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
     rt_follow_pull(asked);
   }
   motor_reference_ = asked + correction;
-  const Q24 feedforward = mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
-  return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - law.sample().q1) +
-         gains.damping_nms_per_rad * (motion.dq1 - law.sample().dq1);
+  return rt_servo(gains, law.sample(), motion.dq1);
 }
 
 }  // namespace capstan

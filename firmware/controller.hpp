@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "firmware/config.hpp"
 #include "model/reciprocal.hpp"
 
@@ -19,10 +21,13 @@ class Controller {
   explicit Controller(const ControlConfig& gains);
   /// New gains.
   void rt_configure(const ControlConfig& gains);
-  /// Takes over without a jump: with the reference at the present estimate the motor is asked to stay where it is.
-  void rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad);
-  /// Right after rt_start: begin with the torque that the motor already has, N m, instead of that of a steady motion.
-  void rt_keep_torque(const ControlConfig& gains, Q24 torque_nm);
+  /// Takes over without a jump, in place of rt_update in that cycle: the reference is the present estimate, and the
+  /// motor is asked to stay where it is. What an update would turn the law round for is what the start does, so a cycle
+  /// in which control changes hands costs no more than another.
+  /// @param kept_nm  torque to begin with, which the motor has, N m; none: that of a steady motion, whichever way
+  /// @returns motor-side torque, N m
+  auto rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm = {})
+      -> Q24;
   /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
   /// N m
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
@@ -32,6 +37,8 @@ class Controller {
   /// motor's angle, rate and acceleration there, the rest as the law last saw it.
   [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
       -> Q24;
+  /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s.
+  [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24;
   /// `asked`: what the inverse asks of the motor now. Crossing to the other branch goes the same way, so it turns
   /// nothing back.
   void rt_follow_pull(Q24 asked);

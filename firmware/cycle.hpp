@@ -125,6 +125,8 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     in_motion |= state.axis[i].in_motion();
   }
 
+  state.axis[state.telemetry.tick % Axes].rt_judge_law();
+
   const State now = state.supervisor.rt_step({faults, command.arm, command.disarm, command.experiment, in_motion});
 
   Drive<Axes> drive;

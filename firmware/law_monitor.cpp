@@ -44,34 +44,40 @@ void LawMonitor::rt_step(const MonitorConfig& config, const ControlConfig& contr
   if (now.has_joint && config.joint_rms_rad > Q24{}) {
     constexpr Q24 kMost = Q24::from_int(1);  // 256 squares of it fit
     const std::int64_t error = clamp(now.joint_error_rad, -kMost, kMost).raw();
-    squares_ += error * error;
-    if (++count_ == kStretch) {
-      rt_sensor_stretch(config);
+    if (count_ < kStretch) {
+      squares_ += error * error;
+      ++count_;
     }
   } else if (config.torque_rms_nm > Q24{} && abs(now.q1_rad - now.q1_reversal_rad) > config.settle_rad) {
     Side& side = sides_[now.forward ? 1 : 0];
     side.sum += (now.tau_nm - (now.forward ? control.torque_forward_nm : control.torque_backward_nm)).raw();
     ++side.count;
-    if (sides_[0].count >= kStretch / 2 && sides_[1].count >= kStretch / 2) {
-      rt_friction_stretch(config);
-    }
+  }
+}
+
+void LawMonitor::rt_judge(const MonitorConfig& config) {
+  if (count_ == kStretch) {
+    rt_sensor_stretch(config);
+  }
+  if (sides_[0].count >= kStretch / 2 && sides_[1].count >= kStretch / 2) {
+    rt_friction_stretch(config);
   }
 }
 
 void LawMonitor::rt_sensor_stretch(const MonitorConfig& config) {
-  rt_judge(config.excess, ratio_of(squares_ / kStretch, config.joint_rms_rad), Warning::kLawMisfit);
+  rt_weigh(config.excess, ratio_of(squares_ / kStretch, config.joint_rms_rad), Warning::kLawMisfit);
   squares_ = 0;
   count_ = 0;
 }
 
 void LawMonitor::rt_friction_stretch(const MonitorConfig& config) {
   const Q24 more = Q24::from_wide((sides_[1].sum / sides_[1].count - sides_[0].sum / sides_[0].count) / 2);
-  rt_judge(config.excess, ratio_of(std::int64_t{more.raw()} * more.raw(), config.torque_rms_nm),
+  rt_weigh(config.excess, ratio_of(std::int64_t{more.raw()} * more.raw(), config.torque_rms_nm),
            more > Q24{} ? Warning::kFrictionHigher : Warning::kFrictionLower);
   sides_ = {};
 }
 
-void LawMonitor::rt_judge(Q24 excess, Q24 mean_square, Warning warning) {
+void LawMonitor::rt_weigh(Q24 excess, Q24 mean_square, Warning warning) {
   level_ = clamp(level_ + (mean_square - excess * excess), Q24{}, threshold_);
   share_ = level_ / threshold_;
   if (level_ >= threshold_) {

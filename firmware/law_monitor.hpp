@@ -19,8 +19,8 @@ namespace capstan {
 /// theta is the root of -ln(1 - 2 theta) / 2 = theta excess^2: for m with the widest tail that a mean square of normal
 /// errors can have (one degree of freedom: a stretch whose errors are all alike) E e^(theta (m - excess^2)) = 1, hence
 /// on average at least e^kLogStretches = 3.3 million stretches between two false warnings (Wald; Lorden 1971), each 1
-/// rad of travel or more, as long as stretches are independent and as good as expected. Cost: a subtraction and a
-/// comparison in most cycles, sixty instructions in the others.
+/// rad of travel or more, as long as stretches are independent and as good as expected. Cost: fifty
+/// instructions in a cycle of motion, and 450 for a stretch, which is judged when its owner says so.
 class LawMonitor {
  public:
   static constexpr std::int32_t kStretch = 256;
@@ -43,6 +43,8 @@ class LawMonitor {
   /// It was told what error to expect.
   [[nodiscard]] auto watches() const -> bool { return watches_; }
   void rt_step(const MonitorConfig& config, const ControlConfig& control, const Input& now);
+  /// Judges the stretch if it is complete. It divides, so where there are many joints they take turns.
+  void rt_judge(const MonitorConfig& config);
 
   [[nodiscard]] auto warnings() const -> WarningSet { return warnings_; }
   /// How far it is to a warning: 0 nothing, 1 there.
@@ -56,7 +58,7 @@ class LawMonitor {
   };
   void rt_sensor_stretch(const MonitorConfig& config);
   void rt_friction_stretch(const MonitorConfig& config);
-  void rt_judge(Q24 excess, Q24 mean_square, Warning warning);
+  void rt_weigh(Q24 excess, Q24 mean_square, Warning warning);
 
   Q24 last_q1_;
   std::int64_t squares_ = 0;

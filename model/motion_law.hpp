@@ -49,6 +49,15 @@ class MotionLaw {
         terms_(make<SumTerms, 0>(dt, parameters)),
         output_terms_(make<OutputTerms, SumTerms::kShapes>(dt, parameters)) {}
 
+  /// As newly made of the same parameters, without the divisions that making takes.
+  constexpr void restart() {
+    conditioner_.restart();
+    for_each_active(terms_, [](auto& term, std::size_t /*first*/) { capstan::restart(term); });
+    std::apply([](auto&... term) { (capstan::restart(term), ...); }, output_terms_);
+    q2_ = Scalar{};
+    started_ = false;
+  }
+
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
   constexpr auto update(Scalar q1, Scalar tau) -> Estimate<Scalar> {
     return update(Measured<Scalar>{.q1 = q1, .tau = tau});

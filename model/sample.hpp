@@ -59,6 +59,12 @@ class SampleConditioner {
         acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)),
         per_millisecond_(dt.samples_per_millisecond()) {}
 
+  /// As newly made: the next sample is the first.
+  constexpr void restart() {
+    sample_ = {};
+    started_ = false;
+  }
+
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
   constexpr auto update(Scalar q1, Scalar tau) -> const Sample<Scalar>& {
     return update(Measured<Scalar>{.q1 = q1, .tau = tau});

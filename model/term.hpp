@@ -74,6 +74,15 @@ consteval auto settles_alike() -> bool {
   };
 }
 
+/// A term that remembers something forgets it with `restart`, and is then as newly made, but keeps what it derived from
+/// its shape: that takes divisions. A term without memory has none.
+template <typename Term>
+constexpr void restart(Term& term) {
+  if constexpr (requires { term.restart(); }) {
+    term.restart();
+  }
+}
+
 /// A term that acts on the finished sum, as a sensor does on what it measures: y <- update(y). It is linear in y, so a
 /// fit may pass every column through it instead.
 template <typename T, typename Scalar>

@@ -19,9 +19,9 @@ namespace capstan::stm32f405 {
 
 inline constexpr std::uint32_t kReplayMagic = 0x32505243;  // "CRP2"
 template <std::size_t Axes>
-inline constexpr std::size_t kInputSize = 5 + 18 * Axes;
+inline constexpr std::size_t kInputSize = 5 + 30 * Axes;
 template <std::size_t Axes>
-inline constexpr std::size_t kOutputSize = 6 + 27 * Axes;
+inline constexpr std::size_t kOutputSize = 6 + 35 * Axes;
 
 enum class ReplayResult : std::uint8_t { kOk = 0, kBadHeader = 10, kTruncated = 11, kWriteFailed = 12 };
 
@@ -85,8 +85,10 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
     out.u8(
         static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
     out.u8(static_cast<std::uint8_t>(command.kind));
-    out.q24(command.kind == AxisCommand::Kind::kTorque ? command.torque_nm : command.position_rad);
-    out.q24(command.speed_rad_s);
+    for (const Q24 value : {command.position_rad, command.speed_rad_s, command.torque_nm, command.joint_torque_nm,
+                            command.torque_rate_nm_s}) {
+      out.q24(value);
+    }
   }
 }
 
@@ -109,9 +111,10 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
     sensed.encoder = static_cast<Quality>(qualities & 0xFU);
     sensed.current = static_cast<Quality>(qualities >> 4U);
     command.kind = static_cast<AxisCommand::Kind>(in.u8());
-    Q24& target = command.kind == AxisCommand::Kind::kTorque ? command.torque_nm : command.position_rad;
-    target = in.q24();
-    command.speed_rad_s = in.q24();
+    for (Q24* const value : {&command.position_rad, &command.speed_rad_s, &command.torque_nm, &command.joint_torque_nm,
+                             &command.torque_rate_nm_s}) {
+      *value = in.q24();
+    }
   }
   return input;
 }
@@ -128,7 +131,8 @@ void encode(const Drive<Axes>& drive, const CycleState<Axes>& state, std::span<s
     out.q24(drive.axis[i].current_a);
     out.u8(drive.axis[i].enabled ? 1 : 0);
     out.u8(axis.limits);
-    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad}) {
+    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad,
+                            axis.joint_torque_nm, axis.misfit}) {
       out.q24(value);
     }
     out.u8(axis.estimate_valid ? 1 : 0);

@@ -75,20 +75,24 @@ class CostMeter {
   void end() {
     const std::uint32_t cost = tick.core_cycles() - begin_;
     total_ += cost;
+    if (cost > max_) {
+      max_ = cost;
+      max_at_ = cycles_;
+    }
     ++cycles_;
-    max_ = std::max(max_, cost);
   }
   void print(Print& out) const {
     const auto mean = cycles_ == 0 ? 0U : static_cast<std::uint32_t>(total_ / cycles_);
     out << "replay: " << cycles_ << " cycles of " << static_cast<std::uint32_t>(stm32f405::kAxes) << " axes, "
         << stm32f4::emulated_instructions(mean, kCoreHz) << " instructions each on average, "
-        << stm32f4::emulated_instructions(max_, kCoreHz) << " at most, stack unused " << stm32f405::stack_unused_bytes()
-        << " of " << stm32f405::stack_size_bytes() << " bytes\n";
+        << stm32f4::emulated_instructions(max_, kCoreHz) << " at most (in cycle " << max_at_ << "), stack unused "
+        << stm32f405::stack_unused_bytes() << " of " << stm32f405::stack_size_bytes() << " bytes\n";
   }
 
  private:
   std::uint32_t begin_ = 0;
   std::uint32_t max_ = 0;
+  std::uint32_t max_at_ = 0;
   std::uint32_t cycles_ = 0;
   std::uint64_t total_ = 0;
 };

@@ -23,6 +23,7 @@ class Play {
   };
 
   constexpr Play(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : half_width_(shape[0]) {}
+  constexpr void restart() { started_ = false; }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
     if (!started_) {
       started_ = true;

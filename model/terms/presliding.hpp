@@ -28,6 +28,10 @@ class Presliding {
 
   constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : width_(shape[0]), fading_(shape[0]) {}
+  constexpr void restart() {
+    deflection_ = {};
+    started_ = false;
+  }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
     if (!started_) {
       started_ = true;

@@ -48,11 +48,17 @@ class SlipPropagation {
     constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
     Scalar half_width = shape[0] * kHalfShare;
     for (std::size_t k = 0; k < kOperators; ++k) {
-      place_[k] = half_width;
       width_[k] = half_width + half_width;
       lowest_ -= half_width;
       half_width += shape[0] * kShare;
     }
+    restart();
+  }
+  constexpr void restart() {
+    for (std::size_t k = 0; k < kOperators; ++k) {
+      place_[k] = width_[k] * kHalf;
+    }
+    started_ = false;
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
@@ -79,6 +85,7 @@ class SlipPropagation {
  private:
   using Traits = ScalarTraits<Scalar>;
   static constexpr auto kShare = Traits::fraction(1.0 / kOperators);
+  static constexpr auto kHalf = Traits::fraction(0.5);
   static constexpr Scalar kOne = Traits::from(1.0);
   static constexpr Scalar kReach = Traits::from(4.0);
 

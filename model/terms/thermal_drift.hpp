@@ -28,6 +28,7 @@ class ThermalDrift {
   static constexpr bool kSettlesAlike = true;
 
   constexpr ThermalDrift(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : warmed_(dt, shape[0]) {}
+  constexpr void restart() { warmed_.start(Scalar{}); }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time
     return {warmed_.update(kOne), s.warmth};

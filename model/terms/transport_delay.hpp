@@ -35,6 +35,7 @@ class TransportDelay {
     }
   }
 
+  constexpr void restart() { oldest_age_ = -1; }
   constexpr auto update(Scalar y) -> Scalar {
     newest_ = newest_ + 1 < kSize ? newest_ + 1 : 0;
     history_[static_cast<std::size_t>(newest_)] = y;

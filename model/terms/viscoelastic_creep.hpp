@@ -24,6 +24,7 @@ class ViscoelasticCreep {
   };
 
   constexpr ViscoelasticCreep(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : crept_(dt, shape[0]) {}
+  constexpr void restart() { started_ = false; }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
     if (!started_) {
       started_ = true;

@@ -40,6 +40,29 @@ TEST(Cycle, AMoveIsForgottenByDisarming) {
   EXPECT_NEAR(rig.io.motors[0].angle_rad, rest, 2e-3);
 }
 
+// Neither direction's steady motion has the torque that is kept.
+TEST(Cycle, AMoveOutOfTorqueControlBeginsWithTheTorqueThatTheMotorHasAndRunsFromTheNextCycleOn) {
+  Config<1> config;
+  config[0].control.torque_forward_nm = Q24::from_double(0.02);
+  config[0].control.torque_backward_nm = Q24::from_double(-0.01);
+  Rig rig(config);
+  rig.io.blocked = true;
+  rig.arm();
+  EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.05, 1e-5) << "the mean of both directions, 0.1 N m/A";
+  Command<1> torque;
+  torque.axis[0] = {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_double(0.04)};
+  rig.tick(torque);
+  EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.4, 1e-5);
+  rig.move(1.0);
+  EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.4, 1e-5);
+  EXPECT_EQ(rig.joint().mode, ControlMode::kPosition);
+  EXPECT_EQ(rig.joint().q2_reference_rad, rig.joint().q2_rad);
+  rig.tick();
+  // From the mean towards the forward torque within 20 ms: a 21st of 0.015 N m in the first of them.
+  EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.4, 0.15 / 21.0 + 1e-3) << "it sets out without a jump";
+  EXPECT_GT(rig.joint().q2_reference_rad, rig.joint().q2_rad);
+}
+
 TEST(Cycle, AMoveEndsAtItsTargetAndThenHolds) {
   Rig rig;
   rig.arm();

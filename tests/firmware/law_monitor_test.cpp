@@ -44,6 +44,7 @@ class Motor {
     q1_ += forward_ ? 1.01 / 256.0 : -1.01 / 256.0;
     const double torque = forward_ ? kSteady + more_forward : -kSteady + more_backward;
     monitor.rt_step(config_, steady(), {q(q1_), q(reversal_), q(torque), forward_, has_joint, q(error)});
+    monitor.rt_judge(config_);
   }
   void stretch(double error) {
     for (int i = 0; i < LawMonitor::kStretch; ++i) {
@@ -113,6 +114,7 @@ TEST(LawMonitor, JointAtRestProvesNothing) {
   for (int i = 0; i < 1'000'000; ++i) {
     const double noise = i % 2 == 0 ? 0.0015 : -0.0015;  // of the encoder
     monitor.rt_step(watching_sensor(), steady(), {q(0.3 + noise), q(0.0), q(0.0), true, true, q(0.5)});
+    monitor.rt_judge(watching_sensor());
   }
   EXPECT_EQ(monitor.level(), Q24{});
 }

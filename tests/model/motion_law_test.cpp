@@ -145,6 +145,47 @@ TEST(MotionLaw, WithEffectsTurnedOffIsBitIdenticalToOneWithoutThem) {
   }
 }
 
+template <typename Scalar>
+class AnyMotionLaw : public testing::Test {};
+using Formats = testing::Types<double, Q24>;
+TYPED_TEST_SUITE(AnyMotionLaw, Formats);
+
+// Every effect is on, so no memory of any of them may be left.
+TYPED_TEST(AnyMotionLaw, ARestartedOneGoesOnBitForBitLikeANewOne) {
+  LawParameters<TypeParam> parameters;
+  parameters.coefficients.fill(number<TypeParam>(0.05));
+  std::size_t next = 0;
+  const auto add = [&]<typename Term>() {
+    for (const auto& shape : Term::kInfo.shapes) {
+      parameters.shapes[next++] = number<TypeParam>(std::max(shape.initial, 0.01));
+    }
+  };
+  SumTerms::for_each<TypeParam>(add);
+  OutputTerms::for_each<TypeParam>(add);
+  const RandomMultisine angle(41, 6.0, 0.1, 3.0);
+  const RandomMultisine torque(42, 0.4, 0.1, 3.0);
+  MotionLaw<TypeParam> used(one_khz<TypeParam>(), parameters);
+  MotionLaw<TypeParam> fresh(one_khz<TypeParam>(), parameters);
+  const auto step = [&](MotionLaw<TypeParam>& law, int i) {
+    return law.update(number<TypeParam>(angle(0.001 * i)), number<TypeParam>(torque(0.001 * i)));
+  };
+  for (int i = 0; i < 1777; ++i) {
+    step(used, i);
+  }
+  used.restart();
+  bool differed = false;
+  for (int i = 2000; i < 5000; ++i) {
+    const auto first = step(used, i);
+    const auto second = step(fresh, i);
+    ASSERT_EQ(first.q2, second.q2) << i;
+    ASSERT_EQ(first.q2_reported, second.q2_reported) << i;
+    ASSERT_EQ(used.invert(first.q2, used.sample()), fresh.invert(second.q2, fresh.sample())) << i;
+    ASSERT_EQ(first.saturated, second.saturated) << i;
+    differed |= first.q2 != first.q2_reported;
+  }
+  EXPECT_TRUE(differed) << "the output term has a memory too";
+}
+
 TEST(MotionLaw, ACopyGoesOnBitForBitLikeTheOriginal) {
   auto original = joint_with_everything().law<Q24>();
   const RandomMultisine angle(31, 6.0, 0.1, 3.0);

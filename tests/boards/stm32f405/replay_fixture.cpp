@@ -49,6 +49,24 @@ struct NoMeter {
 
 using Input = ReplayInput<kAxes>;
 
+/// Pull-push on the even axes, Preisach's relays spread evenly on the odd ones: f_ab is the area below a and b.
+void give_force_law(ForceConfig& force, std::size_t axis) {
+  force.law = static_cast<std::int32_t>(axis % 2 == 0 ? ForceLawKind::kPullPush : ForceLawKind::kPreisach);
+  force.eta_top = Q24::from_double(1.1414);
+  force.eta_bottom = Q24::from_double(1.1404);
+  force.pretension_nm = Q24::from_double(0.072);
+  force.ratio = Q24::from_double(0.923);
+  force.friction_nm = Q24::from_double(0.01);
+  force.grid.levels = ForceConfig::kLevels;
+  for (std::int32_t a = 0; a < 11; ++a) {
+    force.grid.inputs[static_cast<std::size_t>(a)] = Q24::from_double(0.05 * (a - 5));
+    for (std::int32_t b = 0; b <= a; ++b) {
+      force.grid.set_force(static_cast<std::size_t>(a), static_cast<std::size_t>(b),
+                           Q24::from_double(0.002 * (2 * a * b - b * b)));
+    }
+  }
+}
+
 /// A law with every effect of the catalogue on, a little different for each axis; each feels the one before it.
 auto lively_config(std::size_t axis) -> AxisConfig {
   AxisConfig config;
@@ -89,6 +107,8 @@ auto lively_config(std::size_t axis) -> AxisConfig {
   set("axis_coupling.angle", 0.02);
   set("axis_coupling.top", -0.003);
   set("axis_coupling.bottom", -0.002);
+  set("monitor.torque_rms", 0.002);
+  give_force_law(config.force, axis);
   config.coupled_to = static_cast<std::int32_t>((axis + kAxes - 1) % kAxes);
   for (const Q24 coefficient : config.law.coefficients) {
     if (coefficient == Q24{}) {
@@ -138,7 +158,12 @@ class Story {
     if (presses(second, within)) {
       return {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_double(0.05 * std::sin(0.1 * within + axis))};
     }
-    if (within == 700 || (second % 4 == 2 && within == 980)) {
+    if (second % 4 == 0 && within == 900) {  // from rest too; a joint that nobody holds runs away, and is held
+      return {.kind = AxisCommand::Kind::kForce,
+              .joint_torque_nm = Q24::from_double(axis % 2 == 0 ? 0.03 : -0.03),
+              .torque_rate_nm_s = Q24::from_double(0.5)};
+    }
+    if (within == 700 || (second % 4 == 0 && within == 980) || (second % 4 == 2 && within == 980)) {
       return {AxisCommand::Kind::kStop, {}, {}};
     }
     return {};
@@ -187,6 +212,8 @@ class Story {
 struct Visited {
   std::set<State> states;
   std::set<Fault> faults;
+  std::set<ControlMode> modes;
+  std::set<std::size_t> judged;  // axes, by their monitors
   unsigned limits = 0;
   std::array<double, kAxes> travel_rad{};
 
@@ -196,6 +223,10 @@ struct Visited {
     for (std::size_t i = 0; i < kAxes; ++i) {
       const AxisTelemetry& axis = state.axis[i].telemetry();
       limits |= axis.limits;
+      modes.insert(axis.mode);
+      if (axis.misfit != Q24{}) {
+        judged.insert(i);
+      }
       const double moved = std::abs((axis.q2_rad - last_q2[i]).to_double());
       travel_rad[i] += moved < 0.01 ? moved : 0.0;  // more in a millisecond is one of the story's jumps
       last_q2[i] = axis.q2_rad;
@@ -206,7 +237,7 @@ struct Visited {
   }
   [[nodiscard]] auto enough(std::uint32_t seconds) const -> bool {
     return states.size() == kStateNames.size() && least_travel_rad() > 0.2 * seconds &&
-           (seconds < 32 || faults.size() >= 5) && limits != 0;
+           (seconds < 32 || faults.size() >= 5) && limits != 0 && modes.size() == 3 && judged.size() == kAxes;
   }
   std::array<Q24, kAxes> last_q2{};
 };
