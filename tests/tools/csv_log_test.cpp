@@ -96,6 +96,19 @@ TEST(CsvLog, ALogWithoutRowsOrHeaderIsRefused) {
   EXPECT_THROW(CsvLog::read("/no/such/file.csv"), BadInput);
 }
 
+TEST(CsvLog, RemarksOfABoardAreSkippedAndLineNumbersCountThem) {
+  const CsvLog log = CsvLog::parse("# no stiffness\ntime_s,a\n0,1\n# site 3\n1,2\n# site 4 stiffness 0.1\n", "x.csv");
+  EXPECT_EQ(log.column("a"), Eigen::Vector2d(1.0, 2.0));
+  EXPECT_TRUE(log.warnings().empty());
+  try {
+    static_cast<void>(CsvLog::parse("# told\ntime_s,a\n0,1\n1\n2,3\n", "x.csv"));
+    FAIL();
+  } catch (const BadInput& bad) {
+    EXPECT_NE(std::string(bad.what()).find("x.csv:4"), std::string::npos) << bad.what();
+  }
+  EXPECT_THROW(CsvLog::parse("# nothing else\n", "x.csv"), BadInput);
+}
+
 TEST(CsvLog, AppendedColumnsLeaveTheOthersAsTheyWereWritten) {
   const CsvLog log = CsvLog::parse("time_s,a\n0,1.500\n1,2e0\n", "x.csv");
   const std::string text = log.text_with({"b"}, {Eigen::Vector2d(0.25, -1.0)});

@@ -193,7 +193,7 @@ auto searched_shapes(const CatalogueTerm& term) -> std::size_t {
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
   std::vector<std::string> names;
   for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
+    for (std::size_t i = 0; !term->shapes_are_open && i < searched_shapes(*term); ++i) {
       const auto& info = term->shapes[i];
       const double value = form.shapes[term->first_shape + i];
       const double margin = 2e-3 * (info.maximum - info.minimum);

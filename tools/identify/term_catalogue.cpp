@@ -120,6 +120,8 @@ void relate(std::vector<CatalogueTerm>& terms) {
                                                                             {"reversal_memory", kElastic},
                                                                             {"stiffness_hardening", kElastic}};
   for (auto& term : terms) {
+    // Warming that has not slowed down yet is a straight line, and with a thermometer there may be no other at all.
+    term.shapes_are_open = term.name == "thermal_drift";
     if (const auto found = kBuildsOn.find(term.name); found != kBuildsOn.end()) {
       term.builds_on = found->second;
     }

@@ -21,6 +21,7 @@ struct CatalogueTerm {
   std::size_t first_coefficient = 0;  ///< in the flat list of the catalogue's coefficients
   std::size_t first_shape = 0;        ///< in that of its shapes
   bool acts_on_output = false;
+  bool shapes_are_open = false;   ///< at the end of their range they say something too, so a fit may end there
   bool shapes_are_given = false;  ///< known before a fit, which leaves them alone
   /// A difference from one of these, so no effect of its own before one of them is in the law; empty: stands alone.
   std::vector<std::string> builds_on = {};

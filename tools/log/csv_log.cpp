@@ -23,6 +23,9 @@ auto cell_of(std::string_view line, std::size_t index) -> std::string_view {
   return line.substr(begin, std::min(line.find(',', begin), line.size()) - begin);
 }
 
+/// Lines that begin so are a board's remarks between the rows, and are skipped.
+constexpr char kRemark = '#';
+
 auto cells_in(std::string_view line) -> std::size_t {
   return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
 }
@@ -43,13 +46,18 @@ auto CsvLog::parse(std::string text, std::string name, std::vector<ColumnMapping
   log.text_ = std::move(text);
   log.mappings_ = std::move(mappings);
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  const std::size_t begin = log.text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
-  const auto end = log.text_.find('\n', begin);
+  std::size_t begin = log.text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+  auto end = log.text_.find('\n', begin);
+  std::size_t number = 1;
+  for (; end != std::string::npos && log.text_[begin] == kRemark; ++number) {
+    begin = end + 1;
+    end = log.text_.find('\n', begin);
+  }
   if (end == std::string::npos) {
     throw BadInput(place(log.name_, 1) + "the log has no data rows; record it again");
   }
   log.read_header(without_line_end(std::string_view(log.text_).substr(begin, end - begin)));
-  log.read_rows(end + 1);
+  log.read_rows(end + 1, number + 1);
   return log;
 }
 
@@ -65,8 +73,7 @@ void CsvLog::read_header(std::string_view line) {
   }
 }
 
-void CsvLog::read_rows(std::size_t begin) {
-  std::size_t number = 2;
+void CsvLog::read_rows(std::size_t begin, std::size_t number) {
   for (; begin < text_.size(); ++number) {
     const auto found = text_.find('\n', begin);
     const bool ended = found != std::string::npos;
@@ -74,6 +81,9 @@ void CsvLog::read_rows(std::size_t begin) {
     const Line line{begin, end, number};
     begin = end + 1;
     const std::string_view text = line_text(line);
+    if (text.starts_with(kRemark)) {
+      continue;
+    }
     const bool last = std::string_view(text_).substr(std::min(begin, text_.size())).find_first_not_of("\r\n\t ") ==
                       std::string_view::npos;
     if (trimmed(text).empty() && last) {

@@ -52,7 +52,8 @@ class CsvLog {
   };
 
   void read_header(std::string_view line);
-  void read_rows(std::size_t begin);
+  /// From a place in the text on, which is the line of that number.
+  void read_rows(std::size_t begin, std::size_t number);
   [[nodiscard]] auto line_text(const Line& line) const -> std::string_view;
   [[nodiscard]] auto find(const std::string& wanted) const -> std::optional<Source>;
   [[nodiscard]] auto missing(const std::string& wanted) const -> std::string;
