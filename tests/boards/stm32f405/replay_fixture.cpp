@@ -153,10 +153,12 @@ class Story {
       return {AxisCommand::Kind::kMove, angle(1.2), Q24::from_double(1.5)};
     }
     if (second % 4 == 1 && within > 200) {
-      return {AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within + axis)), {}};
+      return {
+          AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within + static_cast<double>(axis))), {}};
     }
     if (presses(second, within)) {
-      return {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_double(0.05 * std::sin(0.1 * within + axis))};
+      return {.kind = AxisCommand::Kind::kTorque,
+              .torque_nm = Q24::from_double(0.05 * std::sin(0.1 * within + static_cast<double>(axis)))};
     }
     if (second % 4 == 0 && within == 900) {  // from rest too; a joint that nobody holds runs away, and is held
       return {.kind = AxisCommand::Kind::kForce,

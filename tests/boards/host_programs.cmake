@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: Apache-2.0
+# Programs for this machine in builds whose compiler makes code for another: the plant that an emulated board runs against, and the
+# recorded run that every machine has to repeat bit for bit.
+find_program(CAPSTAN_HOST_CXX NAMES g++ c++ NO_CMAKE_FIND_ROOT_PATH REQUIRED)
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.hpp ${PROJECT_SOURCE_DIR}/hal/*.hpp
+  ${PROJECT_SOURCE_DIR}/firmware/*.hpp ${PROJECT_SOURCE_DIR}/boards/stm32f405/*.hpp)
+set(plant_sources)
+foreach(name drivetrain faults fields plant sensors tendon)
+  list(APPEND plant_sources ${PROJECT_SOURCE_DIR}/hal/sim/${name}.cpp)
+endforeach()
+set(cycle_sources)
+foreach(name axis controller force_control law_monitor parameters supervisor trajectory)
+  list(APPEND cycle_sources ${PROJECT_SOURCE_DIR}/firmware/${name}.cpp)
+endforeach()
+
+set(replay_sources ${PROJECT_SOURCE_DIR}/tests/boards/stm32f405/replay_fixture.cpp ${plant_sources} ${cycle_sources})
+if(NOT CAPSTAN_AXES)
+  set(CAPSTAN_AXES 4)  # the motor board's; its build has it as an option
+endif()
+set(image_definitions CAPSTAN_AXES=${CAPSTAN_AXES} CAPSTAN_CAN_NODE=1 CAPSTAN_INDEX_COUNTS=0)
+
+function(capstan_host_program name)
+  list(TRANSFORM image_definitions PREPEND -D OUTPUT_VARIABLE definitions)
+  add_custom_command(OUTPUT ${name}
+    COMMAND ${CAPSTAN_HOST_CXX} -std=c++20 -O2 -ffp-contract=off ${definitions} -I${PROJECT_SOURCE_DIR} ${ARGN} -o ${name}
+    DEPENDS ${ARGN} ${headers} COMMENT "Building ${name} for this machine" VERBATIM)
+  add_custom_target(${name}_host ALL DEPENDS ${name})
+endfunction()
