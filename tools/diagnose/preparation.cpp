@@ -73,10 +73,10 @@ void trim(AxisLog& log, Eigen::Index factor) {
 auto first_saturation(const Samples& samples) -> Eigen::Index {
   constexpr double kInside = 0.01;
   const auto by_torque = [](const auto& a, const auto& b) { return a.tau < b.tau; };
-  const auto [lowest, highest] = std::minmax_element(samples.begin(), samples.end(), by_torque);
-  const double margin = kInside * (highest->tau - lowest->tau);
+  const auto ends = std::minmax_element(samples.begin(), samples.end(), by_torque);
+  const double margin = kInside * (ends.second->tau - ends.first->tau);
   const auto first = std::find_if(samples.begin(), samples.end(), [&](const auto& s) {
-    return s.tau < lowest->tau + margin || s.tau > highest->tau - margin;
+    return s.tau < ends.first->tau + margin || s.tau > ends.second->tau - margin;
   });
   return std::min(first - samples.begin(), static_cast<std::ptrdiff_t>(samples.size() / 2));
 }
