@@ -87,10 +87,10 @@ auto motion_parameters(const JointFile& joint) -> LawParameters<double> {
 }
 
 auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
+  const auto rounded = [](double value) { return Q24::from_double(value); };
   LawParameters<Q24> fixed;
-  std::transform(parameters.coefficients.begin(), parameters.coefficients.end(), fixed.coefficients.begin(),
-                 Q24::from_double);
-  std::transform(parameters.shapes.begin(), parameters.shapes.end(), fixed.shapes.begin(), Q24::from_double);
+  std::transform(parameters.coefficients.begin(), parameters.coefficients.end(), fixed.coefficients.begin(), rounded);
+  std::transform(parameters.shapes.begin(), parameters.shapes.end(), fixed.shapes.begin(), rounded);
   fixed.conditioner.direction_threshold_rad = Q24::from_double(parameters.conditioner.direction_threshold_rad);
   fixed.conditioner.rate_time_constant_s = Q24::from_double(parameters.conditioner.rate_time_constant_s);
   return fixed;

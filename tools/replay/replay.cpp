@@ -48,7 +48,8 @@ auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic ari
                   " Hz; replay it with --arithmetic double");
   }
   const MotionLaw<Q24> fixed(SamplePeriod<Q24>(kFirmwareRateHz), to_fixed(law));
-  return run(log, fixed, Q24::from_double, [](Q24 x) { return x.to_double(); });
+  return run(
+      log, fixed, [](double x) { return Q24::from_double(x); }, [](Q24 x) { return x.to_double(); });
 }
 
 auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string {
