@@ -53,19 +53,7 @@ auto choose_smoothing(const std::vector<AxisLog>& logs) -> Eigen::Index {
 
 void trim(AxisLog& log, Eigen::Index factor) {
   const Eigen::Index rows = log.samples() / factor * factor;
-  for (Eigen::VectorXd* signal : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad, &log.effort}) {
-    signal->conservativeResize(std::min(rows, signal->size()));
-  }
-  for (auto& side : log.side) {
-    side.values.conservativeResize(rows);
-  }
-  if (log.temperature_c.size() > 0) {
-    log.temperature_c.conservativeResize(rows);
-  }
-  if (log.other) {
-    log.other->q1_rad.conservativeResize(rows);
-    log.other->tau_nm.conservativeResize(rows);
-  }
+  for_each_signal(log, [rows](auto& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
 }
 
 /// Rows before the torque has first been at an end of its range: until then the past of the friction counts. Half at
@@ -126,7 +114,8 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-/// Samples in hindsight of all logs, and two copies with what q1's resolution and the torque's noise may hide.
+/// Samples in hindsight of all logs; unless these are of an effort, two copies with what q1's resolution and the
+/// torque's noise may hide.
 struct HindsightOfLogs {
   std::vector<Samples> samples, coarse_angle, noisy_torque;
   Blocks uncertain;  ///< coarse rows touched by uncertain samples
@@ -145,12 +134,14 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
       const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
       all.uncertain.push_back({begin + first / factor, begin + last / factor + 1});
     }
-    all.coarse_angle.push_back(hindsight.samples);
-    all.noisy_torque.push_back(hindsight.samples);
-    const double torque_noise = effort ? 0.0 : white_noise_level(log.tau_nm);
-    for (std::size_t i = 0; !effort && i < hindsight.samples.size(); ++i) {
-      all.coarse_angle.back()[i].q1 += hindsight.hidden_rad[static_cast<Eigen::Index>(i)];
-      all.noisy_torque.back()[i].tau += torque_noise * random.normal();
+    if (!effort) {
+      all.coarse_angle.push_back(hindsight.samples);
+      all.noisy_torque.push_back(hindsight.samples);
+      const double torque_noise = white_noise_level(log.tau_nm);
+      for (std::size_t i = 0; i < hindsight.samples.size(); ++i) {
+        all.coarse_angle.back()[i].q1 += hindsight.hidden_rad[static_cast<Eigen::Index>(i)];
+        all.noisy_torque.back()[i].tau += torque_noise * random.normal();
+      }
     }
     all.samples.push_back(std::move(hindsight.samples));
     begin += log.samples() / factor;
@@ -273,7 +264,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 noise,
                 effort ? hindsight : LawDesign(logs, conditioner),
                 hindsight,
-                {{logs, std::move(seen.coarse_angle), before}, {logs, std::move(seen.noisy_torque), before}},
+                {},
                 hindsight.smoothed(stacked_target(logs)),
                 factor,
                 smoothing,
@@ -285,6 +276,9 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 {},
                 std::move(notes)};
   p.uncertain = std::move(seen.uncertain);
+  if (!effort) {
+    p.disturbed = {{logs, std::move(seen.coarse_angle)}, {logs, std::move(seen.noisy_torque)}};
+  }
   // Derivatives and means have no neighbours beyond the ends.
   const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
   p.coarse_logs = rows_of_logs(p, base.catalogue->target(), edge);

@@ -24,7 +24,7 @@ struct Preparation {
   AngleNoise noise;
   LawDesign causal, hindsight;  ///< of an effort both are the given motion's
   /// Hindsight with what its sensors may have hidden added, one draw each: resolution of q1, noise of the torque. What
-  /// a law makes of that is neither noise of the target nor an effect.
+  /// a law makes of that is neither noise of the target nor an effect. None of an effort, whose motion is given.
   std::vector<LawDesign> disturbed;
   Eigen::VectorXd target;      ///< q2 or the effort, every sample
   Eigen::Index factor = 1;     ///< samples per coarse row

@@ -57,11 +57,13 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
       base.rightCols(1) = (law_columns(p.hindsight, moved) * fit.theta - residual.fitted) / step;
     }
   }
-  const auto brought = [&](const LawDesign& disturbed) -> Eigen::VectorXd {
-    return p.coarse(law_columns(disturbed, law) * fit.theta - residual.fitted);
+  const auto brought = [&](std::size_t which) -> Eigen::VectorXd {
+    return p.disturbed.empty()
+               ? Eigen::VectorXd::Zero(residual.error.size())
+               : Eigen::VectorXd(p.coarse(law_columns(p.disturbed[which], law) * fit.theta - residual.fitted));
   };
-  residual.resolution = brought(p.disturbed[0]) + p.coarse(hidden_by_grid(p.hindsight, law, residual.fitted));
-  residual.torque_noise = brought(p.disturbed[1]);
+  residual.resolution = brought(0) + p.coarse(hidden_by_grid(p.hindsight, law, residual.fitted));
+  residual.torque_noise = brought(1);
   residual.base = p.coarse(base);
   residual.full_base = std::move(base);
   return residual;

@@ -172,21 +172,10 @@ auto averaged_for_force(const std::string& model, const AxisLog& log) -> AxisLog
   const Eigen::Index stretch = (log.samples() + most_rows - 1) / most_rows;
   AxisLog result = log;
   result.period_s *= static_cast<double>(stretch);
-  const auto average = [stretch](Eigen::VectorXd& signal) {
+  for_each_signal(result, [stretch](auto& signal) {
     signal.conservativeResize(signal.size() / stretch * stretch);
     signal = Eigen::VectorXd(decimated(signal, stretch));
-  };
-  for (Eigen::VectorXd* signal :
-       {&result.time_s, &result.q1_rad, &result.tau_nm, &result.q2_rad, &result.effort, &result.temperature_c}) {
-    average(*signal);
-  }
-  for (auto& side : result.side) {
-    average(side.values);
-  }
-  if (result.other) {
-    average(result.other->q1_rad);
-    average(result.other->tau_nm);
-  }
+  });
   return result;
 }
 

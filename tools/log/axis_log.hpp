@@ -47,6 +47,22 @@ struct AxisLog {
   [[nodiscard]] auto rate_hz() const -> double { return 1.0 / period_s; }
 };
 
+/// Calls visit(signal) for every signal of a log; those that were not logged are empty.
+template <typename Visit>
+void for_each_signal(AxisLog& log, Visit&& visit) {
+  for (Eigen::VectorXd* signal :
+       {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad, &log.effort, &log.temperature_c}) {
+    visit(*signal);
+  }
+  if (log.other) {
+    visit(log.other->q1_rad);
+    visit(log.other->tau_nm);
+  }
+  for (auto& side : log.side) {
+    visit(side.values);
+  }
+}
+
 /// Axes of a log that are looked for: axis0 to axis15.
 inline constexpr int kMostAxes = 16;
 
