@@ -21,10 +21,12 @@ class Application final : public Machine {
   /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
   /// @param fault_memory  FaultLog::words_for(kAxes) words that outlive a reset; empty: faults are not logged
   Application(Io& io, Banks& banks, std::span<std::uint32_t> fault_memory = {})
-      : io_(io), storage_(banks), start_(load_at_start()), state_(config_), fault_log_(fault_memory, kAxes) {
-    parameter_faults_.store(start_ == LoadResult::kCorrupt      ? bit(Fault::kModelInvalid)
-                            : start_ == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
-                                                                : 0,
+      : io_(io), storage_(banks), load_report_(load_at_start()), state_(config_), fault_log_(fault_memory, kAxes) {
+    const LoadResult start = load_report_.result;
+    const bool unusable = start == LoadResult::kCorrupt || start == LoadResult::kForeign;
+    parameter_faults_.store(unusable                           ? bit(Fault::kModelInvalid)
+                            : start == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
+                                                               : 0,
                             std::memory_order_relaxed);
   }
 
@@ -82,6 +84,7 @@ class Application final : public Machine {
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_, key_);
     if (saved) {
+      load_report_ = {.result = LoadResult::kLoaded};
       parameter_faults_.store(0, std::memory_order_relaxed);
     }
     return saved;
@@ -91,13 +94,15 @@ class Application final : public Machine {
       return LoadResult::kRefused;
     }
     staged_.fill(AxisConfig{});
-    const LoadResult result = storage_.load(staged_, &key_);
-    if (result == LoadResult::kLoaded) {
+    const LoadReport report = storage_.load(staged_, &key_);
+    if (report.result == LoadResult::kLoaded) {
       static_cast<void>(configure(staged_));  // nothing waits and torque is off
       parameter_faults_.store(0, std::memory_order_relaxed);
     }
-    return result;
+    load_report_ = report;
+    return report.result;
   }
+  auto load_report() const -> const LoadReport& override { return load_report_; }
   auto maintenance_key() const -> KeyDigest override { return key_; }
   void set_maintenance_key(const KeyDigest& key) override { key_ = key; }
   auto recorder() -> Recorder& override { return recorder_; }
@@ -113,12 +118,12 @@ class Application final : public Machine {
     MachineTelemetry machine;
     std::array<AxisTelemetry, kAxes> axis{};
   };
-  auto load_at_start() -> LoadResult {
-    const LoadResult result = storage_.load(config_, &key_);
-    if (result != LoadResult::kLoaded) {
+  auto load_at_start() -> LoadReport {
+    const LoadReport report = storage_.load(config_, &key_);
+    if (report.result != LoadResult::kLoaded) {
       config_.fill(AxisConfig{});
     }
-    return result;
+    return report;
   }
 
   /// Also while a request that may give torque is under way.
@@ -174,8 +179,11 @@ class Application final : public Machine {
           command.disarm = true;
           break;
         case Request::Kind::kMove:
+        case Request::Kind::kMoveMotor:
           rt_end_experiment(command, request->axis);
-          command.axis[request->axis] = {AxisCommand::Kind::kMove, request->position_rad, request->speed_rad_s};
+          command.axis[request->axis] = {
+              request->kind == Request::Kind::kMove ? AxisCommand::Kind::kMove : AxisCommand::Kind::kMoveMotor,
+              request->position_rad, request->speed_rad_s};
           break;
         case Request::Kind::kStop:
           rt_end_experiment(command, request->axis);
@@ -228,7 +236,7 @@ class Application final : public Machine {
   Config<kAxes> staged_{};
   const void* staging_owner_ = nullptr;
   KeyDigest key_;  // the background's own
-  LoadResult start_;
+  LoadReport load_report_;
   CycleState<kAxes> state_;  // the cycle's
   bool acknowledge_ = false;
   Mailbox<Request> request_box_;

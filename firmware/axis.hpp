@@ -24,6 +24,9 @@ struct AxisCommand {
     kForce,  ///< force control: the joint's torque to joint_torque_nm at torque_rate_nm_s, and there from then on; from
              ///< rest only. Watched as kTorque is
     kFollowForce,  ///< the same as a stream, the next one within 100 ms
+    kMoveMotor,    ///< motor position control: the motor to position_rad, so that the joint gets no faster than
+                   ///< speed_rad_s makes it and accelerates no more; from rest only. A joint that leaves its range is
+                   ///< held there
   };
   Kind kind = Kind::kNone;
   Q24 position_rad{};
@@ -49,6 +52,7 @@ enum class ControlMode : std::uint8_t {
   kPosition,  ///< through the estimated joint angle
   kTorque,    ///< of the motor
   kForce,     ///< the joint's torque, through the inverse force law
+  kMotor,     ///< the motor's angle
 };
 
 /// One joint's numbers of the last cycle, for shell, log and telemetry.
@@ -58,6 +62,7 @@ struct AxisTelemetry {
   Q24 q2_rad;           ///< estimated joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
   Q24 q2_reference_rad;
+  Q24 q1_reference_rad;           ///< where the servo holds the motor; its own angle while there is none
   Q24 current_a;                  ///< measured
   Q24 drive_a;                    ///< commanded
   Q24 joint_torque_nm;            ///< by the force law, 0 without one
@@ -106,7 +111,9 @@ class Axis {
     return following_ || !trajectory_.finished() || (in_force() && !force_.arrived());
   }
   /// Torque is commanded, the motor's or the joint's, not a position.
-  [[nodiscard]] auto in_torque() const -> bool { return mode_ != ControlMode::kPosition; }
+  [[nodiscard]] auto in_torque() const -> bool { return mode_ == ControlMode::kTorque || mode_ == ControlMode::kForce; }
+  /// The motor's angle is.
+  [[nodiscard]] auto in_motor() const -> bool { return mode_ == ControlMode::kMotor; }
   /// The joint's torque is.
   [[nodiscard]] auto in_force() const -> bool { return mode_ == ControlMode::kForce; }
   /// Motor-side torque wanted, N m.
@@ -121,6 +128,9 @@ class Axis {
  private:
   void rt_count(const AxisSensed& sensed);
   void rt_monitor();
+  auto rt_take_move(const AxisCommand& command) -> bool;
+  auto rt_take_stream(const AxisCommand& command) -> bool;
+  auto rt_take_motor(const AxisCommand& command) -> bool;
   auto rt_take_torque(const AxisCommand& command) -> bool;
   auto rt_take_force(const AxisCommand& command) -> bool;
   auto rt_force() -> Q24;
@@ -134,7 +144,10 @@ class Axis {
   enum class Start : std::uint8_t { kNone, kSteady, kKeepsTorque };
   void rt_hold_here(Start start);
   auto rt_take_over() -> Q24;
+  [[nodiscard]] auto rt_out_of_range() const -> bool;
   [[nodiscard]] auto rt_runs_away() -> bool;
+  [[nodiscard]] auto rt_motor_moves() const -> bool { return in_motor() && in_motion(); }
+  [[nodiscard]] auto rt_acceleration() const -> Q24;
   void rt_warm();
   /// True for a current that pulls further out where the tendon travel ends.
   [[nodiscard]] auto rt_outward(Q24 current_a) const -> bool;

@@ -54,6 +54,7 @@ struct LimitConfig {
   Q24 joint_max_rad = Q24::from_double(2.0);
   Q24 joint_speed_rad_s = Q24::from_double(2.0);  ///< of moves
   Q24 joint_acceleration_rad_s2 = Q24::from_double(10.0);
+  Q24 joint_jerk_krad_s3 = Q24::from_double(120.0);  ///< of moves; the default is what any acceleration does in a cycle
   Q24 following_error_rad = Q24::from_double(0.35);
   Q24 following_time_s = Q24::from_double(0.25);
   Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted

@@ -69,6 +69,10 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
   return law.per_beta(q2 - (shared + mix(backward, rest_on(std::true_type{}), branch_)));
 }
 
+void Controller::rt_cross_over(bool forward) {
+  branch_ += ((forward ? kOne : Q24{}) - branch_) * reversal_gain_;
+}
+
 /// With a play, for the other axis' encoder is in it.
 void Controller::rt_follow_pull(Q24 asked) {
   constexpr Q24 kPlay = Q24::from_double(0.002);
@@ -90,6 +94,15 @@ auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> 
   return gains.kp * error + integral_ - gains.kd_s * kPeriod.rate_of(movement);
 }
 
+auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24 {
+  const Sample<Q24>& reference = reference_.update(q1_reference, Q24{});
+  if (reference.dq1 != Q24{}) {
+    rt_cross_over(reference.forward);
+  }
+  motor_reference_ = q1_reference;
+  return rt_servo(gains, law.sample(), reference.dq1);
+}
+
 auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24 {
   const ControlConfig& gains = config.control;
   // Where the transmission is crossed (beta < 0) the motor runs against the joint, and so must every correction.
@@ -100,8 +113,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   const bool pulled = config.coupled_to >= 0;
   if (pulled ? pull_known_ : reference.dq1 != Q24{}) {
     const bool forward = pulled ? pull_forward_ : reference.forward != crossed;
-    const Q24 target = forward ? kOne : Q24{};
-    branch_ += (target - branch_) * reversal_gain_;
+    rt_cross_over(forward);
   }
   Sample<Q24> motion = law.sample();
   motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back

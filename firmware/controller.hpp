@@ -31,6 +31,12 @@ class Controller {
   /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
   /// N m
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
+  /// From now on rt_update_motor is called instead; the torque stays if its first reference is motor_reference().
+  void rt_start_motor() { reference_.restart(); }
+  /// The servo and its feedforward alone: the motor follows q1_reference, rad, whatever the joint makes of it.
+  auto rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24;
+  /// Where the servo holds the motor, rad.
+  [[nodiscard]] auto motor_reference() const -> Q24 { return motor_reference_; }
 
  private:
   /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on. `motion`: the
@@ -39,6 +45,7 @@ class Controller {
       -> Q24;
   /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s.
   [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24;
+  void rt_cross_over(bool forward);
   /// `asked`: what the inverse asks of the motor now. Crossing to the other branch goes the same way, so it turns
   /// nothing back.
   void rt_follow_pull(Q24 asked);

@@ -15,7 +15,7 @@ namespace capstan {
 
 /// What the shell asks the cycle to do; one at a time.
 struct Request {
-  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero, kForce };
+  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero, kForce, kMoveMotor };
   Kind kind = Kind::kDisarm;
   std::size_t axis = 0;
   Q24 position_rad{};
@@ -48,6 +48,8 @@ class Machine {
   virtual auto save() -> bool = 0;
   /// Takes the stored parameters into force. The room for staging serves it: kRefused also while somebody has it.
   virtual auto load() -> LoadResult = 0;
+  /// What the last load made of what was stored, at start or since; after a save there is nothing to report.
+  [[nodiscard]] virtual auto load_report() const -> const LoadReport& = 0;
   /// Digest of the maintenance key in force, as loaded or set last; save() keeps it. Who may set it is the caller's
   /// business.
   [[nodiscard]] virtual auto maintenance_key() const -> KeyDigest = 0;

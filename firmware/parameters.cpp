@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "firmware/trajectory.hpp"
+
 namespace capstan {
 namespace {
 
@@ -89,6 +91,8 @@ constexpr std::array kFixedParameters = {
          kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0, kSafety),
     real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
          kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0, kSafety),
+    real("limits", "joint_jerk", "krad/s3", "change of the acceleration of moves, 1 krad/s3 being 1 rad/s2 in 1 ms",
+         kLimits + offsetof(LimitConfig, joint_jerk_krad_s3), 0.01, 120.0, kSafety),
     real("limits", "following_error", "rad", "larger for longer than following_time is a fault",
          kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0, kSafety),
     real("limits", "following_time", "s", "how long following_error may be exceeded",
@@ -184,6 +188,7 @@ constexpr std::array<GridName, kGridRows> kGridNames = make_grid_names();
 
 constexpr std::size_t kLawAt = kFixedParameters.size() + kGridRows;
 constexpr std::size_t kCount = kLawAt + kCoefficientCount + kShapeCount;
+static_assert(kCount <= kMostParameters);
 
 constexpr void add_grid_rows(std::array<ParameterInfo, kCount>& table) {
   constexpr double kMost = 127.0;
@@ -303,6 +308,11 @@ auto check(const AxisConfig& config) -> const char* {
   }
   if (config.limits.joint_min_rad >= config.limits.joint_max_rad) {
     return "limits.joint_min is not below limits.joint_max; set them in order";
+  }
+  if (!Trajectory::can_keep(config.limits)) {
+    return "limits.joint_jerk is below a sixteenth of limits.joint_acceleration, so that would take longer than 32 ms "
+           "to "
+           "build up; raise the one or lower the other";
   }
   if (config.limits.continuous_current_a > config.limits.current_a) {
     return "limits.continuous_current is above limits.current; lower it or raise limits.current";

@@ -31,6 +31,9 @@ struct ParameterInfo {
   std::int32_t maximum;
 };
 
+/// There are never more.
+inline constexpr std::size_t kMostParameters = 256;
+
 /// Every parameter of a joint, grouped; the law's come from the catalogue.
 auto parameters() -> std::span<const ParameterInfo>;
 

@@ -25,6 +25,8 @@ class Shell {
 
   /// Feeds one received character.
   void receive(char c);
+  /// Somebody has come: says what this is, how it stands and what to type, in lines that begin with '#', then prompts.
+  void greet();
   /// Lets long answers go on; call it in the background loop.
   void poll();
   /// True while an answer is still under way: a line sent now would be refused. A `watch` takes one, and ends with it.
@@ -71,6 +73,8 @@ class Shell {
   void finish_arming();
   void print_fault(const char* what, const FaultInfo& entry);
   void print_warnings(WarningSet warnings);
+  /// What is to be known about what was stored, each line behind `begin`; nothing if all is as it was saved.
+  void print_load_report(const char* begin);
   void go_on_logging();
   void go_on_experimenting();
   auto begin_recording(std::size_t axis, std::uint32_t every) -> bool;

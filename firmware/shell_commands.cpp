@@ -39,9 +39,10 @@ constexpr std::array<ShellCommand, 30> kCommands = {
                  ShellCommands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", ShellCommands::arm},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", ShellCommands::disarm},
-    ShellCommand{"move", "jointN ANGLE [rad|deg] | jointN force=TORQUE [rate=R]", kAnyNumber,
-                 "moves a joint within its limits, or, tip held, brings its torque there by the force law",
-                 ShellCommands::move},
+    ShellCommand{
+        "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R]", kAnyNumber,
+        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law",
+        ShellCommands::move},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", ShellCommands::hold},
     ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,
                  "says at which motor angle the joint stands now (disarmed only)", ShellCommands::zero},
@@ -119,97 +120,6 @@ void ShellCommands::arm(Shell& shell, std::string_view /*arguments*/) {
 
 void ShellCommands::disarm(Shell& shell, std::string_view /*arguments*/) {
   post(shell, {.kind = Request::Kind::kDisarm}, Shell::Activity::kDisarming);
-}
-
-auto ShellCommands::refuses_missing(Shell& shell, std::size_t axis) -> bool {
-  const bool missing = shell.machine_.config()[axis].motor.fitted == 0;
-  if (missing) {
-    shell.error("not_fitted", "there is no joint (motor.fitted is 0), and nothing was done", "choose another");
-  }
-  return missing;
-}
-
-void ShellCommands::move(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kMove};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'move joint0 30 deg'");
-    return;
-  }
-  if (refuses_missing(shell, request.axis)) {
-    return;
-  }
-  std::string_view first = arguments;
-  if (const std::string_view word = next_word(first); word.find('=') != std::string_view::npos) {
-    move_force(shell, request.axis, arguments);
-    return;
-  }
-  const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
-  const ValueError problem = parse_quantity(arguments, "rad", request.position_rad);
-  if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {
-    shell.error("not_an_angle", "the target is not an angle", "write 'move joint0 0.5 rad' or 'move joint0 30 deg'");
-    return;
-  }
-  if (problem == ValueError::kRange || request.position_rad < limits.joint_min_rad ||
-      request.position_rad > limits.joint_max_rad) {
-    shell.out_ << "error range: joint" << static_cast<std::uint32_t>(request.axis)
-               << " moves only from limits.joint_min " << limits.joint_min_rad << " to limits.joint_max "
-               << limits.joint_max_rad << " rad, and nothing was done; give a target in that range\r\n";
-    shell.prompt();
-    return;
-  }
-  if (!energised(shell.machine_.telemetry().state)) {
-    shell.error("not_armed", "nothing moves without torque", "'arm' first");
-    return;
-  }
-  request.speed_rad_s = limits.joint_speed_rad_s;
-  post(shell, request, Shell::Activity::kMoving);
-}
-
-void ShellCommands::hold(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kStop};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'hold joint0'");
-    return;
-  }
-  if (refuses_missing(shell, request.axis)) {
-    return;
-  }
-  if (!energised(shell.machine_.telemetry().state)) {
-    shell.error("not_armed", "nothing is held without torque", "'arm' first");
-    return;
-  }
-  post(shell, request, Shell::Activity::kMoving);
-}
-
-void ShellCommands::zero(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kZero};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'zero joint0' or 'zero joint0 30 deg'");
-    return;
-  }
-  skip_blanks(arguments);
-  const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
-  const ValueError problem =
-      arguments.empty() ? ValueError::kNone : parse_quantity(arguments, "rad", request.position_rad);
-  if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {
-    shell.error("not_an_angle", "the motor's position is not an angle, and nothing was changed",
-                "write 'zero joint0' or 'zero joint0 30 deg'");
-    return;
-  }
-  if (problem == ValueError::kRange || request.position_rad < limits.motor_min_rad ||
-      request.position_rad > limits.motor_max_rad) {
-    shell.error("range", "a motor can not stand outside limits.motor_min to limits.motor_max, and nothing was changed",
-                "give the angle at which it stands");
-    return;
-  }
-  if (energised(shell.machine_.telemetry().state)) {
-    shell.error("armed", "a joint that is held would be thrown by a new zero", "'disarm' first");
-    return;
-  }
-  post(shell, request, Shell::Activity::kApplying);
 }
 
 void ShellCommands::timing(Shell& shell, std::string_view /*arguments*/) {

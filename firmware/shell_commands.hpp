@@ -62,6 +62,14 @@ struct ShellCommands {
   /// Says so where there is no joint. True: nothing may be done.
   static auto refuses_missing(Shell& shell, std::size_t axis) -> bool;
   static void post(Shell& shell, const Request& request, Shell::Activity activity);
+  struct MoveRange {
+    const char* what;  ///< "joint" or "motor"
+    Q24 lowest_rad, highest_rad;
+  };
+  static auto parse_target(Shell& shell, std::string_view text, const MoveRange& range, Q24& angle_rad) -> bool;
+  static auto refuses_mode(Shell& shell, std::size_t axis, ControlMode mode) -> bool;
+  static void move_joint(Shell& shell, std::size_t axis, std::string_view target);
+  static void move_motor(Shell& shell, std::size_t axis, std::string_view target);
   static void move_force(Shell& shell, std::size_t axis, std::string_view arguments);
   static void maintenance_status(Shell& shell);
   static void maintenance_open(Shell& shell, std::string_view key);

@@ -64,7 +64,9 @@ class Completion {
                        : std::string_view(common_.view().data() + word_.size(), common_length_ - word_.size());
   }
   /// There is one, and it is whole.
-  [[nodiscard]] auto whole() const -> bool { return count_ == 1 && common_.view().back() != '.'; }
+  [[nodiscard]] auto whole() const -> bool {
+    return count_ == 1 && common_.view().back() != '.' && common_.view().back() != '=';
+  }
 
  private:
   std::string_view word_;
@@ -118,6 +120,7 @@ void offer_all(Completion& completion, std::string_view before, std::size_t axes
   static constexpr std::array kScopeWords = {"signals", "channels", "trigger", "start", "stop", "dump"};
   static constexpr std::array kTriggerWords = {"now", "fault", "rising", "falling", "above", "below"};
   static constexpr std::array kFaultWords = {"second", "release"};
+  static constexpr std::array kMoveWords = {"motor=", "force=", "rate="};
   const std::string_view command = next_word(before);
   const std::string_view second = next_word(before);
   if (command.empty()) {
@@ -140,6 +143,8 @@ void offer_all(Completion& completion, std::string_view before, std::size_t axes
     offer_words(completion, kFaultWords);
   } else if (second.empty()) {
     offer_joints(completion, axes);
+  } else if (command == "move") {
+    offer_words(completion, kMoveWords);
   } else if (command == "experiment" && next_word(before).empty()) {
     for (const char* recipe : recipe_names()) {
       completion.offer(recipe);

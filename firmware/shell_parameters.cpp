@@ -266,7 +266,13 @@ void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
   shell.abandon();
   switch (shell.machine_.load()) {
     case LoadResult::kLoaded:
+      shell.print_load_report("");
       shell.activity_ = Shell::Activity::kApplying;
+      break;
+    case LoadResult::kForeign:
+      shell.print_load_report("");
+      shell.error("storage_foreign", "the stored set has a format of another version, and nothing was changed",
+                  "flash the version that stored it, or load a model and 'save' it");
       break;
     case LoadResult::kEmpty:
       shell.error("storage_empty", "nothing was ever saved, and nothing was changed", "'set' what you want and 'save'");

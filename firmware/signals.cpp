@@ -13,13 +13,15 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 16> kJointSignals = {
+constexpr std::array<SignalInfo, 17> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
     real("q2_reported", "q2_reported_rad", "rad", "what a joint sensor with the law's sensor effects would say",
          offsetof(AxisTelemetry, q2_reported_rad)),
     real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
+    real("motor_reference", "q1_ref_rad", "rad", "where the servo holds the motor",
+         offsetof(AxisTelemetry, q1_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
     real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
     real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law", offsetof(AxisTelemetry, joint_torque_nm)),
@@ -36,7 +38,7 @@ constexpr std::array<SignalInfo, 16> kJointSignals = {
                offsetof(AxisTelemetry, estimate_valid)},
     SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
                offsetof(AxisTelemetry, joint_torque_known)},
-    SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control", SignalType::kByte,
+    SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control, 3 motor position", SignalType::kByte,
                offsetof(AxisTelemetry, mode)},
     SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,
                offsetof(AxisTelemetry, warnings)},

@@ -18,6 +18,7 @@ constexpr std::size_t kEntryBytes = 8;    // hash of the name, raw value
 constexpr std::uint32_t kLongestPayload = 16 * 1024 - kHeaderBytes;
 
 struct Header {
+  std::uint32_t format = kFormatVersion;
   std::uint32_t sequence = 0;
   std::uint32_t length = 0;
   std::uint32_t crc = 0;
@@ -90,7 +91,7 @@ auto header_bytes(const Header& header) -> std::array<std::uint8_t, kHeaderBytes
   std::array<std::uint8_t, kHeaderBytes> bytes{};
   const std::span all(bytes);
   put(all.subspan(0, 4), kMagic);
-  put(all.subspan(4, 4), kFormatVersion);
+  put(all.subspan(4, 4), header.format);
   put(all.subspan(8, 4), header.sequence);
   put(all.subspan(12, 4), header.length);
   put(all.subspan(16, 4), header.crc);
@@ -129,23 +130,23 @@ auto inspect(Banks& banks, int bank, Header& header) -> BankState {
     return BankState::kEmpty;
   }
   const std::span<const std::uint8_t> all(bytes);
-  header = {take(all.subspan(8, 4)), take(all.subspan(12, 4)), take(all.subspan(16, 4))};
+  header = {take(all.subspan(4, 4)), take(all.subspan(8, 4)), take(all.subspan(12, 4)), take(all.subspan(16, 4))};
   constexpr std::uint32_t kErased = 0xFFFFFFFFU;
   if (header.crc == kErased && (take(all.first(4)) & kMagic) == kMagic) {
     return BankState::kUnsealed;
   }
-  if (take(all.first(4)) != kMagic || take(all.subspan(4, 4)) != kFormatVersion || header.length > kLongestPayload ||
-      header.length % kEntryBytes != 0) {
+  if (take(all.first(4)) != kMagic || header.length > kLongestPayload) {
     return BankState::kBroken;
   }
   Crc32 crc;
   crc.add(all.first(16));
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
-    if (!banks.read(bank, kHeaderBytes + at, entry)) {
+    const auto part = std::span(entry).first(std::min<std::size_t>(kEntryBytes, header.length - at));
+    if (!banks.read(bank, kHeaderBytes + at, part)) {
       return BankState::kBroken;
     }
-    crc.add(entry);
+    crc.add(part);
   }
   if (crc.value() == header.crc) {
     return BankState::kValid;
@@ -171,32 +172,64 @@ auto newest(Banks& banks, Header& header, BankState& worst) -> int {
   return best;
 }
 
-void restore_key(KeyDigest& key, std::uint32_t hash, std::uint32_t value) {
+auto restore_key(KeyDigest& key, std::uint32_t hash, std::uint32_t value) -> bool {
   for (std::size_t i = 0; i < key.words.size(); ++i) {
     if (hash_of_key(i) == hash) {
       key.words[i] = value;
+      return true;
     }
   }
+  return false;
 }
 
-/// Puts entries back where their names say. `likely`: the parameter that comes next if the set is of this version, so
-/// that only others are searched for; starts at 0.
-void restore(std::span<AxisConfig> axes, std::uint32_t hash, std::int32_t raw, std::size_t& likely) {
-  const std::size_t count = parameters().size();
-  const std::size_t all = axes.size() * count;
-  for (std::size_t tried = 0; tried < all; ++tried) {
-    const std::size_t i = (likely + tried) % all;
-    const ParameterInfo& parameter = parameters()[i % count];
-    if (hash_of(i / count, parameter) != hash) {
-      continue;
+/// Puts entries back where their names say, and keeps count of what does not agree.
+class Restorer {
+ public:
+  Restorer(std::span<AxisConfig> axes, LoadReport& report) : axes_(axes), report_(report) {}
+
+  /// False: today's table has no such name.
+  auto take(std::uint32_t hash, std::int32_t raw) -> bool {
+    const std::size_t count = parameters().size();
+    const std::size_t all = axes_.size() * count;
+    for (std::size_t tried = 0; tried < all; ++tried) {
+      const std::size_t i = (likely_ + tried) % all;
+      const ParameterInfo& parameter = parameters()[i % count];
+      if (hash_of(i / count, parameter) != hash) {
+        continue;
+      }
+      likely_ = i + 1;
+      seen_[i / 32] |= 1U << (i % 32);
+      if (raw >= parameter.minimum && raw <= parameter.maximum) {
+        set_raw_value(axes_[i / count], parameter, raw);
+      } else {
+        ++report_.out_of_range;
+        note(parameter);
+      }
+      return true;
     }
-    if (raw >= parameter.minimum && raw <= parameter.maximum) {
-      set_raw_value(axes[i / count], parameter, raw);
-    }
-    likely = i + 1;
-    return;
+    return false;
   }
-}
+  /// After the last entry.
+  void finish() {
+    for (std::size_t i = 0; i < axes_.size() * parameters().size(); ++i) {
+      if ((seen_[i / 32] >> (i % 32) & 1U) == 0) {
+        ++report_.absent;
+        note(parameters()[i % parameters().size()]);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMostAxes = 4;
+  void note(const ParameterInfo& parameter) {
+    report_.first_default = report_.first_default == nullptr ? &parameter : report_.first_default;
+  }
+  std::span<AxisConfig> axes_;
+  LoadReport& report_;
+  std::size_t likely_ =
+      0;  // the one that comes next if the set is of this version, so that only others are searched for
+  std::array<std::uint32_t, kMostAxes * kMostParameters / 32> seen_{};
+};
 
 }  // namespace
 
@@ -226,36 +259,45 @@ auto ParameterStorage::save(std::span<const AxisConfig> axes, const KeyDigest& k
   return written && banks_.write(bank, 0, header_bytes(header)) && inspect(banks_, bank, check) == BankState::kValid;
 }
 
-auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadResult {
+auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadReport {
   Header header;
   BankState worst = BankState::kEmpty;
   const int bank = newest(banks_, header, worst);
   if (bank < 0) {
-    return worst == BankState::kUnreadable ? LoadResult::kUnreadable
-           : worst == BankState::kBroken   ? LoadResult::kCorrupt
-           : worst == BankState::kUnsealed ? LoadResult::kUnfinished
-                                           : LoadResult::kEmpty;
+    return {.result = worst == BankState::kUnreadable ? LoadResult::kUnreadable
+                      : worst == BankState::kBroken   ? LoadResult::kCorrupt
+                      : worst == BankState::kUnsealed ? LoadResult::kUnfinished
+                                                      : LoadResult::kEmpty};
   }
+  LoadReport report{.result = LoadResult::kForeign, .format = header.format};
+  if (header.format != kFormatVersion || header.length % kEntryBytes != 0) {
+    return report;
+  }
+  report.result = LoadResult::kCorrupt;  // until all of it turns out to be sound
   KeyDigest stored_key;
-  std::size_t likely = 0;
+  Restorer restorer(axes, report);
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
     if (!banks_.read(bank, kHeaderBytes + at, entry)) {
-      return LoadResult::kCorrupt;
+      return report;
     }
     const std::span<const std::uint8_t> all(entry);
-    restore(axes, take(all.first(4)), static_cast<std::int32_t>(take(all.last(4))), likely);
-    restore_key(stored_key, take(all.first(4)), take(all.last(4)));
+    const std::uint32_t hash = take(all.first(4));
+    const std::uint32_t value = take(all.last(4));
+    const bool known = restorer.take(hash, static_cast<std::int32_t>(value)) || restore_key(stored_key, hash, value);
+    report.unknown = static_cast<std::uint16_t>(report.unknown + (known ? 0 : 1));
   }
+  restorer.finish();
   for (const AxisConfig& axis : axes) {
     if (check(axis) != nullptr) {
-      return LoadResult::kCorrupt;  // values of several versions that do not go together
+      return report;  // values of several versions that do not go together
     }
   }
   if (key != nullptr) {
     *key = stored_key;
   }
-  return LoadResult::kLoaded;
+  report.result = LoadResult::kLoaded;
+  return report;
 }
 
 }  // namespace capstan

@@ -7,6 +7,7 @@
 
 #include "firmware/config.hpp"
 #include "firmware/maintenance.hpp"
+#include "firmware/parameters.hpp"
 
 namespace capstan {
 
@@ -41,18 +42,33 @@ enum class LoadResult : std::uint8_t {
   kUnreadable,  ///< the memory itself did not answer
   kCorrupt,     ///< something is there and no bank holds a whole and consistent set
   kRefused,     ///< nothing was tried, because torque is on or the last change is still under way
+  kForeign,     ///< a whole set in a format that this version does not read: defaults, and the set stays where it is
+};
+
+/// What a load made of a set that another version may have stored.
+struct LoadReport {
+  LoadResult result = LoadResult::kEmpty;
+  std::uint32_t format = 0;                      ///< of the set, if there is a whole one
+  std::uint16_t absent = 0;                      ///< parameters of today that it does not have: defaults
+  std::uint16_t out_of_range = 0;                ///< values that today's range does not take: defaults
+  std::uint16_t unknown = 0;                     ///< values whose names today's table does not have: left out
+  const ParameterInfo* first_default = nullptr;  ///< of those that have defaults now
+  [[nodiscard]] auto migrated() const -> bool { return absent + out_of_range + unknown != 0; }
 };
 
 /// Parameters and the digest of the maintenance key in two banks. A save goes to the bank that does not hold the newest
 /// set and becomes valid with its last word, the header; a cut at any byte leaves the old set. Entries carry a hash of
-/// the parameter's name, so sets from other versions load as far as names agree.
+/// the parameter's name, so a set of another version loads as far as names agree: what it does not have gets today's
+/// default, and the report says so. A new format keeps this header and its CRC, so that what is whole but unreadable
+/// can be told from what is broken.
 class ParameterStorage {
  public:
   explicit ParameterStorage(Banks& banks) : banks_(banks) {}
   auto save(std::span<const AxisConfig> axes, const KeyDigest& key = {}) -> bool;
-  /// Entries that are unknown or outside today's range are left at the values `axes` came with. After anything but
-  /// kLoaded what is in `axes` is not to be used. Never kRefused. `key`: where the key goes; nullptr: nowhere.
-  auto load(std::span<AxisConfig> axes, KeyDigest* key = nullptr) -> LoadResult;
+  /// What the set does not have, or has outside today's range, is left at the values `axes` came with: defaults. After
+  /// anything but kLoaded what is in `axes` is not to be used. Never kRefused. `key`: where the key goes; nullptr:
+  /// nowhere.
+  auto load(std::span<AxisConfig> axes, KeyDigest* key = nullptr) -> LoadReport;
 
  private:
   Banks& banks_;

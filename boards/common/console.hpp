@@ -52,6 +52,8 @@ class Console final : public TextSink {
   [[nodiscard]] auto finished() const -> bool {
     return !attached_ && (kind_ == Kind::kStdio || kind_ == Kind::kSerial);
   }
+  /// True while somebody is there.
+  [[nodiscard]] auto attached() const -> bool { return attached_; }
   /// True if a person is expected, who wants echo and a prompt: pty, serial, and stdio on a terminal.
   [[nodiscard]] auto is_terminal() const -> bool { return terminal_; }
   /// True if the input was given as a whole beforehand (a pipe or a file): what is in it counts even after its end.

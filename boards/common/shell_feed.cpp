@@ -20,6 +20,10 @@ void ShellFeed::take() {
 
 auto ShellFeed::poll() -> bool {
   take();
+  if (!met_ && console_.attached() && console_.is_terminal()) {
+    shell_.greet();
+  }
+  met_ = console_.attached();
   bool lost = false;
   if (console_.hung_up()) {
     ended_ = console_.is_script();

@@ -9,7 +9,7 @@
 namespace capstan {
 
 /// Carries characters from a console to the shell by the rules of ShellInput. What finds no room there waits in the
-/// operating system, so a host that sends everything at once loses nothing.
+/// operating system, so a host that sends everything at once loses nothing. A person who comes is greeted.
 class ShellFeed {
  public:
   /// Both outlive this object.
@@ -30,6 +30,7 @@ class ShellFeed {
   Console& console_;
   Shell& shell_;
   ShellInput input_;
+  bool met_ = false;    // whoever is there now
   bool ended_ = false;  // a script has ended but is not carried out yet
 };
 

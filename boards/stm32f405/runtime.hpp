@@ -112,6 +112,7 @@ class Runtime final : public Board {
     application_.set_board_faults(report.clock.fell_back() ? bit(Fault::kBoardClock) : 0);
     Print out(sink_);
     print_start(out, report);
+    shell_.greet();
     bool timing_printed = false;
     for (;;) {
       feed_.poll();

@@ -9,7 +9,7 @@ foreach(name drivetrain faults fields plant sensors tendon)
   list(APPEND plant_sources ${PROJECT_SOURCE_DIR}/hal/sim/${name}.cpp)
 endforeach()
 set(cycle_sources)
-foreach(name axis controller force_control law_monitor parameters supervisor trajectory)
+foreach(name axis axis_control axis_gate controller force_control law_monitor parameters supervisor trajectory)
   list(APPEND cycle_sources ${PROJECT_SOURCE_DIR}/firmware/${name}.cpp)
 endforeach()
 

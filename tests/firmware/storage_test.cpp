@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/firmware/bank_image.hpp"
 #include "tests/firmware/support.hpp"
 
 namespace capstan {
@@ -13,6 +14,7 @@ namespace {
 
 using test::distinct_config;
 using test::FlashBanks;
+using Image = test::BankImage;
 using test::same;
 
 constexpr std::size_t kAxes = 2;
@@ -29,55 +31,8 @@ auto saved(FlashBanks& banks, std::span<const AxisConfig> set) -> bool {
   return ParameterStorage(banks).save(set);
 }
 auto loaded(FlashBanks& banks, std::span<AxisConfig> set) -> LoadResult {
-  return ParameterStorage(banks).load(set);
+  return ParameterStorage(banks).load(set).result;
 }
-
-// The format, written a second time, so that a change of it is noticed: sets must still load after an update.
-class Image {
- public:
-  explicit Image(std::uint32_t sequence) : sequence_(sequence) {}
-  void add_hash(std::uint32_t hash, std::int32_t raw) {
-    put(payload_, hash);
-    put(payload_, static_cast<std::uint32_t>(raw));
-  }
-  void add(std::uint8_t axis, const std::string& name, std::int32_t raw) {
-    std::uint32_t hash = 2166136261U;
-    for (const char c : std::string(1, static_cast<char>(axis)) + name) {
-      hash = (hash ^ static_cast<std::uint8_t>(c)) * 16777619U;
-    }
-    add_hash(hash, raw);
-  }
-  void write(FlashBanks& banks, std::size_t bank) const {
-    std::vector<std::uint8_t> bytes;
-    for (const std::uint32_t word : {0x31545343U, 1U, sequence_, static_cast<std::uint32_t>(payload_.size())}) {
-      put(bytes, word);
-    }
-    std::vector<std::uint8_t> summed = bytes;
-    summed.insert(summed.end(), payload_.begin(), payload_.end());
-    put(bytes, crc32(summed));
-    bytes.insert(bytes.end(), payload_.begin(), payload_.end());
-    std::copy(bytes.begin(), bytes.end(), banks.memory[bank].begin());
-  }
-  static auto crc32(const std::vector<std::uint8_t>& bytes) -> std::uint32_t {
-    std::uint32_t crc = 0xFFFFFFFFU;
-    for (const std::uint8_t byte : bytes) {
-      for (int bit = 0; bit < 8; ++bit) {
-        const bool out = (((crc >> 0) ^ (static_cast<std::uint32_t>(byte) >> bit)) & 1U) != 0;
-        crc = (crc >> 1) ^ (out ? 0xEDB88320U : 0U);
-      }
-    }
-    return ~crc;
-  }
-
- private:
-  static void put(std::vector<std::uint8_t>& bytes, std::uint32_t word) {
-    for (int i = 0; i < 4; ++i) {
-      bytes.push_back(static_cast<std::uint8_t>(word >> (8 * i)));
-    }
-  }
-  std::uint32_t sequence_;
-  std::vector<std::uint8_t> payload_;
-};
 
 TEST(Storage, TheTestsOwnChecksumIsTheStandardOne) {
   const std::string digits = "123456789";
@@ -106,11 +61,11 @@ TEST(Storage, AKeyIsSavedWithTheParametersAndASetWithoutOneHasNone) {
   ASSERT_TRUE(ParameterStorage(banks).save(all, key));
   Set set{};
   KeyDigest found;
-  ASSERT_EQ(ParameterStorage(banks).load(set, &found), LoadResult::kLoaded);
+  ASSERT_EQ(ParameterStorage(banks).load(set, &found).result, LoadResult::kLoaded);
   EXPECT_EQ(found, key);
   EXPECT_TRUE(same_set(set, all));
   ASSERT_TRUE(ParameterStorage(banks).save(all));
-  ASSERT_EQ(ParameterStorage(banks).load(set, &found), LoadResult::kLoaded);
+  ASSERT_EQ(ParameterStorage(banks).load(set, &found).result, LoadResult::kLoaded);
   EXPECT_FALSE(found.is_set());
 }
 
@@ -304,6 +259,95 @@ TEST(Storage, ASaveThatTheMemoryRefusesIsReportedAndTheOldSetStays) {
   Set set{};
   ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
   EXPECT_TRUE(same_set(set, set_of(1)));
+}
+
+/// A set as a firmware of half as many parameters would have stored it: some that are still there, one that has another
+/// name today, and one that today's range does not take.
+auto older_set(std::uint32_t sequence) -> Image {
+  Image image(sequence);
+  for (std::uint8_t axis = 0; axis < kAxes; ++axis) {
+    image.add(axis, "motor.encoder_counts", 8192);
+    image.add(axis, "control.kp", Q24::from_double(3.5).raw());
+    image.add(axis, "limits.following_time", Q24::from_double(11.0).raw());   // today up to 10 s
+    image.add(axis, "control.servo_stiffness", Q24::from_double(7.0).raw());  // today control.stiffness
+    image.add(axis, "limits.joint_max", Q24::from_double(1.25).raw());
+  }
+  return image;
+}
+
+TEST(StorageMigration, AnOlderSetCarriesOverWhatItHasAndTheRestGetsItsDefaultAndIsCounted) {
+  FlashBanks banks;
+  older_set(3).write(banks, 1);
+  Set set{};
+  const LoadReport report = ParameterStorage(banks).load(set);
+  ASSERT_EQ(report.result, LoadResult::kLoaded);
+  Set wanted{};
+  for (AxisConfig& axis : wanted) {
+    axis.motor.encoder_counts_per_turn = 8192;
+    axis.control.kp = Q24::from_double(3.5);
+    axis.limits.joint_max_rad = Q24::from_double(1.25);
+  }
+  EXPECT_TRUE(same_set(set, wanted));
+  EXPECT_TRUE(report.migrated());
+  EXPECT_EQ(report.unknown, 2);
+  EXPECT_EQ(report.out_of_range, 2);
+  EXPECT_EQ(report.absent, 2 * (parameters().size() - 4));
+  ASSERT_NE(report.first_default, nullptr);
+}
+
+TEST(StorageMigration, ASetOfThisVersionHasNothingToReportWithAKeyOrWithout) {
+  FlashBanks banks;
+  const Set all = set_of(1);
+  for (const KeyDigest& key : {KeyDigest{}, digest_of("tendon-27")}) {
+    ASSERT_TRUE(ParameterStorage(banks).save(all, key));
+    Set set{};
+    EXPECT_FALSE(ParameterStorage(banks).load(set).migrated());
+  }
+}
+
+TEST(StorageMigration, ANewerFormatIsRefusedEvenBesideAnOlderSetAndIsNoCorruption) {
+  FlashBanks banks;
+  older_set(3).write(banks, 0);
+  Image newer(4, 2);
+  newer.add(0, "control.kp", Q24::from_double(1.5).raw());
+  newer.add_byte(0x5A);  // whatever its entries look like
+  newer.write(banks, 1);
+  Set set{};
+  const LoadReport report = ParameterStorage(banks).load(set);
+  EXPECT_EQ(report.result, LoadResult::kForeign);
+  EXPECT_EQ(report.format, 2U);
+  // A save takes the bank of the older set, and is the newest from then on; the foreign one stays where it is.
+  const auto foreign = banks.memory[1];
+  ASSERT_TRUE(saved(banks, set_of(7)));
+  EXPECT_EQ(banks.memory[1], foreign);
+  ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded);
+  EXPECT_TRUE(same_set(set, set_of(7)));
+}
+
+TEST(StorageMigration, AnotherFormatWhoseChecksumIsWrongIsCorrupt) {
+  FlashBanks banks;
+  Image newer(4, 2);
+  newer.add(0, "control.kp", 1);
+  newer.write(banks, 0);
+  banks.memory[0][22] ^= 1U;
+  Set set{};
+  EXPECT_EQ(loaded(banks, set), LoadResult::kCorrupt);
+}
+
+TEST(StorageMigration, PowerMayGoAtAnyByteOfTheFirstSaveAfterIt) {
+  FlashBanks before;
+  older_set(3).write(before, 0);
+  FlashBanks whole = before;
+  ASSERT_TRUE(saved(whole, set_of(1)));
+  for (long cut = 0; cut < whole.bytes_changed; ++cut) {
+    FlashBanks banks = before;
+    banks.power_left = cut;
+    static_cast<void>(saved(banks, set_of(1)));
+    Set set{};
+    ASSERT_EQ(loaded(banks, set), LoadResult::kLoaded) << cut;
+    ASSERT_EQ(set[0].motor.encoder_counts_per_turn, 8192)
+        << "the old one, for the new one lacks its last byte, " << cut;
+  }
 }
 
 }  // namespace

@@ -183,6 +183,7 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   config.limits.joint_min_rad = scaled(-2.0);
   config.limits.joint_max_rad = scaled(2.0);
   config.force.law = static_cast<std::int32_t>(seed % 3);  // a grid of any numbers would be no Preisach law
+  config.limits.joint_jerk_krad_s3 = scaled(100.0);
   config.limits.continuous_current_a = scaled(1.0);
   config.limits.current_a = scaled(2.0);
   return config;

@@ -31,10 +31,10 @@ class Watched {
     trajectory_.rt_start(target, speed);
     fastest_allowed_ = std::max(std::abs(speed_), speed.raw() / kRate + 1);
   }
-  void stop() { trajectory_.rt_stop(limits_); }
+  void stop() { trajectory_.rt_stop(limits_.joint_acceleration_rad_s2); }
   /// False if a limit was broken.
   auto step() -> bool {
-    const std::int64_t position = trajectory_.rt_step(limits_).raw();
+    const std::int64_t position = trajectory_.rt_step(limits_.joint_acceleration_rad_s2).raw();
     const std::int64_t speed = position - last_;
     const bool speed_kept = std::abs(speed) <= fastest_allowed_ + 1;
     const bool acceleration_kept =
@@ -253,6 +253,94 @@ RC_GTEST_PROP(Trajectory, StopBrakesAtTheLimitAndEndsShortOfTheTarget, ()) {
   const std::int64_t rest = watched.position();
   RC_ASSERT(watched.step());
   RC_ASSERT(watched.position() == rest);
+}
+
+// Jerk. 10 rad/s2 at 2.5 krad/s3: a step from +10 to -10 rad/s2 takes 8 ms, which is a mean of eight positions.
+constexpr double kAcceleration = 10.0;
+auto soft_limits(double jerk) -> LimitConfig {
+  LimitConfig limits = limits_of(Q24::from_double(kAcceleration));
+  limits.joint_jerk_krad_s3 = Q24::from_double(jerk);
+  return limits;
+}
+
+struct Soft {
+  explicit Soft(double jerk_krad_s3, double start = 0.0) : last(start), before(start), oldest(start) {
+    trajectory.rt_configure(soft_limits(jerk_krad_s3));
+    trajectory.rt_reset(Q24::from_double(start));
+  }
+  void take(double now) {
+    most_jerk = std::max(most_jerk, std::fabs(now - 3.0 * last + 3.0 * before - oldest) * 1e9);
+    most_acceleration = std::max(most_acceleration, std::fabs(now - 2.0 * last + before) * 1e6);
+    most_speed = std::max(most_speed, std::fabs(now - last) * 1e3);
+    oldest = before;
+    before = last;
+    last = now;
+  }
+  void step() { take(trajectory.rt_step(Q24::from_double(kAcceleration)).to_double()); }
+  void run() {
+    for (int i = 0; i < 20'000 && !trajectory.finished(); ++i) {
+      step();
+    }
+    EXPECT_TRUE(trajectory.finished());
+  }
+  Trajectory trajectory;
+  double last, before, oldest;
+  double most_jerk = 0.0, most_acceleration = 0.0, most_speed = 0.0;
+};
+// Positions are rounded to 2^-24 rad: four of them are in a third difference.
+constexpr double kRoundingOfJerk = 4.0 * 1e9 / 16777216.0;
+
+TEST(TrajectoryJerk, MovesKeepJerkAccelerationAndSpeedAndEndExactlyOnTheTarget) {
+  for (const double jerk : {0.7, 1.0, 2.5, 5.0}) {
+    for (const double target : {1.0, -0.3, 0.001, 1e-6}) {
+      Soft soft(jerk);
+      soft.trajectory.rt_start(Q24::from_double(target), Q24::from_double(1.5));
+      soft.run();
+      EXPECT_EQ(Q24::from_double(soft.last), Q24::from_double(target));
+      EXPECT_LE(soft.most_jerk, jerk * 1e3 + kRoundingOfJerk) << jerk << " to " << target;
+      EXPECT_LE(soft.most_acceleration, kAcceleration + 0.3);
+      EXPECT_LE(soft.most_speed, 1.5 + 1e-3);
+    }
+  }
+}
+
+TEST(TrajectoryJerk, TheUsualSettingIsTheJerkOfOneCycle) {
+  Soft soft(120.0);
+  soft.trajectory.rt_start(Q24::from_double(0.2), Q24::from_double(10.0));
+  soft.run();
+  EXPECT_NEAR(soft.most_jerk, 20e3, 600.0) << "from +10 to -10 rad/s2 within 1 ms";
+}
+
+TEST(TrajectoryJerk, StopAndNewTargetsOnTheWayKeepItToo) {
+  Soft soft(1.0);
+  soft.trajectory.rt_start(Q24::from_double(2.0), Q24::from_double(2.0));
+  for (int i = 0; i < 350; ++i) {
+    soft.step();
+  }
+  soft.trajectory.rt_start(Q24::from_double(-1.0), Q24::from_double(2.0));
+  for (int i = 0; i < 300; ++i) {
+    soft.step();
+  }
+  soft.trajectory.rt_stop(Q24::from_double(kAcceleration));
+  soft.run();
+  EXPECT_LE(soft.most_jerk, 1e3 + kRoundingOfJerk);
+}
+
+TEST(TrajectoryJerk, AfterAStreamTheReferenceGoesOnFromWhereItWasAndEndsOnTheTarget) {
+  for (const double speed : {0.8, 0.0}) {
+    Soft soft(1.0);
+    for (int i = 1; i <= 200; ++i) {
+      const double now = 0.8e-3 * std::min(i, speed > 0.0 ? 200 : 195);
+      soft.trajectory.rt_track(Q24::from_double(now));
+      soft.take(Q24::from_double(now).to_double());
+    }
+    const double at = soft.last;
+    soft.step();
+    EXPECT_NEAR(soft.last - at, speed * 1e-3, 0.3e-3) << "no jump, and the speed that it had";
+    soft.trajectory.rt_start(Q24::from_double(0.5), Q24::from_double(1.0));
+    soft.run();
+    EXPECT_EQ(Q24::from_double(soft.last), Q24::from_double(0.5));
+  }
 }
 
 }  // namespace

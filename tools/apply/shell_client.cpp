@@ -109,7 +109,7 @@ auto ShellClient::ask(const std::string& line) -> std::vector<std::string> {
     if (received.starts_with("error ")) {
       throw Refusal("the board refused '" + line + "': " + received.substr(6));
     }
-    if (received != line) {  // its echo
+    if (received != line && !received.starts_with("# ")) {  // its echo, and what a board says to who comes or by itself
       answer.push_back(received);
     }
   }

@@ -97,7 +97,7 @@ TEST_F(FileBanksTest, ParametersSurviveTheProgram) {
   }
   FileBanks banks(path());
   Config<1> loaded;
-  ASSERT_EQ(ParameterStorage(banks).load(loaded), LoadResult::kLoaded);
+  ASSERT_EQ(ParameterStorage(banks).load(loaded).result, LoadResult::kLoaded);
   EXPECT_EQ(loaded[0].control.kp.raw(), saved[0].control.kp.raw());
 }
 

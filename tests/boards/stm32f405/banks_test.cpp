@@ -105,7 +105,7 @@ void expect_to_keep_a_set(Banks& banks) {
     saved.limits.joint_max_rad = Q24::from_int(round + 1);
     ASSERT_TRUE(storage.save(std::span(&saved, 1)));
     AxisConfig loaded;
-    ASSERT_EQ(storage.load(std::span(&loaded, 1)), LoadResult::kLoaded);
+    ASSERT_EQ(storage.load(std::span(&loaded, 1)).result, LoadResult::kLoaded);
     EXPECT_EQ(loaded.limits.current_a, saved.limits.current_a);
     EXPECT_EQ(loaded.limits.joint_max_rad, saved.limits.joint_max_rad);
   }
