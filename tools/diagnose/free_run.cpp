@@ -15,7 +15,10 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   const bool same = conditioner.rate_time_constant_s == p.conditioner.rate_time_constant_s;
   const LawDesign causal = same ? p.causal : LawDesign(p.logs, conditioner);
   const LawForm settled = refine_shapes(causal, p.target, learned, form);
-  JointFile joint = law_with_intervals(causal, p.target, learned, settled, conditioner);
+  const Eigen::MatrixXd columns = law_columns(causal, settled);
+  const LinearFit fit = fit_columns(columns, p.target, learned, law_signs(settled));
+  const Blocks blocks = interval_blocks(unbroken(learned), p.target - columns * fit.theta);
+  JointFile joint = law_with_intervals(causal, p.target, blocks, settled, conditioner);
   describe_logs(p.logs, causal, p.target, estimates(p.logs, causal, joint), joint);
   return joint;
 }

@@ -182,12 +182,12 @@ auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd&
   return conditioner;
 }
 
-auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks {
+auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks {
   constexpr Eigen::Index kFewest = 8;
   constexpr Eigen::Index kMost = 60;
-  constexpr Eigen::Index kMemoriesPerBlock = 5;
-  const Eigen::Index wanted = residual.size() / (kMemoriesPerBlock * memory_of(residual));
-  return even_blocks(log_rows, std::clamp(wanted, kFewest, kMost));
+  constexpr Eigen::Index kMemoriesPerBlock = 8;
+  const Eigen::Index wanted = rows_in(pieces) / (kMemoriesPerBlock * memory_of(stacked(residual, pieces)));
+  return even_parts(pieces, std::clamp(wanted, kFewest, kMost));
 }
 
 auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque> {
@@ -288,17 +288,19 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   joint.fit = summary;
 }
 
-auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification {
+auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identification {
   Identification result;
-  auto conditioner = choose_conditioner(logs, form, result.notes);
-  const LawDesign first_design = design_for(logs, form, conditioner);
+  auto conditioner = choose_conditioner(logs, start, result.notes);
+  const LawDesign first_design = design_for(logs, start, conditioner);
   const Eigen::VectorXd target = first_design.smoothed(stacked_target(logs));
-  conditioner = choose_rate_filter(logs, target, even_blocks(first_design.log_rows(), 2), form, conditioner);
-  const LawDesign design = design_for(logs, form, conditioner);
+  const Blocks halves = even_blocks(first_design.log_rows(), 2);
+  conditioner = choose_rate_filter(logs, target, halves, start, conditioner);
+  const LawDesign design = design_for(logs, start, conditioner);
+  const LawForm form = search_shapes(design, target, halves, start);
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
-  const LinearFit first = fit_columns(columns, target, even_blocks(design.log_rows(), 2), signs);
-  const Blocks blocks = interval_blocks(design.log_rows(), target - columns * first.theta);
+  const LinearFit first = fit_columns(columns, target, halves, signs);
+  const Blocks blocks = interval_blocks(pieces_of(design.log_rows()), target - columns * first.theta);
   const LinearFit fit = fit_columns(columns, target, blocks, signs);
   note_bounds(fit, form, result.notes);
   result.undetermined = undetermined_coefficients(fit, form, columns, target);

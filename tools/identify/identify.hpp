@@ -38,16 +38,17 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
                         const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double>;
 
-/// Blocks for intervals: longer than what the residual remembers, as many as that allows (8 to 60).
-auto interval_blocks(const std::vector<Eigen::Index>& log_rows, const Eigen::VectorXd& residual) -> Blocks;
+/// Blocks for intervals: longer than what the residual of all rows remembers on the pieces, as many as that allows (8
+/// to 60, and one a piece).
+auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks;
 
 /// Samples for a fit: causal ones, as the firmware has them, or for an effort those of the given motion, with rates
 /// that do not lag, every column averaged as the effort has to be.
 auto design_for(const std::vector<AxisLog>& logs, const LawForm& form, const ConditionerShape<double>& conditioner)
     -> LawDesign;
 
-/// Fits a law to logs of one joint. @pre every log has the target
-auto identify(const std::vector<AxisLog>& logs, const LawForm& form) -> Identification;
+/// Fits a law to logs of one joint, its shapes too. @pre every log has the target
+auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identification;
 
 /// Writes into the law what the logs say beside its terms: steady torque, the axis that pulls, how well it fits.
 void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,

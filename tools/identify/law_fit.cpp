@@ -16,43 +16,6 @@ auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape
   return samples;
 }
 
-/// Terms of the form in the order of the catalogue.
-auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
-  std::vector<const CatalogueTerm*> terms;
-  for (const auto& term : *form.catalogue) {
-    if (form.has(term.name)) {
-      terms.push_back(&term);
-    }
-  }
-  return terms;
-}
-
-/// Golden-section search for the least cost in [low, high].
-template <typename Cost>
-auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
-  constexpr double kRatio = 0.6180339887498949;
-  double a = high - kRatio * (high - low);
-  double b = low + kRatio * (high - low);
-  double cost_a = cost(a);
-  double cost_b = cost(b);
-  for (int i = 0; i < steps; ++i) {
-    if (cost_a < cost_b) {
-      high = b;
-      b = a;
-      cost_b = cost_a;
-      a = high - kRatio * (high - low);
-      cost_a = cost(a);
-    } else {
-      low = a;
-      a = b;
-      cost_a = cost_b;
-      b = low + kRatio * (high - low);
-      cost_b = cost(b);
-    }
-  }
-  return cost_a < cost_b ? a : b;
-}
-
 }  // namespace
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
@@ -122,6 +85,16 @@ auto LawForm::has(const std::string& term) const -> bool {
   return std::find(terms.begin(), terms.end(), term) != terms.end();
 }
 
+auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
+  std::vector<const CatalogueTerm*> terms;
+  for (const auto& term : *form.catalogue) {
+    if (form.has(term.name)) {
+      terms.push_back(&term);
+    }
+  }
+  return terms;
+}
+
 auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd {
   const auto terms = ordered_terms(form);
   Eigen::Index count = 0;
@@ -157,82 +130,42 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
   return fit_columns(law_columns(design, form), target, blocks, law_signs(form));
 }
 
-auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
-    -> LawForm {
-  constexpr int kRounds = 2;  // a second one lets shapes settle that pull on each other
-  constexpr int kSteps[] = {12, 10};
-  constexpr double kReach[] = {0.5, 0.1};  // of the value
-  const auto terms = ordered_terms(form);
-  for (int round = 0; round < kRounds; ++round) {
-    for (const auto* term : terms) {
-      for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
-        const auto& info = term->shapes[i];
-        double& value = form.shapes[term->first_shape + i];
-        const double reach = std::max(kReach[round] * value, 2e-3 * (info.maximum - info.minimum));
-        const double low = std::max(info.minimum, value - reach);
-        const double high = std::min(info.maximum, value + 2.0 * reach);
-        value = golden_section(low, high, kSteps[round], [&](double trial) {
-          value = trial;
-          return fit_law(design, target, blocks, form).rmse;
-        });
-      }
-    }
-  }
-  return form;
-}
-
-auto shape_step(const ShapeInfo& info, double value) -> double {
-  const double step = 1e-3 * (info.maximum - info.minimum);
-  return value + step > info.maximum ? -step : step;
-}
-
-auto searched_shapes(const CatalogueTerm& term) -> std::size_t {
-  return term.shapes_are_given ? 0 : term.shapes.size();
-}
-
-auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
-  std::vector<std::string> names;
+auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
+                        Eigen::MatrixXd columns) -> Eigen::MatrixXd {
   for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; !term->shapes_are_open && i < searched_shapes(*term); ++i) {
-      const auto& info = term->shapes[i];
-      const double value = form.shapes[term->first_shape + i];
-      const double margin = 2e-3 * (info.maximum - info.minimum);
-      if (value > info.maximum - margin || value < info.minimum + (info.minimum > 0.0 ? 0.02 * info.minimum : 0.0)) {
-        names.push_back(term->name + "." + info.name);
-      }
-    }
-  }
-  return names;
-}
-
-auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,
-                        const LawForm& form, const ConditionerShape<double>& conditioner) -> JointFile {
-  Eigen::MatrixXd columns = law_columns(design, form);
-  auto signs = law_signs(form);
-  const LinearFit plain = fit_columns(columns, target, blocks, signs);
-  const Eigen::Index linear = columns.cols();
-  JointFile joint(*form.catalogue);
-  joint.parameters.shapes = form.shapes;
-  joint.parameters.conditioner = conditioner;
-  // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due
-  // (none).
-  std::vector<std::size_t> shape_of_column;
-  for (const auto* term : ordered_terms(form)) {
-    joint.terms.push_back(term->name);
     for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
       LawForm moved = form;
       double& value = moved.shapes[term->first_shape + i];
       const double step = shape_step(term->shapes[i], value);
       value += step;
+      const Eigen::VectorXd above = law_columns(design, moved) * theta;
+      value = std::max(term->shapes[i].minimum, value - 2.0 * step);
+      const double span = form.shapes[term->first_shape + i] + step - value;
       columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
-      columns.rightCols(1) = (law_columns(design, moved) - columns.leftCols(linear)) * plain.theta / step;
-      signs.push_back(Sign::kAny);
-      shape_of_column.push_back(term->first_shape + i);
+      columns.rightCols(1) = (above - law_columns(design, moved) * theta) / span;
     }
   }
-  const LinearFit full = fit_columns(columns, target, blocks, signs);
+  return columns;
+}
+
+auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,
+                        const LawForm& form, const ConditionerShape<double>& conditioner) -> JointFile {
+  const Eigen::MatrixXd columns = law_columns(design, form);
+  auto signs = law_signs(form);
+  const LinearFit plain = fit_columns(columns, target, blocks, signs);
+  const Eigen::Index linear = columns.cols();
+  // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due
+  // (none).
+  const Eigen::MatrixXd all = with_sensitivities(design, form, plain.theta, columns);
+  signs.resize(static_cast<std::size_t>(all.cols()), Sign::kAny);
+  const LinearFit full = fit_columns(all, target, blocks, signs);
+  JointFile joint(*form.catalogue);
+  joint.parameters.shapes = form.shapes;
+  joint.parameters.conditioner = conditioner;
   Eigen::Index next = 0;
+  Eigen::Index shape = linear;
   for (const auto* term : ordered_terms(form)) {
+    joint.terms.push_back(term->name);
     for (std::size_t i = 0; i < term->coefficients.size(); ++i, ++next) {
       joint.parameters.coefficients[term->first_coefficient + i] = plain.theta[next];
       if (!plain.at_bound[static_cast<std::size_t>(next)]) {
@@ -241,11 +174,11 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
             Interval{plain.theta[next] - half, plain.theta[next] + half};
       }
     }
-  }
-  for (std::size_t i = 0; i < shape_of_column.size(); ++i) {
-    const double half = half_interval(full, linear + static_cast<Eigen::Index>(i));
-    const double value = form.shapes[shape_of_column[i]];
-    joint.shape_ci95[shape_of_column[i]] = Interval{value - half, value + half};
+    for (std::size_t i = 0; i < searched_shapes(*term); ++i, ++shape) {
+      const double half = half_interval(full, shape);
+      const double value = form.shapes[term->first_shape + i];
+      joint.shape_ci95[term->first_shape + i] = Interval{value - half, value + half};
+    }
   }
   return joint;
 }

@@ -55,6 +55,9 @@ struct LawForm {
   [[nodiscard]] auto has(const std::string& term) const -> bool;
 };
 
+/// Terms of the form in the order of the catalogue.
+auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*>;
+
 /// Columns of the law's coefficients, output terms applied, in the order of the catalogue.
 auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd;
 auto law_signs(const LawForm& form) -> std::vector<Sign>;
@@ -63,8 +66,13 @@ auto law_signs(const LawForm& form) -> std::vector<Sign>;
 auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LinearFit;
 
-/// Improves the shapes by a search between their limits, each bracketed around its start; returns the best form.
+/// Improves the shapes from where they are: a search around each in turn, then steps in all at once.
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
+    -> LawForm;
+
+/// The shapes that fit best within their limits, wherever they were: from starts on a Latin hypercube, the best few of
+/// them refined.
+auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm;
 
 /// How many of a term's shapes a fit searches for: all, or none.
@@ -74,6 +82,10 @@ auto shape_step(const ShapeInfo& info, double value) -> double;
 
 /// A shape that ended at a limit of its range is not identified: names of those.
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
+
+/// The law's columns with one more for each shape that is searched for: how the law's angle or effort changes with it.
+auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
+                        Eigen::MatrixXd columns) -> Eigen::MatrixXd;
 
 /// The fitted law with 95 % intervals; those of shapes come from the fit's sensitivity to them.
 auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,

@@ -101,7 +101,9 @@ auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
 
 namespace {
 
+/// Scalar products of the columns with themselves and with the target, block by block.
 struct NormalEquations {
+  std::vector<Eigen::MatrixXd> grams;
   Eigen::MatrixXd gram;
   Eigen::VectorXd rhs;
 };
@@ -109,44 +111,68 @@ struct NormalEquations {
 auto normal_equations(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Blocks& blocks)
     -> NormalEquations {
   const Eigen::Index n = columns.cols();
-  NormalEquations normal{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
+  NormalEquations normal{{}, Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
   for (const auto& block : blocks) {
     const auto x = columns.middleRows(block.begin, block.size());
-    normal.gram.noalias() += x.transpose() * x;
+    normal.grams.emplace_back(x.transpose() * x);
+    normal.gram += normal.grams.back();
     normal.rhs.noalias() += x.transpose() * target.segment(block.begin, block.size());
   }
   return normal;
 }
 
-/// Inverse of some rows and columns of a gram, columns scaled to unit norm; `scale` gets the scaling. A singular system
-/// stays finite, and its diagonal then is huge.
-auto scaled_inverse(const Eigen::MatrixXd& gram, const std::vector<Eigen::Index>& chosen, Eigen::VectorXd& scale)
-    -> Eigen::MatrixXd {
-  const auto k = static_cast<Eigen::Index>(chosen.size());
-  scale = gram.diagonal()(chosen).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * gram(chosen, chosen) * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-13;
-  return scaled.ldlt().solve(Eigen::MatrixXd::Identity(k, k));
+auto unit_scale(const Eigen::MatrixXd& gram, const std::vector<Eigen::Index>& chosen) -> Eigen::VectorXd {
+  return gram.diagonal()(chosen).cwiseSqrt().cwiseInverse();
 }
 
-/// Fills in what the spread of the blocks' scores says about the columns that are free of their bounds, and how far
-/// each column can be told from all others.
-void judge_coefficients(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& meat, LinearFit& fit) {
+/// Some rows and columns of a gram, scaled. A singular one can still be inverted, and the inverse's diagonal then is
+/// huge.
+auto scaled_gram(const Eigen::MatrixXd& gram, const std::vector<Eigen::Index>& chosen, const Eigen::VectorXd& scale)
+    -> Eigen::MatrixXd {
+  Eigen::MatrixXd scaled = scale.asDiagonal() * gram(chosen, chosen) * scale.asDiagonal();
+  scaled.diagonal().array() += 1e-13;
+  return scaled;
+}
+
+/// 1 - R^2 of each column against the others.
+auto tolerances(const Eigen::MatrixXd& gram) -> Eigen::VectorXd {
   std::vector<Eigen::Index> present;
-  std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < gram.cols(); ++i) {
     if (gram(i, i) > 0.0) {
       present.push_back(i);
-      if (!fit.at_bound[static_cast<std::size_t>(i)]) {
-        free.push_back(i);
-      }
     }
   }
-  Eigen::VectorXd scale;
-  fit.tolerance(present) = scaled_inverse(gram, present, scale).diagonal().cwiseInverse();
-  const Eigen::MatrixXd unscaled = scaled_inverse(gram, free, scale);
-  const Eigen::MatrixXd inverse = scale.asDiagonal() * unscaled * scale.asDiagonal();
-  fit.covariance(free, free) = inverse * meat(free, free) * inverse;
+  const auto count = static_cast<Eigen::Index>(present.size());
+  const Eigen::MatrixXd scaled = scaled_gram(gram, present, unit_scale(gram, present));
+  Eigen::VectorXd tolerance = Eigen::VectorXd::Zero(gram.cols());
+  tolerance(present) = scaled.ldlt().solve(Eigen::MatrixXd::Identity(count, count)).diagonal().cwiseInverse();
+  return tolerance;
+}
+
+/// Covariance of the coefficients that are free of their bounds, from the spread of the blocks' scores. A fit bends
+/// towards each block by the share that this has in it, so a block's residual is too small by the root of the rest:
+/// the scores are widened by that (Bell and McCaffrey 2002, CR2).
+auto spread_of_scores(const NormalEquations& normal, const Eigen::MatrixXd& scores,
+                      const std::vector<Eigen::Index>& free) -> Eigen::MatrixXd {
+  constexpr double kLeastRest = 0.01;  // a block that decides a coefficient alone says nothing about its spread
+  const Eigen::VectorXd scale = unit_scale(normal.gram, free);
+  const Eigen::LLT<Eigen::MatrixXd> root(scaled_gram(normal.gram, free, scale));
+  const auto count = static_cast<Eigen::Index>(free.size());
+  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(count, count);
+  for (std::size_t i = 0; i < normal.grams.size(); ++i) {
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * normal.grams[i](free, free) * scale.asDiagonal();
+    const Eigen::MatrixXd half = root.matrixL().solve(scaled);
+    const Eigen::MatrixXd share = root.matrixL().solve(half.transpose());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> rest(Eigen::MatrixXd::Identity(count, count) - share);
+    const Eigen::VectorXd wider = rest.eigenvalues().cwiseMax(kLeastRest).cwiseSqrt().cwiseInverse();
+    const Eigen::VectorXd own = scores.col(static_cast<Eigen::Index>(i))(free).cwiseProduct(scale);
+    const Eigen::VectorXd white = root.matrixL().solve(own);
+    const Eigen::VectorXd score = rest.eigenvectors() * wider.cwiseProduct(rest.eigenvectors().transpose() * white);
+    meat.noalias() += score * score.transpose();
+  }
+  const Eigen::MatrixXd back = root.matrixU().solve(meat);
+  const Eigen::MatrixXd covariance = root.matrixU().solve(back.transpose());
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
 }
 
 }  // namespace
@@ -154,29 +180,32 @@ void judge_coefficients(const Eigen::MatrixXd& gram, const Eigen::MatrixXd& meat
 auto fit_columns(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Blocks& blocks,
                  const std::vector<Sign>& signs) -> LinearFit {
   const Eigen::Index n = columns.cols();
-  const auto [gram, rhs] = normal_equations(columns, target, blocks);
+  const NormalEquations normal = normal_equations(columns, target, blocks);
   LinearFit fit;
-  fit.theta = solve_signed(gram, rhs, signs);
-  Eigen::MatrixXd meat = Eigen::MatrixXd::Zero(n, n);
+  fit.theta = solve_signed(normal.gram, normal.rhs, signs);
+  Eigen::MatrixXd scores(n, static_cast<Eigen::Index>(blocks.size()));
   double squares = 0.0;
-  for (const auto& block : blocks) {
-    const auto x = columns.middleRows(block.begin, block.size());
-    const Eigen::VectorXd residual = target.segment(block.begin, block.size()) - x * fit.theta;
-    const Eigen::VectorXd score = x.transpose() * residual;
-    meat.noalias() += score * score.transpose();
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const auto x = columns.middleRows(blocks[i].begin, blocks[i].size());
+    const Eigen::VectorXd residual = target.segment(blocks[i].begin, blocks[i].size()) - x * fit.theta;
+    scores.col(static_cast<Eigen::Index>(i)) = x.transpose() * residual;
     squares += residual.squaredNorm();
   }
-  double free = 0.0;
+  std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < n; ++i) {
     fit.at_bound.push_back(signs[static_cast<std::size_t>(i)] != Sign::kAny && fit.theta[i] == 0.0);
-    free += fit.at_bound.back() ? 0.0 : 1.0;
+    if (!fit.at_bound.back() && normal.gram(i, i) > 0.0) {
+      free.push_back(i);
+    }
   }
-  const auto count = static_cast<double>(blocks.size());
   fit.covariance = Eigen::MatrixXd::Zero(n, n);
-  fit.tolerance = Eigen::VectorXd::Zero(n);
-  judge_coefficients(gram, meat * (count / std::max(1.0, count - 1.0)), fit);
+  if (!free.empty()) {
+    fit.covariance(free, free) = spread_of_scores(normal, scores, free);
+  }
+  fit.tolerance = tolerances(normal.gram);
   fit.rmse = std::sqrt(squares / static_cast<double>(std::max<Eigen::Index>(1, rows_in(blocks))));
-  fit.degrees_of_freedom = std::max(1.0, count - 1.0 - 0.5 * free);
+  fit.degrees_of_freedom =
+      std::max(1.0, static_cast<double>(blocks.size()) - 1.0 - 0.5 * static_cast<double>(free.size()));
   return fit;
 }
 
@@ -184,21 +213,42 @@ auto half_interval(const LinearFit& fit, Eigen::Index i) -> double {
   return student_t95(fit.degrees_of_freedom) * std::sqrt(std::max(0.0, fit.covariance(i, i)));
 }
 
-auto even_blocks(const std::vector<Eigen::Index>& log_rows, Eigen::Index count) -> Blocks {
-  Eigen::Index total = 0;
-  for (const Eigen::Index rows : log_rows) {
-    total += rows;
-  }
+auto even_parts(const Blocks& pieces, Eigen::Index count) -> Blocks {
+  const Eigen::Index total = rows_in(pieces);
   Blocks blocks;
-  Eigen::Index begin = 0;
-  for (const Eigen::Index rows : log_rows) {
-    const Eigen::Index here = std::max<Eigen::Index>(1, (count * rows + total / 2) / total);
+  for (const auto& piece : pieces) {
+    const Eigen::Index here = std::max<Eigen::Index>(1, (count * piece.size() + total / 2) / total);
     for (Eigen::Index i = 0; i < here; ++i) {
-      blocks.push_back({begin + rows * i / here, begin + rows * (i + 1) / here});
+      blocks.push_back({piece.begin + piece.size() * i / here, piece.begin + piece.size() * (i + 1) / here});
     }
-    begin += rows;
   }
   return blocks;
+}
+
+auto even_blocks(const std::vector<Eigen::Index>& log_rows, Eigen::Index count) -> Blocks {
+  return even_parts(pieces_of(log_rows), count);
+}
+
+auto pieces_of(const std::vector<Eigen::Index>& log_rows) -> Blocks {
+  Blocks pieces;
+  Eigen::Index begin = 0;
+  for (const Eigen::Index rows : log_rows) {
+    pieces.push_back({begin, begin + rows});
+    begin += rows;
+  }
+  return pieces;
+}
+
+auto unbroken(const Blocks& blocks) -> Blocks {
+  Blocks pieces;
+  for (const auto& block : blocks) {
+    if (!pieces.empty() && pieces.back().end == block.begin) {
+      pieces.back().end = block.end;
+    } else {
+      pieces.push_back(block);
+    }
+  }
+  return pieces;
 }
 
 void project_out(const Eigen::MatrixXd& base, const Blocks& rows, Eigen::Ref<Eigen::MatrixXd> columns) {

@@ -27,7 +27,8 @@ auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
 
 struct LinearFit {
   Eigen::VectorXd theta;
-  /// Covariance from the sums of scores over the blocks: holds under any correlation that is shorter than a block.
+  /// Covariance from the sums of scores over the blocks, each widened for what the fit owes to it (CR2): holds under
+  /// any correlation that is shorter than a block.
   Eigen::MatrixXd covariance;
   /// 1 - R^2 of each column against the others: near 0, the log can not tell them apart.
   Eigen::VectorXd tolerance;
@@ -43,8 +44,14 @@ auto fit_columns(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, 
 /// Half width of the 95 % interval of theta[i].
 auto half_interval(const LinearFit& fit, Eigen::Index i) -> double;
 
-/// Splits [0, rows) of each log into `count` blocks overall, none across logs.
+/// Splits the pieces into `count` blocks overall, at least one each and none across two.
+auto even_parts(const Blocks& pieces, Eigen::Index count) -> Blocks;
+/// The same for whole logs.
 auto even_blocks(const std::vector<Eigen::Index>& log_rows, Eigen::Index count) -> Blocks;
+/// Whole logs, one below the other.
+auto pieces_of(const std::vector<Eigen::Index>& log_rows) -> Blocks;
+/// Blocks that follow each other without a gap, as one. @pre in order
+auto unbroken(const Blocks& blocks) -> Blocks;
 
 /// Takes out of columns what a base explains of them on some rows, on all rows (Frisch, Waugh, Lovell). The base's
 /// columns may depend on each other.

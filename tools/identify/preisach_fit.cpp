@@ -213,7 +213,7 @@ auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit {
   std::vector<Sign> signs(kCells + 1, Sign::kNonNegative);
   signs[0] = Sign::kAny;
   const LinearFit first = fit_columns(all.columns, averaged.out, even_blocks(averaged.log_rows, 2), signs);
-  const Blocks blocks = interval_blocks(averaged.log_rows, averaged.out - all.columns * first.theta);
+  const Blocks blocks = interval_blocks(pieces_of(averaged.log_rows), averaged.out - all.columns * first.theta);
   const LinearFit fit = fit_columns(all.columns, averaged.out, blocks, signs);
   const Eigen::VectorXd values = all.table_from_theta * fit.theta;
   for (std::size_t i = 0; i < Table::kMaxValues; ++i) {

@@ -5,22 +5,25 @@
 #include <cstdio>
 #include <map>
 #include <mutex>
+#include <numeric>
 #include <random>
 #include <thread>
 
+#include "tests/tools/blind/blind_axis.hpp"
 #include "tests/tools/blind/blind_joint.hpp"
 #include "tools/diagnose/diagnosis.hpp"
+#include "tools/identify/identify.hpp"
 #include "tools/support/statistics.hpp"
 
 namespace capstan::tools::blind {
 namespace {
 
-enum class Answer { kRight, kInSet, kMissed, kRefused, kWrong, kNotVisible };
+enum class Answer { kRight, kInSet, kInPart, kMissed, kRefused, kWrong, kNotVisible };
 
 struct Outcome {
   Case drawn;
   Diagnosis diagnosis;
-  double floor = 0.0;
+  double after_over_floor = 0.0;
   Answer answer = Answer::kWrong;
 };
 
@@ -54,11 +57,12 @@ auto judge(const Case& c, const Diagnosis& d) -> Answer {
   if (is_refusal(d.verdict)) {
     return Answer::kRefused;
   }
-  return in_set ? Answer::kInSet : Answer::kWrong;
+  const bool part = std::all_of(names.begin(), names.end(), [&](const auto& name) { return contains(c.truths, name); });
+  return in_set ? Answer::kInSet : (part ? Answer::kInPart : Answer::kWrong);
 }
 
 struct Tally {
-  int counts[5] = {};
+  int counts[6] = {};
   void add(Answer answer) { ++counts[static_cast<std::size_t>(answer)]; }
 };
 
@@ -67,38 +71,55 @@ struct Options {
   std::uint64_t first_seed = 0;
   std::vector<std::string> only;
   std::vector<double> strengths = {1.0, 3.0, 10.0};
+  std::string family = "both";
   bool pairs = false;
   bool verbose = false;
 };
 
-auto cases_of(const Options& options) -> std::vector<Case> {
-  std::vector<std::vector<std::string>> truths = {{}};
-  for (const auto& names : {listed_effects(), unlisted_effects()}) {
-    for (const auto& name : names) {
-      truths.push_back({name});
+using Truths = std::vector<std::vector<std::string>>;
+
+auto joint_truths(bool pairs) -> Truths {
+  Truths truths;
+  const auto& names = listed_effects();
+  for (std::size_t a = 0; pairs && a < names.size(); ++a) {
+    for (std::size_t b = a + 1; b < names.size(); ++b) {
+      truths.push_back({names[a], names[b]});
     }
   }
-  if (options.pairs) {
-    truths.clear();
-    const auto& names = listed_effects();
-    for (std::size_t a = 0; a < names.size(); ++a) {
-      for (std::size_t b = a + 1; b < names.size(); ++b) {
-        truths.push_back({names[a], names[b]});
+  if (!pairs) {
+    truths.push_back({});
+    for (const auto& list : {listed_effects(), unlisted_effects()}) {
+      for (const auto& name : list) {
+        truths.push_back({name});
       }
     }
   }
+  return truths;
+}
+
+auto axis_truths() -> Truths {
+  Truths truths = listed_efforts();
+  truths.insert(truths.begin(), std::vector<std::string>{});
+  for (const auto& name : unlisted_efforts()) {
+    truths.push_back({name});
+  }
+  return truths;
+}
+
+auto cases_of(const Options& options, bool effort) -> std::vector<Case> {
+  const Truths truths = effort ? axis_truths() : joint_truths(options.pairs);
   std::vector<Case> cases;
   std::uint64_t seed = options.first_seed;
   for (const auto& names : truths) {
     if (!options.only.empty() &&
-        (names.empty() ? !contains(options.only, "none") : !contains(options.only, names[0]))) {
+        (names.empty() ? !contains(options.only, "none") : !contains(options.only, names.back()))) {
       continue;
     }
     for (const Motion motion : kMotions) {
       for (const double strength : options.strengths) {
         for (const bool repeats : {true, false}) {
           for (int i = 0; i < options.seeds; ++i) {
-            cases.push_back({names, motion, strength, repeats, ++seed});
+            cases.push_back({names, effort, motion, strength, repeats, ++seed});
           }
         }
       }
@@ -112,7 +133,7 @@ auto title(const Case& c) -> std::string {
 }
 
 void print_outcome(const Outcome& o) {
-  constexpr const char* kWords[] = {"right", "in set", "missed", "refused", "WRONG", "not visible"};
+  constexpr const char* kWords[] = {"right", "in set", "in part", "missed", "refused", "WRONG", "not visible"};
   std::string names;
   for (const auto& effect : o.diagnosis.effects) {
     names += " " + effect.name;
@@ -123,8 +144,32 @@ void print_outcome(const Outcome& o) {
   std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f\n", title(o.drawn).c_str(),
               motion_name(o.drawn.motion), o.drawn.strength, o.drawn.repeats ? "repeats" : "single",
               static_cast<unsigned long long>(o.drawn.seed), kWords[static_cast<std::size_t>(o.answer)],
-              verdict_word(o.diagnosis.verdict), names.c_str(), o.diagnosis.reason.c_str(),
-              o.diagnosis.after.rmse / o.floor);
+              verdict_word(o.diagnosis.verdict), names.c_str(), o.diagnosis.reason.c_str(), o.after_over_floor);
+}
+
+auto is_foreign(const Case& c) -> bool {
+  return c.truths.empty() || contains(c.effort ? unlisted_efforts() : unlisted_effects(), c.truths[0]);
+}
+
+void print_figures(const Tally& listed, const Tally& foreign, const std::vector<double>& after) {
+  const auto& [right, in_set, in_part, missed, refused, wrong] = listed.counts;
+  const int named = right + in_set + in_part + wrong;
+  const int none = std::accumulate(std::begin(foreign.counts), std::end(foreign.counts), 0);
+  const int named_foreign = foreign.counts[static_cast<std::size_t>(Answer::kWrong)];
+  if (named + missed + refused > 0) {
+    std::printf("listed: %d of %d answered; right name alone %.1f %%, truth in the answer %.1f %% of those answered\n",
+                named, named + missed + refused, 100.0 * right / std::max(1, named),
+                100.0 * (right + in_set) / std::max(1, named));
+  }
+  if (none > 0) {
+    std::printf("none or unlisted: %d of %d were given a name (%.1f %%)\n", named_foreign, none,
+                100.0 * named_foreign / none);
+  }
+  if (!after.empty()) {
+    const Eigen::VectorXd ratios =
+        Eigen::Map<const Eigen::VectorXd>(after.data(), static_cast<Eigen::Index>(after.size()));
+    std::printf("error after over noise floor where named right: median %.3f\n", median(ratios));
+  }
 }
 
 void print_table(const std::vector<Outcome>& outcomes) {
@@ -137,49 +182,58 @@ void print_table(const std::vector<Outcome>& outcomes) {
       continue;
     }
     by_truth[title(o.drawn)].add(o.answer);
-    const bool is_foreign = o.drawn.truths.empty() || contains(unlisted_effects(), o.drawn.truths[0]);
-    (is_foreign ? foreign : listed).add(o.answer);
-    if (!is_foreign && o.answer == Answer::kRight) {
-      after.push_back(o.diagnosis.after.rmse / o.floor);
+    (is_foreign(o.drawn) ? foreign : listed).add(o.answer);
+    if (!is_foreign(o.drawn) && o.answer == Answer::kRight) {
+      after.push_back(o.after_over_floor);
     }
   }
-  std::printf("%-44s %6s %6s %6s %7s %6s\n", "truth", "right", "in set", "missed", "refused", "wrong");
+  std::printf("%-44s %6s %6s %7s %6s %7s %6s\n", "truth", "right", "in set", "in part", "missed", "refused", "wrong");
   for (const auto& [name, t] : by_truth) {
-    std::printf("%-44s %6d %6d %6d %7d %6d\n", name.c_str(), t.counts[0], t.counts[1], t.counts[2], t.counts[3],
-                t.counts[4]);
+    std::printf("%-44s %6d %6d %7d %6d %7d %6d\n", name.c_str(), t.counts[0], t.counts[1], t.counts[2], t.counts[3],
+                t.counts[4], t.counts[5]);
   }
-  const int named = listed.counts[0] + listed.counts[1] + listed.counts[4];
-  const int all = named + listed.counts[2] + listed.counts[3];
-  const int none = foreign.counts[0] + foreign.counts[1] + foreign.counts[2] + foreign.counts[3] + foreign.counts[4];
-  if (all > 0) {
-    std::printf("listed: %d of %d answered; right name alone %.1f %%, truth in the answer %.1f %% of those answered\n",
-                named, all, 100.0 * listed.counts[0] / std::max(1, named),
-                100.0 * (listed.counts[0] + listed.counts[1]) / std::max(1, named));
-  }
-  if (none > 0) {
-    std::printf("none or unlisted: %d of %d were given a name (%.1f %%)\n", foreign.counts[4], none,
-                100.0 * foreign.counts[4] / none);
-  }
-  if (!after.empty()) {
-    const Eigen::VectorXd ratios = Eigen::Map<Eigen::VectorXd>(after.data(), static_cast<Eigen::Index>(after.size()));
-    std::printf("error after over noise floor where named right: median %.3f\n", median(ratios));
-  }
+  print_figures(listed, foreign, after);
 }
 
-auto run(const Options& options) -> int {
-  const std::vector<Case> cases = cases_of(options);
+/// Noise that the effort's law is compared under: averaged as effort and law are.
+auto floor_of(const BlindAxis& axis) -> double {
+  const LawForm form = form_of_model(kEffortModel, {axis.log});
+  std::vector<std::string> notes;
+  return rms(design_for({axis.log}, form, choose_conditioner({axis.log}, form, notes)).smoothed(axis.noise));
+}
+
+auto tried(const Case& c) -> Outcome {
+  Outcome outcome;
+  outcome.drawn = c;
+  AxisLog log;
+  double floor = 0.0;
+  bool visible = true;
+  if (c.effort) {
+    const BlindAxis axis = blind_axis(c);
+    log = axis.log;
+    floor = floor_of(axis);
+    visible = axis.visible;
+  } else {
+    const BlindJoint joint = blind_joint(c);
+    log = joint.log;
+    floor = joint.floor_rad;
+    visible = joint.visible;
+  }
+  outcome.diagnosis = diagnose({log}, {});
+  outcome.diagnosis.traces = {};
+  outcome.after_over_floor = outcome.diagnosis.after.rmse / floor;
+  outcome.answer = visible ? judge(c, outcome.diagnosis) : Answer::kNotVisible;
+  return outcome;
+}
+
+void try_all(const std::vector<Case>& cases, bool verbose) {
   std::vector<Outcome> outcomes(cases.size());
   std::atomic<std::size_t> next{0};
   std::mutex printing;
   const auto work = [&] {
     for (std::size_t i = next++; i < cases.size(); i = next++) {
-      outcomes[i].drawn = cases[i];
-      const BlindJoint joint = blind_joint(cases[i]);
-      outcomes[i].floor = joint.floor_rad;
-      outcomes[i].diagnosis = diagnose({joint.log}, {});
-      outcomes[i].answer = joint.visible ? judge(cases[i], outcomes[i].diagnosis) : Answer::kNotVisible;
-      outcomes[i].diagnosis.traces = {};
-      if (options.verbose) {
+      outcomes[i] = tried(cases[i]);
+      if (verbose) {
         const std::lock_guard<std::mutex> lock(printing);
         print_outcome(outcomes[i]);
         std::fflush(stdout);
@@ -194,6 +248,16 @@ auto run(const Options& options) -> int {
     thread.join();
   }
   print_table(outcomes);
+}
+
+auto run(const Options& options) -> int {
+  for (const bool effort : {false, true}) {
+    const bool asked = options.family == "both" || options.family == (effort ? "effort" : "transmission");
+    if (asked && !(effort && options.pairs)) {
+      std::printf("%s\n", effort ? "efforts" : "joint angles");
+      try_all(cases_of(options, effort), options.verbose);
+    }
+  }
   return 0;
 }
 
@@ -209,6 +273,8 @@ auto main(int argc, char** argv) -> int {
   app.add_option("--seed", options.first_seed, "first seed, to repeat a run; fresh otherwise");
   app.add_option("--only", options.only, "effects to try (none: no effect)");
   app.add_option("--strengths", options.strengths, "rms of the effect outside the base law, over the sensor's noise");
+  app.add_option("--family", options.family, "transmission, effort or both")
+      ->check(CLI::IsMember({"transmission", "effort", "both"}));
   app.add_flag("--pairs", options.pairs, "two effects at once");
   app.add_flag("--verbose", options.verbose, "a line for every joint");
   CLI11_PARSE(app, argc, argv);

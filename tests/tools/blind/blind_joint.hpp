@@ -19,6 +19,7 @@ auto unlisted_effects() -> const std::vector<std::string>&;
 
 struct Case {
   std::vector<std::string> truths;  ///< none, one or two
+  bool effort = false;              ///< of an axis whose effort is to be explained, not of a joint's angle
   Motion motion = Motion::kLadder;
   double strength = 1.0;  ///< rms of each effect outside the span of the base law, over the rms of the sensor's noise
   bool repeats = true;    ///< the same cycle four times; else one long motion
