@@ -116,6 +116,10 @@ class Builder {
     family.name = term.name;
     family.in_catalogue = true;
     family.acts_on_output = term.acts_on_output;
+    family.builds_on = term.builds_on;
+    family.special_cases = term.special_cases;
+    family.waits = !term.builds_on.empty() && std::none_of(term.builds_on.begin(), term.builds_on.end(),
+                                                           [this](const auto& name) { return law_.has(name); });
     for (const auto& coefficient : term.coefficients) {
       family.signs.push_back(coefficient.sign);
     }
@@ -212,12 +216,8 @@ class Builder {
 auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family> {
   const Builder builder(p, law, residual);
   std::vector<Family> families;
-  auto stands = [&law](const CatalogueTerm& term) {
-    return term.builds_on.empty() ||
-           std::any_of(term.builds_on.begin(), term.builds_on.end(), [&](const auto& name) { return law.has(name); });
-  };
   for (const auto& term : *law.catalogue) {
-    if (!law.has(term.name) && stands(term)) {
+    if (!law.has(term.name)) {
       Family family = builder.build(term);
       if (!family.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
         families.push_back(std::move(family));

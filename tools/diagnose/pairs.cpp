@@ -62,9 +62,24 @@ auto contains(const EffectPair& pair, std::size_t family) -> bool {
   return pair.family[0] == family || pair.family[1] == family;
 }
 
-/// Effects that pass for each other alone bend, as a pair, into almost anything of their kind.
-auto are_doubles(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
-  return a.confusable_with.find(b.name) != std::string::npos || b.confusable_with.find(a.name) != std::string::npos;
+/// Whether one names the other among its doubles; what follows a colon explains.
+auto names_as_double(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
+  const std::string doubles = a.confusable_with.substr(0, a.confusable_with.find(':'));
+  return doubles.find(b.name) != std::string::npos;
+}
+
+/// Effects that pass for each other alone bend, as a pair, into almost anything of their kind; and one that waits comes
+/// with what it waits for or not at all.
+auto may_pair(const Catalogue& catalogue, const Family& a, const Family& b) -> bool {
+  const auto stands = [](const Family& one, const Family& other) {
+    return !one.waits || std::find(one.builds_on.begin(), one.builds_on.end(), other.name) != one.builds_on.end();
+  };
+  if (!a.in_catalogue || !b.in_catalogue || (a.acts_on_output && b.acts_on_output) || !stands(a, b) || !stands(b, a)) {
+    return false;
+  }
+  const CatalogueTerm& first = catalogue.term(a.name);
+  const CatalogueTerm& second = catalogue.term(b.name);
+  return !names_as_double(first, second) && !names_as_double(second, first);
 }
 
 }  // namespace
@@ -74,11 +89,7 @@ auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::opt
   std::vector<EffectPair> pairs;
   for (std::size_t a = 0; a < evidence.families.size(); ++a) {
     for (std::size_t b = a + 1; b < evidence.families.size(); ++b) {
-      const Family& first = evidence.families[a];
-      const Family& second = evidence.families[b];
-      const bool both_output = first.acts_on_output && second.acts_on_output;
-      if (first.in_catalogue && second.in_catalogue && !both_output &&
-          !are_doubles(catalogue.term(first.name), catalogue.term(second.name))) {
+      if (may_pair(catalogue, evidence.families[a], evidence.families[b])) {
         pairs.push_back(fit_pair(evidence, fit_products, a, b));
       }
     }

@@ -114,7 +114,7 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-/// Samples in hindsight of all logs; unless these are of an effort, two copies with what q1's resolution and the
+/// Samples in hindsight of all logs, and copies with what q1's resolution and, unless an effort is the target, the
 /// torque's noise may hide.
 struct HindsightOfLogs {
   std::vector<Samples> samples, coarse_angle, noisy_torque;
@@ -134,7 +134,9 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
       const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
       all.uncertain.push_back({begin + first / factor, begin + last / factor + 1});
     }
-    if (!effort) {
+    if (effort) {
+      all.coarse_angle.push_back(motion_seen_again(log, hindsight, noise));
+    } else {
       all.coarse_angle.push_back(hindsight.samples);
       all.noisy_torque.push_back(hindsight.samples);
       const double torque_noise = white_noise_level(log.tau_nm);
@@ -276,8 +278,9 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
                 {},
                 std::move(notes)};
   p.uncertain = std::move(seen.uncertain);
+  p.disturbed.emplace_back(logs, std::move(seen.coarse_angle), before);
   if (!effort) {
-    p.disturbed = {{logs, std::move(seen.coarse_angle)}, {logs, std::move(seen.noisy_torque)}};
+    p.disturbed.emplace_back(logs, std::move(seen.noisy_torque));
   }
   // Derivatives and means have no neighbours beyond the ends.
   const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;

@@ -23,8 +23,8 @@ struct Preparation {
   ConditionerShape<double> conditioner;
   AngleNoise noise;
   LawDesign causal, hindsight;  ///< of an effort both are the given motion's
-  /// Hindsight with what its sensors may have hidden added, one draw each: resolution of q1, noise of the torque. What
-  /// a law makes of that is neither noise of the target nor an effect. None of an effort, whose motion is given.
+  /// Hindsight with what its sensors may have hidden added, one draw each: resolution of q1 and, where it is an input,
+  /// noise of the torque. What a law makes of that is neither noise of the target nor an effect.
   std::vector<LawDesign> disturbed;
   Eigen::VectorXd target;      ///< q2 or the effort, every sample
   Eigen::Index factor = 1;     ///< samples per coarse row

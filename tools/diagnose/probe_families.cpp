@@ -41,9 +41,11 @@ class Probes {
  private:
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
 
-  void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny) {
+  void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny,
+           std::vector<std::string> special_cases = {}) {
     Family family;
     family.name = name;
+    family.special_cases = std::move(special_cases);
     for (auto& columns : variants) {
       Variant variant;
       variant.columns.resize(rows(), static_cast<Eigen::Index>(columns.size()));
@@ -100,10 +102,11 @@ class Probes {
       thinning.push_back({(v / (1.0 + v.abs() / (share * fastest))).matrix()});
     }
     add("shear_thinning", std::move(thinning));
+    const Column level = Column::Ones(rows());  // a spring's rest may be anywhere
     const auto centred = s_.q1.array() - s_.q1.mean();
-    add("stiffness", {{centred.matrix()},
-                      {centred.matrix(), centred.cube().matrix()},
-                      {(centred.square() - centred.square().mean()).matrix()}});
+    add("stiffness",
+        {{centred.matrix(), centred.square().matrix(), level}, {centred.matrix(), centred.cube().matrix(), level}},
+        Sign::kAny, {"offset"});
     std::vector<std::vector<Column>> relaxing;
     for (const double time_s : {0.1, 0.3, 1.0, 3.0, 10.0}) {
       if (time_s < span_s_ / 3.0) {
@@ -121,7 +124,19 @@ class Probes {
     add("angle_dependent_friction", {varied(place), varied(place.abs()), varied(place.square())});
     const auto time = s_.time_s.array() / span_s_ - 0.5;
     add("wear", {varied(time), {(s_.dq1.array() * time).matrix()}});
-    add("inertia_change", {{(s_.ddq1.array() * place).matrix()}, {(s_.ddq1.array() * place.square()).matrix()}});
+    const auto pull = s_.ddq1.array();
+    add("inertia_change", {{(pull * place).matrix(), (pull * place.square()).matrix()},
+                           {(pull * s_.q1.array().sin()).matrix(), (pull * s_.q1.array().cos()).matrix()}});
+    add("wander", {half_waves(8)}, Sign::kAny, {"offset", "thermal_drift"});
+  }
+
+  /// Slow changes in time of any form: a level, and up to so many half waves over the log.
+  auto half_waves(int count) const -> std::vector<Column> {
+    std::vector<Column> waves;
+    for (int k = 0; k <= count; ++k) {
+      waves.push_back((std::numbers::pi * k / span_s_ * s_.time_s.array()).cos().matrix());
+    }
+    return waves;
   }
 
   /// Of a joint angle: a ratio that changes along the way, as that of a drum that is not round.
@@ -162,8 +177,11 @@ class Probes {
     std::vector<std::vector<Column>> steps;
     constexpr int kSteps = 16;
     for (int i = 1; i < kSteps; ++i) {
-      const auto later = (s_.time_s.array() > span_s_ * i / kSteps).cast<double>();
-      steps.push_back({(later - later.mean()).matrix()});  // the mean is an offset, and not foreign
+      const Column later = (s_.time_s.array() > span_s_ * i / kSteps).cast<double>().matrix();
+      const double share = stacked(later, p_.split.learned()).mean();
+      if (share > 0.0) {                           // else it comes after all that is looked at
+        steps.push_back({later.array() - share});  // the mean is an offset, and not foreign
+      }
     }
     add("jump", std::move(steps));
   }

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tools/identify/force_catalogue.hpp"
+#include "tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -13,6 +14,9 @@ auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial*
                 const std::vector<std::size_t>& confusable) -> std::string {
   if (&trial == chosen) {
     return "explains the residual best";
+  }
+  if (round.evidence.families[trial.family].waits) {
+    return "waits for " + joined(round.evidence.families[trial.family].builds_on, " or ");
   }
   if (!trial.possible) {
     return "ruled out: the data ask for a sign that physics forbids";
@@ -58,7 +62,7 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
     }
   }
   const auto brought = [&](std::size_t which) -> Eigen::VectorXd {
-    return p.disturbed.empty()
+    return which >= p.disturbed.size()
                ? Eigen::VectorXd::Zero(residual.error.size())
                : Eigen::VectorXd(p.coarse(law_columns(p.disturbed[which], law) * fit.theta - residual.fitted));
   };

@@ -110,20 +110,16 @@ class Searcher {
     return families;
   }
 
-  auto special_cases(const Round& round, std::size_t family) const -> std::vector<std::string> {
-    const Family& one = round.evidence.families[family];
-    return one.in_catalogue ? search_.law.catalogue->term(one.name).special_cases : std::vector<std::string>{};
-  }
-
   /// The trial itself, or the special case of it that this log can not tell from it.
   auto simplest(const Round& round, const FamilyTrial* best) const -> const FamilyTrial* {
     if (best == nullptr) {
       return best;
     }
     const auto names = names_of(round, confusable(round, *best));
-    for (const auto& special : special_cases(round, best->family)) {
+    for (const auto& special : round.evidence.families[best->family].special_cases) {
       const FamilyTrial* trial = trial_of(round, special);
-      if (std::find(names.begin(), names.end(), special) != names.end() && passes(*trial, round.evidence)) {
+      if (trial != nullptr && std::find(names.begin(), names.end(), special) != names.end() &&
+          passes(*trial, round.evidence)) {
         return trial;
       }
     }
@@ -136,7 +132,7 @@ class Searcher {
     auto families = confusable(round, trial);
     families.erase(std::remove_if(families.begin(), families.end(),
                                   [&](std::size_t family) {
-                                    const auto special = special_cases(round, family);
+                                    const auto& special = round.evidence.families[family].special_cases;
                                     return std::find(special.begin(), special.end(), name) != special.end();
                                   }),
                    families.end());
@@ -208,7 +204,8 @@ class Searcher {
     return confusable.empty();
   }
 
-  /// Two effects at once, each of which has to be the best where the other is already in the law.
+  /// Two effects at once, each of which has to be the best where the other is already in the law, unless that builds on
+  /// it.
   auto add_pair(Round& round) -> bool {
     const auto pair = best_pair(round.evidence, *search_.law.catalogue);
     if (!pair ||
@@ -221,6 +218,10 @@ class Searcher {
     std::vector<AddedEffect> effects;
     std::vector<RoundSummary> summaries = {summary_of(round, nullptr, {})};
     for (std::size_t k = 0; k < 2 && law; ++k) {
+      if (builds_on(both[1 - k].name, both[k].name)) {  // one makes no sense without the other
+        effects.push_back(added_effect(round, *trial_of(round, both[k].name), {}));
+        continue;
+      }
       progress_("trying " + both[0].name + " and " + both[1].name);
       const Round without = hold_round(p_, law_without(*law, both[k].name));
       const FamilyTrial* best = best_passing(without, false);

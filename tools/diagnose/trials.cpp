@@ -92,7 +92,7 @@ class Court {
     trial.variant = family.acts_on_output ? 0 : linear.variant;
     const ColumnModel model = model_of(evidence_.layout, family, trial.variant);
     const double gain = family.acts_on_output ? exact_gain(model) : linear.gain;
-    trial.possible = gain > 0.0;
+    trial.possible = gain > 0.0 && !family.waits;
     trial.p_value = p_value_of(gain / evidence_.innovation_variance, lucky_);
     judge_visibility(model, trial);
     if (trial.possible) {

@@ -15,7 +15,7 @@ inline constexpr double kAlpha = 0.01;
 struct FamilyTrial {
   std::size_t family = 0;
   std::size_t variant = 0;    ///< best on the rows that fit
-  bool possible = false;      ///< false: the data ask for a sign that physics forbids
+  bool possible = false;      ///< false: the data ask for a sign that physics forbids, or it waits for another effect
   double p_value = 1.0;       ///< family-wise: of the largest whitened statistic over all families and shapes
   double p_sieve = 1.0;       ///< family-wise: of the share explained across halves, by the sieve bootstrap
   double log_evidence = 0.0;  ///< cross-fitted split likelihood ratio, nats

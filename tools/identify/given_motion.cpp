@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/support/random.hpp"
 #include "tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -48,6 +49,20 @@ auto second_difference(const Eigen::VectorXd& signal, double period_s) -> Eigen:
     result.tail(2).setConstant(result[n - 3]);
   }
   return result;
+}
+
+auto angles_of(const Samples& samples) -> Eigen::VectorXd {
+  Eigen::VectorXd angle(static_cast<Eigen::Index>(samples.size()));
+  std::transform(samples.begin(), samples.end(), angle.begin(), [](const auto& sample) { return sample.q1; });
+  return angle;
+}
+
+void set_acceleration(double period_s, Samples& samples) {
+  constexpr double kKilo = 1e-3;
+  const Eigen::VectorXd acceleration = second_difference(angles_of(samples), period_s);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].ddq1 = kKilo * acceleration[static_cast<Eigen::Index>(i)];
+  }
 }
 
 auto twice_averaged(const Eigen::VectorXd& signal, Eigen::Index half) -> Eigen::VectorXd {
@@ -102,14 +117,28 @@ auto against_noise(const AxisLog& log, const AngleNoise& noise, Eigen::Index hal
 
 auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight {
-  constexpr double kKilo = 1e-3;
   Hindsight result = hindsight_samples(log, conditioner, noise);
-  const Eigen::VectorXd acceleration = second_difference(log.q1_rad, log.period_s);
-  for (std::size_t i = 0; i < result.samples.size(); ++i) {
-    result.samples[i].ddq1 = kKilo * acceleration[static_cast<Eigen::Index>(i)];
-  }
+  set_acceleration(log.period_s, result.samples);
   sharpen_reversals(result.samples);
   return result;
+}
+
+auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoise& noise) -> Samples {
+  Samples samples = seen.samples;
+  Eigen::VectorXd angle = angles_of(samples) + seen.hidden_rad;
+  if (noise.step_rad <= 0.0) {
+    Random random(0xA1E);
+    for (double& value : angle) {
+      value += noise.white_rad * random.normal();
+    }
+  }
+  const Eigen::VectorXd rate = local_slope(angle, rate_half_window(log, noise), log.period_s);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].q1 = angle[static_cast<Eigen::Index>(i)];
+    samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
+  }
+  set_acceleration(log.period_s, samples);
+  return samples;
 }
 
 auto effort_smoothing(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> Eigen::Index {

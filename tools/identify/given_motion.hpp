@@ -11,6 +11,10 @@ namespace capstan::tools {
 auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight;
 
+/// The same samples by an encoder with its edges elsewhere, or with its noise drawn anew: what a law makes of the
+/// difference is neither noise of the effort nor an effect.
+auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoise& noise) -> Samples;
+
 /// How far an effort and everything that is to explain it are averaged alike, half width in samples of a mean taken
 /// twice. A rigid law holds in the band of the motion: as far as the speed keeps 99.97 % of its energy. Further only
 /// where the noise of the effort, or of the acceleration times the inertia, is above 2 % of the effort; to 15 ms at

@@ -21,6 +21,7 @@ constexpr double kVisibleShare = 0.03;
 struct Axis {
   World w;
   Signal acceleration, rigid;
+  double inertia = 0.0, drag = 0.0;
 };
 
 auto rms(const Signal& signal) -> double {
@@ -38,10 +39,10 @@ auto axis_of(const Case& c, Draw& draw) -> Axis {
   Axis axis;
   axis.w = world_of(c, draw);
   axis.acceleration = slope(axis.w.speed);
-  const double inertia = draw.ratio_between(0.005, 0.1);
+  axis.inertia = draw.ratio_between(0.005, 0.1);
   // Some axes have next to no drag, some little but drag.
-  const double drag = inertia * rms(axis.acceleration) / rms(axis.w.speed) * draw.ratio_between(0.1, 5.0);
-  axis.rigid = inertia * axis.acceleration + drag * axis.w.speed;
+  axis.drag = axis.inertia * rms(axis.acceleration) / rms(axis.w.speed) * draw.ratio_between(0.1, 5.0);
+  axis.rigid = axis.inertia * axis.acceleration + axis.drag * axis.w.speed;
   return axis;
 }
 
@@ -136,7 +137,7 @@ auto nameless_efforts() -> const std::map<std::string, Effort>& {
          return Signal(a.w.sign * (1.0 + a.w.speed.abs() / speed).log());
        }},
       {"random_walk", [](const Axis& a, Draw& d) { return random_walk(a.w.q.size(), d); }},
-      {"spring", [](const Axis& a, Draw& d) { return Signal(a.w.q - d.between(-0.5, 0.5)); }},
+      {"spring", [](const Axis& a, Draw&) { return a.w.q; }},
       {"sticky_spot",
        [](const Axis& a, Draw& d) {
          return Signal(a.w.sign * (-((a.w.q - d.between(-0.4, 0.4)) / 0.2).square()).exp());
@@ -243,7 +244,11 @@ auto blind_axis(const Case& c) -> BlindAxis {
   const Eigen::Index rows = axis.w.q.size() / every;
   const double noise =
       c.truths.empty() ? draw.ratio_between(0.005, 0.05) * rms(axis.rigid) : efforts.weakest / c.strength;
-  BlindAxis blind{{}, noise * coloured_noise(rows, kStep * static_cast<double>(every), draw), efforts.visible};
+  BlindAxis blind;
+  blind.noise = noise * coloured_noise(rows, kStep * static_cast<double>(every), draw);
+  blind.visible = efforts.visible;
+  blind.inertia = axis.inertia;
+  blind.drag = axis.drag;
   AxisLog& log = blind.log;
   log.name = "blind";
   log.target = "axis0/tau_Nm";
@@ -253,7 +258,8 @@ auto blind_axis(const Case& c) -> BlindAxis {
   };
   const auto to_step = [step](double angle) { return std::round(angle / step) * step; };
   log.time_s = seen(axis.w.time);
-  log.q1_rad = seen(axis.w.q).unaryExpr(to_step);
+  blind.angle = seen(axis.w.q);
+  log.q1_rad = blind.angle.unaryExpr(to_step);
   log.tau_nm = Eigen::VectorXd::Zero(rows);
   log.effort = seen(efforts.sum) + blind.noise;
   log.temperature_c = seen(axis.w.temperature).unaryExpr([&draw](double t) { return t + 0.05 * draw.normal(); });

@@ -13,6 +13,8 @@ auto unlisted_efforts() -> const std::vector<std::string>&;
 struct BlindAxis {
   AxisLog log;
   Eigen::VectorXd noise;  ///< of the effort, sample by sample
+  Eigen::VectorXd angle;  ///< of the motor, without the encoder's steps
+  double inertia = 0.0, drag = 0.0;
   bool visible = true;    ///< as BlindJoint's, with inertia and drag as the base law
 };
 

@@ -12,6 +12,7 @@
 #include "tests/tools/blind/blind_axis.hpp"
 #include "tests/tools/blind/blind_joint.hpp"
 #include "tools/diagnose/diagnosis.hpp"
+#include "tools/identify/given_motion.hpp"
 #include "tools/identify/identify.hpp"
 #include "tools/support/statistics.hpp"
 
@@ -195,11 +196,20 @@ void print_table(const std::vector<Outcome>& outcomes) {
   print_figures(listed, foreign, after);
 }
 
-/// Noise that the effort's law is compared under: averaged as effort and law are.
+/// What no law that reads these sensors can go below: noise of the effort, and what the encoder's steps make of inertia
+/// and drag; averaged as effort and law are.
 auto floor_of(const BlindAxis& axis) -> double {
   const LawForm form = form_of_model(kEffortModel, {axis.log});
   std::vector<std::string> notes;
-  return rms(design_for({axis.log}, form, choose_conditioner({axis.log}, form, notes)).smoothed(axis.noise));
+  const auto conditioner = choose_conditioner({axis.log}, form, notes);
+  AxisLog exact = axis.log;
+  exact.q1_rad = axis.angle;
+  const LawDesign design = design_for({axis.log}, form, conditioner);
+  const AngleNoise noise = motor_angle_noise({axis.log});
+  const LawDesign finer({exact}, {given_motion(exact, conditioner, noise).samples}, design.smoothing());
+  const Eigen::Vector2d theta{axis.inertia, axis.drag};
+  const Eigen::VectorXd hidden = (law_columns(design, form) - law_columns(finer, form)) * theta;
+  return std::hypot(rms(design.smoothed(axis.noise)), rms(hidden));
 }
 
 auto tried(const Case& c) -> Outcome {
