@@ -47,6 +47,8 @@ TEST(Statistics, TheEncodersStepIsFoundAndASmoothSignalHasNone) {
     stepped[i] = std::floor(smooth[i] / step) * step;
   }
   EXPECT_NEAR(quantisation_step(stepped), step, 1e-3 * step);
+  const Eigen::VectorXd printed = (stepped.array() * 1e5).round() / 1e5;  // five decimals, a hundredth of a step
+  EXPECT_NEAR(quantisation_step(printed), step, 1e-3 * step);
   EXPECT_EQ(quantisation_step(smooth), 0.0);
 }
 

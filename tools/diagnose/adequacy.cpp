@@ -93,8 +93,10 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
   result.ceiling_p = sieve.ceiling_p;
   const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
-  const bool above_ceiling = result.reducible_share > kMatters && certain &&
-                             t_statistic(result.law_energy - result.ceiling_energy) > kCeilingRaw;
+  const Eigen::VectorXd reducible = result.law_energy - result.ceiling_energy;
+  const double reducible_t =
+      evidence.by_energy ? std::max(t_statistic(reducible), signed_rank_score(reducible)) : t_statistic(reducible);
+  const bool above_ceiling = result.reducible_share > kMatters && certain && reducible_t > kCeilingRaw;
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, result);
   }

@@ -23,7 +23,8 @@ struct Family {
   /// and has, after that column, the law's columns passed through the term, which replace the law's own; the others are
   /// there for the null distribution only, where the law is right and need not be refitted through the term.
   bool acts_on_output = false;
-  /// A difference from effects that the law does not have yet (those of `builds_on`): it can only come with one of them.
+  /// A difference from effects that the law does not have yet (those of `builds_on`): it can only come with one of
+  /// them.
   bool waits = false;
   std::vector<std::string> builds_on;
   /// Effects that it has within itself: where these do as well, it gives way, and it is no rival of theirs.

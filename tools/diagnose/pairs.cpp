@@ -84,6 +84,17 @@ auto may_pair(const Catalogue& catalogue, const Family& a, const Family& b) -> b
 
 }  // namespace
 
+auto pair_of(const Evidence& evidence, const std::vector<std::string>& names) -> std::optional<EffectPair> {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < evidence.families.size(); ++i) {
+    if (std::find(names.begin(), names.end(), evidence.families[i].name) != names.end()) {
+      found.push_back(i);
+    }
+  }
+  return found.size() != 2 ? std::nullopt
+                           : std::optional(fit_pair(evidence, evidence.raw().sum(evidence.fit), found[0], found[1]));
+}
+
 auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair> {
   const Eigen::MatrixXd fit_products = evidence.raw().sum(evidence.fit);
   std::vector<EffectPair> pairs;

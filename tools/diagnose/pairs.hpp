@@ -19,4 +19,7 @@ struct EffectPair {
 /// Effects that the catalogue calls confusable with each other are no pair.
 auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair>;
 
+/// Two effects by their names, at their best variants; nothing unless both are among the families.
+auto pair_of(const Evidence& evidence, const std::vector<std::string>& names) -> std::optional<EffectPair>;
+
 }  // namespace capstan::tools

@@ -163,6 +163,20 @@ auto rows_of_logs(const Preparation& p, TargetKind target, Eigen::Index edge) ->
   return blocks;
 }
 
+/// What takes no part, for people: no verdict rests on rows that were changed in silence.
+auto left_out_note(const Preparation& p) -> std::string {
+  Eigen::Index kept = 0;
+  for (const auto& rows : p.coarse_logs) {
+    kept += rows.size();
+  }
+  const double total_s = static_cast<double>(p.hindsight.rows() / p.factor) * p.coarse_period_s;
+  const double left_out_s = total_s - static_cast<double>(kept) * p.coarse_period_s;
+  const double uncertain_s = static_cast<double>(rows_in(p.uncertain)) * p.coarse_period_s;
+  return "decided on means over " + std::to_string(p.factor) + " samples, without the first " + rounded(left_out_s, 2) +
+         " s, whose past was not logged; within " + rounded(uncertain_s, 2) +
+         " s around reversals, whose direction the encoder does not show, law and target are bridged alike";
+}
+
 }  // namespace
 
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -285,6 +299,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   // Derivatives and means have no neighbours beyond the ends.
   const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
   p.coarse_logs = rows_of_logs(p, base.catalogue->target(), edge);
+  p.notes.push_back(left_out_note(p));
   p.signals = coarse_signals(p);
   p.repeats = find_repeats(p.signals.q1, noise.white_rad);
   const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));

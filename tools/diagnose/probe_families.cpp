@@ -5,6 +5,7 @@
 
 #include "tools/diagnose/family.hpp"
 #include "tools/support/random.hpp"
+#include "tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -26,6 +27,7 @@ class Probes {
     if (catalogue_.target() == TargetKind::kEffort) {
       of_speed();
       of_friction();
+      of_effort();
     } else {
       of_direction();
       of_ratio();
@@ -40,6 +42,9 @@ class Probes {
 
  private:
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
+  auto coarse_fitted() const -> Column {
+    return decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
+  }
 
   void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny,
            std::vector<std::string> special_cases = {}) {
@@ -116,6 +121,18 @@ class Probes {
     add("relaxation", std::move(relaxing));
   }
 
+  /// Of an effort: what depends on the effort of the law itself.
+  void of_effort() {
+    const Column fitted = coarse_fitted();
+    const double size = rms(fitted);
+    std::vector<std::vector<Column>> zones;
+    for (const double share : {0.1, 0.3, 1.0}) {
+      zones.push_back({fitted.array().max(-share * size).min(share * size).matrix()});
+    }
+    add("dead_zone", std::move(zones));
+    add("load_dependent_friction", {{direction_.cwiseProduct(fitted.cwiseAbs())}});
+  }
+
   /// Of an effort: friction that is not the same everywhere and always, less what is.
   void of_friction() {
     const auto place = (s_.q1.array() - s_.q1.mean()) / q1_range_;
@@ -127,14 +144,18 @@ class Probes {
     const auto pull = s_.ddq1.array();
     add("inertia_change", {{(pull * place).matrix(), (pull * place.square()).matrix()},
                            {(pull * s_.q1.array().sin()).matrix(), (pull * s_.q1.array().cos()).matrix()}});
-    add("wander", {half_waves(8)}, Sign::kAny, {"offset", "thermal_drift"});
+    add("wander", {half_waves(10)}, Sign::kAny, {"offset", "thermal_drift"});
   }
 
-  /// Slow changes in time of any form: a level, and up to so many half waves over the log.
+  /// Slow changes in time of any form: a level, and up to so many half waves over the rows to learn from. Waves that
+  /// ran on beyond these would be anything at their ends.
   auto half_waves(int count) const -> std::vector<Column> {
+    const Blocks learned = p_.split.learned();
+    const double start_s = s_.time_s[learned.front().begin];
+    const auto share = (s_.time_s.array() - start_s) / (s_.time_s[learned.back().end - 1] - start_s);
     std::vector<Column> waves;
     for (int k = 0; k <= count; ++k) {
-      waves.push_back((std::numbers::pi * k / span_s_ * s_.time_s.array()).cos().matrix());
+      waves.push_back((std::numbers::pi * k * share).cos().matrix());
     }
     return waves;
   }
@@ -193,8 +214,7 @@ class Probes {
       add("motor_delay", {{local_slope(s_.ddq1, 1, p_.coarse_period_s)}}, Sign::kNonNegative);
       return;
     }
-    const Column fitted = decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
-    const Column slope = local_slope(fitted, 1, p_.coarse_period_s);
+    const Column slope = local_slope(coarse_fitted(), 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
   }
 

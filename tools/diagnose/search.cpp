@@ -139,6 +139,13 @@ class Searcher {
     return families;
   }
 
+  /// The two effects that a probe has within itself, where this log can not tell them together from it.
+  static auto parts_of(const Round& round, const FamilyTrial& probe) -> std::optional<EffectPair> {
+    const Family& family = round.evidence.families[probe.family];
+    auto pair = family.in_catalogue ? std::nullopt : pair_of(round.evidence, family.special_cases);
+    return pair && !clearly_positive(pair->energies - probe.energies) ? pair : std::nullopt;
+  }
+
   /// What sensors or a grid hide is not noise to the trials. No effect is named that is not larger than that; beside a
   /// grid, none where nothing is known to be missing.
   static auto may_be_hidden(const Round& round, const FamilyTrial& trial) -> bool {
@@ -154,7 +161,9 @@ class Searcher {
       best = nullptr;
     }
     const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
-    if (search_.effects.empty() && round.adequacy.lacks_something && too_little && add_pair(round)) {
+    if (search_.effects.empty() && round.adequacy.lacks_something &&
+        ((too_little && add_pair(round, best_pair(round.evidence, *search_.law.catalogue))) ||
+         (best != nullptr && add_pair(round, parts_of(round, *best))))) {
       return true;
     }
     if (best == nullptr) {
@@ -206,8 +215,7 @@ class Searcher {
 
   /// Two effects at once, each of which has to be the best where the other is already in the law, unless that builds on
   /// it.
-  auto add_pair(Round& round) -> bool {
-    const auto pair = best_pair(round.evidence, *search_.law.catalogue);
+  auto add_pair(Round& round, const std::optional<EffectPair>& pair) -> bool {
     if (!pair ||
         explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
       return false;
@@ -224,7 +232,7 @@ class Searcher {
       }
       progress_("trying " + both[0].name + " and " + both[1].name);
       const Round without = hold_round(p_, law_without(*law, both[k].name));
-      const FamilyTrial* best = best_passing(without, false);
+      const FamilyTrial* best = simplest(without, best_passing(without, false));
       if (best == nullptr || !without.evidence.families[best->family].in_catalogue) {
         return false;
       }

@@ -99,6 +99,9 @@ class Court {
       trial.energies = cross_validated(evidence_.raw(), evidence_.learned, model);
       trial.explained = 1.0 - trial.energies.sum() / law_energies_.sum();
       trial.explained_t = t_statistic(law_energies_ - trial.energies);
+      if (evidence_.by_energy) {  // an effort's few jerks hold most of its energy, and make the mean uncertain
+        trial.explained_t = std::max(trial.explained_t, signed_rank_score(law_energies_ - trial.energies));
+      }
       trial.likelihoods = likelihoods(model);
       trial.log_likelihood = trial.likelihoods.sum() - law_likelihood_;
       trial.log_evidence = cross_fitted_evidence(model);

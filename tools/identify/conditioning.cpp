@@ -101,6 +101,12 @@ auto motor_angle_noise(const std::vector<AxisLog>& logs) -> AngleNoise {
     noise.step_rad = std::max(noise.step_rad, quantisation_step(log.q1_rad));
     noise.white_rad = std::max(noise.white_rad, white_noise_level(log.q1_rad));
   }
+  // Steps alone make 0.66 of one at most, when every other sample is a step further. A sensor whose last digits tremble
+  // more has no edges between which it could be told where the motor is.
+  constexpr double kMostBySteps = 0.8;
+  if (noise.white_rad > kMostBySteps * noise.step_rad) {
+    noise.step_rad = 0.0;
+  }
   return noise;
 }
 

@@ -45,7 +45,7 @@ auto column_names(const LawForm& form) -> std::vector<std::string> {
 void note_bounds(const LinearFit& fit, const LawForm& form, std::vector<std::string>& notes) {
   const auto names = column_names(form);
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (fit.at_bound[i]) {
+    if (fit.at_bound[i] && fit.tolerance[static_cast<Eigen::Index>(i)] > 0.0) {
       notes.push_back(names[i] +
                       " is held at 0: the logs ask for the sign that physics forbids; check the sign of tau_Nm " +
                       "(--map \"axis0/tau_Nm=COLUMN*-1\" turns it)");

@@ -65,27 +65,51 @@ auto white_noise_level(const Eigen::VectorXd& signal) -> double {
   return std::sqrt(median(third.cwiseAbs2()) / 0.4549 / kGain);
 }
 
-auto quantisation_step(const Eigen::VectorXd& signal) -> double {
-  double smallest = std::numeric_limits<double>::infinity();
-  const double rounding = 1e-9 * signal.cwiseAbs().maxCoeff();  // of the numbers as printed
-  for (Eigen::Index i = 1; i < signal.size(); ++i) {
-    const double step = std::abs(signal[i] - signal[i - 1]);
-    smallest = step > rounding ? std::min(smallest, step) : smallest;
+namespace {
+
+/// The step that the changes up to so many of them are multiples of, on the mean.
+auto mean_step(const Eigen::ArrayXd& changes, double step, double most) -> double {
+  double total = 0.0;
+  double count = 0.0;
+  for (const double change : changes) {
+    if (change > 0.5 * step && change < (most + 0.5) * step) {
+      total += change;
+      count += std::round(change / step);
+    }
   }
-  if (!std::isfinite(smallest) || smallest < 100.0 * rounding) {
+  return count > 0.0 ? total / count : step;
+}
+
+}  // namespace
+
+auto quantisation_step(const Eigen::VectorXd& signal) -> double {
+  if (signal.size() < 2) {
+    return 0.0;
+  }
+  const Eigen::ArrayXd changes = (signal.tail(signal.size() - 1) - signal.head(signal.size() - 1)).array().abs();
+  const double rounding = 1e-9 * signal.cwiseAbs().maxCoeff();
+  double step = std::numeric_limits<double>::infinity();
+  for (const double change : changes) {
+    step = change > rounding ? std::min(step, change) : step;
+  }
+  if (!std::isfinite(step) || step < 100.0 * rounding) {
     return 0.0;
   }
   constexpr double kLargestMultiple = 50.0;  // beyond, rounding makes everything a multiple
-  Eigen::Index changes = 0;
+  // Printed to a few decimals, the smallest change alone is a poor measure of the step.
+  for (const double most : {1.0, 4.0, 16.0, kLargestMultiple}) {
+    step = mean_step(changes, step, most);
+  }
+  Eigen::Index counted = 0;
   Eigen::Index multiples = 0;
-  for (Eigen::Index i = 1; i < signal.size(); ++i) {
-    const double steps = std::abs(signal[i] - signal[i - 1]) / smallest;
+  for (const double change : changes) {
+    const double steps = change / step;
     if (steps > 0.5 && steps < kLargestMultiple) {
-      ++changes;
+      ++counted;
       multiples += std::abs(steps - std::round(steps)) < 0.05 ? 1 : 0;
     }
   }
-  return static_cast<double>(multiples) > 0.98 * static_cast<double>(changes) ? smallest : 0.0;
+  return static_cast<double>(multiples) > 0.98 * static_cast<double>(counted) ? step : 0.0;
 }
 
 }  // namespace capstan::tools
