@@ -36,6 +36,7 @@ TEST(Statistics, WhiteNoiseIsMeasuredUnderASmoothMotion) {
     signal[i] = 2.0 * std::sin(0.01 * static_cast<double>(i)) + normal(random);
   }
   EXPECT_NEAR(white_noise_level(signal), 0.003, 0.0001);
+  EXPECT_NEAR(fast_noise_level(signal), 0.003, 0.0001);
 }
 
 TEST(Statistics, TheEncodersStepIsFoundAndASmoothSignalHasNone) {

@@ -22,6 +22,13 @@ auto threshold_above(double step_rad, double white_rad) -> double {
   return std::max({kStepsAboveResolution * step_rad, kDeviationsAboveNoise * white, kSmallestThresholdRad});
 }
 
+/// Resolution of an encoder; none where its last digits tremble, for then no edge says where the motor is.
+auto encoder_step(const Eigen::VectorXd& signal) -> double {
+  constexpr double kMostBySteps = 0.9;
+  const double step = quantisation_step(signal);
+  return fast_noise_level(signal) > kMostBySteps * step ? 0.0 : step;
+}
+
 /// Direction of the other axis at every sample, by a conditioner of its own.
 void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measured<double>>& series) {
   const double step = quantisation_step(other.q1_rad);
@@ -98,14 +105,8 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
 auto motor_angle_noise(const std::vector<AxisLog>& logs) -> AngleNoise {
   AngleNoise noise;
   for (const auto& log : logs) {
-    noise.step_rad = std::max(noise.step_rad, quantisation_step(log.q1_rad));
+    noise.step_rad = std::max(noise.step_rad, encoder_step(log.q1_rad));
     noise.white_rad = std::max(noise.white_rad, white_noise_level(log.q1_rad));
-  }
-  // Steps alone make 0.66 of one at most, when every other sample is a step further. A sensor whose last digits tremble
-  // more has no edges between which it could be told where the motor is.
-  constexpr double kMostBySteps = 0.8;
-  if (noise.white_rad > kMostBySteps * noise.step_rad) {
-    noise.step_rad = 0.0;
   }
   return noise;
 }

@@ -128,8 +128,9 @@ auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoi
   Eigen::VectorXd angle = angles_of(samples) + seen.hidden_rad;
   if (noise.step_rad <= 0.0) {
     Random random(0xA1E);
+    const double level = fast_noise_level(log.q1_rad);
     for (double& value : angle) {
-      value += noise.white_rad * random.normal();
+      value += level * random.normal();
     }
   }
   const Eigen::VectorXd rate = local_slope(angle, rate_half_window(log, noise), log.period_s);

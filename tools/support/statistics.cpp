@@ -6,6 +6,11 @@
 #include <limits>
 
 namespace capstan::tools {
+namespace {
+
+constexpr double kMedianOfSquares = 0.4549;  // of a standard normal
+
+}  // namespace
 
 auto quantile(const Eigen::VectorXd& values, double p) -> double {
   std::vector<double> sorted(values.begin(), values.end());
@@ -62,7 +67,21 @@ auto white_noise_level(const Eigen::VectorXd& signal) -> double {
       signal.tail(n) - 3.0 * signal.segment(2, n) + 3.0 * signal.segment(1, n) - signal.head(n);
   constexpr double kGain = 20.0;  // 1 + 9 + 9 + 1
   // From the median of the squares, so that a few corners of the motion do not count as noise.
-  return std::sqrt(median(third.cwiseAbs2()) / 0.4549 / kGain);
+  return std::sqrt(median(third.cwiseAbs2()) / kMedianOfSquares / kGain);
+}
+
+auto fast_noise_level(const Eigen::VectorXd& signal) -> double {
+  constexpr int kOrder = 6;
+  constexpr double kGain = 924.0;  // sum of the squares of the weights
+  if (signal.size() <= kOrder) {
+    return 0.0;
+  }
+  Eigen::VectorXd difference = signal;
+  for (int order = 0; order < kOrder; ++order) {
+    const Eigen::Index n = difference.size() - 1;
+    difference = Eigen::VectorXd(difference.tail(n) - difference.head(n));
+  }
+  return std::sqrt(median(difference.cwiseAbs2()) / kMedianOfSquares / kGain);
 }
 
 namespace {
