@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 
-#include "model/scalar.hpp"
+#include "model/weighted_sum.hpp"
 
 namespace capstan {
 
@@ -27,17 +28,28 @@ class CoupledAxes {
   using Directions = std::array<bool, Axes>;
 
   /// B must be invertible with some margin, or `is_usable` is false and `motors` answers zeros. An entry that is not a
-  /// number makes it unusable too.
-  constexpr explicit CoupledAxes(const Matrices& matrices) : m_(matrices) { usable_ = invert_rigid(); }
+  /// number, or a row whose magnitudes add up to 256, makes it unusable too, and `joints` answers zeros as well.
+  constexpr explicit CoupledAxes(const Matrices& matrices) : m_(matrices) {
+    if (!do_sums_fit()) {
+      m_ = {};
+    }
+    usable_ = invert_rigid();
+    inverse_ = usable_ ? inverse_ : decltype(inverse_){};
+  }
   [[nodiscard]] constexpr auto is_usable() const -> bool { return usable_; }
 
   /// @param q  motor angles, rad   @param tau  motor torques, N m   @param forward  J of each motor
   [[nodiscard]] constexpr auto joints(const Vector& q, const Vector& tau, const Directions& forward) const -> Vector {
-    Vector theta = stretch(tau, forward);
+    const auto elongation = columns(forward);
+    Vector theta{};
+#pragma GCC unroll 4
     for (std::size_t i = 0; i < Axes; ++i) {
+      WeightedSum<Scalar> sum = stretch(i, tau, elongation);
+#pragma GCC unroll 4
       for (std::size_t j = 0; j < Axes; ++j) {
-        theta[i] += m_.rigid[i][j] * q[j];
+        sum.add(m_.rigid[i][j], q[j]);
       }
+      theta[i] = sum.value();
     }
     return theta;
   }
@@ -45,12 +57,21 @@ class CoupledAxes {
   /// Motor angles at which the joints stand at theta under these torques: Q = B^-1 (Theta - A S tau - offset).
   [[nodiscard]] constexpr auto motors(const Vector& theta, const Vector& tau, const Directions& forward) const
       -> Vector {
-    const Vector lag = stretch(tau, forward);
+    const auto elongation = columns(forward);
+    Vector rigid{};
+#pragma GCC unroll 4
+    for (std::size_t j = 0; j < Axes; ++j) {
+      rigid[j] = theta[j] - stretch(j, tau, elongation).value();
+    }
     Vector q{};
-    for (std::size_t i = 0; usable_ && i < Axes; ++i) {
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < Axes; ++i) {
+      WeightedSum<Scalar> sum;
+#pragma GCC unroll 4
       for (std::size_t j = 0; j < Axes; ++j) {
-        q[i] += inverse_[i][j] * (theta[j] - lag[j]);
+        sum.add(inverse_[i][j], rigid[j]);
       }
+      q[i] = sum.value();
     }
     return q;
   }
@@ -59,15 +80,45 @@ class CoupledAxes {
   /// A pivot below this would make the inverse larger than the numbers hold.
   static constexpr Scalar kLeastPivot = ScalarTraits<Scalar>::from(0.01);
 
-  /// A S tau + offset.
-  [[nodiscard]] constexpr auto stretch(const Vector& tau, const Directions& forward) const -> Vector {
-    Vector sum = m_.offset;
-    for (std::size_t i = 0; i < Axes; ++i) {
-      for (std::size_t j = 0; j < Axes; ++j) {
-        sum[i] += (forward[j] ? m_.elongation_top : m_.elongation_bottom)[i][j] * tau[j];
-      }
+  static constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+
+  using Row = typename Matrices::Row;
+  /// A S: of each motor, the matrix whose column its direction takes.
+  [[nodiscard]] constexpr auto columns(const Directions& forward) const
+      -> std::array<const std::array<Row, Axes>*, Axes> {
+    std::array<const std::array<Row, Axes>*, Axes> result{};
+    for (std::size_t j = 0; j < Axes; ++j) {
+      result[j] = forward[j] ? &m_.elongation_top : &m_.elongation_bottom;
+    }
+    return result;
+  }
+  /// A row of A S tau + offset.
+  [[nodiscard, gnu::always_inline]] constexpr auto stretch(
+      std::size_t i, const Vector& tau, const std::array<const std::array<Row, Axes>*, Axes>& elongation) const
+      -> WeightedSum<Scalar> {
+    WeightedSum<Scalar> sum;
+    sum.add(m_.offset[i], kOne);
+#pragma GCC unroll 4
+    for (std::size_t j = 0; j < Axes; ++j) {
+      sum.add((*elongation[j])[i][j], tau[j]);
     }
     return sum;
+  }
+
+  /// With the larger of each pair, so for every direction.
+  [[nodiscard]] constexpr auto do_sums_fit() const -> bool {
+    for (std::size_t i = 0; i < Axes; ++i) {
+      std::array<Scalar, 2 * Axes + 1> row{};
+      row[2 * Axes] = m_.offset[i];
+      for (std::size_t j = 0; j < Axes; ++j) {
+        row[j] = m_.rigid[i][j];
+        row[Axes + j] = std::max(abs(m_.elongation_top[i][j]), abs(m_.elongation_bottom[i][j]));
+      }
+      if (!WeightedSum<Scalar>::holds(row)) {
+        return false;
+      }
+    }
+    return true;
   }
 
   /// Gauss and Jordan with row pivots.
@@ -80,7 +131,7 @@ class CoupledAxes {
           return false;
         }
       }
-      inverse_[i][i] = ScalarTraits<Scalar>::from(1.0);
+      inverse_[i][i] = kOne;
     }
     for (std::size_t k = 0; k < Axes; ++k) {
       std::size_t pivot = k;
@@ -105,7 +156,7 @@ class CoupledAxes {
         }
       }
     }
-    return true;
+    return std::all_of(inverse_.begin(), inverse_.end(), WeightedSum<Scalar>::template holds<Axes>);
   }
 
   Matrices m_;

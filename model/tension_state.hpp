@@ -6,6 +6,7 @@
 
 #include "model/exponential.hpp"
 #include "model/force_estimate.hpp"
+#include "model/reciprocal.hpp"
 
 namespace capstan {
 
@@ -91,52 +92,75 @@ class FrictionChain {
     constexpr Scalar kLength = ScalarTraits<Scalar>::from(1.0 / static_cast<double>(Nodes - 1));
     const Scalar step = eta * kLength;
     const auto decay = [&](Scalar x) { return kOne - kOne * share_gone(x, kOne); };
-    // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends.
-    weight_ = kLength * mean_decay(step) * ScalarTraits<Scalar>::from(2.0) / (kOne + decay(step));
+    // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends; halved, as the sums
+    // below count every place but the ends twice.
+    weight_ = kLength * mean_decay(step) / (kOne + decay(step));
     for (std::size_t i = 0; i < Nodes; ++i) {
-      holds_[i] = {decay(eta * kPlaces[i]), kOne / decay(eta * kPlaces[i])};
-      tensions_[i] = tension;
+      const Scalar low = decay(eta * kPlaces[i]);
+      const Scalar high = kOne / low;
+      places_[i] = {low, high, tension, tension * low, tension * high};
     }
   }
 
   /// What the integral would be with another tension at the input end; changes nothing.
   [[nodiscard]] constexpr auto trial(Scalar input) const -> Sum {
-    constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
-    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
-    Sum inner{};
+    // Held tensions, and how many input tensions the places have that move.
+    Scalar held{};
+    Scalar slope{};
+    const auto add = [&](const Place& place) __attribute__((always_inline)) {
+      if (place.up < input) {
+        slope += place.low;
+      } else if (input < place.down) {
+        slope += place.high;
+      } else {
+        held += place.tension;
+      }
+    };
     for (std::size_t i = 1; i + 1 < Nodes; ++i) {
-      add(input, i, inner);
+      add(places_[i]);
     }
-    Sum outer{input, kOne};
-    add(input, Nodes - 1, outer);
-    return {(inner.integral + outer.integral * kHalf) * weight_, (inner.slope + outer.slope * kHalf) * weight_};
+    held += held;
+    slope += slope + ScalarTraits<Scalar>::from(1.0);
+    add(places_[Nodes - 1]);
+    return {(held + input * slope) * weight_, slope * weight_};
   }
 
   /// Takes the input end to a tension. Returns whether every place has moved.
   constexpr auto pull_to(Scalar input) -> bool {
     bool all = true;
     for (std::size_t i = 1; i < Nodes; ++i) {
-      const Scalar now = held(input, i);
-      all = all && now != tensions_[i];
-      tensions_[i] = now;
+      Place& place = places_[i];
+      if (place.up < input) {
+        place.tension = input * place.low;
+        place.up = input;
+        place.down = place.tension * place.low;
+      } else if (input < place.down) {
+        place.tension = input * place.high;
+        place.down = input;
+        place.up = place.tension * place.high;
+      } else {
+        all = false;
+      }
     }
-    tensions_[0] = input;
+    places_[0].tension = input;
     return all;
   }
 
   /// The tendon slides, or is about to, in its whole length: the output end's tension hangs on the input end's.
   [[nodiscard]] constexpr auto is_active() const -> bool {
-    const Hold& hold = holds_[Nodes - 1];
-    return output() == input() * hold.low || output() == input() * hold.high;
+    return places_[Nodes - 1].up <= input() || input() <= places_[Nodes - 1].down;
   }
 
-  [[nodiscard]] constexpr auto input() const -> Scalar { return tensions_[0]; }
-  [[nodiscard]] constexpr auto output() const -> Scalar { return tensions_[Nodes - 1]; }
+  [[nodiscard]] constexpr auto input() const -> Scalar { return places_[0].tension; }
+  [[nodiscard]] constexpr auto output() const -> Scalar { return places_[Nodes - 1].tension; }
 
  private:
-  struct Hold {
-    Scalar low{};
+  struct Place {
+    Scalar low{};  ///< tension per input tension while friction holds all it can against a pull
     Scalar high{};
+    Scalar tension{};
+    Scalar down{};  ///< it keeps its tension as long as the input's is within these
+    Scalar up{};
   };
   /// phi of each place.
   static constexpr std::array<Scalar, Nodes> kPlaces = [] {
@@ -146,24 +170,8 @@ class FrictionChain {
     }
     return places;
   }();
-  [[nodiscard]] constexpr auto held(Scalar input, std::size_t i) const -> Scalar {
-    const Scalar low = input * holds_[i].low;
-    if (tensions_[i] < low) {
-      return low;
-    }
-    const Scalar high = input * holds_[i].high;
-    return high < tensions_[i] ? high : tensions_[i];
-  }
-  constexpr void add(Scalar input, std::size_t i, Sum& sum) const {
-    const Scalar now = held(input, i);
-    sum.integral += now;
-    if (now != tensions_[i]) {
-      sum.slope += tensions_[i] < now ? holds_[i].low : holds_[i].high;
-    }
-  }
 
-  std::array<Hold, Nodes> holds_{};
-  std::array<Scalar, Nodes> tensions_{};
+  std::array<Place, Nodes> places_{};
   Scalar weight_{};
 };
 
@@ -262,7 +270,7 @@ class TensionState {
         return now;
       }
       (now.error < Scalar{} ? low : high) = now.top_in;
-      const Scalar newton = now.top_in - now.error / now.slope;
+      const Scalar newton = now.top_in - rough_quotient(now.error, now.slope);  // the next round sees what is left
       const bool try_slack = !(low < newton) && low == slack && now.top_in != slack;
       const Scalar halfway = low + (high - low) * kHalf;
       now = balance(try_slack ? slack : (low < newton && newton < high ? newton : halfway), x);

@@ -55,13 +55,41 @@ inline constexpr std::size_t kCoefficientsOf = std::tuple_size_v<decltype(Term::
 template <typename Term>
 inline constexpr std::size_t kShapesOf = std::tuple_size_v<decltype(Term::kInfo.shapes)>;
 
+/// Regressors of a term whose last two coefficients are one for each direction: of the last two, that of the present
+/// direction has the value and the other is zero. Said so, and not as an array, because then the law multiplies once.
+/// @tparam Own  the direction is that of the sample's own motor
+template <typename Scalar, std::size_t Common = 0, bool Own = true>
+struct ByDirection {
+  std::array<Scalar, Common> common{};  ///< of the coefficients before those two
+  Scalar value{};
+  bool forward = true;
+
+  static constexpr auto size() -> std::size_t { return Common + 2; }
+  constexpr auto operator==(const ByDirection&) const -> bool = default;
+  constexpr auto operator[](std::size_t k) const -> Scalar {
+    if constexpr (Common > 0) {
+      if (k < Common) {
+        return common[k];
+      }
+    }
+    return (k == Common) == forward ? value : Scalar{};
+  }
+};
+
+/// So many numbers: an array, or a pair ByDirection.
+template <typename T, typename Scalar, std::size_t Count>
+concept Regressors = T {}
+.size() == Count&& requires(const T& regressors, std::size_t k) {
+  { regressors[k] } -> std::convertible_to<Scalar>;
+};
+
 /// A term that enters the sum: y += theta . update(sample).
 /// `settled` gives the regressors that the term shows once a motion like `sample` has lasted: no memory, no state. The
 /// feedforward uses it to invert the law for a motion that has not happened yet.
 template <typename T, typename Scalar>
 concept SumTerm = requires(T term, const T& const_term, const Sample<Scalar>& sample) {
-  { term.update(sample) } -> std::same_as<std::array<Scalar, kCoefficientsOf<T>>>;
-  { const_term.settled(sample) } -> std::same_as<std::array<Scalar, kCoefficientsOf<T>>>;
+  { term.update(sample) } -> Regressors<Scalar, kCoefficientsOf<T>>;
+  { const_term.settled(sample) } -> Regressors<Scalar, kCoefficientsOf<T>>;
 }
 &&std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
@@ -71,6 +99,15 @@ template <typename Term>
 consteval auto settles_alike() -> bool {
   return requires {
     requires Term::kSettlesAlike;
+  };
+}
+
+/// As long as the sample is not `saturated`, no regressor of the term meets an end of the range, whatever came before:
+/// it says so with `static constexpr bool kStaysInRange = true`, and the law does not ask in every cycle.
+template <typename Term>
+consteval auto stays_in_range() -> bool {
+  return requires {
+    requires Term::kStaysInRange;
   };
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "model/scalar.hpp"
@@ -13,8 +14,7 @@ template <typename Scalar>
 class Phase {
  public:
   explicit Phase(Scalar angle) : angle_(angle) {}
-  [[nodiscard]] auto sine() const -> Scalar { return std::sin(angle_); }
-  [[nodiscard]] auto cosine() const -> Scalar { return std::cos(angle_); }
+  [[nodiscard]] auto sine_and_cosine() const -> std::array<Scalar, 2> { return {std::sin(angle_), std::cos(angle_)}; }
 
  private:
   Scalar angle_;
@@ -28,24 +28,42 @@ class Phase<Q24> {
 
   /// @param turns  in units of 2^-32 turn, so that it wraps as angles do
   constexpr explicit Phase(std::uint32_t turns) : turns_(turns) {}
-  [[nodiscard]] constexpr auto sine() const -> Q24 { return sine_of(turns_); }
-  [[nodiscard]] constexpr auto cosine() const -> Q24 { return sine_of(turns_ + kQuarter); }
+  [[nodiscard]] constexpr auto sine() const -> Q24 {
+    const std::int32_t x = folded(turns_);
+    const std::int32_t u = square(Q30::from_raw(x)).raw();
+    std::int32_t p = high_product_plus(kP3, kP4, u);
+    p = high_product_plus(kP2, p, u);
+    p = high_product_plus(kP1, p, u);
+    p = high_product_plus(kP0, p, u);
+    return Q24::from_raw(high_product_plus(2, p, x) >> 2);
+  }
+  /// Both polynomials step by step, so that each coefficient is fetched once.
+  [[nodiscard]] constexpr auto sine_and_cosine() const -> std::array<Q24, 2> {
+    const std::int32_t x = folded(turns_);
+    const std::int32_t y = folded(turns_ + kQuarter);
+    const std::int32_t u = square(Q30::from_raw(x)).raw();
+    const std::int32_t v = square(Q30::from_raw(y)).raw();
+    std::int32_t p = kP4;
+    std::int32_t q = kP4;
+    const auto step = [&](std::int32_t coefficient) {
+      p = high_product_plus(coefficient, p, u);
+      q = high_product_plus(coefficient, q, v);
+    };
+    step(kP3);
+    step(kP2);
+    step(kP1);
+    step(kP0);
+    return {Q24::from_raw(high_product_plus(2, p, x) >> 2), Q24::from_raw(high_product_plus(2, q, y) >> 2)};
+  }
 
  private:
   static constexpr std::uint32_t kQuarter = 0x4000'0000U;
 
-  /// x in quarters of a turn, folded to [-1, 1]; sin(pi/2 x) = x p(x^2) with the minimax p of degree 4, which is off by
-  /// 3.4e-9. Each step of it takes two bits more of the sum before, so the smaller coefficients are kept finer.
-  static constexpr auto sine_of(std::uint32_t turns) -> Q24 {
-    const std::uint32_t folded = turns + kQuarter > 2 * kQuarter ? 2 * kQuarter - turns : turns;
-    const std::int32_t x = just_32_bits(static_cast<std::int32_t>(folded));
-    const std::int32_t u = just_32_bits(static_cast<std::int32_t>(wide_product(x, x) >> 30));
-    std::int32_t p = kP4;
-    p = kP3 + high_product(p, u);
-    p = kP2 + high_product(p, u);
-    p = kP1 + high_product(p, u);
-    p = kP0 + high_product(p, u);
-    return Q24::from_raw((high_product(p, x) + 2) >> 2);
+  /// Of the angle in quarters of a turn, -1 to 1, the one with the same sine; sin(pi/2 x) = x p(x^2) with the minimax p
+  /// of degree 4, which is off by 3.4e-9. Each step of it takes two bits more of the sum before, so the smaller
+  /// coefficients are kept finer.
+  static constexpr auto folded(std::uint32_t turns) -> std::int32_t {
+    return just_32_bits(static_cast<std::int32_t>(turns + kQuarter > 2 * kQuarter ? 2 * kQuarter - turns : turns));
   }
 
   static constexpr std::int32_t kP0 = Q30::from_double(1.570796290022 / 4).raw();

@@ -13,9 +13,10 @@ template <typename Scalar>
 class WeightedSum {
  public:
   constexpr void add(Scalar coefficient, Scalar regressor) { total_ += coefficient * regressor; }
+  constexpr void add_checked(Scalar coefficient, Scalar regressor) { add(coefficient, regressor); }
   [[nodiscard]] constexpr auto value() const -> Scalar { return total_; }
-  /// A regressor that counts, or the sum itself, met the end of the range.
-  [[nodiscard]] constexpr auto saturated() const -> bool { return false; }
+  /// A checked regressor that counts met an end of the range; whether the sum does, its value says.
+  [[nodiscard]] constexpr auto cut() const -> bool { return false; }
   /// Whatever the regressors, sums with these coefficients do not leave what they are added up in.
   template <std::size_t Count>
   static constexpr auto holds(const std::array<Scalar, Count>& /*coefficients*/) -> bool {
@@ -31,16 +32,18 @@ class WeightedSum<Q24> {
  public:
   /// @pre `holds` the coefficients of the sum
   [[gnu::always_inline]] constexpr void add(Q24 coefficient, Q24 regressor) {
-    total_ += wide_product(coefficient.raw(), regressor.raw());
+    total_ += wide_product(coefficient.raw(), just_32_bits(regressor.raw()));
+  }
+  /// The same for a regressor that may have been cut at an end of the range.
+  [[gnu::always_inline]] constexpr void add_checked(Q24 coefficient, Q24 regressor) {
+    add(coefficient, regressor);
     if (regressor.is_saturated()) [[unlikely]] {
-      saturated_ = saturated_ || coefficient != Q24{};  // a coefficient of zero lets nothing of it through
+      cut_ |= coefficient != Q24{};  // a coefficient of zero lets nothing of it through
     }
   }
-  [[nodiscard]] constexpr auto value() const -> Q24 {
-    return Q24::from_wide(shift_right_rounded<1>(total_ >> (Q24::kFrac - 1)));  // in two steps, so nothing wraps
-  }
-  [[nodiscard]] constexpr auto saturated() const -> bool { return saturated_ || value().is_saturated(); }
-  /// Their magnitudes add up to less than 256, so no sum reaches 2^63.
+  [[nodiscard]] constexpr auto value() const -> Q24 { return Q24::from_wide(total_ >> Q24::kFrac); }
+  [[nodiscard]] constexpr auto cut() const -> bool { return cut_; }
+  /// Their magnitudes add up to less than 256, so a sum stays 2^31 below 2^63.
   template <std::size_t Count>
   static constexpr auto holds(const std::array<Q24, Count>& coefficients) -> bool {
     std::int64_t sum = 0;
@@ -51,8 +54,8 @@ class WeightedSum<Q24> {
   }
 
  private:
-  std::int64_t total_ = 0;  // 2^-48
-  bool saturated_ = false;
+  std::int64_t total_ = std::int64_t{1} << (Q24::kFrac - 1);  // 2^-48; half a unit, so that the end rounds
+  bool cut_ = false;
 };
 
 }  // namespace capstan

@@ -25,12 +25,12 @@ class AnglePeriodic {
   };
 
   static constexpr bool kSettlesAlike = true;
+  static constexpr bool kStaysInRange = true;
 
   constexpr AnglePeriodic(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : phase_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    const Phase<Scalar> phase = phase_(s.q1);
-    return {phase.sine(), phase.cosine()};
+    return phase_(s.q1).sine_and_cosine();
   }
 
  private:

@@ -27,9 +27,9 @@ class AxisCoupling {
   static constexpr bool kSettlesAlike = true;
 
   constexpr AxisCoupling(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
-    return {s.other_q1, s.other_forward ? s.other_tau : Scalar{}, s.other_forward ? Scalar{} : s.other_tau};
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1, false> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1, false> {
+    return {.common = {s.other_q1}, .value = s.other_tau, .forward = s.other_forward};
   }
 };
 

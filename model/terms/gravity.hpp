@@ -25,13 +25,13 @@ class Gravity {
   };
 
   static constexpr bool kSettlesAlike = true;
+  static constexpr bool kStaysInRange = true;
 
   constexpr Gravity(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     constexpr PhaseScale<Scalar> kOnce(ScalarTraits<Scalar>::from(1.0));
-    const Phase<Scalar> angle = kOnce(s.q2);
-    return {angle.sine(), angle.cosine()};
+    return kOnce(s.q2).sine_and_cosine();
   }
 };
 

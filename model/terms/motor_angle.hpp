@@ -19,6 +19,8 @@ class MotorAngle {
       .shapes = {},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr MotorAngle(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> { return {s.q1}; }

@@ -22,6 +22,8 @@ class Play {
       .shapes = {{{"half_width", "rad", 0.0005, 0.5, 0.02, "half the gap, at the motor"}}},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr Play(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : half_width_(shape[0]) {}
   constexpr void restart() { started_ = false; }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {

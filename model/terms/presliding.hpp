@@ -26,6 +26,8 @@ class Presliding {
       .shapes = {{{"width", "rad", 0.0005, 1.0, 0.02, "z0: deflection at which it slips, at the motor"}}},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : width_(shape[0]), fading_(shape[0]) {}
   constexpr void restart() {

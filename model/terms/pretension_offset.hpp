@@ -22,6 +22,8 @@ class PretensionOffset {
       .shapes = {},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr PretensionOffset(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {

@@ -25,10 +25,10 @@ class ReversalMemory {
   };
 
   constexpr ReversalMemory(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
   /// The torque of the reversal behind a motion is the caller's to say: `tau_reversal`.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    return {s.forward ? s.tau_reversal : Scalar{}, s.forward ? Scalar{} : s.tau_reversal};
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+    return {.value = s.tau_reversal, .forward = s.forward};
   }
 };
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "model/reciprocal.hpp"
+#include "model/cell_scale.hpp"
 #include "model/term.hpp"
 
 namespace capstan {
@@ -25,7 +25,8 @@ namespace capstan {
 template <typename Scalar>
 class SlipPropagation {
  public:
-  static constexpr std::size_t kOperators = 8;
+  static constexpr int kLog2Operators = 3;
+  static constexpr std::size_t kOperators = 1U << kLog2Operators;
 
   static constexpr TermInfo<3, 1> kInfo = {
       .name = "slip_propagation",
@@ -43,14 +44,17 @@ class SlipPropagation {
                    "R: half the change of torque after which the whole tendon slips"}}},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
-      : share_of_reach_(shape[0] * kReach) {
+      : reach_(clamp(shape[0], kLeast, kMost) * kReach), share_of_reach_(Scalar{}, reach_) {
     constexpr auto kHalfShare = Traits::fraction(0.5 / kOperators);
-    Scalar half_width = shape[0] * kHalfShare;
+    const Scalar torque = clamp(shape[0], kLeast, kMost);
+    Scalar half_width = torque * kHalfShare;
     for (std::size_t k = 0; k < kOperators; ++k) {
       width_[k] = half_width + half_width;
       lowest_ -= half_width;
-      half_width += shape[0] * kShare;
+      half_width += torque * kShare;
     }
     restart();
   }
@@ -61,7 +65,7 @@ class SlipPropagation {
     started_ = false;
   }
 
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1> {
     const Scalar step = started_ ? s.tau - tau_ : Scalar{};
     started_ = true;
     tau_ = s.tau;
@@ -71,25 +75,36 @@ class SlipPropagation {
       place_[k] = clamp(place_[k] - step, Scalar{}, width_[k]);
       lag += place_[k];
     }
-    const Scalar way_left = std::max(Scalar{}, kOne - abs(s.tau - s.tau_reversal) * share_of_reach_);
-    const Scalar square = way_left * way_left;
-    const Scalar fading = s.tau * (square * square);
-    return {lag * kShare, s.forward ? fading : Scalar{}, s.forward ? Scalar{} : fading};
+    return {
+        .common = {Traits::template shifted_down<kLog2Operators>(lag)}, .value = old_stretch(s), .forward = s.forward};
   }
 
   /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
-    return {(s.forward ? lowest_ : -lowest_) * kShare, Scalar{}, Scalar{}};
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1> {
+    return {.common = {Traits::template shifted_down<kLog2Operators>(s.forward ? lowest_ : -lowest_)},
+            .forward = s.forward};
   }
 
  private:
   using Traits = ScalarTraits<Scalar>;
   static constexpr auto kShare = Traits::fraction(1.0 / kOperators);
   static constexpr auto kHalf = Traits::fraction(0.5);
-  static constexpr Scalar kOne = Traits::from(1.0);
   static constexpr Scalar kReach = Traits::from(4.0);
+  /// Of R, N m: within them no sum of places leaves the range, and the reach is not nothing.
+  static constexpr Scalar kLeast = Traits::from(1e-4);
+  static constexpr Scalar kMost = Traits::from(30.0);
 
-  Reciprocal<Scalar> share_of_reach_;       ///< of the change of torque after which nothing of the old stretch is left
+  [[nodiscard]] constexpr auto old_stretch(const Sample<Scalar>& s) const -> Scalar {
+    const Scalar change = abs(s.tau - s.tau_reversal);
+    if (reach_ <= change) {
+      return Scalar{};
+    }
+    constexpr auto kWhole = Traits::fraction(1.0);
+    return Traits::part(s.tau, square(square(kWhole - share_of_reach_.fraction(change, Scalar{}))));
+  }
+
+  Scalar reach_;  ///< change of torque after which nothing of the old stretch is left
+  CellScale<Scalar> share_of_reach_;
   std::array<Scalar, kOperators> width_{};  ///< 2 r_k
   std::array<Scalar, kOperators> place_{};  ///< play(tau, r_k) - tau + r_k, from 0 to 2 r_k
   Scalar lowest_{};                         ///< the sum of play(tau, r_k) - tau where all places are 0

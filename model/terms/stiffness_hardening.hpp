@@ -23,10 +23,9 @@ class StiffnessHardening {
   };
 
   constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    const Scalar square = s.tau * abs(s.tau);
-    return {s.forward ? square : Scalar{}, s.forward ? Scalar{} : square};
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+    return {.value = s.tau * abs(s.tau), .forward = s.forward};
   }
 };
 

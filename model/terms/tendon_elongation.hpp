@@ -24,10 +24,12 @@ class TendonElongation {
       .shapes = {},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr TendonElongation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    return {s.forward ? s.tau : Scalar{}, s.forward ? Scalar{} : s.tau};
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+    return {.value = s.tau, .forward = s.forward};
   }
 };
 

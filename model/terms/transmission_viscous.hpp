@@ -24,10 +24,12 @@ class TransmissionViscous {
       .shapes = {},
   };
 
+  static constexpr bool kStaysInRange = true;
+
   constexpr TransmissionViscous(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    return {s.forward ? s.dq1 : Scalar{}, s.forward ? Scalar{} : s.dq1};
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+    return {.value = s.dq1, .forward = s.forward};
   }
 };
 

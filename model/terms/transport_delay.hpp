@@ -13,9 +13,9 @@ namespace capstan {
 template <typename Scalar>
 class TransportDelay {
  public:
-  /// Longest delay that can be held, in samples; a longer one is cut to it. On the target 64 ms at 1 kHz; on the host
+  /// Longest delay that can be held, in samples; a longer one is cut to it. On the target 63 ms at 1 kHz; on the host
   /// the longest delay of kInfo still fits in a log of 17 kHz.
-  static constexpr std::int32_t kMaxSamples = std::is_floating_point_v<Scalar> ? 1024 : 64;
+  static constexpr std::int32_t kMaxSamples = std::is_same_v<Scalar, double> ? 1023 : 63;
 
   static constexpr TermInfo<0, 1> kInfo = {
       .name = "transport_delay",
@@ -37,27 +37,28 @@ class TransportDelay {
 
   constexpr void restart() { oldest_age_ = -1; }
   constexpr auto update(Scalar y) -> Scalar {
-    newest_ = newest_ + 1 < kSize ? newest_ + 1 : 0;
-    history_[static_cast<std::size_t>(newest_)] = y;
-    oldest_age_ += oldest_age_ < kSize - 1 ? 1 : 0;
-    const Scalar late = at(whole_);
-    return late + (at(whole_ + 1) - late) * fraction_;
+    newest_ = (newest_ + 1) % kSize;
+    history_[newest_] = y;
+    if (oldest_age_ < whole_) {
+      before_ = ++oldest_age_ == 0 ? y : late_;  // what was before the first sample counts as that
+    } else {
+      before_ = late_;
+    }
+    late_ = history_[(newest_ - static_cast<std::uint32_t>(oldest_age_)) % kSize];
+    return ScalarTraits<Scalar>::between(late_, before_, fraction_);
   }
 
  private:
-  static constexpr std::int32_t kSize =
-      kMaxSamples + 2;  // the newest, and one beyond the oldest to interpolate towards
-  /// What was before the first sample counts as that.
-  [[nodiscard]] constexpr auto at(std::int32_t age) const -> Scalar {
-    const std::int32_t index = newest_ - std::min(age, oldest_age_);
-    return history_[static_cast<std::size_t>(index < 0 ? index + kSize : index)];
-  }
+  static constexpr std::uint32_t kSize = kMaxSamples + 1;
+  static_assert((kSize & (kSize - 1)) == 0, "so that the remainder is a mask");
 
-  std::array<Scalar, static_cast<std::size_t>(kSize)> history_{};
-  std::int32_t newest_ = 0;
+  std::array<Scalar, kSize> history_{};
+  std::uint32_t newest_ = 0;
   std::int32_t whole_ = 0;
   typename ScalarTraits<Scalar>::Gain fraction_{};
-  std::int32_t oldest_age_ = -1;
+  std::int32_t oldest_age_ = -1;  ///< no more than what is asked for
+  Scalar late_{};                 ///< y of `whole_` samples ago, and of one more
+  Scalar before_{};
 };
 
 }  // namespace capstan

@@ -61,6 +61,31 @@ class Chance {
 template <typename Scalar>
 inline Chance<Scalar> chance;
 
+/// A measured number as a law of this format can take it. Fixed point takes all there are. In float one that is not
+/// finite would stay in every state for ever, and fixed point's +-128 have to be looked at: the same duty, no more.
+template <typename Scalar>
+auto admitted(Scalar x, bool& beyond) -> Scalar {
+  if constexpr (std::is_same_v<Scalar, float>) {
+    constexpr float kEnd = 128.0F;
+    if (!(abs(x) < kEnd)) [[unlikely]] {
+      beyond = true;
+      return x >= kEnd ? kEnd : (x <= -kEnd ? -kEnd : 0.0F);
+    }
+  }
+  return x;
+}
+/// One cycle of a motion law with its flag.
+template <typename Scalar>
+[[gnu::always_inline]] inline auto update(MotionLaw<Scalar>& law, Scalar q1, Scalar tau) -> Estimate<Scalar> {
+  bool beyond = false;
+  const Scalar angle = admitted(q1, beyond);
+  const Scalar torque = admitted(tau, beyond);
+  Estimate<Scalar> estimate = law.update(angle, torque);
+  admitted(estimate.q2, beyond);
+  estimate.saturated |= beyond;
+  return estimate;
+}
+
 /// Keeps the compiler from working anything out beforehand, or from leaving it out.
 template <typename T>
 void touch(T& value) {
@@ -159,7 +184,7 @@ void measure_motion_law(Print& out) {
   measure(
       out, "motion_law", [&](int i) { walk.step(i); },
       [&] {
-        estimate = law.update(walk.q1, walk.tau);
+        estimate = update(law, walk.q1, walk.tau);
         touch(estimate);
       });
   Scalar angle;
@@ -269,7 +294,9 @@ void measure_force_laws(Print& out) {
   measure(
       out, "pull_push", [&](int i) { walk.step(i); },
       [&] {
-        estimate = pull_push.update(walk.tau, true);
+        bool beyond = false;
+        estimate = pull_push.update(admitted(walk.tau, beyond), true);
+        estimate.saturated |= beyond;
         touch(estimate);
       });
   constexpr TensionStateParameters<Scalar> kState = {from<Scalar>(1.1414), from<Scalar>(1.1404), from<Scalar>(0.072),
@@ -280,13 +307,17 @@ void measure_force_laws(Print& out) {
   measure(
       out, "tension_state", [&](int i) { walk.step(i); },
       [&] {
-        both = state.update(walk.q1, walk.tau, true);
+        bool beyond = false;
+        both = state.update(admitted(walk.q1, beyond), admitted(walk.tau, beyond), true);
+        both.saturated |= beyond;
         touch(both);
       });
   measure(
       out, "tension_state_jumps", [&](int) { tau = chance<Scalar>.within(from<Scalar>(0.25)); },
       [&] {
-        both = state.update(walk.q1, tau, true);
+        bool beyond = false;
+        both = state.update(admitted(walk.q1, beyond), admitted(tau, beyond), true);
+        both.saturated |= beyond;
         touch(both);
       });
 }
@@ -344,7 +375,7 @@ void measure_axis(Print& out) {
         tau = i % 50 == 0 ? end : chance<Scalar>.within(end);
       },
       [&] {
-        angle = law.update(q1, tau);
+        angle = update(law, q1, tau);
         force = preisach.update(tau);
         touch(angle);
         touch(force);

@@ -12,15 +12,19 @@ namespace capstan {
 constexpr auto abs(float x) -> float {
   return __builtin_fabsf(x);
 }
+constexpr auto square(float x) -> float {
+  return x * x;
+}
 }  // namespace capstan
 
+#include "model/cell_scale.hpp"
 #include "model/exponential.hpp"
 #include "model/reciprocal.hpp"
-#include "model/reversal_surface.hpp"
 #include "model/trigonometry.hpp"
 
 // Single precision for the laws, to compare with and for nothing else: with the same polynomials as fixed point, since
-// the library's functions take longer, and without saturation or its flags, which float has no use for.
+// the library's functions take longer. Nothing inside saturates or is asked whether it has; what float needs is that
+// nothing which is not a number comes in and poisons a state for ever: see `admitted` in costs.hpp.
 namespace capstan {
 
 template <>
@@ -29,6 +33,12 @@ struct ScalarTraits<float> {
   static constexpr auto from(double value) -> float { return static_cast<float>(value); }
   static constexpr auto fraction(double value) -> float { return static_cast<float>(value); }
   static constexpr auto gain(float numerator, float denominator) -> float { return numerator / denominator; }
+  static constexpr auto part(float x, float share) -> float { return x * share; }
+  template <int Bits>
+  static constexpr auto shifted_down(float x) -> float {
+    return x * (1.0F / static_cast<float>(1 << Bits));
+  }
+  static constexpr auto between(float a, float b, float share) -> float { return a + (b - a) * share; }
   static constexpr auto is_saturated(float /*x*/) -> bool { return false; }
   static constexpr auto missing() -> float { return std::numeric_limits<float>::quiet_NaN(); }
   static constexpr auto is_missing(float x) -> bool { return !(x - x == 0.0F); }
@@ -65,6 +75,10 @@ class Reciprocal<float> {
   float inverse_ = 0.0F;
 };
 
+constexpr auto rough_quotient(float a, float b) -> float {
+  return a / b;
+}
+
 template <>
 class CellScale<float> {
  public:
@@ -84,8 +98,9 @@ template <>
 class Phase<float> {
  public:
   explicit Phase(float quarters) : quarters_(quarters) {}
-  [[nodiscard]] auto sine() const -> float { return sine_of(quarters_); }
-  [[nodiscard]] auto cosine() const -> float { return sine_of(quarters_ + 1.0F); }
+  [[nodiscard]] auto sine_and_cosine() const -> std::array<float, 2> {
+    return {sine_of(quarters_), sine_of(quarters_ + 1.0F)};
+  }
 
  private:
   static auto sine_of(float quarters) -> float {

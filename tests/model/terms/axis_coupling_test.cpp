@@ -69,8 +69,8 @@ TYPED_TEST(Coupling, IsNothingWithoutAnotherAxis) {
   AxisCoupling<TypeParam> coupling(one_khz<TypeParam>(), {});
   for (int i = 0; i < 100; ++i) {
     const auto phi = coupling.update(conditioner.update(number<TypeParam>(0.01 * i), number<TypeParam>(0.5)));
-    for (const auto regressor : phi) {
-      ASSERT_EQ(value_of(regressor), 0.0);
+    for (std::size_t k = 0; k < phi.size(); ++k) {
+      ASSERT_EQ(value_of(phi[k]), 0.0);
     }
   }
 }

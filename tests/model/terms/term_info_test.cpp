@@ -81,8 +81,8 @@ void expect_finite_with_no_shape() {
   Term term(test::one_khz<Scalar>(), {});
   for (const double q1 : {0.0, 0.5, -0.25}) {
     const auto phi = term.update({.q1 = test::number<Scalar>(q1), .dq1 = test::number<Scalar>(q1)});
-    for (const auto regressor : phi) {
-      EXPECT_FALSE(ScalarTraits<Scalar>::is_missing(regressor)) << Term::kInfo.name;
+    for (std::size_t k = 0; k < phi.size(); ++k) {
+      EXPECT_FALSE(ScalarTraits<Scalar>::is_missing(phi[k])) << Term::kInfo.name;
     }
   }
 }
