@@ -63,7 +63,7 @@ constexpr auto high_product(std::int32_t a, std::int32_t b) -> std::int32_t {
 // What a Cortex-M4 has one instruction for and GCC does not find by itself. Each is the expression beside it, bit for
 // bit.
 
-/// sum + a b / 2^32, rounded down: a step of a polynomial. @pre the result fits
+/// sum + a b / 2^32, rounded down, modulo 2^32: a step of a polynomial, or of an angle that wraps.
 constexpr auto high_product_plus(std::int32_t sum, std::int32_t a, std::int32_t b) -> std::int32_t {
 #ifdef __ARM_FEATURE_DSP
   if (!std::is_constant_evaluated()) {
@@ -72,7 +72,7 @@ constexpr auto high_product_plus(std::int32_t sum, std::int32_t a, std::int32_t 
     return result;
   }
 #endif
-  return sum + high_product(a, b);
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(sum) + static_cast<std::uint32_t>(high_product(a, b)));
 }
 
 constexpr auto saturating_sum(std::int32_t a, std::int32_t b) -> std::int32_t {

@@ -59,19 +59,15 @@ class Preisach {
   /// One sample of the input (torque or voltage, the unit of the table); between samples the input is taken as
   /// monotone.
   constexpr auto update(Scalar input) -> ForceEstimate<Scalar> {
-    ForceEstimate<Scalar> estimate;
     if (!usable_) {
-      estimate.beyond_table = true;
-      return estimate;
+      return {.beyond_table = true};
     }
-    const Position x = surface_.locate(input, estimate.beyond_table);
+    bool beyond = false;
+    const Position x = surface_.locate(input, beyond);
     const std::uint32_t cut_before = cut_loops_;
     move_to(x);
     known_ = known_ || x == surface_.lowest() || x == surface_.highest();
-    estimate.force = force_here();
-    estimate.known = known_;
-    estimate.history_cut = cut_loops_ != cut_before;
-    return estimate;
+    return {.force = force_here(), .known = known_, .beyond_table = beyond, .history_cut = cut_loops_ != cut_before};
   }
 
   /// The law turned round: the input that a monotone motion from the present one has to reach for this force, with all

@@ -41,7 +41,8 @@ class ReversalSurface {
   /// A surface of no table, to be assigned one before anything is asked of it.
   constexpr ReversalSurface() = default;
   /// @pre check(table) passes with some tolerance
-  constexpr explicit ReversalSurface(const Table& table) : table_(&table) {
+  constexpr explicit ReversalSurface(const Table& table)
+      : table_(&table), half_(std::bit_floor(std::size_t{table.levels - 1})) {
     for (std::size_t cell = 0; cell + 1 < table.levels; ++cell) {
       scales_[cell] = CellScale<Scalar>(table.inputs[cell], table.inputs[cell + 1]);
     }
@@ -70,12 +71,15 @@ class ReversalSurface {
     beyond = false;
     // The cells are the last power of two or fewer behind one place, or that many from the first on; halving then needs
     // no other bound. At most ten rounds.
-    std::size_t step = std::bit_floor(last);
-    std::size_t low = input < table_->inputs[last - step] ? 0 : last - step;
-    for (step /= 2; step > 0; step /= 2) {
-      low += input < table_->inputs[low + step] ? 0 : step;
+    const Scalar* const first = table_->inputs.data();
+    const Scalar* low = input < first[last - half_] ? first : first + (last - half_);
+    for (std::size_t step = half_ / 2; step > 0; step /= 2) {
+      if (!(input < low[step])) {
+        low += step;
+      }
     }
-    return {low, scales_[low].fraction(input, table_->inputs[low])};
+    const auto cell = static_cast<std::size_t>(low - first);
+    return {cell, scales_[cell].fraction(input, *low)};
   }
 
   /// The input that lies there.
@@ -94,7 +98,7 @@ class ReversalSurface {
                            a.fraction);
   }
   /// f_uu.
-  [[nodiscard]] constexpr auto on_diagonal(const Position& u) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto on_diagonal(const Position& u) const -> Scalar {
     const Scalar* const near = &table_->forces[Table::index(u.cell, u.cell)];
     return Traits::between(near[0], near[u.cell + 2], u.fraction);
   }
@@ -103,6 +107,7 @@ class ReversalSurface {
   using Traits = ScalarTraits<Scalar>;
 
   const Table* table_ = nullptr;
+  std::size_t half_ = 0;  ///< the largest power of two that is not above the number of cells
   std::array<CellScale<Scalar>, MaxLevels - 1> scales_{};
 };
 

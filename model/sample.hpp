@@ -56,8 +56,7 @@ class SampleConditioner {
       : dt_(dt),
         threshold_(shape.direction_threshold_rad),
         gain_(dt.filter_gain(shape.rate_time_constant_s)),
-        acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)),
-        per_millisecond_(dt.samples_per_millisecond()) {}
+        acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)) {}
 
   /// As newly made: the next sample is the first.
   constexpr void restart() {
@@ -86,7 +85,7 @@ class SampleConditioner {
     const Scalar rate_error = rate - sample_.dq1;
     const Scalar step = Traits::part(rate_error, gain_);
     sample_.dq1 += step;
-    sample_.ddq1 = Traits::between(sample_.ddq1, step * per_millisecond_, acceleration_gain_);
+    sample_.ddq1 = Traits::between(sample_.ddq1, dt_.per_millisecond(step), acceleration_gain_);
     sample_.saturated = Traits::is_saturated(now.q1) || Traits::is_saturated(now.tau) || Traits::is_saturated(rate) ||
                         Traits::is_saturated(rate_error);
     sample_.q1 = now.q1;
@@ -131,7 +130,6 @@ class SampleConditioner {
   Scalar threshold_;
   typename ScalarTraits<Scalar>::Gain gain_;
   typename ScalarTraits<Scalar>::Gain acceleration_gain_;
-  Scalar per_millisecond_;
   Scalar extreme_{};
   Scalar torque_at_extreme_{};
   Sample<Scalar> sample_{};

@@ -89,7 +89,8 @@ class SamplePeriod<double> {
  public:
   constexpr explicit SamplePeriod(double seconds) : seconds_(seconds) {}
   [[nodiscard]] constexpr auto rate_of(double difference) const -> double { return difference / seconds_; }
-  [[nodiscard]] constexpr auto samples_per_millisecond() const -> double { return 0.001 / seconds_; }
+  /// What changes by so much a sample changes by so much a millisecond.
+  [[nodiscard]] constexpr auto per_millisecond(double change) const -> double { return change * (0.001 / seconds_); }
   /// Gain g of the first-order filter x += g (u - x) with the given time constant, s: g = dt / (T + dt). A time
   /// constant below zero counts as zero: the gain is then one, and the filter lets everything through.
   [[nodiscard]] constexpr auto filter_gain(double time_constant_s) const -> double {
@@ -117,8 +118,11 @@ class SamplePeriod<Q24> {
   [[nodiscard]] constexpr auto rate_of(Q24 difference) const -> Q24 {
     return Q24::from_wide(wide_product(difference.raw(), rate_hz_));
   }
-  [[nodiscard]] constexpr auto samples_per_millisecond() const -> Q24 {
-    return Q24::from_wide((rate_hz_ * kOne + 500) / 1000);
+  [[nodiscard]] constexpr auto per_millisecond(Q24 change) const -> Q24 {
+    if (rate_hz_ == 1000) [[likely]] {  // the boards' rate
+      return change;
+    }
+    return change * Q24::from_wide((rate_hz_ * kOne + 500) / 1000);
   }
   [[nodiscard]] constexpr auto rate_hz() const -> std::int32_t { return rate_hz_; }
   [[nodiscard]] constexpr auto filter_gain(Q24 time_constant_s) const -> Q30 {

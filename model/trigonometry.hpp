@@ -96,17 +96,20 @@ class PhaseScale<Q24> {
     // 2^60 / (2 pi) in two halves, so that both products fit; then to 2^-40 turns per unit.
     constexpr std::int64_t kHigh = 0x28BE60D;
     constexpr std::int64_t kLow = 0xB9391055;
-    turns_per_unit_ = (factor.raw() * kHigh + ((factor.raw() * kLow) >> 32)) >> 12;
+    const std::int64_t turns_per_unit = (factor.raw() * kHigh + ((factor.raw() * kLow) >> 32)) >> 12;
+    low_ = static_cast<std::int32_t>(turns_per_unit);
+    high_ = static_cast<std::uint32_t>((turns_per_unit - low_) >> 32);
   }
   [[nodiscard]] constexpr auto operator()(Q24 x) const -> Phase<Q24> {
     // 2^-24 times 2^-40: the product modulo 2^64 is the fraction of a turn, and its upper half is the phase.
-    const auto product =
-        static_cast<std::uint64_t>(std::int64_t{x.raw()}) * static_cast<std::uint64_t>(turns_per_unit_);
-    return Phase<Q24>(static_cast<std::uint32_t>(product >> 32));
+    const std::int32_t raw = just_32_bits(x.raw());
+    const auto whole = static_cast<std::int32_t>(static_cast<std::uint32_t>(raw) * high_);
+    return Phase<Q24>(static_cast<std::uint32_t>(high_product_plus(whole, raw, low_)));
   }
 
  private:
-  std::int64_t turns_per_unit_;
+  std::uint32_t high_ = 0;  ///< turns per unit, 2^-40: high 2^32 + low
+  std::int32_t low_ = 0;
 };
 
 }  // namespace capstan

@@ -47,9 +47,10 @@ struct ScalarTraits<float> {
 template <>
 class SamplePeriod<float> {
  public:
-  constexpr explicit SamplePeriod(float seconds) : seconds_(seconds), rate_hz_(1.0F / seconds) {}
+  constexpr explicit SamplePeriod(float seconds)
+      : seconds_(seconds), rate_hz_(1.0F / seconds), per_millisecond_(0.001F / seconds) {}
   [[nodiscard]] constexpr auto rate_of(float difference) const -> float { return difference * rate_hz_; }
-  [[nodiscard]] constexpr auto samples_per_millisecond() const -> float { return 0.001F * rate_hz_; }
+  [[nodiscard]] constexpr auto per_millisecond(float change) const -> float { return change * per_millisecond_; }
   [[nodiscard]] constexpr auto filter_gain(float time_constant_s) const -> float {
     return time_constant_s > 0.0F ? seconds_ / (time_constant_s + seconds_) : 1.0F;
   }
@@ -62,6 +63,7 @@ class SamplePeriod<float> {
  private:
   float seconds_;
   float rate_hz_;
+  float per_millisecond_;
 };
 
 template <>
