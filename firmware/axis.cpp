@@ -164,6 +164,7 @@ void Axis::rt_estimate(const Axis* other, Q24 temperature_c) {
     force_.rt_observe(telemetry_.drive_a * config_.motor.torque_per_current_nm_per_a);
     telemetry_.joint_torque_nm = force_.estimate().force;
     telemetry_.joint_torque_known = force_.estimate().known;
+    telemetry_.joint_torque_phase = force_.estimate().phase;
   }
 }
 

@@ -72,6 +72,7 @@ struct AxisTelemetry {
   std::uint8_t limits = 0;
   bool estimate_valid = false;
   bool joint_torque_known = false;  ///< the force law's past no longer matters
+  ForcePhase joint_torque_phase = ForcePhase::kUnknown;
   WarningSet warnings = 0;
   ControlMode mode = ControlMode::kPosition;
   bool moving = false;  ///< its reference is, or comes as a stream

@@ -317,12 +317,14 @@ auto check(const AxisConfig& config) -> const char* {
   if (config.limits.continuous_current_a > config.limits.current_a) {
     return "limits.continuous_current is above limits.current; lower it or raise limits.current";
   }
-  if (config.force.law == static_cast<std::int32_t>(ForceLawKind::kPreisach)) {
-    if (const TableCheck table = check(config.force.grid, ForceConfig::Law::kRounding); !table.ok()) {
-      return describe(table.fault);
-    }
-  }
-  return nullptr;
+  const TableCheck grid = check_grid(config);
+  return grid.ok() ? nullptr : describe(grid.fault);
+}
+
+auto check_grid(const AxisConfig& config) -> TableCheck {
+  return config.force.law == static_cast<std::int32_t>(ForceLawKind::kPreisach)
+             ? check(config.force.grid, ForceConfig::Law::kRounding)
+             : TableCheck{};
 }
 
 }  // namespace capstan

@@ -51,5 +51,7 @@ auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> cons
 
 /// What no single range can say: nullptr if the set is sound, else a sentence with the cure.
 auto check(const AxisConfig& config) -> const char*;
+/// What `check` says of the Preisach grid, and where; ok if nothing.
+auto check_grid(const AxisConfig& config) -> TableCheck;
 
 }  // namespace capstan

@@ -147,7 +147,13 @@ void Shell::commit() {
       return;
     }
     if (const char* problem = check(staged_[axis])) {
-      out_ << "error inconsistent: nothing was changed, because " << problem << "\r\n";  // it ends in its own cure
+      out_ << "error inconsistent: nothing was changed, because ";
+      if (const TableCheck grid = check_grid(staged_[axis]);
+          !grid.ok() && problem == std::string_view(describe(grid.fault))) {
+        out_ << "at row " << static_cast<std::uint32_t>(grid.row) << ", column "
+             << static_cast<std::uint32_t>(grid.column) << " of the preisach grid ";
+      }
+      out_ << problem << "\r\n";  // it ends in its own cure
       prompt();
       return;
     }

@@ -13,7 +13,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 17> kJointSignals = {
+constexpr std::array<SignalInfo, 18> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -38,6 +38,9 @@ constexpr std::array<SignalInfo, 17> kJointSignals = {
                offsetof(AxisTelemetry, estimate_valid)},
     SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
                offsetof(AxisTelemetry, joint_torque_known)},
+    SignalInfo{"force_phase", "tau_out_phase", "1",
+               "phase of pull_push: 1 held, 2 the pulled tendon moves, 3 both do, 4 one is slack; 0 none or unknown",
+               SignalType::kByte, offsetof(AxisTelemetry, joint_torque_phase)},
     SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control, 3 motor position", SignalType::kByte,
                offsetof(AxisTelemetry, mode)},
     SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,

@@ -48,7 +48,7 @@ class Reciprocal<Q24> {
   int shift_ = 1;
 };
 
-/// a / b within 2^-14 of itself, for a step that is checked afterwards: a fifth of a division's instructions on a
+/// a / b within 2^-13 of itself, for a step that is checked afterwards: a fifth of a division's instructions on a
 /// Cortex-M4. @pre b > 0
 constexpr auto rough_quotient(double a, double b) -> double {
   return a / b;

@@ -3,8 +3,11 @@
 // of it is in tests/tools/run/force_control_test.cpp.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <vector>
 
+#include "firmware/signals.hpp"
 #include "tests/firmware/support.hpp"
 
 namespace capstan {
@@ -166,6 +169,51 @@ TEST(ForceControlShell, PastOfTheLawIsSaidUntilItDoesNotMatter) {
   bench.ticks(500);
   EXPECT_TRUE(bench.joint().joint_torque_known);
   EXPECT_EQ(bench.say("status").find("(past unknown: "), std::string::npos);
+}
+
+TEST(ForceControlShell, ReversalTableThatFallsOrIsOutOfOrderIsRefusedWithRowAndColumn) {
+  Bench bench;
+  const auto commit = [&bench](const char* spoilt) {
+    bench.say("begin");
+    for (const char* line :
+         {"set joint0.force.law 3", "set joint0.preisach.levels 3", "set joint0.preisach.input_0 -1 Nm",
+          "set joint0.preisach.input_1 0 Nm", "set joint0.preisach.input_2 1 Nm", "set joint0.preisach.force_0_0 -1 Nm",
+          "set joint0.preisach.force_1_0 -1 Nm", "set joint0.preisach.force_1_1 0 Nm",
+          "set joint0.preisach.force_2_0 -1 Nm", "set joint0.preisach.force_2_1 0.5 Nm",
+          "set joint0.preisach.force_2_2 1 Nm", spoilt}) {
+      EXPECT_EQ(verdict(bench.say(line)), "ok") << line;
+    }
+    const std::string answer = bench.say("commit");
+    bench.say("abandon");
+    return answer;
+  };
+  EXPECT_NE(commit("set joint0.preisach.force_2_1 -1.5 Nm").find("at row 2, column 1 of the preisach grid "),
+            std::string::npos);
+  EXPECT_NE(commit("set joint0.preisach.force_1_1 -1.5 Nm").find("at row 1, column 1 of the preisach grid "),
+            std::string::npos);
+  EXPECT_NE(commit("set joint0.preisach.input_2 0 Nm").find("at row 2, column 0 of the preisach grid the input levels"),
+            std::string::npos);
+  EXPECT_EQ(verdict(commit("set joint0.preisach.force_2_1 0.5 Nm")), "ok") << "as it should be";
+}
+
+// Thesis 2.3, as scope, watch and record show it: from a past that nobody knows over both tendons to one, then rest.
+TEST(ForceControlShell, PhaseOfTheLawIsASignal) {
+  Bench bench;
+  hold_still(bench);
+  const Signal signal = find_signal("joint0.force_phase", 1);
+  ASSERT_NE(signal.info, nullptr);
+  std::vector<std::int32_t> phases;
+  const double slack_at = line_by_hand().one_slope * line_by_hand().slack_from;
+  ASSERT_EQ(verdict(bench.say("move joint0 force=" + std::to_string(1.5 * slack_at) + " rate=0.2")), "ok");
+  for (int i = 0; i < 1000; ++i) {
+    bench.ticks(1);
+    const std::array now = {bench.joint()};
+    const std::int32_t phase = rt_raw(signal, {}, now);
+    if (phases.empty() || phase != phases.back()) {
+      phases.push_back(phase);
+    }
+  }
+  EXPECT_EQ(phases, (std::vector<std::int32_t>{0, 3, 4, 1}));
 }
 
 TEST(ForceControlShell, TipThatIsNotHeldIsHeldWhereItRunsAway) {

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+#include "model/scalar.hpp"
+
 namespace capstan {
 namespace {
 
@@ -87,6 +89,26 @@ RC_GTEST_PROP(Fixed, ProductsAreTheNearestNumberHalvesUpwards, ()) {
   RC_ASSERT(is_nearest((Q24::from_raw(a) * Q24::from_raw(b)).raw(), exact, Wide{1} << 24));
   RC_ASSERT(is_nearest((Q24::from_raw(a) * Q30::from_raw(b)).raw(), exact, Wide{1} << 30));
   RC_ASSERT(is_nearest((Q30::from_raw(a) * Q24::from_raw(b)).raw(), exact, Wide{1} << 24));
+}
+
+// What a Cortex-M4 does in one instruction; the replayed run shows that it does the same.
+RC_GTEST_PROP(Fixed, StepOfAPolynomialIsTheUpperHalfOfTheExactSumModulo32Bits, ()) {
+  const std::int32_t sum = *any_raw();
+  const std::int32_t a = *any_raw();
+  const std::int32_t b = *any_raw();
+  const Wide exact = (static_cast<Wide>(sum) << 32) + static_cast<Wide>(a) * b;
+  RC_ASSERT(high_product_plus(sum, a, b) == static_cast<std::int32_t>(static_cast<std::uint32_t>(exact >> 32)));
+}
+
+RC_GTEST_PROP(Fixed, PartsAndPlacesBetweenAreTheNearestNumber, ()) {
+  const std::int32_t a = *any_raw();
+  const std::int32_t b = *any_raw();
+  const std::int32_t share = *rc::gen::oneOf(rc::gen::inRange(0, (1 << 30) + 1), rc::gen::element(0, 1, 1 << 30));
+  using Traits = ScalarTraits<Q24>;
+  const Q30 gain = Q30::from_raw(share);
+  RC_ASSERT(is_nearest(Traits::part(Q24::from_raw(a), gain).raw(), static_cast<Wide>(a) * share, Wide{1} << 30));
+  const Wide between = static_cast<Wide>(a) * ((1 << 30) - share) + static_cast<Wide>(b) * share;
+  RC_ASSERT(is_nearest(Traits::between(Q24::from_raw(a), Q24::from_raw(b), gain).raw(), between, Wide{1} << 30));
 }
 
 RC_GTEST_PROP(Fixed, QuotientsAreTheNearestNumberHalvesUpwards, ()) {

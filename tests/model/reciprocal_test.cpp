@@ -45,5 +45,14 @@ TEST(Reciprocal, OfNothingTakesAnyNumberToAnEndOfTheRange) {
   EXPECT_EQ(Q24{} * Reciprocal<Q24>(Q24{}), Q24{});
 }
 
+RC_GTEST_PROP(RoughQuotient, IsWithinTheStatedShareOfTheQuotient, ()) {
+  const Q24 a = any_of_any_size();
+  const Q24 b = Q24::from_raw(std::max(1, abs(any_of_any_size()).raw()));
+  const double exact = a.to_double() / b.to_double();
+  const double within = std::clamp(exact, Q24::lowest().to_double(), Q24::max().to_double());
+  const double error = std::fabs(rough_quotient(a, b).to_double() - within);
+  RC_ASSERT(error <= std::fabs(exact) * 0x1p-13 + kLsb);
+}
+
 }  // namespace
 }  // namespace capstan
