@@ -80,6 +80,44 @@ TEST_F(Command, DiagnoseWritesJsonReportAndLaw) {
   EXPECT_NE(outcome.output.find("verdict: effect"), std::string::npos) << outcome.output;
   EXPECT_TRUE(exists("d.json") && exists("report/index.html") && exists("law.toml"));
   EXPECT_NE(read_text_file(path("law.toml")).find("[terms.play]"), std::string::npos);
+  request.seed = 2;
+  const Outcome again = run("identify " + write_log(request) + " --model \"" + path("law.toml") + "\"");
+  EXPECT_EQ(again.status, 0) << again.output;
+  EXPECT_NE(again.output.find("play.half_width"), std::string::npos) << again.output;
+}
+
+TEST_F(Command, WhatALogCanNotDetermineIsNamedAndNotPrinted) {
+  AxisLog log = test::synthetic_log(short_log(200.0));
+  log.tau_nm.setZero();
+  write_text_file(path("log.csv"), test::log_text(log));
+  const std::string name = "\"" + path("log.csv") + "\"";
+  const Outcome identified = run("identify " + name + " -o \"" + path("joint.toml") + "\"");
+  EXPECT_EQ(identified.status, 1);
+  EXPECT_NE(identified.output.find("can not determine tendon_elongation.top, tendon_elongation.bottom;"),
+            std::string::npos)
+      << identified.output;
+  EXPECT_EQ(identified.output.find("tendon_elongation.top   "), std::string::npos) << identified.output;
+  EXPECT_FALSE(exists("joint.toml"));
+  const Outcome diagnosed = run("diagnose " + name + " --base pseudo_kinematic --json \"" + path("d.json") + "\"");
+  EXPECT_EQ(diagnosed.status, 1);
+  EXPECT_NE(read_text_file(path("d.json")).find("\"verdict\": \"not_identifiable\""), std::string::npos);
+  EXPECT_NE(diagnosed.output.find("tendon_elongation.top"), std::string::npos) << diagnosed.output;
+}
+
+TEST_F(Command, ALogWithTooLittleMotionIsUnfitAndSaysWhatToRecord) {
+  const AxisLog made = test::synthetic_log(short_log(200.0));
+  AxisLog small = made;  // hardly more than the counts of its encoder
+  small.q1_rad = (4.0 * made.q1_rad.array()).round() * 1e-3;
+  AxisLog one_way = made;
+  one_way.q1_rad = 0.1 * made.time_s;
+  one_way.q2_rad = 0.1 * made.time_s;
+  for (const AxisLog& log : {small, one_way}) {
+    write_text_file(path("log.csv"), test::log_text(log));
+    const Outcome outcome = run("diagnose \"" + path("log.csv") + "\" --json \"" + path("d.json") + "\"");
+    EXPECT_EQ(outcome.status, 1) << outcome.output;
+    EXPECT_NE(outcome.output.find("; record a "), std::string::npos) << outcome.output;
+    EXPECT_NE(read_text_file(path("d.json")).find("\"verdict\": \"data_unfit\""), std::string::npos);
+  }
 }
 
 TEST_F(Command, AnUnknownEffectIsARefusal) {

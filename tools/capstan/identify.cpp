@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "tools/capstan/commands.hpp"
 #include "tools/capstan/identify_force.hpp"
@@ -21,16 +22,27 @@ struct IdentifyOptions {
   std::string target, output;
 };
 
+/// The law of a joint file, to be fitted anew from where it is.
+auto form_of_file(const std::string& path) -> LawForm {
+  const JointFile joint = read_joint_file(path);
+  return {joint.catalogue, joint.terms, joint.parameters.shapes};
+}
+
 auto run_identify(const IdentifyOptions& options) -> int {
   if (is_force_model(options.model)) {
     return identify_force(options.logs, options.model, options.output);
   }
-  const auto terms = terms_of_model(options.model);
+  const auto file = options.model.ends_with(".toml") ? std::optional(form_of_file(options.model)) : std::nullopt;
+  const auto terms = file ? file->terms : terms_of_model(options.model);
   AxisRequest request;
   request_target(options.target, options.model, request);
+  if (file && request.effort) {
+    throw BadInput("the law of " + options.model + " explains a joint angle, and " + options.target +
+                   " is an effort; leave --target out, or choose --model rigid_dynamics");
+  }
   request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
   const auto logs = options.logs.read(request);
-  const LawForm form = form_of_model(options.model, logs);
+  const LawForm form = file ? *file : form_of_model(options.model, logs);
   const Identification result = identify(logs, form);
   for (const auto& note : result.notes) {
     std::cerr << "note: " << note << "\n";
@@ -62,7 +74,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->add_option("--model", options->model,
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
                    "pull_push, preisach; of an effort: "
-                   "rigid_dynamics")
+                   "rigid_dynamics; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");

@@ -169,7 +169,9 @@ auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::V
 
 auto averaged_for_force(const std::string& model, const AxisLog& log) -> AxisLog {
   const Eigen::Index most_rows = model == kPullPush ? 16000 : 4000;  // one column, or one for each cell
-  const Eigen::Index stretch = (log.samples() + most_rows - 1) / most_rows;
+  constexpr double kLongestRowS = 0.04;  // beyond, the mean cuts off what a quick motion reaches
+  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / log.period_s));
+  const Eigen::Index stretch = std::min(longest, (log.samples() + most_rows - 1) / most_rows);
   AxisLog result = log;
   result.period_s *= static_cast<double>(stretch);
   for_each_signal(result, [stretch](auto& signal) {

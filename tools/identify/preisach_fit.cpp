@@ -21,11 +21,15 @@ struct Averaged {
 };
 auto average(const std::vector<ForceLog>& logs) -> Averaged {
   constexpr Eigen::Index kMostRows = 8000;
+  constexpr double kLongestRowS = 0.04;  // beyond, the mean cuts off what a quick motion reaches
   Eigen::Index total = 0;
   for (const auto& log : logs) {
     total += log.samples();
   }
-  const Eigen::Index stretch = std::max<Eigen::Index>(1, (total + kMostRows - 1) / kMostRows);
+  const Eigen::VectorXd& time_s = logs.front().time_s;
+  const double period_s = (time_s.tail(1)[0] - time_s[0]) / static_cast<double>(time_s.size() - 1);
+  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / period_s));
+  const Eigen::Index stretch = std::clamp<Eigen::Index>((total + kMostRows - 1) / kMostRows, 1, longest);
   Averaged averaged;
   Eigen::Index rows = 0;
   for (const auto& log : logs) {

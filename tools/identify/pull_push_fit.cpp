@@ -170,12 +170,20 @@ auto start_of(const Rows& rows) -> Theta {
   return theta;
 }
 
+/// What the numbers of the law may be, the motor's friction and the offset left free.
+constexpr double kLeast[] = {1e-3, 1e-3, 0.0, 1e-3};
+constexpr double kMost[] = {3.0, 3.0, 8.0, 4.0};
+
 auto kept_in_range(Theta theta) -> Theta {
-  theta[kEtaTop] = std::clamp(theta[kEtaTop], 1e-3, 3.0);
-  theta[kEtaBottom] = std::clamp(theta[kEtaBottom], 1e-3, 3.0);
-  theta[kPretension] = std::clamp(theta[kPretension], 0.0, 8.0);
-  theta[kRatio] = std::clamp(theta[kRatio], 1e-3, 4.0);
+  for (Eigen::Index i = 0; i < kFriction; ++i) {
+    theta[i] = std::clamp(theta[i], kLeast[i], kMost[i]);
+  }
   return theta;
+}
+
+/// A number that ended at a limit of its range is not identified.
+auto at_limit(const Theta& theta, Eigen::Index i) -> bool {
+  return i < kFriction && (theta[i] <= kLeast[i] || theta[i] >= kMost[i]);
 }
 
 /// Gauss and Newton with steps halved until the error falls; `fit` gets the covariance at the end.
@@ -313,12 +321,14 @@ auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit {
   for (Eigen::Index k = 0; k < kUnknowns; ++k) {
     const auto i = static_cast<std::size_t>(k);
     result.parameters.push_back({kNames[i], kUnits[i], theta[k], half_interval(fit, k)});
-    if (fit.tolerance[k] < 1e-7 || half_interval(fit, k) > enough[i]) {
+    if (at_limit(theta, k) || fit.tolerance[k] < 1e-7 || half_interval(fit, k) > enough[i]) {
       result.undetermined.emplace_back(kNames[i]);
     }
   }
   for (const auto& [s, name] : {std::pair{1.0, "stiffness_top"}, std::pair{-1.0, "stiffness_bottom"}}) {
-    if (const auto found = stiffness(theta, fit, rows, s, name)) {
+    // Without the pretension nobody knows on which rows a tendon was slack.
+    const auto found = at_limit(theta, kPretension) ? std::nullopt : stiffness(theta, fit, rows, s, name);
+    if (found) {
       result.parameters.push_back(*found);
     } else {
       result.undetermined.emplace_back(name);

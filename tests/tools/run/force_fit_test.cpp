@@ -77,6 +77,7 @@ TEST(PullPushFit, TriangleTooSmallForSlackTendonsLeavesFrictionUndetermined) {
   plant.environment.kind = sim::EnvironmentKind::kLocked;
   const PullPushFit fit = fit_pull_push({turn_by_hand(plant, 60.0, triangle(0.09, 0.05))});
   const auto names = fit.undetermined;
+  EXPECT_NE(std::find(names.begin(), names.end(), "pretension"), names.end());
   EXPECT_NE(std::find(names.begin(), names.end(), "stiffness_top"), names.end());
   EXPECT_NE(std::find(names.begin(), names.end(), "stiffness_bottom"), names.end());
   EXPECT_FALSE(fit.cure.empty());
