@@ -17,6 +17,11 @@ auto packed(const FaultEntry& entry) -> std::uint32_t {
          static_cast<std::uint32_t>(entry.joints) << 16U;
 }
 
+/// What the cycle writes while others may copy the memory.
+void rt_put(std::uint32_t& word, std::uint32_t value) {
+  std::atomic_ref(word).store(value, std::memory_order_relaxed);
+}
+
 auto joints_with(Fault fault, std::span<const AxisTelemetry> axes) -> std::uint8_t {
   unsigned joints = 0;
   for (std::size_t i = 0; i < axes.size(); ++i) {
@@ -117,28 +122,28 @@ void FaultLog::release() {
 
 void FaultLog::rt_add(const FaultEntry& entry) {
   const auto words = memory_.subspan(kHeadWords + memory_[kFaults] % kEntries * kEntryWords, kEntryWords);
-  words[0] = entry.start;
-  words[1] = entry.tick;
-  words[2] = packed(entry);
-  words[3] = entry.conditions;
+  rt_put(words[0], entry.start);
+  rt_put(words[1], entry.tick);
+  rt_put(words[2], packed(entry));
+  rt_put(words[3], entry.conditions);
   std::atomic_ref(memory_[kFaults]).store(memory_[kFaults] + 1, std::memory_order_release);
 }
 
 void FaultLog::rt_store(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {
   std::uint32_t* place = &memory_[kHeadWords + kEntries * kEntryWords + memory_[kNext] * sample_words(axes_)];
-  *place++ = machine.tick;
+  rt_put(*place++, machine.tick);
   for (const AxisTelemetry& axis : axes) {
     // Three numbers in the lower 24 bits, the fourth in the upper 8 of all.
     const auto last = static_cast<std::uint32_t>(axis.q2_reference_rad.raw()) >> 8U;
     std::uint32_t shift = 0;
     for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad}) {
-      *place++ = static_cast<std::uint32_t>(value.raw()) >> 8U | (last >> shift) << 24U;
+      rt_put(*place++, static_cast<std::uint32_t>(value.raw()) >> 8U | (last >> shift) << 24U);
       shift += 8;
     }
   }
-  memory_[kNext] = memory_[kNext] + 1 == kSamples ? 0 : memory_[kNext] + 1;
-  memory_[kStored] = std::min<std::uint32_t>(memory_[kStored] + 1, kSamples);
-  memory_[kLastTick] = machine.tick;
+  rt_put(memory_[kNext], memory_[kNext] + 1 == kSamples ? 0 : memory_[kNext] + 1);
+  rt_put(memory_[kStored], std::min<std::uint32_t>(memory_[kStored] + 1, kSamples));
+  rt_put(memory_[kLastTick], machine.tick);
 }
 
 void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {
@@ -148,8 +153,8 @@ void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTele
   const State before = last_;
   last_ = machine.state;
   if (energised(machine.state) && !energised(before) && phase() == kFree) {
-    memory_[kNext] = 0;
-    memory_[kStored] = 0;
+    rt_put(memory_[kNext], 0);
+    rt_put(memory_[kStored], 0);
     set_phase(kRunning);
   }
   const bool running = phase() == kRunning;
@@ -168,7 +173,7 @@ void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTele
             .conditions = machine.conditions});
     if (running) {
       rt_store(machine, axes);
-      memory_[kKept] = memory_[kFaults];
+      rt_put(memory_[kKept], memory_[kFaults]);
       set_phase(kFrozen);
     }
   } else if (running) {  // disarmed: nothing happened

@@ -42,7 +42,26 @@ auto make_joints(const BoardOptions& options, capstan::Banks& banks, std::span<s
                                    : capstan::can_joints(options.can, options.gpio, banks, fault_memory, std::cerr);
 }
 
-void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
+/// The fault log's file, from what the cycle has written into memory.
+void keep_faults(capstan::LinuxRtBoard& board, capstan::RetainedMemory& retained) {
+  if (const std::string problem = retained.keep(energised(board.machine().telemetry().state)); !problem.empty()) {
+    std::cerr << "capstan_linux_rt: " << problem << '\n';
+  }
+}
+
+auto retained_memory(const BoardOptions& options) -> std::unique_ptr<capstan::RetainedMemory> {
+  const std::size_t words = capstan::FaultLog::words_for(joints_of(options));
+  auto retained = options.storage.empty()
+                      ? std::make_unique<capstan::RetainedMemory>(words)
+                      : std::make_unique<capstan::RetainedMemory>(options.storage + ".faults", words);
+  if (!retained->remark().empty()) {
+    std::cerr << "capstan_linux_rt: " << retained->remark() << ".\n";
+  }
+  return retained;
+}
+
+void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options,
+           capstan::RetainedMemory& retained) {
   using std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookAround{20};
   capstan::Shell shell(board.machine(), console, board, console.is_terminal());
@@ -54,6 +73,7 @@ void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardO
       board.link_lost();
     }
     board.report(std::cerr);
+    keep_faults(board, retained);
     if (feed.done() && !options.seconds) {
       break;
     }
@@ -98,12 +118,13 @@ auto run(const BoardOptions& options) -> int {
   }
   capstan::Console console = capstan::Console::open(options.console);
   say_where(console, options);
-  const capstan::RetainedMemory retained(capstan::FaultLog::words_for(joints_of(options)));
+  const auto retained = retained_memory(options);
   for (bool again = true; again;) {
-    capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, retained.words()));
+    capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, retained->words()));
     board.start();
-    serve(board, console, options);
+    serve(board, console, options, *retained);
     const capstan::RtReport report = board.stop();
+    keep_faults(board, *retained);
     board.report(std::cerr);
     say_how_it_went(report, console);
     again = board.reboot_wanted();

@@ -162,7 +162,8 @@ Without --can the joint is the simulated plant inside this program, in lock-step
 
   --console stdio|pty|tcp:PORT|serial:PATH
                     where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1
-  --storage FILE    keeps parameters over restarts, made if it does not exist; without it `save` lasts until the end
+  --storage FILE    keeps parameters over restarts, made if it does not exist, and in FILE.faults beside it the fault
+                    log; without it both last until the end
   --for SECONDS     ends after this time; without it at the end of standard input, by Ctrl-C or SIGTERM
   --cpu N           keeps the real-time thread on this processor
   --priority N      of SCHED_FIFO, 1 to 99 (80)

@@ -60,7 +60,7 @@ auto scenario_of(const RunOptions& options) -> sim::Scenario {
 
 /// The firmware and a person: the plant runs, the shell is attached, and the operator moves the joint.
 /// True if the operator wants it to start anew.
-auto serve(SimBoard& board, Console& console, const RunOptions& options) -> bool {
+auto serve(SimBoard& board, Console& console, const RunOptions& options, RetainedMemory& retained) -> bool {
   ShellFeed feed(console, board.shell());
   const auto start = std::chrono::steady_clock::now();
   for (std::int64_t cycle = 0; !feed.done(); ++cycle) {
@@ -73,6 +73,9 @@ auto serve(SimBoard& board, Console& console, const RunOptions& options) -> bool
     board.tick();
     if (feed.poll()) {
       board.link_lost();
+    }
+    if (const std::string problem = retained.keep(energised(board.machine().telemetry().state)); !problem.empty()) {
+      std::cerr << problem << "\n";
     }
     if (!options.fast) {
       const auto edge = start + std::chrono::milliseconds(cycle + 1);
@@ -93,10 +96,13 @@ auto run_interactive(const sim::Scenario& scenario, Banks& banks, const RunOptio
     const auto retained = options.storage.empty()
                               ? std::make_unique<RetainedMemory>(words)
                               : std::make_unique<RetainedMemory>(options.storage + ".faults", words);
+    if (!retained->remark().empty()) {
+      std::cerr << retained->remark() << "\n";
+    }
     bool again = true;
     while (again) {
       SimBoard board(scenario, banks, console, console.is_terminal(), retained->words());
-      again = serve(board, console, options);
+      again = serve(board, console, options, *retained);
     }
     return kExitDone;
   } catch (const std::runtime_error& error) {
