@@ -22,6 +22,7 @@ class Application final : public Machine {
   /// @param fault_memory  FaultLog::words_for(kAxes) words that outlive a reset; empty: faults are not logged
   Application(Io& io, Banks& banks, std::span<std::uint32_t> fault_memory = {})
       : io_(io), storage_(banks), load_report_(load_at_start()), state_(config_), fault_log_(fault_memory, kAxes) {
+    published_.rt_publish({});
     const LoadResult start = load_report_.result;
     const bool unusable = start == LoadResult::kCorrupt || start == LoadResult::kForeign;
     parameter_faults_.store(unusable                           ? bit(Fault::kModelInvalid)
@@ -170,7 +171,9 @@ class Application final : public Machine {
   auto rt_command(const Streamed& streamed) -> Command<kAxes> {
     Command<kAxes> command{.axis = streamed};
     rt_experiment(command);
-    if (const Request* request = request_box_.rt_peek()) {
+    // What is asked for before the first cycle waits for the second, which can carry it out.
+    const Request* request = state_.supervisor.state() == State::kBoot ? nullptr : request_box_.rt_peek();
+    if (request != nullptr) {
       switch (request->kind) {
         case Request::Kind::kArm:
           command.arm = true;

@@ -132,6 +132,8 @@ void Axis::rt_sense(const AxisSensed& sensed) {
     telemetry_.current_a = sensed.current_a;
     telemetry_.tau_nm = sensed.current_a * config_.motor.torque_per_current_nm_per_a;
   }
+  const Q24 least_v = config_.limits.supply_min_v;
+  supply_low_ = least_v > Q24{} && (sensed.supply != Quality::kOk || sensed.supply_v < least_v);
   has_joint_ = sensed.joint == Quality::kOk;
   joint_rad_ = sensed.joint_rad;
 }

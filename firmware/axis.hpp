@@ -111,6 +111,8 @@ class Axis {
   [[nodiscard]] auto in_motion() const -> bool {
     return following_ || !trajectory_.finished() || (in_force() && !force_.arrived());
   }
+  /// It was told to stop, and to nothing else since.
+  [[nodiscard]] auto braking() const -> bool { return braking_; }
   /// Torque is commanded, the motor's or the joint's, not a position.
   [[nodiscard]] auto in_torque() const -> bool { return mode_ == ControlMode::kTorque || mode_ == ControlMode::kForce; }
   /// The motor's angle is.
@@ -137,6 +139,7 @@ class Axis {
   auto rt_force() -> Q24;
   /// Monitors of the motor's current and heat.
   [[nodiscard]] auto rt_current_faults() -> FaultSet;
+  [[nodiscard]] auto rt_supply_fault() -> FaultSet;
   /// Monitors of what the joint was asked to do.
   [[nodiscard]] auto rt_motion_faults() -> FaultSet;
   auto rt_reference() -> Q24;
@@ -182,6 +185,7 @@ class Axis {
   FaultSet sensor_faults_ = 0;
 
   bool following_ = false;  // a stream, of positions or torques
+  bool braking_ = false;
   ControlMode mode_ = ControlMode::kPosition;
   Start start_ = Start::kNone;
   Q24 follow_target_;
@@ -191,6 +195,9 @@ class Axis {
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;
   std::int32_t cycles_mismatched_ = 0;
+  std::int32_t cycles_starved_ = 0;
+  bool supply_low_ = false;  // in this cycle
+  bool starved_ = false;
   std::int64_t still_counts_ = 0;  // where the encoder stands since ...
   std::int32_t still_cycles_ = 0;
   Q24 still_reference_;  // ... the reference was here

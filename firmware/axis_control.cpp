@@ -24,6 +24,7 @@ auto Axis::rt_command(const AxisCommand& command) -> bool {
       }
       trajectory_.rt_stop(rt_acceleration());
       following_ = false;
+      braking_ = true;
       return true;
     case AxisCommand::Kind::kMove:
       return rt_take_move(command);
@@ -49,7 +50,7 @@ auto Axis::rt_take_move(const AxisCommand& command) -> bool {
   if (mode_ != ControlMode::kPosition) {
     rt_hold_here(Start::kKeepsTorque);
   }
-  following_ = false;
+  following_ = braking_ = false;
   trajectory_.rt_start(command.position_rad, std::min(command.speed_rad_s, limits.joint_speed_rad_s));
   return true;
 }
@@ -68,6 +69,7 @@ auto Axis::rt_take_stream(const AxisCommand& command) -> bool {
     rt_flag(Limit::kReference);
   }
   following_ = true;
+  braking_ = false;
   cycles_since_reference_ = 0;
   return inside;
 }
@@ -92,6 +94,7 @@ auto Axis::rt_take_motor(const AxisCommand& command) -> bool {
     mode_ = ControlMode::kMotor;
     still_cycles_ = 0;  // the reference is another one
   }
+  braking_ = false;
   trajectory_.rt_start(command.position_rad,
                        abs(law_.per_beta(std::min(command.speed_rad_s, limits.joint_speed_rad_s))));
   return true;
@@ -102,6 +105,7 @@ auto Axis::rt_take_torque(const AxisCommand& command) -> bool {
   trailing_q2_ = in_torque() ? trailing_q2_ : telemetry_.q2_rad;
   mode_ = ControlMode::kTorque;
   following_ = true;
+  braking_ = false;
   cycles_since_reference_ = 0;
   return true;
 }
@@ -126,6 +130,7 @@ auto Axis::rt_take_force(const AxisCommand& command) -> bool {
   }
   force_.rt_aim(clamp(command.joint_torque_nm, -most, most), command.torque_rate_nm_s);
   following_ = streamed;
+  braking_ = false;
   cycles_since_reference_ = 0;
   return inside;
 }

@@ -10,6 +10,7 @@ constexpr std::int32_t kLinkTimeoutCycles = 98;
 constexpr std::int32_t kOverCurrentCycles = 20;
 constexpr std::int32_t kMismatchCycles = 50;
 constexpr std::int32_t kFrozenCycles = 50;
+constexpr std::int32_t kStarvedCycles = 10;  // a supply may dip when its motors start
 // The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
 // that the gate does not rule.
 constexpr Q24 kTooHot = Q24::from_double(1.25);
@@ -49,7 +50,17 @@ auto Axis::rt_current_faults() -> FaultSet {
   if (heat_ > kTooHot) {
     faults |= bit(Fault::kWindingHot);
   }
+  if (supply_low_ || cycles_starved_ > 0) {
+    faults |= rt_supply_fault();
+  }
   return faults;
+}
+
+/// Stays until as many good cycles have followed: a supply that flickers must not let arming pass in between.
+auto Axis::rt_supply_fault() -> FaultSet {
+  cycles_starved_ = std::clamp<std::int32_t>(cycles_starved_ + (supply_low_ ? 1 : -1), 0, kStarvedCycles);
+  starved_ = cycles_starved_ == kStarvedCycles || (starved_ && cycles_starved_ > 0);
+  return starved_ ? bit(Fault::kSupplyLow) : 0;
 }
 
 auto Axis::rt_motion_faults() -> FaultSet {

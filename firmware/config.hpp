@@ -59,6 +59,7 @@ struct LimitConfig {
   Q24 following_time_s = Q24::from_double(0.25);
   Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted
   Q24 joint_torque_nm = Q24::from_double(0.2);     ///< largest that force control may be asked for
+  Q24 supply_min_v{};                              ///< of the amplifier; 0: not watched
 };
 
 /// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.

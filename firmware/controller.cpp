@@ -36,7 +36,7 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   last_q2_ = q2_rad;
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
-  pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);
+  pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
   integral_ = rest.q1 - pull_extreme_;
   if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
@@ -51,8 +51,7 @@ auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, 
          gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) + gains.damping_nms_per_rad * (rate - motor.dq1);
 }
 
-auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
-    -> Q24 {
+auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) -> Q24 {
   const Q24 shared = law.rest_either_way(q2, motion);
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
@@ -66,7 +65,9 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
     return law.rest_one_way(motion);
   };
   const Q24 backward = rest_on(std::false_type{});
-  return law.per_beta(q2 - (shared + mix(backward, rest_on(std::true_type{}), branch_)));
+  const Q24 forward = rest_on(std::true_type{});
+  branches_apart_ = forward - backward;
+  return law.per_beta(q2 - (shared + mix(backward, forward, branch_)));
 }
 
 void Controller::rt_cross_over(bool forward) {
@@ -123,7 +124,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   last_q2_ = q2;
   const Q24 asked = rt_inverse(gains, law, q2_reference, motion);
   if (pulled) {
-    rt_follow_pull(asked);
+    rt_follow_pull(asked + law.per_beta(branches_apart_ * (branch_ - kHalf)));
   }
   motor_reference_ = asked + correction;
   return rt_servo(gains, law.sample(), motion.dq1);

@@ -39,15 +39,15 @@ class Controller {
   [[nodiscard]] auto motor_reference() const -> Q24 { return motor_reference_; }
 
  private:
-  /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on. `motion`: the
-  /// motor's angle, rate and acceleration there, the rest as the law last saw it.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) const
+  /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on; branches_apart_
+  /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it.
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion)
       -> Q24;
   /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s.
   [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24;
   void rt_cross_over(bool forward);
-  /// `asked`: what the inverse asks of the motor now. Crossing to the other branch goes the same way, so it turns
-  /// nothing back.
+  /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
+  /// asks would turn the motor back where the hysteresis has the other sign.
   void rt_follow_pull(Q24 asked);
   /// Both arguments in the motor's direction.
   auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
@@ -58,7 +58,8 @@ class Controller {
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;  // of the last cycle
-  Q24 pull_extreme_;     // of the inverse, in the present direction
+  Q24 pull_extreme_;     // of the inverse half way between the branches, in the present direction
+  Q24 branches_apart_;   // of the joint, the motor being where it is
   bool pull_known_ = false;
   bool pull_forward_ = true;
   Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet

@@ -29,7 +29,7 @@ enum class ExperimentPhase : std::uint8_t {
 /// The machine as a whole, after a cycle.
 struct MachineTelemetry {
   std::uint32_t tick = 0;
-  State state = State::kDisarmed;
+  State state = State::kBoot;
   Fault first_fault = Fault::kNone;
   FaultSet conditions = 0;  ///< faults present now; while disarmed they are what blocks arming
   std::uint32_t overruns = 0;
@@ -108,6 +108,8 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
       state.model_faults | state.drive_faults | state.board_faults | state.overruns.rt_step(sensed.overruns);
   faults |= sensed.estop ? bit(Fault::kEmergencyStop) : 0;
   bool in_motion = false;
+  bool goes_on = false;
+  bool stops = false;
   rt_feel(state.telemetry, sensed.temperature, sensed.temperature_c);
 
   for (std::size_t i = 0; i < Axes; ++i) {
@@ -123,11 +125,16 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     }
     faults |= state.axis[i].rt_faults(had_torque);
     in_motion |= state.axis[i].in_motion();
+    stops |= command.axis[i].kind == AxisCommand::Kind::kStop;
+    goes_on |= state.axis[i].in_motion() && !state.axis[i].braking();
   }
 
-  state.axis[state.telemetry.tick % Axes].rt_judge_law();
+  if (!stops) {  // a stop costs two long divisions, and the law can wait for its next turn
+    state.axis[state.telemetry.tick % Axes].rt_judge_law();
+  }
 
-  const State now = state.supervisor.rt_step({faults, command.arm, command.disarm, command.experiment, in_motion});
+  const State now =
+      state.supervisor.rt_step({faults, command.arm, command.disarm, command.experiment, in_motion, !goes_on});
 
   Drive<Axes> drive;
   for (std::size_t i = 0; i < Axes; ++i) {

@@ -26,6 +26,8 @@ enum class Fault : std::uint8_t {
   kCurrentMismatch = 14,
   kWindingHot = 15,
   kStorageFailed = 16,
+  kSupplyLow = 17,
+  kWatchdog = 18,
 };
 
 struct FaultInfo {
@@ -36,7 +38,7 @@ struct FaultInfo {
 };
 
 /// One table for shell, log, heartbeat and documentation.
-inline constexpr std::array<FaultInfo, 17> kFaultTable = {{
+inline constexpr std::array<FaultInfo, 19> kFaultTable = {{
     {Fault::kNone, "none", "nothing is wrong", "nothing to do"},
     {Fault::kOverrun, "overrun", "three or more cycles within a second began late or were skipped",
      "take load off the processor; on Linux run the board's timing check"},
@@ -78,6 +80,12 @@ inline constexpr std::array<FaultInfo, 17> kFaultTable = {{
      "data"},
     {Fault::kStorageFailed, "storage_failed", "the memory of the parameters can not be read; defaults are in use",
      "'reboot', and if this comes back replace the board's memory or give its file the right to be read"},
+    {Fault::kSupplyLow, "supply_low",
+     "the amplifier's supply was below limits.supply_min for 10 ms in all, or is not measured",
+     "check the supply and its cable, then 'disarm' and 'arm'; where the board does not measure it, set "
+     "limits.supply_min to 0"},
+    {Fault::kWatchdog, "watchdog", "the last run ended because the cycle had stopped, and the watchdog reset the board",
+     "read 'faults' and what the start reported, then 'reboot'; if this comes back report it"},
 }};
 
 constexpr auto info(Fault fault) -> const FaultInfo& {

@@ -101,6 +101,8 @@ constexpr std::array kFixedParameters = {
          kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0, kSafety),
     real("limits", "joint_torque", "Nm", "largest torque that force control may be asked for",
          kLimits + offsetof(LimitConfig, joint_torque_nm), 0.0, 100.0, kSafety),
+    real("limits", "supply_min", "V", "a lower supply of the amplifier is a fault; 0: not watched",
+         kLimits + offsetof(LimitConfig, supply_min_v), 0.0, 127.0, kSafety),
     real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
          kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
     real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",

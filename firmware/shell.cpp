@@ -188,6 +188,9 @@ void Shell::print_fault(const char* what, const FaultInfo& entry) {
 
 void Shell::finish_arming() {
   const MachineTelemetry now = machine_.telemetry();
+  if (now.state == State::kArmed) {
+    return;  // the joints are taken over within this cycle
+  }
   if (energised(now.state)) {
     ok();
     return;

@@ -132,7 +132,8 @@ void ShellCommands::timing(Shell& shell, std::string_view /*arguments*/) {
 }
 
 void ShellCommands::reboot(Shell& shell, std::string_view /*arguments*/) {
-  if (shell.machine_.telemetry().state != State::kDisarmed || !shell.machine_.settled()) {
+  const State state = shell.machine_.telemetry().state;
+  if (energised(state) || state == State::kFaulted || !shell.machine_.settled()) {
     shell.error("not_disarmed", "a reboot would drop the joint or forget a fault that nobody has acknowledged",
                 "'disarm' first");
     return;

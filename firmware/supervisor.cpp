@@ -17,8 +17,23 @@ auto trigger_of(const SupervisorInput& input) -> Trigger {
   if (input.experiment) {
     return Trigger::kExperimentRuns;
   }
-  return input.in_motion ? Trigger::kMotionBegins : Trigger::kMotionEnds;
+  if (input.in_motion) {
+    return input.braking ? Trigger::kMotionBrakes : Trigger::kMotionBegins;
+  }
+  return Trigger::kMotionEnds;
 }
+
+/// The table by state and trigger, so that no cycle searches it.
+constexpr auto kNext = [] {
+  std::array<std::array<State, kTriggerCount>, kStateNames.size()> next{};
+  for (std::size_t state = 0; state < next.size(); ++state) {
+    next[state].fill(static_cast<State>(state));
+  }
+  for (const Transition& row : kTransitions) {
+    next[static_cast<std::size_t>(row.from)][static_cast<std::size_t>(row.trigger)] = row.to;
+  }
+  return next;
+}();
 
 auto lowest(FaultSet faults) -> Fault {
   for (const FaultInfo& entry : kFaultTable) {
@@ -32,17 +47,16 @@ auto lowest(FaultSet faults) -> Fault {
 }  // namespace
 
 auto Supervisor::rt_step(const SupervisorInput& input) -> State {
-  const Trigger trigger = trigger_of(input);
-  for (const Transition& row : kTransitions) {
-    if (row.from == state_ && row.trigger == trigger) {
-      if (row.to == State::kFaulted) {
-        first_fault_ = lowest(input.faults);
-      } else if (row.to == State::kDisarmed) {
-        first_fault_ = Fault::kNone;
-      }
-      state_ = row.to;
-      break;
-    }
+  const Trigger trigger = state_ == State::kBoot ? Trigger::kStarted : trigger_of(input);
+  const State next = kNext[static_cast<std::size_t>(state_)][static_cast<std::size_t>(trigger)];
+  if (next == state_) {
+    return state_;
+  }
+  state_ = next;
+  if (next == State::kFaulted) {
+    first_fault_ = lowest(input.faults);
+  } else if (next == State::kDisarmed) {
+    first_fault_ = Fault::kNone;
   }
   return state_;
 }

@@ -26,8 +26,10 @@ struct AxisSensed {
   Q24 current_a{};                  ///< motor current, A
   Quality encoder = Quality::kMissing;
   Quality current = Quality::kMissing;
-  Q24 joint_rad{};                    ///< joint angle, where the joint has a sensor
-  Quality joint = Quality::kMissing;  ///< no joint needs one: missing is no fault
+  Q24 joint_rad{};                     ///< joint angle, where the joint has a sensor
+  Quality joint = Quality::kMissing;   ///< no joint needs one: missing is no fault
+  Q24 supply_v{};                      ///< of the joint's amplifier, V, where it is measured
+  Quality supply = Quality::kMissing;  ///< missing is a fault only where limits.supply_min is set
 };
 
 /// Everything the firmware knows about the world in one cycle.

@@ -86,6 +86,15 @@ inline constexpr std::array<AxisWiring, kMostAxes> kAxisWiring = {{
 
 inline constexpr Pin kSupply = analogue_pin(4, "ADC1_IN14");
 inline constexpr std::uint8_t kSupplyChannel = 14;
+inline constexpr Pin kThermometer = analogue_pin(5, "ADC1_IN15");
+inline constexpr std::uint8_t kThermometerChannel = 15;
+/// Thermometer of voltage linear in temperature, from CMake's CAPSTAN_THERMOMETER_UV_PER_K (0: none) and _UV_AT_0C.
+inline constexpr std::int32_t kThermometerUvPerK = CAPSTAN_THERMOMETER_UV_PER_K;
+inline constexpr std::int32_t kThermometerUvAt0C = CAPSTAN_THERMOMETER_UV_AT_0C;
+static_assert(kThermometerUvPerK == 0 || (kThermometerUvPerK >= 1'000 && kThermometerUvPerK <= 50'000),
+              "CAPSTAN_THERMOMETER_UV_PER_K must be 0, or 1000 to 50000");
+static_assert(kThermometerUvAt0C >= -1'000'000 && kThermometerUvAt0C <= 3'000'000,
+              "CAPSTAN_THERMOMETER_UV_AT_0C is impossible");
 /// Read as pins and wired to the breaks of both timers: low, or an open wire, cuts the set values in hardware.
 inline constexpr Pin kEstop1{Port::kB, 12, PinMode::kAlternate, 1, Pull::kDown, "TIM1_BKIN"};
 inline constexpr Pin kEstop8{Port::kA, 6, PinMode::kAlternate, 3, Pull::kDown, "TIM8_BKIN"};
@@ -109,7 +118,7 @@ inline constexpr std::size_t kPinsPerAxis = 6;
 [[nodiscard]] constexpr auto axis_pins(const AxisWiring& axis) -> std::array<Pin, kPinsPerAxis> {
   return {axis.encoder_a, axis.encoder_b, axis.set_value, axis.current, axis.enable, axis.index};
 }
-inline constexpr std::array kSharedMotorPins = {kSupply, kEstop1, kEstop8};
+inline constexpr std::array kSharedMotorPins = {kSupply, kThermometer, kEstop1, kEstop8};
 
 /// The set values' frequency: the highest that common servo amplifiers take (10 Hz to 5 kHz).
 inline constexpr std::uint32_t kSetValueHz = 5'000;

@@ -13,7 +13,7 @@ void MotorHardware::start(const stm32f4::ClockStatus& clock) noexcept {
   stm32f4::set_bits(registers.apb2enr, rcc::kApb2Tim1 | rcc::kApb2Tim8 | rcc::kApb2Adc1 | rcc::kApb2Syscfg);
   const stm32f4::PwmScale scale{.period = clock.timer_hz(clock.apb2_hz) / kSetValueHz,
                                 .full_scale_a = kAmplifierFullScaleA};
-  std::array<std::uint8_t, kAxes + 1> channels{};
+  std::array<std::uint8_t, kAxes + 2> channels{};
   for (std::size_t i = 0; i < kAxes; ++i) {
     set_values_[i].start(scale);
     channels[i] = kAxisWiring[i].current_channel;
@@ -22,6 +22,7 @@ void MotorHardware::start(const stm32f4::ClockStatus& clock) noexcept {
     static_cast<void>(encoders_[i].start(kEncoderFilter, kAxisWiring[i].encoder_inverted, kIndexCounts));
   }
   channels[kAxes] = kSupplyChannel;
+  channels[kAxes + 1] = kThermometerChannel;
   analogue_.start(channels);
   start_pins(kSharedMotorPins);
   for (std::size_t i = 0; i < kAxes; ++i) {

@@ -44,7 +44,9 @@ class MotorHardware {
             analogue_,
             {stm32f4::StopInput<Cell>{stm32f4::gpio_registers(kEstop1.port), kEstop1},
              stm32f4::StopInput<Cell>{stm32f4::gpio_registers(kEstop8.port), kEstop8}},
-            {.current = {kMonitorFullScaleA}, .supply = {kSupplyFullScaleV}}) {}
+            {.current = {kMonitorFullScaleA},
+             .supply = {kSupplyFullScaleV},
+             .thermometer = {kThermometerUvPerK, kThermometerUvAt0C}}) {}
 
   [[nodiscard]] static auto pwm_registers(PwmTimer timer) noexcept -> stm32f4::TimerRegisters<Cell>& {
     return timer == PwmTimer::kTim1 ? stm32f4::tim1_registers() : stm32f4::tim8_registers();

@@ -15,7 +15,7 @@ inline constexpr std::uint32_t kAdcFullScale = 4095;  ///< 12 bits
 
 /// A sequence of channels of the analogue converter, started by software once a cycle and carried to memory by the DMA
 /// controller (ADC1: DMA2, stream 0, channel 0; RM0090 table 43). Each conversion takes 12 + 28 clocks of 21 MHz, 1.9
-/// us, so five are there 9.6 us after rt_begin(): what a cycle reads was measured in that cycle.
+/// us, so six are there 11.5 us after rt_begin(): what a cycle reads was measured in that cycle.
 ///
 /// An overrun stops the transfers until converter and stream are set up anew (RM0090 section 13.8.1), and a transfer
 /// error stops the stream: both, and a sequence that does not end, cost one snapshot and are mended in the next
@@ -98,7 +98,7 @@ class AdcScan {
     return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(&cell));
   }
 
-  /// Three times the five conversions' 1600 core cycles at 168 MHz, with at least 8 cycles a poll.
+  /// Two and a half times the six conversions' 1920 core cycles at 168 MHz, with at least 8 cycles a poll.
   static constexpr std::uint32_t kPolls = 600;
 
   AdcRegisters<Cell>& registers_;

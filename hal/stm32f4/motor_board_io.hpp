@@ -41,6 +41,44 @@ struct SupplyScale {
   }
 };
 
+/// A thermometer of voltage linear in temperature at its analogue input of 3.3 V. Its mean is taken over about a
+/// second: what it measures is slower, and one step of the converter is 0.08 K of a sensor of 10 mV/K.
+class Thermometer {
+ public:
+  /// @param uv_per_k  0: there is none   @param uv_at_0c  at 0 degrees C
+  constexpr Thermometer(std::int64_t uv_per_k, std::int64_t uv_at_0c)
+      : kelvin_per_count_(uv_per_k == 0 ? 0 : (kFullScaleUv << kGainBits) / uv_per_k / (kAdcFullScale + 1)),
+        zero_k_(uv_per_k == 0 ? 0 : (uv_at_0c << Q24::kFrac) / uv_per_k) {}
+
+  /// Missing: there is none. Invalid: too near the ends of the range, which is a broken or a shorted wire, or outside
+  /// -55 to 125 C.
+  constexpr auto rt_read(std::uint32_t raw, Q24& celsius) -> Quality {
+    constexpr Q24 kColdest = Q24::from_int(-55);
+    constexpr Q24 kHottest = Q24::from_int(125);
+    if (kelvin_per_count_ == 0) {
+      return Quality::kMissing;
+    }
+    if (raw < CurrentScale::kMargin || raw > kAdcFullScale - CurrentScale::kMargin) {
+      mean_ = 0;
+      return Quality::kInvalid;
+    }
+    const auto now = static_cast<std::int32_t>(raw << kMeanBits);
+    mean_ = mean_ == 0 ? now : mean_ + (now - mean_) / kCycles;
+    celsius =
+        Q24::from_wide(shift_right_rounded<kMeanBits + kGainBits - Q24::kFrac>(mean_ * kelvin_per_count_) - zero_k_);
+    return celsius >= kColdest && celsius <= kHottest ? Quality::kOk : Quality::kInvalid;
+  }
+
+ private:
+  static constexpr std::int32_t kCycles = 1024;  // of the mean
+  static constexpr int kMeanBits = 16;
+  static constexpr int kGainBits = 32;
+  static constexpr std::int64_t kFullScaleUv = 3'300'000;
+  std::int64_t kelvin_per_count_;  // 2^-32 K
+  std::int64_t zero_k_;            // 0 degrees C above 0 V, 2^-24 K
+  std::int32_t mean_ = 0;          // 2^-16 counts; 0: none yet
+};
+
 /// One axis' share of the board, all built by the board's main.
 template <RegisterCell Cell>
 struct AxisHardware {
@@ -63,12 +101,13 @@ template <RegisterCell Cell, std::size_t Axes>
 class MotorBoardIo {
  public:
   static constexpr std::size_t kAxes = Axes;
-  /// Results in this order: the axes' currents, the supply.
-  using Analogue = AdcScan<Cell, Axes + 1>;
+  /// Results in this order: the axes' currents, the supply, the thermometer.
+  using Analogue = AdcScan<Cell, Axes + 2>;
 
   struct Scales {
     CurrentScale current;
     SupplyScale supply;
+    Thermometer thermometer{0, 0};
   };
 
   MotorBoardIo(const std::array<AxisHardware<Cell>, Axes>& axes, Analogue& analogue,
@@ -135,15 +174,19 @@ class MotorBoardIo {
  private:
   /// False: no result.
   [[nodiscard]] auto read_analogue(Sensed<Axes>& in) noexcept -> bool {
-    std::array<std::uint32_t, Axes + 1> raw{};
+    std::array<std::uint32_t, Axes + 2> raw{};
     if (!analogue_.rt_finish(raw)) {
       supply_raw_.store(0, std::memory_order_relaxed);
       return false;
     }
+    const Q24 supply_v = scales_.supply.voltage(raw[Axes]);
     for (std::size_t i = 0; i < Axes; ++i) {
+      in.axis[i].supply = Quality::kOk;
+      in.axis[i].supply_v = supply_v;
       in.axis[i].current = scales_.current.plausible(raw[i]) ? Quality::kOk : Quality::kInvalid;
       in.axis[i].current_a = scales_.current.current(raw[i]);
     }
+    in.temperature = scales_.thermometer.rt_read(raw[Axes + 1], in.temperature_c);
     supply_raw_.store(raw[Axes], std::memory_order_relaxed);
     return true;
   }

@@ -18,7 +18,11 @@ struct Rig {
     application.rt_tick();
     return posted;
   }
-  auto arm() -> bool { return request({.kind = Request::Kind::kArm}); }
+  auto arm() -> bool {
+    const bool posted = request({.kind = Request::Kind::kArm});
+    ticks(1);  // taken over
+    return posted;
+  }
   auto move(double target_rad) -> bool {
     return request(
         {.kind = Request::Kind::kMove, .position_rad = Q24::from_double(target_rad), .speed_rad_s = Q24::from_int(2)});
@@ -48,6 +52,15 @@ auto other_config() -> AxisConfig {
   config.limits.joint_max_rad = Q24::from_double(1.25);
   config.control.kp = Q24::from_double(0.75);
   return config;
+}
+
+TEST(Application, BeforeItsFirstCycleItIsInBootWithoutTorqueAndWithoutATemperature) {
+  FakeIo<1> io;
+  FlashBanks banks;
+  const Application<FakeIo<1>> application(io, banks);
+  EXPECT_EQ(application.telemetry().state, State::kBoot);
+  EXPECT_TRUE(ScalarTraits<Q24>::is_missing(application.telemetry().temperature_c));
+  EXPECT_EQ(io.writes, 0);
 }
 
 TEST(Application, StartsDisarmedAndStaysSo) {
@@ -192,7 +205,7 @@ TEST(Application, ALostLinkTakesTorqueAwayWithinOneCycleInTheMiddleOfAMove) {
   rig.arm();
   rig.move(1.5);
   rig.ticks(100);
-  ASSERT_EQ(rig.state(), State::kArmed);
+  ASSERT_EQ(rig.state(), State::kMoving);
   rig.application.link_lost();
   rig.ticks(1);
   EXPECT_EQ(rig.state(), State::kDisarmed);
@@ -275,7 +288,7 @@ TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
   EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kDisarm})) << "one at a time";
   rig.ticks(1);
   EXPECT_TRUE(rig.application.settled());
-  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_EQ(rig.state(), State::kArmed);
 }
 
 TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) {
@@ -286,7 +299,7 @@ TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) 
     streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(0.001 * i), {}};
     rig.application.rt_tick(streamed);
   }
-  EXPECT_EQ(rig.state(), State::kArmed);
+  EXPECT_EQ(rig.state(), State::kMoving);
   EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.5, 0.02);
   rig.request({.kind = Request::Kind::kStop});
   rig.ticks(300);

@@ -366,6 +366,30 @@ TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce
   }
 }
 
+TEST(AxisSupply, ADipIsNoFaultAndAFlickerStaysOneUntilTheSupplyIsGoodForAsLong) {
+  AxisConfig config;
+  config.limits.supply_min_v = q(18.0);
+  Axis axis(config);
+  const auto low_after = [&axis](double volts, int cycles) {
+    FaultSet faults = 0;
+    for (int i = 0; i < cycles; ++i) {
+      AxisSensed sensed = sensed_at(0.0, 0.0);
+      sensed.supply = Quality::kOk;
+      sensed.supply_v = q(volts);
+      estimate(axis, sensed);
+      faults = axis.rt_faults(false);
+    }
+    return (faults & bit(Fault::kSupplyLow)) != 0;
+  };
+  EXPECT_FALSE(low_after(24.0, 100));
+  EXPECT_FALSE(low_after(17.9, 9)) << "a dip";
+  EXPECT_FALSE(low_after(18.0, 20));
+  EXPECT_TRUE(low_after(17.9, 10));
+  EXPECT_TRUE(low_after(24.0, 9));
+  EXPECT_TRUE(low_after(0.0, 1));
+  EXPECT_FALSE(low_after(24.0, 11));
+}
+
 TEST(AxisNotFitted, NothingOfItIsAFaultMovesOrHasTorqueAndFittedAgainItIsAnother) {
   AxisConfig config;
   config.motor.fitted = 0;

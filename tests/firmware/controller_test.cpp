@@ -223,6 +223,36 @@ TEST(Controller, ACrossedTransmissionGetsTheTorqueOfTheMotorsOwnDirection) {
   EXPECT_NEAR(torque, -0.04, 1e-3) << "the joint goes up, so the motor goes backward";
 }
 
+/// Turns of the feedforward while another axis pulls and the reference goes 0.4 rad up and down again within 8 s.
+auto turns_where_another_axis_pulls(const char* effect, double size) -> int {
+  AxisConfig config = feedforward_only();
+  config.coupled_to = 1;
+  config.law = {};
+  config.law.coefficients[0] = Q24::from_int(1);
+  set_raw_value(config, *find_parameter(effect), q(size).raw());
+  Rig rig(config);
+  rig.start();
+  int turns = 0;
+  double last = 0.01;
+  double before = 0.01;
+  for (int i = 0; i < 8000; ++i) {
+    const double torque = rig.torque(q(0.0001 * (i < 4000 ? i : 8000 - i)), Q24{}).to_double();
+    turns += (torque - last) * (last - before) < 0.0 ? 1 : 0;
+    before = torque == last ? before : last;
+    last = torque;
+  }
+  return turns;
+}
+
+TEST(Controller, HysteresisOfEitherSignTurnsTheFeedforwardOncePerReversalWhereAnotherAxisPulls) {
+  // The joint lags behind the motor, or goes ahead of it on the way.
+  for (const auto& [effect, size] : {std::pair{"tendon_elongation.top", -0.9},
+                                     {"pretension_offset.contrast", 0.05},
+                                     {"pretension_offset.contrast", 0.005}}) {
+    EXPECT_LE(turns_where_another_axis_pulls(effect, size), 2) << effect << ' ' << size;
+  }
+}
+
 TEST(Controller, FollowsAFastReferenceWithTheMotorsSpeed) {
   AxisConfig config = loop_only(0.0, 0.0, 0.0);
   config.control.stiffness_nm_per_rad = Q24{};

@@ -24,6 +24,12 @@ auto sensed_as(void (*change)(Sensed<1>&)) -> std::function<void(Rig&)> {
   return [change](Rig& rig) { rig.disturb = change; };
 }
 
+void watch_supply(Rig& rig) {
+  AxisConfig config;
+  config.limits.supply_min_v = Q24::from_int(12);
+  rig.state.axis[0].rt_configure(config);
+}
+
 const std::vector<Cause> kCauses = {
     {"encoder missing", Fault::kSensorMissing, 1, false,
      sensed_as([](Sensed<1>& s) { s.axis[0].encoder = Quality::kMissing; })},
@@ -56,6 +62,15 @@ const std::vector<Cause> kCauses = {
      }},
     {"references stop", Fault::kLinkLost, 99, true, [](Rig& rig) { rig.follow(rig.joint().q2_rad.to_double()); }},
     {"emergency stop", Fault::kEmergencyStop, 1, false, [](Rig& rig) { rig.io.estop = true; }},
+    {"supply too low", Fault::kSupplyLow, 10, false,
+     [](Rig& rig) {
+       watch_supply(rig);
+       rig.disturb = [](Sensed<1>& s) {
+         s.axis[0].supply = Quality::kOk;
+         s.axis[0].supply_v = Q24::from_double(11.9);
+       };
+     }},
+    {"supply not measured", Fault::kSupplyLow, 10, false, watch_supply},
     {"three late cycles at once", Fault::kOverrun, 1, false, [](Rig& rig) { rig.io.overruns += 3; }},
     {"a flood of late cycles", Fault::kOverrun, 1, false, [](Rig& rig) { rig.io.overruns += 4'000'000'000U; }},
     {"model invalid", Fault::kModelInvalid, 1, false,
@@ -78,6 +93,8 @@ const std::vector<Cause> kCauses = {
      [](Rig& rig) { rig.state.model_faults = bit(Fault::kStorageFailed); }},
     {"the crystal does not start", Fault::kBoardClock, 1, false,
      [](Rig& rig) { rig.state.board_faults = bit(Fault::kBoardClock); }},
+    {"the watchdog ended the last run", Fault::kWatchdog, 1, false,
+     [](Rig& rig) { rig.state.board_faults = bit(Fault::kWatchdog); }},
 };
 
 TEST(CycleFaults, EveryFaultOfTheTableHasACauseAmongTheTests) {
@@ -115,7 +132,7 @@ void bring_into(Rig& rig, Situation situation) {
       rig.follow(0.001 * i);
     }
   }
-  EXPECT_EQ(rig.now(), situation == Situation::kHolding ? State::kHolding : State::kArmed);
+  EXPECT_EQ(rig.now(), situation == Situation::kHolding ? State::kHolding : State::kMoving);
   EXPECT_TRUE(rig.drive.axis[0].enabled);
 }
 
@@ -277,12 +294,12 @@ TEST(CycleFaults, AShortFollowingErrorIsForgivenHoweverOften) {
   rig.io.drag_nms = 20.0;
   for (int excursion = 0; excursion < 6; ++excursion) {
     rig.move(excursion % 2 == 0 ? 0.4 : -0.4);  // 0.05 rad beyond the limit: 0.1 s there and 0.1 s back
-    while (rig.now() == State::kArmed) {
+    while (rig.now() == State::kMoving) {
       rig.tick();
     }
     EXPECT_GT(abs(rig.joint().q2_reference_rad - rig.joint().q2_rad), Q24::from_double(0.35));
     rig.move(0.0);
-    while (rig.now() == State::kArmed) {
+    while (rig.now() == State::kMoving) {
       rig.tick();
     }
     ASSERT_TRUE(energised(rig.now())) << "excursion " << excursion;

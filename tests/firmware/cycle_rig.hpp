@@ -28,7 +28,10 @@ struct CycleRig {
       tick(command);
     }
   }
-  void arm() { tick({.arm = true}); }
+  void arm() {
+    tick({.arm = true});
+    tick();  // taken over
+  }
   void move(double target_rad, double speed_rad_s = 2.0) {
     Command<Axes> command;
     command.axis[0] = {AxisCommand::Kind::kMove, Q24::from_double(target_rad), Q24::from_double(speed_rad_s)};

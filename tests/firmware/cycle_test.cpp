@@ -68,7 +68,7 @@ TEST(Cycle, AMoveEndsAtItsTargetAndThenHolds) {
   rig.arm();
   rig.tick();
   rig.move(1.0);
-  EXPECT_EQ(rig.now(), State::kArmed);
+  EXPECT_EQ(rig.now(), State::kMoving);
   rig.ticks(3000);
   EXPECT_EQ(rig.now(), State::kHolding);
   EXPECT_EQ(rig.joint().q2_reference_rad, Q24::from_int(1));

@@ -101,7 +101,7 @@ TEST(FaultLog, AFaultIsThereAfterAResetWithAllThatWasKnown) {
   ASSERT_EQ(board.log().count(), 1U);
   const FaultEntry entry = board.log().entry(0);
   EXPECT_EQ(entry.fault, Fault::kEmergencyStop);
-  EXPECT_EQ(entry.state, State::kArmed);
+  EXPECT_EQ(entry.state, State::kMoving);
   EXPECT_EQ(entry.start, 2U);
   EXPECT_EQ(entry.tick, then.tick);
   EXPECT_EQ(entry.conditions, bit(Fault::kEmergencyStop));

@@ -61,7 +61,7 @@ TEST(ForceControlShell, BringsTheMotorToTheTorqueThatTheLawTurnedRoundSays) {
   hold_still(bench);
   for (const double wanted : {0.02, 0.04, 0.06}) {
     ASSERT_EQ(verdict(bench.say("move joint0 force=" + std::to_string(wanted) + " rate=0.2")), "ok");
-    EXPECT_EQ(bench.state(), State::kArmed) << "its torque is still on its way";
+    EXPECT_EQ(bench.state(), State::kMoving) << "its torque is still on its way";
     bench.ticks(500);
     EXPECT_NEAR(motor_torque(bench), rise_to(wanted), 2e-5) << wanted;
     EXPECT_NEAR(bench.joint().joint_torque_nm.to_double(), wanted, 1e-5);

@@ -60,7 +60,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
                                       .speed_rad_s = Q24::from_int(2)}));
     EXPECT_EQ(rig.allocations_of(100), 0) << "moving";
   }
-  ASSERT_EQ(rig.application.telemetry().state, State::kArmed);
+  ASSERT_EQ(rig.application.telemetry().state, State::kMoving);
   ASSERT_TRUE(rig.application.recorder().start(&rig, {.signals = {find_signal("joint2.q1", 4)}, .count = 1}));
   EXPECT_EQ(rig.allocations_of(3000), 0) << "recording, and dropping what nobody fetches";
   Firmware::Streamed streamed{};

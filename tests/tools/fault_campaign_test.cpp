@@ -26,7 +26,7 @@ TEST(FaultCampaign, CoversEveryInputInEveryModeInEverySituationOnce) {
   for (const CampaignRow& row : campaign()) {
     EXPECT_TRUE(seen.emplace(row.input, row.mode, row.situation).second);
   }
-  EXPECT_EQ(seen.size(), 6U * 8U * 6U);
+  EXPECT_EQ(seen.size(), 7U * 8U * 6U);
 }
 
 TEST(FaultCampaign, NothingEndsAnywhereButInANamedSafeState) {
@@ -73,6 +73,10 @@ TEST(FaultCampaign, EachFaultIsDetectedAsSoonAsTheReadmeSays) {
     }
     if (row.input == Input::kEmergencyStop && row.mode == Mode::kOff) {
       EXPECT_EQ(row.detected_ms, 1);
+    }
+    if (row.input == Input::kSupply && (from_the_onset || row.mode == Mode::kWrongSign)) {
+      EXPECT_EQ(row.detected_ms, 10);
+      EXPECT_EQ(row.fault, Fault::kSupplyLow);
     }
     if (row.input == Input::kCurrent && row.mode == Mode::kGarbage) {
       EXPECT_LT(row.detected_ms, 150) << "most of what is random differs by more than half an ampere";

@@ -332,7 +332,7 @@ TEST_F(FlashCommand, AnotherBoardAtThePortIsRefusedBeforeAnythingIsWritten) {
 
 TEST_F(FlashCommand, BoardWithTorqueOnIsLeftAlone) {
   install("st-flash");
-  for (const char* state : {"armed", "holding"}) {
+  for (const char* state : {"armed", "holding", "moving", "stopping", "experiment"}) {
     const FakeBoard board("capstan 1.2.3 board stm32f405 joints 4 parameters 60 image " + hash_, state);
     EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1);
     EXPECT_TRUE(says("has torque on; bring its joints to rest and 'disarm' first")) << output_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/apply/model_lines.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string_view>
 #include <utility>
@@ -59,6 +60,10 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
     write.set("control", "torque_forward", joint.steady_torque->forward_nm, "Nm");
     write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");
   }
+  // A joint sensor is expected to differ from the law as the logs did; without a fit nobody knows, and nothing is
+  // watched.
+  constexpr double kMostRad = 1.0;
+  write.set("monitor", "joint_rms", joint.fit ? std::min(joint.fit->rmse, kMostRad) : 0.0, "rad");
   lines.emplace_back("commit");
   return lines;
 }

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "hal/linux/file_descriptor.hpp"
@@ -20,6 +21,8 @@ class ShellClient {
   /// answer comes.
   auto ask(const std::string& line) -> std::vector<std::string>;
 
+  /// What came behind the last answer, a prompt for instance, and was not looked at yet.
+  [[nodiscard]] auto take_rest() -> std::string { return std::exchange(received_, {}); }
   [[nodiscard]] auto descriptor() const -> int { return line_.get(); }
 
  private:

@@ -14,13 +14,14 @@
 namespace capstan::tools {
 namespace {
 
-constexpr std::array kInputs = {Input::kEncoder,   Input::kCurrent,       Input::kAmplifier,
-                                Input::kReference, Input::kEmergencyStop, Input::kClock};
+constexpr std::array kInputs = {Input::kEncoder,       Input::kCurrent, Input::kAmplifier, Input::kReference,
+                                Input::kEmergencyStop, Input::kClock,   Input::kSupply};
 constexpr std::array kModes = {Mode::kOff,  Mode::kStuck,   Mode::kGarbage,      Mode::kWrongSign,
                                Mode::kSlow, Mode::kDelayed, Mode::kIntermittent, Mode::kNan};
 constexpr std::array kSituations = {Situation::kDisarmed,  Situation::kHolding,    Situation::kMoving,
                                     Situation::kFollowing, Situation::kExperiment, Situation::kFaulted};
 
+constexpr double kSupplyMinV = 18.0;  // of 24
 constexpr int kSettleCycles = 1500;
 constexpr int kObservedCycles = 5000;
 constexpr int kRestCycles = 1000;  // of a disarmed machine before somebody arms it
@@ -31,6 +32,9 @@ constexpr double kToleratedRad = 0.5;
 class Rig {
  public:
   explicit Rig(Situation situation) : situation_(situation) {
+    AxisConfig config;
+    config.limits.supply_min_v = Q24::from_double(kSupplyMinV);
+    static_cast<void>(application_.configure({&config, 1}));
     step();
     if (situation == Situation::kDisarmed) {
       run(kSettleCycles);
@@ -179,7 +183,7 @@ class Rig {
 };
 
 auto why_impossible(Input input, Mode mode) -> const char* {
-  if (mode == Mode::kNan && input != Input::kEncoder && input != Input::kCurrent) {
+  if (mode == Mode::kNan && input != Input::kEncoder && input != Input::kCurrent && input != Input::kSupply) {
     return input == Input::kEmergencyStop || input == Input::kClock ? "a bit or a count is always a number"
                                                                     : "fixed point has no NaN";
   }
@@ -220,7 +224,8 @@ auto run_fault_campaign() -> std::vector<CampaignRow> {
 }
 
 auto name(Input input) -> const char* {
-  static constexpr std::array kNames = {"encoder", "current", "amplifier", "reference", "emergency stop", "clock"};
+  static constexpr std::array kNames = {"encoder",        "current", "amplifier", "reference",
+                                        "emergency stop", "clock",   "supply"};
   return kNames[static_cast<std::size_t>(input)];
 }
 auto name(Mode mode) -> const char* {

@@ -10,7 +10,7 @@
 namespace capstan::tools {
 
 /// What the firmware depends on.
-enum class Input : std::uint8_t { kEncoder, kCurrent, kAmplifier, kReference, kEmergencyStop, kClock };
+enum class Input : std::uint8_t { kEncoder, kCurrent, kAmplifier, kReference, kEmergencyStop, kClock, kSupply };
 /// How it goes wrong, from a certain cycle on and for good.
 enum class Mode : std::uint8_t { kOff, kStuck, kGarbage, kWrongSign, kSlow, kDelayed, kIntermittent, kNan };
 /// What the machine was doing.

@@ -16,6 +16,7 @@ namespace capstan::tools {
 inline constexpr int kDelayCycles = 100;
 inline constexpr int kMissingEvery = 20;
 inline constexpr double kLagS = 0.2;
+inline constexpr double kSupplyV = 24.0;
 
 /// What becomes of one number.
 class Corruption {
@@ -75,12 +76,14 @@ class FaultyIo {
   void begin(Input input, Mode mode) {
     input_ = input;
     mode_ = mode;
-    const double garbage = input == Input::kEncoder ? 2147483647.0 : 3.0;
+    const double garbage = input == Input::kEncoder ? 2147483647.0 : input == Input::kSupply ? kSupplyV : 3.0;
     corruption_.emplace(mode, garbage, input == Input::kEncoder);
   }
   auto read(Sensed<1>& sensed) noexcept -> Status {
     const Status status = io_.read(sensed);
     sensed.overruns = overruns_;
+    sensed.axis[0].supply = Quality::kOk;
+    sensed.axis[0].supply_v = Q24::from_double(kSupplyV);
     if (!corruption_) {
       return status;
     }
@@ -94,6 +97,10 @@ class FaultyIo {
       const auto value = (*corruption_)(axis.current_a.to_double());
       axis.current = value ? axis.current : lost;
       axis.current_a = Q24::from_double(value.value_or(0.0));
+    } else if (input_ == Input::kSupply) {
+      const auto value = (*corruption_)(kSupplyV);
+      axis.supply = value ? Quality::kOk : lost;
+      axis.supply_v = Q24::from_double(value.value_or(0.0));
     } else if (input_ == Input::kEmergencyStop) {
       sensed.estop = estop_open();
     } else if (input_ == Input::kClock) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <sstream>
 #include <thread>
 
+#include "firmware/supervisor.hpp"
 #include "tools/apply/shell_client.hpp"
 #include "tools/capstan/commands.hpp"
 #include "tools/flash/image_file.hpp"
@@ -105,7 +107,8 @@ void check_board(const FlashOptions& options) {
   }
   ShellClient shell(options.port);
   for (const std::string& status : shell.ask("status")) {
-    if (const std::string state = word_after(status, "state"); state == "armed" || state == "holding") {
+    const auto named = std::find(kStateNames.begin(), kStateNames.end(), word_after(status, "state"));
+    if (named != kStateNames.end() && energised(static_cast<State>(named - kStateNames.begin()))) {
       throw Refusal("the board at " + options.port + " has torque on; bring its joints to rest and 'disarm' first");
     }
   }

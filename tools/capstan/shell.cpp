@@ -44,11 +44,26 @@ auto carry(int from, int to, FrameRecorder* recorder) -> std::optional<std::size
   return text.size();
 }
 
+/// Which board this is, how it stands and what to type next.
+void greet(ShellClient& shell, const std::string& port) {
+  std::cerr << "connected to " << port << "; Ctrl-C leaves, 'help' lists the commands, 'disarm' takes torque away\n";
+  try {
+    for (const char* line : {"version", "status"}) {
+      for (const std::string& answer : shell.ask(line)) {
+        std::cerr << "  " << answer << "\n";
+      }
+    }
+  } catch (const Refusal& nobody_or_busy) {
+    std::cerr << nobody_or_busy.what() << "\n";
+  }
+  std::cout << shell.take_rest() << std::flush;
+}
+
 auto talk(const std::string& port, FrameRecorder* recorder) -> int {
-  const ShellClient shell(port);
+  ShellClient shell(port);
   const CharacterMode character_mode;
   if (character_mode.active()) {
-    std::cerr << "connected to " << port << "; Ctrl-C leaves\n";
+    greet(shell, port);
   }
   if (recorder != nullptr) {
     static_cast<void>(std::signal(SIGINT, leave));  // or the last rows would not reach the log

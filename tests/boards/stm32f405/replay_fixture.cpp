@@ -238,7 +238,7 @@ struct Visited {
     return *std::min_element(travel_rad.begin(), travel_rad.end());
   }
   [[nodiscard]] auto enough(std::uint32_t seconds) const -> bool {
-    return states.size() == kStateNames.size() && least_travel_rad() > 0.2 * seconds &&
+    return states.size() == kStateNames.size() - 1 && least_travel_rad() > 0.2 * seconds &&
            (seconds < 32 || faults.size() >= 5) && limits != 0 && modes.size() == 3 && judged.size() == kAxes;
   }
   std::array<Q24, kAxes> last_q2{};

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/hal/stm32f4/fake_analogue.hpp"
 #include "tests/hal/stm32f4/fake_register.hpp"
 
@@ -75,7 +77,7 @@ class MotorBoard : public testing::Test {
             AxisHardware<FakeRegister>{encoders[2], set_values[2], port_c, enables[2]},
             AxisHardware<FakeRegister>{encoders[3], set_values[3], port_c, enables[3]}},
            analogue, {StopInput<FakeRegister>{port_b, kStop1}, StopInput<FakeRegister>{port_b, kStop8}},
-           {.current = {Q24::from_int(6)}, .supply = {Q24::from_int(36)}}) {
+           {.current = {Q24::from_int(6)}, .supply = {Q24::from_int(36)}, .thermometer = {10'000, 500'000}}) {
     chip.memory_neighbour = this;
     port_b.idr.value = kStop1.mask() | kStop8.mask();
     behave(tim1, kStop1);
@@ -84,13 +86,15 @@ class MotorBoard : public testing::Test {
       lines = (lines & ~(written >> 16U)) | (written & 0xFFFFU);
       return old;
     };
-    analogue.start({10, 11, 12, 13, 14});
+    chip.channel_values[15] = volts(0.75);  // 25 C
+    analogue.start({10, 11, 12, 13, 14, 15});
     for (std::size_t i = 0; i < kAxes; ++i) {
       EXPECT_TRUE(encoders[i].start(5, false));
       set_values[i].start({.period = kPeriod, .full_scale_a = kFullScale});
     }
   }
 
+  static auto volts(double v) -> std::uint32_t { return static_cast<std::uint32_t>(std::lround(v / 3.3 * 4096.0)); }
   void behave(TimerRegisters<FakeRegister>& timer, const Pin& stop) {
     timer.bdtr.on_write = [this, &stop](std::uint32_t, std::uint32_t written) {
       return pressed(stop) ? written & ~timer::kBdtrMainOutput : written;
@@ -181,6 +185,72 @@ TEST_F(MotorBoard, SupplyIsMeasuredBesideTheCurrents) {
   chip.converter_answers = false;
   static_cast<void>(io.read(in));
   EXPECT_EQ(io.supply_v().raw(), 0) << "no old voltage is shown as today's";
+  for (const AxisSensed& axis : in.axis) {
+    EXPECT_EQ(axis.supply, Quality::kMissing);
+  }
+}
+
+TEST_F(MotorBoard, EveryAmplifierHasTheSupplyOfTheBoard) {
+  chip.channel_values[14] = 2731;
+  ASSERT_EQ(io.read(in), Status::kOk);
+  for (const AxisSensed& axis : in.axis) {
+    EXPECT_EQ(axis.supply, Quality::kOk);
+    EXPECT_NEAR(axis.supply_v.to_double(), 24.0, 0.01);
+  }
+}
+
+TEST_F(MotorBoard, ThermometerGivesTheTemperatureOfItsVoltageAtOnceAndFollowsWithinSomeSeconds) {
+  ASSERT_EQ(io.read(in), Status::kOk);
+  EXPECT_EQ(in.temperature, Quality::kOk);
+  EXPECT_NEAR(in.temperature_c.to_double(), 25.0, 0.05);
+  for (const double celsius : {-40.0, 0.0, 37.0, 120.0}) {
+    chip.channel_values[15] = volts(0.5 + 0.01 * celsius);
+    for (int i = 0; i < 12'000; ++i) {
+      ASSERT_EQ(io.read(in), Status::kOk);
+    }
+    EXPECT_NEAR(in.temperature_c.to_double(), celsius, 0.05 + 1e-3 * 100.0 / 10.0) << "half a step of the converter";
+  }
+}
+
+TEST_F(MotorBoard, ThermometersNoiseIsAveraged) {
+  for (int i = 0; i < 20'000; ++i) {
+    chip.channel_values[15] = volts(0.75) + (i % 2 == 0 ? 8 : 0) - 4;
+    ASSERT_EQ(io.read(in), Status::kOk);
+    if (i > 10'000) {
+      ASSERT_NEAR(in.temperature_c.to_double(), 25.0, 0.05) << "one reading alone would be off by 0.32 K";
+    }
+  }
+}
+
+TEST_F(MotorBoard, BrokenOrShortedThermometerIsInvalidAndStopsNothingAndComesBackAfresh) {
+  for (const std::uint32_t raw : {0U, 20U, 4080U, 4095U, volts(0.5 + 0.01 * 130.0)}) {
+    chip.channel_values[15] = raw;
+    for (int i = 0; i < 10'000; ++i) {
+      ASSERT_EQ(io.read(in), Status::kOk);
+    }
+    EXPECT_EQ(in.temperature, Quality::kInvalid) << raw;
+    chip.channel_values[15] = 0;
+    ASSERT_EQ(io.read(in), Status::kOk);
+    chip.channel_values[15] = volts(0.75);
+    ASSERT_EQ(io.read(in), Status::kOk);
+    EXPECT_EQ(in.temperature, Quality::kOk);
+    EXPECT_NEAR(in.temperature_c.to_double(), 25.0, 0.05);
+  }
+}
+
+TEST(Thermometer, WithoutOneItIsMissingWhateverThePinSays) {
+  Thermometer none{0, 500'000};
+  Q24 celsius;
+  for (std::uint32_t raw = 0; raw <= kAdcFullScale; raw += 91) {
+    EXPECT_EQ(none.rt_read(raw, celsius), Quality::kMissing);
+  }
+}
+
+TEST(Thermometer, SensorWithoutOffsetReadsFromZeroUp) {
+  Thermometer lm35{10'000, 0};
+  Q24 celsius;
+  EXPECT_EQ(lm35.rt_read(310, celsius), Quality::kOk);
+  EXPECT_NEAR(celsius.to_double(), 310.0 / 4096.0 * 330.0, 1e-3);
 }
 
 TEST_F(MotorBoard, EncoderThatLostItsSettingsIsMissingForItsAxisOnly) {

@@ -120,11 +120,24 @@ TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
-  constexpr std::size_t kConditionerAndTorque = 4;
-  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerAndTorque + 2);
+  constexpr std::size_t kConditionerTorqueAndMonitor = 5;
+  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + 2);
   EXPECT_EQ(lines.front(), "begin");
   EXPECT_EQ(lines.back(), "commit");
   EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint0.control.torque_backward -0.08000000 Nm"), lines.end());
+}
+
+TEST(ModelLines, TellTheMonitorWhatErrorTheFitLeftAndSwitchItOffWhereThereWasNoFit) {
+  JointFile joint;
+  const auto has = [&joint](const char* line) {
+    const auto lines = model_lines(joint, 2);
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  };
+  EXPECT_TRUE(has("set joint2.monitor.joint_rms 0.00000000 rad"));
+  joint.fit = FitSummary{.rmse = 0.0125, .gof_percent = 90.0, .samples = 5, .logs = {}};
+  EXPECT_TRUE(has("set joint2.monitor.joint_rms 0.01250000 rad"));
+  joint.fit->rmse = 7.0;  // of a hopeless fit
+  EXPECT_TRUE(has("set joint2.monitor.joint_rms 1.00000000 rad"));
 }
 
 }  // namespace
