@@ -199,7 +199,8 @@ auto Axis::rt_control() -> Q24 {
   }
   if (in_motor()) {
     telemetry_.q2_reference_rad = telemetry_.q2_rad;
-    return controller_.rt_update_motor(config_.control, law_, trajectory_.rt_step(rt_acceleration()));
+    telemetry_.q1_reference_rad = trajectory_.rt_step(rt_acceleration());
+    return controller_.rt_update_motor(config_.control, law_, telemetry_.q1_reference_rad);
   }
   telemetry_.q2_reference_rad = rt_reference();
   return controller_.rt_update(config_, law_, telemetry_.q2_reference_rad, telemetry_.q2_rad);

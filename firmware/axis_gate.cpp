@@ -113,7 +113,11 @@ auto Axis::rt_outward(Q24 current_a) const -> bool {
 auto Axis::rt_limit(Q24 torque_nm, bool energised) -> AxisDrive {
   const LimitConfig& limits = config_.limits;
   telemetry_.mode = mode_;
-  telemetry_.q1_reference_rad = energised && !in_torque() ? controller_.motor_reference() : telemetry_.q1_rad;
+  if (!energised || in_torque()) {
+    telemetry_.q1_reference_rad = telemetry_.q1_rad;
+  } else if (!in_motor()) {
+    telemetry_.q1_reference_rad = controller_.motor_reference();
+  }
   telemetry_.moving = energised && in_motion();
   rt_warm();
   if (!energised || !fitted()) {

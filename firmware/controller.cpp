@@ -100,7 +100,11 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
   if (reference.dq1 != Q24{}) {
     rt_cross_over(reference.forward);
   }
-  motor_reference_ = q1_reference;
+  // What friction leaves of the way; at the joint the outer loop does that.
+  const Q24 limit = gains.integral_limit_rad;
+  const Q24 error = q1_reference - law.sample().q1;
+  integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
+  motor_reference_ = q1_reference + integral_;
   return rt_servo(gains, law.sample(), reference.dq1);
 }
 

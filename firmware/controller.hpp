@@ -32,8 +32,12 @@ class Controller {
   /// N m
   auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
   /// From now on rt_update_motor is called instead; the torque stays if its first reference is motor_reference().
-  void rt_start_motor() { reference_.restart(); }
-  /// The servo and its feedforward alone: the motor follows q1_reference, rad, whatever the joint makes of it.
+  void rt_start_motor() {
+    reference_.restart();
+    integral_ = Q24{};
+  }
+  /// The servo, its feedforward and the integral, here of the motor's error: the motor follows q1_reference, rad,
+  /// whatever the joint makes of it.
   auto rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24;
   /// Where the servo holds the motor, rad.
   [[nodiscard]] auto motor_reference() const -> Q24 { return motor_reference_; }

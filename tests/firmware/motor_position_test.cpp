@@ -34,7 +34,7 @@ TEST(MotorPosition, MovesTheMotorToItsAngleExactlyAndNothingElse) {
     bench.ticks(3000);
     EXPECT_EQ(bench.joint().mode, ControlMode::kMotor);
     EXPECT_NEAR(bench.joint().q1_reference_rad.to_double(), target, 1e-6) << line;
-    EXPECT_NEAR(bench.io.motors[0].angle_rad, target, 0.04) << "the servo gives by friction over stiffness";
+    EXPECT_NEAR(bench.io.motors[0].angle_rad, target, 0.002) << "nothing is left of what friction takes";
     EXPECT_NEAR(bench.io.motors[1].angle_rad, 0.0, 1e-3);
     EXPECT_EQ(bench.state(), State::kHolding);
   }
