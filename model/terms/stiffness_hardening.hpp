@@ -1,32 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+
+#include "model/reciprocal.hpp"
 #include "model/term.hpp"
 
 namespace capstan {
 
 /// A rope gets stiffer as its strands settle: the elongation grows less than the torque,
-///   J h_t tau |tau| + (1 - J) h_b tau |tau|
-/// the first correction that is odd in the torque. h >= 0 takes back a part of a tau, a <= 0.
+///   (J h_t + (1 - J) h_b) tau |tau| min(1, |tau|/T)
+/// the first corrections that are odd in the torque: the square where T is below every torque, the cube where it is
+/// above. h >= 0 takes back a part of a tau, a <= 0.
 template <typename Scalar>
 class StiffnessHardening {
  public:
-  static constexpr TermInfo<2, 0> kInfo = {
+  static constexpr TermInfo<2, 1> kInfo = {
       .name = "stiffness_hardening",
-      .equation = "J h_t tau |tau| + (1 - J) h_b tau |tau|",
-      .source = "next order of (5.28) in the torque; thesis 3 takes the tendon's stiffness as constant",
+      .equation = "(J h_t + (1 - J) h_b) tau |tau| min(1, |tau|/T)",
+      .source = "next orders of (5.28) in the torque; thesis 3 takes the tendon's stiffness as constant",
       .confusable_with = "gravity on one sine, tendon_elongation where all loads are alike",
       .exciting_motion = "a ladder of amplitudes under loads that do not depend on the angle",
       .coefficients = {{{"top", "rad/Nm2", Sign::kNonNegative, "while the top tendon is pulled, h_t"},
                         {"bottom", "rad/Nm2", Sign::kNonNegative, "while the bottom tendon is pulled, h_b"}}},
-      .shapes = {},
+      .shapes = {{{"torque", "Nm", 0.001, 20.0, 0.002,
+                   "T: below it with the cube of the torque, above with the square"}}},
   };
 
-  constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
+  constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
+      : share_of_torque_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
-    return {.value = s.tau * abs(s.tau), .forward = s.forward};
+    const Scalar size = abs(s.tau);
+    return {.value = s.tau * size * std::min(kOne, size * share_of_torque_), .forward = s.forward};
   }
+
+ private:
+  static constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+
+  Reciprocal<Scalar> share_of_torque_;  ///< of T
 };
 
 }  // namespace capstan

@@ -145,7 +145,10 @@ TEST(EffectAccuracy, OfAnglePeriodic) {
                                  {0.9999 * Effect::kPeriodicOrder});
 }
 TEST(EffectAccuracy, OfStiffnessHardening) {
-  expect_accurate<StiffnessHardening>({0.9999 * Effect::kHardeningRadPerNm2, 0.9997 * Effect::kHardeningRadPerNm2}, {});
+  const std::array<double, 2> coefficients = {0.9999 * Effect::kHardeningRadPerNm2,
+                                              0.9997 * Effect::kHardeningRadPerNm2};
+  expect_accurate<StiffnessHardening>(coefficients, {0.0021});
+  expect_accurate<StiffnessHardening>(coefficients, {0.9999 * Range::kTorqueNm});
 }
 TEST(EffectAccuracy, OfLoadInertia) {
   expect_accurate<LoadInertia>({-0.9999 * Effect::kInertia}, {});

@@ -14,14 +14,17 @@
 namespace capstan::tools {
 namespace {
 
-auto table_row(const std::string& name, double value, const std::optional<Interval>& ci95, const std::string& unit)
+auto table_row(const std::string& name, double value, const std::string& interval, const std::string& unit)
     -> std::string {
-  const std::string interval =
-      ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : "held at its bound";
   char line[160];
   std::snprintf(line, sizeof(line), "  %-34s %12s  %-26s %s\n", name.c_str(), rounded(value, 6).c_str(),
                 interval.c_str(), unit.c_str());
   return line;
+}
+
+/// @param otherwise  what it means that there is none
+auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -> std::string {
+  return ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : otherwise;
 }
 
 }  // namespace
@@ -64,9 +67,9 @@ auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> 
 
 auto law_table(const JointFile& joint, const std::vector<std::string>& left_out) -> std::string {
   std::string table;
-  auto add = [&](const std::string& name, double value, const std::optional<Interval>& ci95, const char* unit) {
+  auto add = [&](const std::string& name, double value, const std::string& interval, const char* unit) {
     if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) {
-      table += table_row(name, value, ci95, unit);
+      table += table_row(name, value, interval, unit);
     }
   };
   for (const auto& term : *joint.catalogue) {
@@ -75,13 +78,13 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
     }
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const std::size_t at = term.first_coefficient + i;
-      add(term.name + "." + term.coefficients[i].name, joint.parameters.coefficients[at], joint.coefficient_ci95[at],
-          term.coefficients[i].unit);
+      add(term.name + "." + term.coefficients[i].name, joint.parameters.coefficients[at],
+          interval_text(joint.coefficient_ci95[at], "held at its bound"), term.coefficients[i].unit);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const std::size_t at = term.first_shape + i;
-      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at], joint.shape_ci95[at],
-          term.shapes[i].unit);
+      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at],
+          interval_text(joint.shape_ci95[at], "any near this one"), term.shapes[i].unit);
     }
   }
   return table;

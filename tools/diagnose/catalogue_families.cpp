@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "tools/diagnose/family.hpp"
 
@@ -24,44 +25,61 @@ auto geometric(double low, double high, std::size_t count) -> std::vector<double
   return values;
 }
 
-/// Smallest value of a shape on its grid: ranges that begin at nothing are cut where nothing can be told from nothing.
-auto smallest(const ShapeInfo& info) -> double {
-  constexpr double kSmallestShare = 1.0 / 400.0;  // of the largest value
-  return std::max(info.minimum, kSmallestShare * info.maximum);
-}
+/// How far a log goes: what lies beyond it can not be told apart.
+struct Reach {
+  explicit Reach(const CoarseSignals& s)
+      : q1_range(s.q1.maxCoeff() - s.q1.minCoeff()), tau_range(s.tau.maxCoeff() - s.tau.minCoeff()) {}
+  double q1_range, tau_range;
+};
 
 /// Periods per angle can be told apart as finely as the motion is long: a quarter of a period over the whole range.
-auto periods_step(double q1_range) -> double {
-  return 0.5 * std::numbers::pi / q1_range;
+auto periods_step(const Reach& reach) -> double {
+  return 0.5 * std::numbers::pi / reach.q1_range;
 }
 
 /// Less than one period is a smooth curve like any other.
-auto fewest_periods(const ShapeInfo& info, double q1_range) -> double {
-  return std::max(info.minimum, 2.0 * std::numbers::pi / q1_range);
+auto fewest_periods(const ShapeInfo& info, const Reach& reach) -> double {
+  return std::max(info.minimum, 2.0 * std::numbers::pi / reach.q1_range);
+}
+
+auto is_torque(const ShapeInfo& info, const Reach& reach) -> bool {
+  return std::string_view(info.unit) == "Nm" && reach.tau_range > info.minimum;
+}
+
+/// Largest value of a shape on its grid: a torque up to what the log has of it.
+auto largest(const ShapeInfo& info, const Reach& reach) -> double {
+  return is_torque(info, reach) ? std::min(reach.tau_range, info.maximum) : info.maximum;
+}
+
+/// Smallest one: ranges that begin at nothing are cut where nothing can be told from nothing. What is over within a
+/// small part of the log's torque is a step at each reversal.
+auto smallest(const ShapeInfo& info, const Reach& reach) -> double {
+  const double share = is_torque(info, reach) ? 1.0 / 25.0 : 1.0 / 400.0;  // of the largest value
+  return std::max(info.minimum, share * largest(info, reach));
 }
 
 /// One shape's grid: equal ratios, or equal steps for periods per angle.
-auto grid_of(const ShapeInfo& info, std::size_t points, double q1_range) -> std::vector<double> {
+auto grid_of(const ShapeInfo& info, std::size_t points, const Reach& reach) -> std::vector<double> {
   if (info.scale == ShapeScale::kRatio) {
-    return geometric(smallest(info), info.maximum, points);
+    return geometric(smallest(info, reach), largest(info, reach), points);
   }
   constexpr std::size_t kMostPeriods = 120;
   std::vector<double> values;
-  double order = fewest_periods(info, q1_range);
-  for (; order < info.maximum && values.size() < kMostPeriods; order += periods_step(q1_range)) {
+  double order = fewest_periods(info, reach);
+  for (; order < info.maximum && values.size() < kMostPeriods; order += periods_step(reach)) {
     values.push_back(order);
   }
   return values;
 }
 
 /// Every combination of the shapes' grids; a term without shapes has one, empty.
-auto shape_grid(const CatalogueTerm& term, double q1_range) -> std::vector<Shapes> {
+auto shape_grid(const CatalogueTerm& term, const Reach& reach) -> std::vector<Shapes> {
   const std::size_t points = term.shapes.size() > 1 ? 6 : kGridPoints;
   std::vector<Shapes> grid = {{}};
   for (const auto& info : term.shapes) {
     std::vector<Shapes> next;
     for (const auto& start : grid) {
-      for (const double value : grid_of(info, points, q1_range)) {
+      for (const double value : grid_of(info, points, reach)) {
         next.push_back(start);
         next.back().push_back(value);
       }
@@ -72,15 +90,16 @@ auto shape_grid(const CatalogueTerm& term, double q1_range) -> std::vector<Shape
 }
 
 /// A few settings around the best, closer than the grid.
-auto fine_grid(const CatalogueTerm& term, const Shapes& best, double q1_range) -> std::vector<Shapes> {
+auto fine_grid(const CatalogueTerm& term, const Shapes& best, const Reach& reach) -> std::vector<Shapes> {
   std::vector<Shapes> grid;
   for (std::size_t s = 0; s < best.size(); ++s) {
     const ShapeInfo& info = term.shapes[s];
-    const double ratio = std::pow(info.maximum / smallest(info), 1.0 / static_cast<double>(kGridPoints - 1));
+    const double step =
+        std::pow(largest(info, reach) / smallest(info, reach), 1.0 / static_cast<double>(kGridPoints - 1));
     const bool in_ratio = info.scale == ShapeScale::kRatio;
-    const double reach = in_ratio ? ratio : 1.0 + periods_step(q1_range) / best[s];
-    const double least = in_ratio ? info.minimum : fewest_periods(info, q1_range);
-    for (const double value : geometric(best[s] / reach, best[s] * reach, kFinePoints + 2)) {
+    const double ratio = in_ratio ? step : 1.0 + periods_step(reach) / best[s];
+    const double least = in_ratio ? info.minimum : fewest_periods(info, reach);
+    for (const double value : geometric(best[s] / ratio, best[s] * ratio, kFinePoints + 2)) {
       if (value > least && value < info.maximum) {
         grid.push_back(best);
         grid.back()[s] = value;
@@ -127,13 +146,13 @@ class Builder {
       family.signs = {Sign::kNonNegative};
     }
     Best best;
-    const double q1_range = p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff();
-    add(term, shape_grid(term, q1_range), kKeptOfGrid, family, best);
+    const Reach reach(p_.signals);
+    add(term, shape_grid(term, reach), kKeptOfGrid, family, best);
     if (family.variants.empty()) {
       return family;  // it changes nothing here, as a delay of a law that is nought
     }
     if (!term.shapes.empty()) {
-      add(term, fine_grid(term, best.shapes, q1_range), 1, family, best);
+      add(term, fine_grid(term, best.shapes, reach), 1, family, best);
     }
     if (term.acts_on_output) {
       family.variants.insert(family.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});

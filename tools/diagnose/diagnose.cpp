@@ -146,12 +146,16 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
   d.traces.after = estimates(p.logs, p.causal, d.law);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
-  if (d.ratio_ci95[1] >= 1.0) {
+  if (d.ratio_ci95[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law)) {
     const bool missing = search.base_reducible > 0.05;
     d.reason = "On rows that took no part in the choice, " + search.effects.front().name +
                " does not lower the error for certain, so it was not added.";
     d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
     keep_base_only(d);
+  } else if (d.ratio_ci95[1] >= 1.0) {
+    d.warnings.push_back(
+        "the running estimate gains little: most of its error is where the motor has turned and its encoder does not "
+        "show it yet; a finer encoder or a smaller direction threshold would");
   }
 }
 

@@ -11,8 +11,12 @@ namespace capstan::tools {
 
 auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   const Blocks learned = refined(p.split, p.factor).learned();
-  const auto conditioner = choose_rate_filter(p.logs, p.target, learned, form, p.conditioner);
-  const bool same = conditioner.rate_time_constant_s == p.conditioner.rate_time_constant_s;
+  auto conditioner = choose_rate_filter(p.logs, p.target, learned, form, p.conditioner);
+  if (form.has("tendon_elongation")) {  // what an effect takes away a late switch need not make up for
+    conditioner = choose_direction_threshold(p.logs, p.target, learned, form, conditioner);
+  }
+  const bool same = conditioner.rate_time_constant_s == p.conditioner.rate_time_constant_s &&
+                    conditioner.direction_threshold_rad == p.conditioner.direction_threshold_rad;
   const LawDesign causal = same ? p.causal : LawDesign(p.logs, conditioner);
   const LawForm settled = refine_shapes(causal, p.target, learned, form);
   const Eigen::MatrixXd columns = law_columns(causal, settled);
@@ -31,16 +35,19 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
   return {error, 100.0 * error / rms(measured), goodness_of_fit_percent(measured, estimated)};
 }
 
-auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {
+namespace {
+
+/// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs. @pre there are rows
+auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after) -> Interval {
   constexpr int kResamplings = 1000;
-  const Blocks rows = refined(p.split, p.factor).of(Role::kReport);
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::VectorXd energy_before(n);
   Eigen::VectorXd energy_after(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto& block = rows[static_cast<std::size_t>(i)];
-    energy_before[i] = (p.target - before).segment(block.begin, block.size()).squaredNorm();
-    energy_after[i] = (p.target - after).segment(block.begin, block.size()).squaredNorm();
+    energy_before[i] = (target - before).segment(block.begin, block.size()).squaredNorm();
+    energy_after[i] = (target - after).segment(block.begin, block.size()).squaredNorm();
   }
   Random random(0xB00);
   Eigen::VectorXd ratios(kResamplings);
@@ -55,6 +62,21 @@ auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const E
     ratio = e0 > 0.0 ? std::sqrt(e1 / e0) : 1.0;
   }
   return {quantile(ratios, 0.025), quantile(ratios, 0.975)};
+}
+
+}  // namespace
+
+auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {
+  return ratio_interval(p.target, refined(p.split, p.factor).of(Role::kReport), before, after);
+}
+
+auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool {
+  const Blocks rows = p.certain(p.split.of(Role::kReport));
+  auto estimate = [&p](const LawForm& form) -> Eigen::VectorXd {
+    const Eigen::MatrixXd columns = law_columns(p.hindsight, form);
+    return columns * fit_columns(columns, p.target, p.certain(), law_signs(form)).theta;
+  };
+  return !rows.empty() && ratio_interval(p.target, rows, estimate(base), estimate(law))[1] < 1.0;
 }
 
 }  // namespace capstan::tools

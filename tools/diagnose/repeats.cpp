@@ -5,12 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "tools/support/statistics.hpp"
+
 namespace capstan::tools {
 namespace {
 
 constexpr double kCloseShare = 0.03;  // of the motion's range
 constexpr double kAgreeing = 0.9;     // of the samples
 constexpr Eigen::Index kCoarseRows = 2000;
+constexpr double kSettledShare = 0.005;  // of the motion's range: less of a change from first to last is none
 
 /// Share of rows at which the signal agrees with itself `lag` rows later.
 auto agreement(const Eigen::VectorXd& motion, Eigen::Index lag, double close, Eigen::Index begin, Eigen::Index rows)
@@ -60,6 +63,20 @@ auto coarse_period(const Eigen::VectorXd& motion, double close, double range) ->
   return period;
 }
 
+/// A swing that dies away agrees with the next one, but not with the last.
+auto dies_away(const Eigen::VectorXd& motion, const Repeats& repeats, double range) -> bool {
+  auto difference = [&](Eigen::Index a, Eigen::Index b) {
+    return rms(motion.segment(repeats.cycle(a).begin, repeats.length) -
+               motion.segment(repeats.cycle(b).begin, repeats.length));
+  };
+  const Eigen::Index last = repeats.count - 1;
+  double neighbours = 0.0;
+  for (Eigen::Index i = 0; i < last; ++i) {
+    neighbours += difference(i, i + 1) / static_cast<double>(last);
+  }
+  return difference(0, last) > std::max(kSettledShare * range, 2.0 * neighbours);
+}
+
 }  // namespace
 
 auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optional<Repeats> {
@@ -98,7 +115,7 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
     repeats.first -= length;
     ++repeats.count;
   }
-  return repeats.count >= 2 ? std::optional(repeats) : std::nullopt;
+  return repeats.count >= 2 && !dies_away(motion, repeats, range) ? std::optional(repeats) : std::nullopt;
 }
 
 auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd {

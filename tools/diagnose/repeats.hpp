@@ -18,7 +18,7 @@ struct Repeats {
 
 /// Looks for repeated cycles in a motion (motor angle, any sampling). Two stretches repeat each other when they differ
 /// by less than 3 % of the motion's range in nine tenths of their samples. Nothing is found in a log with fewer than
-/// two cycles.
+/// two cycles, or where the last has come away from the first further than neighbours from each other.
 auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optional<Repeats>;
 
 /// Each cycle less the mean of all, scaled so that its variance is that of the noise: what is left is not the model's

@@ -41,7 +41,7 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
   LawResidual residual;
   residual.fitted = columns * fit.theta;
   residual.error = p.coarse(p.target - residual.fitted);
-  Eigen::MatrixXd base = columns;
+  Eigen::MatrixXd base = with_sensitivities(p.hindsight, law, fit.theta, columns);
   if (law.has("preisach")) {
     // Relays that a stretch of the motion alone has switched would be anything when that stretch is held out.
     residual.adapted = p.coarse(columns);
@@ -50,16 +50,6 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
     residual.error = error;
     base.resize(columns.rows(), 2);
     base << Eigen::VectorXd::Ones(columns.rows()), residual.fitted;
-  }
-  for (const auto& term : *law.catalogue) {
-    for (std::size_t i = 0; law.has(term.name) && i < searched_shapes(term); ++i) {
-      LawForm moved = law;
-      double& shape = moved.shapes[term.first_shape + i];
-      const double step = shape_step(term.shapes[i], shape);
-      shape += step;
-      base.conservativeResize(Eigen::NoChange, base.cols() + 1);
-      base.rightCols(1) = (law_columns(p.hindsight, moved) * fit.theta - residual.fitted) / step;
-    }
   }
   const auto brought = [&](std::size_t which) -> Eigen::VectorXd {
     return which >= p.disturbed.size()
@@ -102,10 +92,12 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   for (const auto* trial : eligible) {
     likeliest = std::max(likeliest, trial->log_likelihood);
   }
+  // What sensors and filters bend grows with the signal as well, so a little of a large gain decides nothing.
+  constexpr double kBent = 0.02;
+  const double nearly = std::max(evidence_needed(round.evidence), kBent * likeliest);
   const FamilyTrial* best = nullptr;
   for (const auto* trial : eligible) {
-    const bool as_likely =
-        round.evidence.by_energy || trial->log_likelihood > likeliest - evidence_needed(round.evidence);
+    const bool as_likely = round.evidence.by_energy || trial->log_likelihood > likeliest - nearly;
     if (as_likely && (best == nullptr || trial->explained > best->explained)) {
       best = trial;
     }

@@ -132,6 +132,22 @@ auto averaging_note(const LawDesign& design) -> std::string {
                                        " ms with a triangular weight, against the noise of the acceleration";
 }
 
+auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                                const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double> {
+  constexpr double kWorthIts = 0.995;  // a larger threshold is a later switch
+  double best = std::numeric_limits<double>::infinity();
+  ConditionerShape<double> trial = conditioner;
+  for (const double threshold : direction_thresholds(logs, motor_angle_noise(logs))) {
+    trial.direction_threshold_rad = threshold;
+    const double rmse = fit_law(LawDesign(logs, trial), target, blocks, form).rmse;
+    if (rmse < kWorthIts * best) {
+      best = rmse;
+      conditioner = trial;
+    }
+  }
+  return conditioner;
+}
+
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
     -> ConditionerShape<double> {
   ConditionerShape<double> shape;
@@ -140,18 +156,10 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
   shape.direction_threshold_rad = thresholds.front();
   std::string how = "just above the noise of q1";
   if (form.has("tendon_elongation") && thresholds.size() > 1) {
-    const Eigen::VectorXd target = stacked_target(logs);
-    double best = std::numeric_limits<double>::infinity();
-    for (const double threshold : thresholds) {
-      ConditionerShape<double> trial = shape;
-      trial.direction_threshold_rad = threshold;
-      const LawDesign design(logs, trial);
-      const double rmse = fit_law(design, target, even_blocks(design.log_rows(), 2), form).rmse;
-      if (rmse < 0.995 * best) {  // a larger threshold is a later switch: it has to earn its place
-        best = rmse;
-        shape.direction_threshold_rad = threshold;
-      }
-    }
+    std::vector<Eigen::Index> log_rows;
+    std::transform(logs.begin(), logs.end(), std::back_inserter(log_rows),
+                   [](const auto& log) { return log.samples(); });
+    shape = choose_direction_threshold(logs, stacked_target(logs), even_blocks(log_rows, 2), form, shape);
     how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) +
           " rad up";
   }

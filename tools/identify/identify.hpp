@@ -33,6 +33,10 @@ struct Identification {
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
     -> ConditionerShape<double>;
 
+/// The conditioner with the direction threshold, from just above the noise upwards, that serves a law best.
+auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                                const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double>;
+
 /// The conditioner with the rate filter that serves a law of the joint angle with rates in it best: a slow one lags, a
 /// fast one trembles with the encoder.
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,

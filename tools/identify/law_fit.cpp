@@ -156,8 +156,15 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
   const Eigen::Index linear = columns.cols();
   // Shapes enter the covariance by their sensitivities, as columns whose coefficient is the correction still due
   // (none).
-  const Eigen::MatrixXd all = with_sensitivities(design, form, plain.theta, columns);
+  Eigen::MatrixXd all = with_sensitivities(design, form, plain.theta, columns);
   signs.resize(static_cast<std::size_t>(all.cols()), Sign::kAny);
+  // A setting that these logs can not tell from its neighbours, with other coefficients, has no interval.
+  constexpr double kAlike = 1e-9;
+  for (Eigen::Index shape = linear; shape < all.cols(); ++shape) {
+    if (fit_columns(all, target, blocks, signs).tolerance[shape] < kAlike) {
+      all.col(shape).setZero();
+    }
+  }
   const LinearFit full = fit_columns(all, target, blocks, signs);
   JointFile joint(*form.catalogue);
   joint.parameters.shapes = form.shapes;
@@ -177,7 +184,9 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
     for (std::size_t i = 0; i < searched_shapes(*term); ++i, ++shape) {
       const double half = half_interval(full, shape);
       const double value = form.shapes[term->first_shape + i];
-      joint.shape_ci95[term->first_shape + i] = Interval{value - half, value + half};
+      if (full.tolerance[shape] > 0.0) {
+        joint.shape_ci95[term->first_shape + i] = Interval{value - half, value + half};
+      }
     }
   }
   return joint;

@@ -21,7 +21,7 @@ auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
   double cost_a = cost(a);
   double cost_b = cost(b);
   for (int i = 0; i < steps; ++i) {
-    if (cost_a < cost_b) {
+    if (cost_a <= cost_b) {  // where all is alike, towards the smaller
       high = b;
       b = a;
       cost_b = cost_a;
@@ -35,7 +35,14 @@ auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
       cost_b = cost(b);
     }
   }
-  return cost_a < cost_b ? a : b;
+  return cost_a <= cost_b ? a : b;
+}
+
+/// What a step of a shape is measured by where its value says nothing, as at zero. A range of equal ratios has its
+/// smallest value for that, or a small joint would be searched in a large one's steps.
+auto smallest_span(const ShapeInfo& info) -> double {
+  const bool in_ratio = info.scale == ShapeScale::kRatio && info.minimum > 0.0;
+  return in_ratio ? info.minimum : info.maximum - info.minimum;
 }
 
 /// A shape that is searched for, and where it stands among all shapes.
@@ -123,7 +130,7 @@ auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
   }
   for (const auto& [info, index] : shape_slots(form)) {
     double& value = form.shapes[index];
-    const double reach = std::max(kReach * value, 2e-3 * (info->maximum - info->minimum));
+    const double reach = std::max(kReach * value, 2e-3 * smallest_span(*info));
     const double low = std::max(info->minimum, value - reach);
     const double high = std::min(info->maximum, value + 2.0 * reach);
     value = golden_section(low, high, kSteps, [&](double trial) {

@@ -120,8 +120,9 @@ void relate(std::vector<CatalogueTerm>& terms) {
                                                                             {"reversal_memory", kElastic},
                                                                             {"stiffness_hardening", kElastic}};
   for (auto& term : terms) {
-    // Warming that has not slowed down yet is a straight line, and with a thermometer there may be no other at all.
-    term.shapes_are_open = term.name == "thermal_drift";
+    // Warming that has not slowed down yet is a straight line, and with a thermometer there may be no other at all. A
+    // rope may harden with the square of every torque, or with the cube.
+    term.shapes_are_open = term.name == "thermal_drift" || term.name == "stiffness_hardening";
     if (const auto found = kBuildsOn.find(term.name); found != kBuildsOn.end()) {
       term.builds_on = found->second;
     }

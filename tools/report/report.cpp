@@ -140,9 +140,13 @@ auto error_table(const Diagnosis& d) -> std::string {
   return html;
 }
 
-auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::optional<Interval>& ci95,
+/// @param otherwise  what it means that there is none
+auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -> std::string {
+  return ci95 ? rounded((*ci95)[0], 4) + " to " + rounded((*ci95)[1], 4) : otherwise;
+}
+
+auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::string& interval,
                    const char* unit, const char* doc) -> std::string {
-  const std::string interval = ci95 ? rounded((*ci95)[0], 4) + " to " + rounded((*ci95)[1], 4) : "held at its bound";
   return "<tr>" + cell(term.name + "." + name) + cell(rounded(value, 5), true) + cell(interval) + cell(unit) +
          cell(doc) + "</tr>\n";
 }
@@ -158,13 +162,14 @@ auto parameter_table(const JointFile& joint) -> std::string {
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
       const std::size_t at = term.first_coefficient + i;
-      html += parameter_row(term, info.name, joint.parameters.coefficients[at], joint.coefficient_ci95[at], info.unit,
-                            info.doc);
+      html += parameter_row(term, info.name, joint.parameters.coefficients[at],
+                            interval_text(joint.coefficient_ci95[at], "held at its bound"), info.unit, info.doc);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const auto& info = term.shapes[i];
       const std::size_t at = term.first_shape + i;
-      html += parameter_row(term, info.name, joint.parameters.shapes[at], joint.shape_ci95[at], info.unit, info.doc);
+      html += parameter_row(term, info.name, joint.parameters.shapes[at],
+                            interval_text(joint.shape_ci95[at], "any near this one"), info.unit, info.doc);
     }
   }
   return html + "</table>\n";

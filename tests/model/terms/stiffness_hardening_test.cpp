@@ -19,7 +19,8 @@ static_assert(SumTerm<StiffnessHardening<double>, double> && SumTerm<StiffnessHa
 template <typename Scalar>
 class Hardening : public testing::Test {
  protected:
-  StiffnessHardening<Scalar> term_{one_khz<Scalar>(), {}};
+  static constexpr double kCubeBelow = 0.002;
+  StiffnessHardening<Scalar> term_{one_khz<Scalar>(), {number<Scalar>(kCubeBelow)}};
 };
 using Formats = testing::Types<double, Q24>;
 TYPED_TEST_SUITE(Hardening, Formats);
@@ -35,7 +36,27 @@ TYPED_TEST(Hardening, IsTheSecondOrderOfASpringThatGetsStiffer) {
     const auto phi = this->term_.update({.tau = number<TypeParam>(tau)});
     const double law = -tau / kStiffness + kHarder / std::pow(kStiffness, 2) * value_of(phi[0]);
     const double left = 2.0 * kHarder * kHarder * std::pow(size, 3) / std::pow(kStiffness, 3);
-    ASSERT_NEAR(law, std::copysign(deflection, -tau), left + 3e-7) << tau;
+    const double cubed = kHarder / std::pow(kStiffness, 2) * TestFixture::kCubeBelow * TestFixture::kCubeBelow;
+    ASSERT_NEAR(law, std::copysign(deflection, -tau), left + cubed + 3e-7) << tau;
+  }
+}
+
+// A spring of tension k (x + h x^3), solved by Newton's method: its deflection is tau/k - h (tau/k)^3 and then a term of
+// fifth order, at most 3 h^2 (|tau|/k)^5. With T above every torque the coefficient h T / k^3 makes it.
+TYPED_TEST(Hardening, IsTheThirdOrderOfASymmetricSpringBelowItsTorque) {
+  constexpr double kStiffness = 0.6;
+  constexpr double kHarder = 4.0;
+  constexpr double kAbove = 0.25;
+  StiffnessHardening<TypeParam> term(one_khz<TypeParam>(), {number<TypeParam>(kAbove)});
+  for (double tau = -0.1; tau <= 0.1; tau += 0.003) {
+    double x = tau / kStiffness;
+    for (int i = 0; i < 20; ++i) {
+      x -= (x + kHarder * x * x * x - tau / kStiffness) / (1.0 + 3.0 * kHarder * x * x);
+    }
+    const auto phi = term.update({.tau = number<TypeParam>(tau)});
+    const double law = tau / kStiffness - kHarder * kAbove / std::pow(kStiffness, 3) * value_of(phi[0]);
+    const double left = 3.0 * kHarder * kHarder * std::pow(std::fabs(tau) / kStiffness, 5);
+    ASSERT_NEAR(law, x, left + 1.2e-6) << tau;
   }
 }
 
@@ -52,7 +73,7 @@ TYPED_TEST(Hardening, GoesToThePulledTendonAndIsOdd) {
 }
 
 TEST(HardeningFixed, SaturatesBeyondElevenNewtonMetresAndNeverWraps) {
-  StiffnessHardening<Q24> term(one_khz<Q24>(), {});
+  StiffnessHardening<Q24> term(one_khz<Q24>(), {number<Q24>(0.002)});
   EXPECT_FALSE(term.update({.tau = number<Q24>(11.3)})[0].is_saturated());
   EXPECT_EQ(term.update({.tau = number<Q24>(11.4)})[0], Q24::max());
   EXPECT_EQ(term.update({.tau = Q24::lowest()})[0], Q24::lowest());
