@@ -50,6 +50,27 @@ TEST(Repeats, NoneAreFoundInAMotionThatNeverComesBack) {
   EXPECT_FALSE(find_repeats(Eigen::VectorXd::LinSpaced(5000, 0.0, 1.0), 0.0).has_value());
 }
 
+/// Swings that die away, `cycles` times over; each is within 3 % of the range of its neighbours for most of the time.
+auto dying_swings(Eigen::Index length, Eigen::Index cycles) -> Eigen::VectorXd {
+  Eigen::VectorXd motion(length * cycles);
+  for (Eigen::Index i = 0; i < motion.size(); ++i) {
+    const double share = static_cast<double>(i % length) / static_cast<double>(length);
+    motion[i] = std::exp(-2.2 * share) * std::sin(24.0 * 6.2832 * share);
+  }
+  return motion;
+}
+
+TEST(Repeats, SwingsThatDieAwayAreNone) {
+  EXPECT_FALSE(find_repeats(dying_swings(6000, 1), 0.0).has_value());
+}
+
+TEST(Repeats, SwingsThatDieAwayAgainAndAgainAreFoundWhole) {
+  const auto found = find_repeats(dying_swings(6000, 4), 0.0);
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->length, 6000);
+  EXPECT_EQ(found->count, 4);
+}
+
 TEST(Repeats, PureErrorHasTheVarianceOfTheNoiseWhateverTheSignal) {
   const Repeats repeats{0, 5000, 4};
   std::mt19937_64 random(7);

@@ -71,12 +71,12 @@ auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const E
 }
 
 auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool {
-  const Blocks rows = p.certain(p.split.of(Role::kReport));
-  auto estimate = [&p](const LawForm& form) -> Eigen::VectorXd {
-    const Eigen::MatrixXd columns = law_columns(p.hindsight, form);
-    return columns * fit_columns(columns, p.target, p.certain(), law_signs(form)).theta;
+  const Eigen::VectorXd target = p.coarse(p.target);
+  auto estimate = [&](const LawForm& form) -> Eigen::VectorXd {
+    const Eigen::MatrixXd columns = p.coarse(law_columns(p.hindsight, form));
+    return columns * fit_columns(columns, target, p.split.learned(), law_signs(form)).theta;
   };
-  return !rows.empty() && ratio_interval(p.target, rows, estimate(base), estimate(law))[1] < 1.0;
+  return ratio_interval(target, p.split.of(Role::kReport), estimate(base), estimate(law))[1] < 1.0;
 }
 
 }  // namespace capstan::tools

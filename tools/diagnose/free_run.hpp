@@ -13,8 +13,9 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
 /// Free-running error of an estimate on the rows set aside.
 auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary;
 
-/// Whether a law errs less than the base for certain on those rows set aside whose direction is known. A running
-/// estimate errs most where the motor has turned and its encoder does not show it yet; no effect mends that.
+/// Whether a law errs less than the base for certain on the rows set aside, on the coarse grid and in hindsight, where
+/// decisions are taken. A running estimate errs most where the motor has turned and its encoder does not show it yet,
+/// and no effect mends that.
 auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool;
 
 /// 95 % interval of rmse(after) / rmse(before) on the rows set aside, whole blocks resampled in pairs.

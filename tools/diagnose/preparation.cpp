@@ -199,9 +199,9 @@ auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixX
   return bridged(decimated(moving_mean(columns, hindsight.log_rows(), smoothing), factor));
 }
 
-auto Preparation::certain(const Blocks& coarse_rows) const -> Blocks {
+auto Preparation::certain() const -> Blocks {
   Blocks rows;
-  for (const auto& block : coarse_rows) {
+  for (const auto& block : split.learned()) {
     Eigen::Index begin = block.begin;
     for (const auto& doubtful : uncertain) {  // in order
       if (doubtful.end <= begin || doubtful.begin >= block.end) {

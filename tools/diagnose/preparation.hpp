@@ -42,11 +42,9 @@ struct Preparation {
   /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the
   /// target, so a law that holds on the other rows holds on these.
   [[nodiscard]] auto bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
-  /// The samples of coarse rows, at full rate, without those whose direction is not known: a few of them, with a jump
-  /// of the law on the wrong side, would weigh more than all the others.
-  [[nodiscard]] auto certain(const Blocks& coarse_rows) const -> Blocks;
-  /// Of the samples to learn from.
-  [[nodiscard]] auto certain() const -> Blocks { return certain(split.learned()); }
+  /// Samples to learn from, at full rate, without those whose direction is not known: a few of them, with a jump of the
+  /// law on the wrong side, would weigh more than all the others.
+  [[nodiscard]] auto certain() const -> Blocks;
 };
 
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.

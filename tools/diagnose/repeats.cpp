@@ -36,9 +36,9 @@ auto moves_within(const Eigen::VectorXd& motion, Eigen::Index begin, Eigen::Inde
   return part.maxCoeff() - part.minCoeff() > 0.5 * range;
 }
 
-/// The first lag at which the motion agrees with itself after having gone away; of the lags around it the one that
-/// agrees best.
-auto coarse_period(const Eigen::VectorXd& motion, double close, double range) -> Eigen::Index {
+/// The first lag above another at which the motion agrees with itself after having gone away; of the lags around it the
+/// one that agrees best. 0 if there is none.
+auto coarse_period(const Eigen::VectorXd& motion, double close, double range, Eigen::Index above) -> Eigen::Index {
   const Eigen::Index n = motion.size();
   double least = std::numeric_limits<double>::infinity();
   Eigen::Index period = 0;
@@ -49,7 +49,8 @@ auto coarse_period(const Eigen::VectorXd& motion, double close, double range) ->
     const Eigen::Index begin = n - lag - rows;
     const double share = agreement(motion, lag, close, begin, rows);
     gone_away = gone_away || share < 0.5;
-    const bool agrees = gone_away && share > kAgreeing && moves_within(motion, begin, std::min(rows, lag), range);
+    const bool agrees =
+        lag > above && gone_away && share > kAgreeing && moves_within(motion, begin, std::min(rows, lag), range);
     if (!agrees && period != 0) {
       break;  // the multiples of a period agree as well, but it is the first that counts
     }
@@ -61,6 +62,36 @@ auto coarse_period(const Eigen::VectorXd& motion, double close, double range) ->
     }
   }
   return period;
+}
+
+/// The lag near a coarse one, of `step` rows each, at which the motion agrees best.
+auto exact_period(const Eigen::VectorXd& motion, Eigen::Index coarse, Eigen::Index step) -> Eigen::Index {
+  constexpr Eigen::Index kReach = 4;  // coarse lags: noise moves the coarse minimum by one or two
+  double least = std::numeric_limits<double>::infinity();
+  Eigen::Index period = coarse * step;
+  for (Eigen::Index lag = std::max<Eigen::Index>(1, (coarse - kReach) * step); lag <= (coarse + kReach) * step; ++lag) {
+    const Eigen::Index rows = motion.size() - lag;
+    if (rows < lag) {
+      break;
+    }
+    const Eigen::Index used = std::max(lag, rows * 3 / 4);
+    const double difference = rms(motion.tail(used) - motion.segment(motion.size() - used - lag, used));
+    if (difference < least) {
+      least = difference;
+      period = lag;
+    }
+  }
+  return period;
+}
+
+/// Whole cycles counted back from the end, as long as they agree with the one after them.
+auto whole_cycles(const Eigen::VectorXd& motion, Eigen::Index length, double close) -> Repeats {
+  Repeats repeats{motion.size() - length, length, 1};
+  while (repeats.first >= length && agreement(motion, length, close, repeats.first - length, length) > kAgreeing) {
+    repeats.first -= length;
+    ++repeats.count;
+  }
+  return repeats;
 }
 
 /// A swing that dies away agrees with the next one, but not with the last.
@@ -83,39 +114,15 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
   const double range = motion.maxCoeff() - motion.minCoeff();
   const double close = std::max(kCloseShare * range, 4.0 * noise_rad);
   const Eigen::Index step = std::max<Eigen::Index>(1, motion.size() / kCoarseRows);
-  const Eigen::Index coarse = coarse_period(thinned(motion, step), close, range);
-  if (coarse == 0 || range <= 0.0) {
-    return std::nullopt;
-  }
-  Repeats repeats;
-  double least = -1.0;
-  constexpr Eigen::Index kReach = 4;  // coarse lags: noise moves the coarse minimum by one or two
-  for (Eigen::Index lag = std::max<Eigen::Index>(1, (coarse - kReach) * step); lag <= (coarse + kReach) * step; ++lag) {
-    const Eigen::Index rows = motion.size() - lag;
-    if (rows < lag) {
-      break;
-    }
-    const Eigen::Index used = std::max(lag, rows * 3 / 4);
-    const auto difference =
-        motion.segment(motion.size() - used, used) - motion.segment(motion.size() - used - lag, used);
-    const double mean_square = difference.squaredNorm() / static_cast<double>(used);
-    if (least < 0.0 || mean_square < least) {
-      least = mean_square;
-      repeats.length = lag;
+  const Eigen::VectorXd coarse = thinned(motion, step);
+  for (Eigen::Index period = coarse_period(coarse, close, range, 0); range > 0.0 && period > 0;
+       period = coarse_period(coarse, close, range, period)) {
+    const auto repeats = whole_cycles(motion, exact_period(motion, period, step), close);
+    if (repeats.count >= 2 && !dies_away(motion, repeats, range)) {
+      return repeats;
     }
   }
-  if (repeats.length == 0) {
-    return std::nullopt;
-  }
-  // Whole cycles counted back from the end, as long as they agree with the one after them.
-  const Eigen::Index length = repeats.length;
-  repeats.count = 1;
-  repeats.first = motion.size() - length;
-  while (repeats.first >= length && agreement(motion, length, close, repeats.first - length, length) > kAgreeing) {
-    repeats.first -= length;
-    ++repeats.count;
-  }
-  return repeats.count >= 2 && !dies_away(motion, repeats, range) ? std::optional(repeats) : std::nullopt;
+  return std::nullopt;
 }
 
 auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd {

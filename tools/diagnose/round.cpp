@@ -74,7 +74,7 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round {
 }
 
 auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
-  constexpr double kFarMore = 2.0;  // energy, of the least that any leaves
+  constexpr double kFarMore = 1.5;  // energy, of the least that any leaves
   std::vector<const FamilyTrial*> eligible;
   double least_left = std::numeric_limits<double>::infinity();
   for (const auto& trial : round.trials) {
