@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
-
 #include "model/reciprocal.hpp"
 #include "model/term.hpp"
 
@@ -28,16 +26,17 @@ class StiffnessHardening {
   };
 
   constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
-      : share_of_torque_(shape[0]) {}
+      : torque_(shape[0]), share_of_torque_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
     const Scalar size = abs(s.tau);
-    return {.value = s.tau * size * std::min(kOne, size * share_of_torque_), .forward = s.forward};
+    // In this order only the result may leave the range of fixed point, and nothing on the way to it.
+    const Scalar shared = size < torque_ ? s.tau * (size * share_of_torque_) : s.tau;
+    return {.value = shared * size, .forward = s.forward};
   }
 
  private:
-  static constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
-
+  Scalar torque_;                       ///< T
   Reciprocal<Scalar> share_of_torque_;  ///< of T
 };
 

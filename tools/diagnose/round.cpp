@@ -92,12 +92,10 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   for (const auto* trial : eligible) {
     likeliest = std::max(likeliest, trial->log_likelihood);
   }
-  // What sensors and filters bend grows with the signal as well, so a little of a large gain decides nothing.
-  constexpr double kBent = 0.02;
-  const double nearly = std::max(evidence_needed(round.evidence), kBent * likeliest);
   const FamilyTrial* best = nullptr;
   for (const auto* trial : eligible) {
-    const bool as_likely = round.evidence.by_energy || trial->log_likelihood > likeliest - nearly;
+    const bool as_likely =
+        round.evidence.by_energy || trial->log_likelihood > likeliest - evidence_needed(round.evidence);
     if (as_likely && (best == nullptr || trial->explained > best->explained)) {
       best = trial;
     }

@@ -95,8 +95,8 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
   }
   if (log.q2_rad.size() > 0) {
     const Eigen::VectorXd joint = joint_by_motor(log, samples);
-    for (std::size_t i = 0; i < samples.size(); ++i) {  // the last cycle's
-      samples[i].q2 = joint[std::max<Eigen::Index>(1, static_cast<Eigen::Index>(i)) - 1];
+    for (std::size_t i = 0; i < samples.size(); ++i) {  // of now: one sample back may be many of the board's cycles
+      samples[i].q2 = joint[static_cast<Eigen::Index>(i)];
     }
   }
   return samples;
