@@ -41,8 +41,8 @@ TYPED_TEST(Hardening, IsTheSecondOrderOfASpringThatGetsStiffer) {
   }
 }
 
-// A spring of tension k (x + h x^3), solved by Newton's method: its deflection is tau/k - h (tau/k)^3 and then a term of
-// fifth order, at most 3 h^2 (|tau|/k)^5. With T above every torque the coefficient h T / k^3 makes it.
+// A spring of tension k (x + h x^3), solved by Newton's method: its deflection is tau/k - h (tau/k)^3 and then a term
+// of fifth order, at most 3 h^2 (|tau|/k)^5. With T above every torque the coefficient h T / k^3 makes it.
 TYPED_TEST(Hardening, IsTheThirdOrderOfASymmetricSpringBelowItsTorque) {
   constexpr double kStiffness = 0.6;
   constexpr double kHarder = 4.0;
