@@ -25,8 +25,8 @@ auto goodness_of_fit_percent(const Eigen::VectorXd& measured, const Eigen::Vecto
 /// Noise of a signal sampled faster than it changes: rms of the third difference, scaled for white noise. A smooth
 /// signal has next to none, whatever its size.
 auto white_noise_level(const Eigen::VectorXd& signal) -> double;
-/// The same by the sixth difference, which has less of a fast motion in it, and more of an encoder's steps: up to 0.8 of
-/// one, where every other sample is a step further.
+/// The same by the sixth difference, which has less of a fast motion in it, and more of an encoder's steps: up to 0.8
+/// of one, where every other sample is a step further.
 auto fast_noise_level(const Eigen::VectorXd& signal) -> double;
 /// Resolution of a quantised channel: the step of which all changes are multiples. 0 if there is none to be seen.
 auto quantisation_step(const Eigen::VectorXd& signal) -> double;

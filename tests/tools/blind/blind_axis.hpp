@@ -15,7 +15,7 @@ struct BlindAxis {
   Eigen::VectorXd noise;  ///< of the effort, sample by sample
   Eigen::VectorXd angle;  ///< of the motor, without the encoder's steps
   double inertia = 0.0, drag = 0.0;
-  bool visible = true;    ///< as BlindJoint's, with inertia and drag as the base law
+  bool visible = true;  ///< as BlindJoint's, with inertia and drag as the base law
 };
 
 /// A driven axis that is drawn anew for every seed: motion, inertia, drag, encoder, rate, noise and the form and size
