@@ -51,9 +51,9 @@ class PlantIo {
 };
 static_assert(JointIo<PlantIo>);
 
-/// Looks for one answer, about half a second on a machine of today: a plant answers within a millisecond, or it is
-/// gone.
-constexpr std::uint32_t kPlantPatience = 5'000'000;
+/// Looks for one answer, about two seconds on a machine of today: a plant answers within a millisecond unless its
+/// machine is busy, or it is gone.
+constexpr std::uint32_t kPlantPatience = 20'000'000;
 
 SerialPort console{stm32f4::usart1_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart1};
 SerialPort plant{stm32f4::usart2_registers(), stm32f4::nvic_registers(), stm32f4::Interrupt::kUsart2};
