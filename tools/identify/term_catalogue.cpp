@@ -126,6 +126,9 @@ void relate(std::vector<CatalogueTerm>& terms) {
     if (const auto found = kBuildsOn.find(term.name); found != kBuildsOn.end()) {
       term.builds_on = found->second;
     }
+    if (term.name == "slip_propagation") {  // a front that has arrived at once is a step at each reversal
+      term.special_cases = {"pretension_offset"};
+    }
   }
 }
 
