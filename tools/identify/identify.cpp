@@ -132,13 +132,18 @@ auto averaging_note(const LawDesign& design) -> std::string {
                                        " ms with a triangular weight, against the noise of the acceleration";
 }
 
-auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
-                                const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double> {
-  constexpr double kWorthIts = 0.995;  // a larger threshold is a later switch
+namespace {
+
+/// The conditioner with that value of one of its shapes which serves a law best. Values come from the quick to the
+/// slow: what lags more has to earn its place.
+auto with_best(double ConditionerShape<double>::*shape, const std::vector<double>& values,
+               const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+               const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double> {
+  constexpr double kWorthIts = 0.995;
   double best = std::numeric_limits<double>::infinity();
   ConditionerShape<double> trial = conditioner;
-  for (const double threshold : direction_thresholds(logs, motor_angle_noise(logs))) {
-    trial.direction_threshold_rad = threshold;
+  for (const double value : values) {
+    trial.*shape = value;
     const double rmse = fit_law(LawDesign(logs, trial), target, blocks, form).rmse;
     if (rmse < kWorthIts * best) {
       best = rmse;
@@ -146,6 +151,15 @@ auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::V
     }
   }
   return conditioner;
+}
+
+}  // namespace
+
+auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                                const LawForm& form, const ConditionerShape<double>& conditioner)
+    -> ConditionerShape<double> {
+  return with_best(&ConditionerShape<double>::direction_threshold_rad,
+                   direction_thresholds(logs, motor_angle_noise(logs)), logs, target, blocks, form, conditioner);
 }
 
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
@@ -159,7 +173,8 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
     std::vector<Eigen::Index> log_rows;
     std::transform(logs.begin(), logs.end(), std::back_inserter(log_rows),
                    [](const auto& log) { return log.samples(); });
-    shape = choose_direction_threshold(logs, stacked_target(logs), even_blocks(log_rows, 2), form, shape);
+    shape = with_best(&ConditionerShape<double>::direction_threshold_rad, thresholds, logs, stacked_target(logs),
+                      even_blocks(log_rows, 2), form, shape);
     how = "the best fit among " + std::to_string(thresholds.size()) + " from " + rounded(thresholds.front(), 2) +
           " rad up";
   }
@@ -171,23 +186,13 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
 }
 
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
-                        const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double> {
+                        const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double> {
   const bool has_rates = form.has("transmission_viscous") || form.has("load_inertia");
   if (form.catalogue->target() != TargetKind::kAngle || !has_rates) {
     return conditioner;
   }
-  constexpr double kWorthIts = 0.995;  // a slower filter lags more
-  double best = std::numeric_limits<double>::infinity();
-  ConditionerShape<double> trial = conditioner;
-  for (const double time_constant_s : {0.002, 0.004, 0.008, 0.016, 0.032}) {
-    trial.rate_time_constant_s = time_constant_s;
-    const double rmse = fit_law(LawDesign(logs, trial), target, blocks, form).rmse;
-    if (rmse < kWorthIts * best) {
-      best = rmse;
-      conditioner = trial;
-    }
-  }
-  return conditioner;
+  return with_best(&ConditionerShape<double>::rate_time_constant_s, {0.002, 0.004, 0.008, 0.016, 0.032}, logs, target,
+                   blocks, form, conditioner);
 }
 
 auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks {

@@ -35,12 +35,13 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
 
 /// The conditioner with the direction threshold, from just above the noise upwards, that serves a law best.
 auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
-                                const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double>;
+                                const LawForm& form, const ConditionerShape<double>& conditioner)
+    -> ConditionerShape<double>;
 
 /// The conditioner with the rate filter that serves a law of the joint angle with rates in it best: a slow one lags, a
 /// fast one trembles with the encoder.
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
-                        const LawForm& form, ConditionerShape<double> conditioner) -> ConditionerShape<double>;
+                        const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double>;
 
 /// Blocks for intervals: longer than what the residual of all rows remembers on the pieces, as many as that allows (8
 /// to 60, and one a piece).
