@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/synthetic_joint.hpp"
@@ -176,6 +177,37 @@ TEST(Diagnose, WithoutTorqueTheBaseIsKinematic) {
 TEST(Diagnose, AForceLawDoesNotExplainAJointAngle) {
   EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "preisach"), BadInput);
   EXPECT_THROW(diagnosis_of(small_request(Truth::kNone), "pull_push"), BadInput);
+}
+
+// Decisions are taken on means over several samples; the floor stands beside errors of single ones.
+TEST(Diagnose, TheNoiseFloorIsThatOfSingleSamplesWithoutRepeatsToo) {
+  SyntheticRequest request = small_request(Truth::kViscous);
+  request.cycles = 1;
+  request.cycle_s = 60.0;
+  request.rate_hz = 1000.0;
+  const Diagnosis d = diagnosis_of(request);
+  EXPECT_FALSE(d.floor_from_repeats);
+  EXPECT_NEAR(d.noise_floor, request.noise_rad, 0.07 * request.noise_rad);
+}
+
+// The other axis is driven against a spring alone: its torque is its angle, and no fit can tell which of them pulls.
+TEST(Diagnose, ParametersOfAnEffectThatTheLogCanNotTellApartAreNamedAndNotPrinted) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  const Eigen::VectorXd swing = 0.4 * (0.83 * log.time_s.array()).sin();
+  log.q2_rad += 0.02 * swing;
+  log.other = OtherAxis{1, swing, 0.04 * swing};
+  const Diagnosis d = diagnose({log}, {});
+  ASSERT_EQ(d.effects.size(), 1U) << d.reason;
+  EXPECT_EQ(d.effects[0].name, "axis_coupling");
+  EXPECT_EQ(d.undetermined,
+            (std::vector<std::string>{"axis_coupling.angle", "axis_coupling.top", "axis_coupling.bottom"}));
+  EXPECT_NE(d.warnings.back().find("axis_coupling.angle"), std::string::npos) << d.warnings.back();
+  const auto json = nlohmann::json::parse(diagnosis_json(d));
+  EXPECT_TRUE(json.at("effects").at(0).at("parameters").at("angle").at("value").is_null());
+  // What they come to together is known, and small enough for a board.
+  const double together = coefficient_of(d, "axis_coupling", 0) + 0.04 * coefficient_of(d, "axis_coupling", 1);
+  EXPECT_NEAR(together, 0.02, 0.001);
+  EXPECT_LT(std::abs(coefficient_of(d, "axis_coupling", 0)), 0.021);
 }
 
 TEST(DiagnosisJson, HasEveryFieldOfTheContract) {

@@ -57,6 +57,16 @@ TEST(SignedLeastSquares, AColumnOfZerosGetsZero) {
   EXPECT_EQ(theta[1], 0.0);
 }
 
+// Printed with eight digits a copy is no copy to the bit; large coefficients that cancel would fit its last digits.
+TEST(SignedLeastSquares, AlmostACopySharesTheCoefficient) {
+  Eigen::MatrixXd x = random_matrix(200, 2, 4);
+  const Eigen::VectorXd y = 2.0 * x.col(0) + 0.1 * random_matrix(200, 1, 5);
+  x.col(1) = x.col(0) + 1e-7 * random_matrix(200, 1, 6);
+  const Eigen::VectorXd theta = solve_signed(x.transpose() * x, x.transpose() * y, {Sign::kAny, Sign::kAny});
+  EXPECT_NEAR(theta[0], 1.0, 0.02);
+  EXPECT_NEAR(theta[1], 1.0, 0.02);
+}
+
 TEST(FitColumns, TheToleranceOfACopiedColumnIsNearZero) {
   Eigen::MatrixXd x = random_matrix(400, 3, 4);
   x.col(2) = x.col(0) - 0.5 * x.col(1);

@@ -37,7 +37,7 @@ void print_diagnosis(const Diagnosis& d) {
     std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "
               << rounded(d.ratio_ci95[1], 3) << "]";
   }
-  std::cout << "; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n" << law_table(d.law, {});
+  std::cout << "; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n" << law_table(d.law, d.undetermined);
   if (d.next_experiment) {
     std::cout << "  next: " << *d.next_experiment << "\n";
   }

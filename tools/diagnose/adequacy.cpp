@@ -79,6 +79,19 @@ auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> dou
   return std::sqrt(pure_error(error, cycles).squaredNorm() / static_cast<double>(cycles.count * cycles.length));
 }
 
+auto averaged_out(const Preparation& p, const Eigen::VectorXd& error) -> double {
+  const Eigen::VectorXd means = p.coarse(error);
+  double fast = 0.0;
+  Eigen::Index samples = 0;
+  for (const auto& block : p.certain()) {
+    const Eigen::Index rows = block.size() / p.factor;
+    fast += error.segment(block.begin, block.size()).squaredNorm();
+    fast -= static_cast<double>(p.factor) * means.segment(block.begin / p.factor, rows).squaredNorm();
+    samples += block.size();
+  }
+  return std::max(0.0, fast / static_cast<double>(samples));
+}
+
 auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy {
   Adequacy result;
   const ColumnModel law = law_model(evidence.layout);

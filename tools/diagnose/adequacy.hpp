@@ -34,6 +34,10 @@ auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after
 /// rms of pure error over the cycles that take part in learning, in the measured quantity. `error` has every sample.
 auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double;
 
+/// Mean square of what the means of the coarse grid leave out of an error, over the rows to learn from whose direction
+/// is known: noise faster than a row. `error` has every sample.
+auto averaged_out(const Preparation& p, const Eigen::VectorXd& error) -> double;
+
 /// Cycles that take part in learning; those of the report stay untouched. @pre p.repeats
 auto learned_cycles(const Preparation& p) -> Repeats;
 

@@ -17,6 +17,12 @@ constexpr double kNamedShare = 0.5;
 /// And more than this where something is still missing beside them: it may be what they stood in for.
 constexpr double kNamedShareBesideUnlisted = 0.8;
 
+/// Of the noise floor: an error beyond this is not noise alone, whatever the law.
+constexpr double kWellAboveFloor = 1.3;
+constexpr const char* kLateDirection =
+    "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
+    "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
+
 constexpr const char* kEverything =
     "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
 
@@ -132,6 +138,16 @@ void keep_base_only(Diagnosis& d) {
   d.traces.after = d.traces.before;
 }
 
+/// A Preisach table has cells that no motion but its recipe visits; they take no part then.
+auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string> {
+  if (law.has("preisach")) {
+    return {};
+  }
+  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  const Blocks blocks = refined(p.split, p.factor).learned();
+  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
+}
+
 /// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
 void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -140,9 +156,17 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
   d.effects = search.effects;
   if (search.effects.empty() || is_refusal(d.verdict)) {
     keep_base_only(d);
+    if (d.verdict == Verdict::kNothingMissing && d.before.rmse > kWellAboveFloor * d.noise_floor) {
+      d.warnings.push_back(kLateDirection);
+    }
     return;
   }
   d.law = causal_law(p, search.law);
+  d.undetermined = undetermined(p, search.law);
+  if (!d.undetermined.empty()) {
+    d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
+                         ": other values would fit as well, so the law holds for motions like this one only");
+  }
   d.traces.after = estimates(p.logs, p.causal, d.law);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
@@ -153,20 +177,8 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
     d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
     keep_base_only(d);
   } else if (d.ratio_ci95[1] >= 1.0) {
-    d.warnings.push_back(
-        "the running estimate gains little: most of its error is where the motor has turned and its encoder does not "
-        "show it yet; a finer encoder or a smaller direction threshold would");
+    d.warnings.push_back("the running estimate gains little: " + std::string(kLateDirection));
   }
-}
-
-/// A Preisach table has cells that no motion but its recipe visits; they take no part then.
-auto undetermined(const Preparation& p, const LawForm& base) -> std::vector<std::string> {
-  if (base.has("preisach")) {
-    return {};
-  }
-  const Eigen::MatrixXd columns = law_columns(p.causal, base);
-  const Blocks blocks = refined(p.split, p.factor).learned();
-  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(base)), base, columns, p.target);
 }
 
 /// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.

@@ -75,8 +75,9 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
-  JointFile base, law;               ///< the law before, and with the effects; equal if none was added
-  std::vector<AddedEffect> effects;  ///< in the order added
+  JointFile base, law;                    ///< the law before, and with the effects; equal if none was added
+  std::vector<AddedEffect> effects;       ///< in the order added
+  std::vector<std::string> undetermined;  ///< parameters of `law` that these logs can not determine
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};

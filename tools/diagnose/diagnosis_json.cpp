@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "tools/diagnose/diagnosis.hpp"
@@ -9,7 +10,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-auto parameter_json(double value, const char* unit, const std::optional<Interval>& ci95) -> Json {
+auto parameter_json(const Json& value, const char* unit, const std::optional<Interval>& ci95) -> Json {
   Json json = {{"value", value}, {"unit", unit}};
   json["ci95"] = ci95 ? Json(*ci95) : Json(nullptr);
   return json;
@@ -17,7 +18,8 @@ auto parameter_json(double value, const char* unit, const std::optional<Interval
 
 /// Parameters of the named terms. Names are those of the coefficients and shapes; the catalogue keeps them distinct
 /// enough by prefixing the term where two terms share one.
-auto parameters_json(const JointFile& joint, const std::vector<std::string>& terms) -> Json {
+auto parameters_json(const JointFile& joint, const std::vector<std::string>& terms,
+                     const std::vector<std::string>& undetermined = {}) -> Json {
   Json json = Json::object();
   for (const auto& name : terms) {
     const CatalogueTerm& term = joint.catalogue->term(name);
@@ -26,8 +28,11 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
     };
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const std::size_t at = term.first_coefficient + i;
+      const bool known = std::find(undetermined.begin(), undetermined.end(), name + "." + term.coefficients[i].name) ==
+                         undetermined.end();
       json[key(term.coefficients[i].name)] =
-          parameter_json(joint.parameters.coefficients[at], term.coefficients[i].unit, joint.coefficient_ci95[at]);
+          parameter_json(known ? Json(joint.parameters.coefficients[at]) : Json(nullptr), term.coefficients[i].unit,
+                         known ? joint.coefficient_ci95[at] : std::nullopt);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const std::size_t at = term.first_shape + i;
@@ -41,7 +46,7 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
 auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
   return {{"name", effect.name},
           {"alternatives", effect.alternatives},
-          {"parameters", parameters_json(d.law, {effect.name})},
+          {"parameters", parameters_json(d.law, {effect.name}, d.undetermined)},
           {"evidence",
            {{"p_value", effect.p_value},
             {"log_evidence_nats", effect.log_evidence},

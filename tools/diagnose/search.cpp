@@ -304,12 +304,13 @@ class Searcher {
     if (!search_.effects.empty()) {
       search_.share = explained_share(base_energy_, round.adequacy.law_energy, round.adequacy.ceiling_energy);
     }
+    const Eigen::VectorXd error = p_.target - round.residual.fitted;
     if (p_.repeats) {
-      search_.noise_floor = pure_error_level(p_, p_.target - round.residual.fitted);
+      search_.noise_floor = pure_error_level(p_, error);
     } else {
       const auto rows = static_cast<double>(rows_in(p_.split.learned()));
-      search_.noise_floor =
-          std::sqrt(std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum()) / rows);
+      const double left = std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum());
+      search_.noise_floor = std::sqrt(left / rows + averaged_out(p_, error));
     }
     for (const auto& trial : round.trials) {
       const auto& family = round.evidence.families[trial.family];

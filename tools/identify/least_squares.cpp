@@ -9,7 +9,11 @@
 namespace capstan::tools {
 namespace {
 
-/// Solves for the chosen columns, the others 0. Columns are scaled to unit norm first; those that add nothing stay 0.
+/// Of a column's energy: with less than this of its own it is a copy of others, and shares their coefficient.
+constexpr double kCopy = 1e-9;
+
+/// Solves for the chosen columns, the others 0. Columns are scaled to unit norm first; those that add nothing stay 0,
+/// and of solutions that do equally well the smallest is taken.
 auto solve_subset(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<bool>& chosen)
     -> Eigen::VectorXd {
   std::vector<Eigen::Index> index;
@@ -24,7 +28,9 @@ auto solve_subset(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
   }
   const Eigen::VectorXd scale = gram.diagonal()(index).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * gram(index, index) * scale.asDiagonal();
-  const Eigen::VectorXd solution = scaled.completeOrthogonalDecomposition().solve(scale.cwiseProduct(rhs(index)));
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
+  factors.setThreshold(kCopy);
+  const Eigen::VectorXd solution = factors.compute(scaled).solve(scale.cwiseProduct(rhs(index)));
   theta(index) = scale.cwiseProduct(solution);
   return theta;
 }

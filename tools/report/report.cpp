@@ -151,7 +151,7 @@ auto parameter_row(const CatalogueTerm& term, const char* name, double value, co
          cell(doc) + "</tr>\n";
 }
 
-auto parameter_table(const JointFile& joint) -> std::string {
+auto parameter_table(const JointFile& joint, const std::vector<std::string>& undetermined) -> std::string {
   std::string html =
       "<h2>Parameters of the law</h2>\n<table><tr><th>parameter</th><th>value</th><th>95 % interval</th>"
       "<th>unit</th><th>meaning</th></tr>\n";
@@ -162,8 +162,12 @@ auto parameter_table(const JointFile& joint) -> std::string {
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
       const std::size_t at = term.first_coefficient + i;
-      html += parameter_row(term, info.name, joint.parameters.coefficients[at],
-                            interval_text(joint.coefficient_ci95[at], "held at its bound"), info.unit, info.doc);
+      const std::string name = term.name + "." + info.name;
+      const bool known = std::find(undetermined.begin(), undetermined.end(), name) == undetermined.end();
+      html += known ? parameter_row(term, info.name, joint.parameters.coefficients[at],
+                                    interval_text(joint.coefficient_ci95[at], "held at its bound"), info.unit, info.doc)
+                    : "<tr>" + cell(name) + cell("") + cell("this log can not determine it") + cell(info.unit) +
+                          cell(info.doc) + "</tr>\n";
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const auto& info = term.shapes[i];
@@ -236,7 +240,7 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
     for (const auto& picture : pictures) {
       html += svg_of(picture.plot);
     }
-    html += ranking_tables(d) + parameter_table(d.law);
+    html += ranking_tables(d) + parameter_table(d.law, d.undetermined);
   }
   html += what_would_change(d);
   if (!d.warnings.empty()) {
