@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "tests/tools/synthetic_joint.hpp"
 #include "tools/support/errors.hpp"
@@ -70,14 +71,50 @@ TEST(Identify, AForbiddenSignIsHeldAtZeroAndSaidSo) {
   EXPECT_TRUE(said);
 }
 
-TEST(Identify, TheDirectionThresholdIsAboveTheEncodersStep) {
+/// Of the direction switch that the fit chooses, in counts of an encoder with 8192.
+auto threshold_in_counts(const AxisLog& log, std::vector<std::string>& notes) -> double {
+  const auto shape = choose_conditioner({log}, form_of("pseudo_kinematic"), notes);
+  return shape.direction_threshold_rad / (2.0 * std::numbers::pi / 8192.0);
+}
+
+auto log_of_a_coarse_encoder() -> AxisLog {
   SyntheticRequest request;
   request.counts_per_turn = 8192.0;
+  return test::synthetic_log(request);
+}
+
+TEST(Identify, OneCountBackIsATurnWhereTheEncoderWasNotSeenToTremble) {
   std::vector<std::string> notes;
-  const auto shape = choose_conditioner({test::synthetic_log(request)}, form_of("pseudo_kinematic"), notes);
-  EXPECT_GT(shape.direction_threshold_rad, 6.2832 / 8192.0);
-  EXPECT_LT(shape.direction_threshold_rad, 0.05);
+  const double counts = threshold_in_counts(log_of_a_coarse_encoder(), notes);
+  EXPECT_GT(counts, 0.5);
+  EXPECT_LT(counts, 1.0);
   EXPECT_NE(notes.at(0).find("direction threshold"), std::string::npos);
+  EXPECT_NE(notes.at(0).find("trembled on no edge"), std::string::npos) << notes.at(0);
+}
+
+TEST(Identify, OneCountBackIsNoTurnWhereTheEncoderTrembledOnce) {
+  AxisLog log = log_of_a_coarse_encoder();
+  Eigen::Index at = 2000;
+  while (log.q1_rad.segment(at - 5, 11).maxCoeff() > log.q1_rad.segment(at - 5, 11).minCoeff()) {
+    ++at;  // to where it rests
+  }
+  log.q1_rad[at] += 2.0 * std::numbers::pi / 8192.0;
+  log.q1_rad[at + 2] -= 2.0 * std::numbers::pi / 8192.0;
+  std::vector<std::string> notes;
+  const double counts = threshold_in_counts(log, notes);
+  EXPECT_GT(counts, 1.0);
+  EXPECT_LT(counts, 50.0);
+}
+
+TEST(Identify, OneCountBackIsNoTurnWhereTooFewEdgesWereCrossedSlowlyToKnow) {
+  AxisLog log = log_of_a_coarse_encoder();
+  for_each_signal(log, [](auto& signal) {  // a twentieth of the rate: then the motor leaps over most counts
+    const Eigen::VectorXd all = signal;
+    signal = all(Eigen::seq(0, Eigen::last, 20));
+  });
+  log.period_s *= 20.0;
+  std::vector<std::string> notes;
+  EXPECT_GT(threshold_in_counts(log, notes), 1.0);
 }
 
 TEST(Identify, AForceLawIsOneTermAndUnknownModelsAreBadInput) {

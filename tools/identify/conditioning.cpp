@@ -10,6 +10,10 @@ namespace {
 
 /// One count back may be the encoder trembling on an edge; two are a motion.
 constexpr double kStepsAboveResolution = 1.5;
+/// One count back is a motion where no edge was seen to tremble: of this many crossed slowly, none (so less than 3 %
+/// do).
+constexpr double kStepsOfSteadyEdges = 0.75;
+constexpr Eigen::Index kEdgesSeen = 100;
 /// Two independent excursions of 4 standard deviations each way: one false switch in some 10^8 samples at rest.
 constexpr double kDeviationsAboveNoise = 8.0;
 constexpr double kLargestShareOfMotion = 0.02;
@@ -27,6 +31,34 @@ auto encoder_step(const Eigen::VectorXd& signal) -> double {
   constexpr double kMostBySteps = 0.9;
   const double step = quantisation_step(signal);
   return fast_noise_level(signal) > kMostBySteps * step ? 0.0 : step;
+}
+
+/// How often the direction switch of a threshold turns.
+auto turns(const AxisLog& log, double threshold_rad) -> Eigen::Index {
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = threshold_rad;
+  SampleConditioner<double> conditioner(SamplePeriod<double>(log.period_s), shape);
+  Eigen::Index count = 0;
+  bool forward = conditioner.sample().forward;
+  for (const double q1 : log.q1_rad) {
+    const bool now = conditioner.update(q1, 0.0).forward;
+    count += now != forward ? 1 : 0;
+    forward = now;
+  }
+  return count;
+}
+
+/// Whether the encoder went one count back now and then without going on, or too few edges were crossed slowly to know.
+auto edges_may_tremble(const std::vector<AxisLog>& logs, double step_rad) -> bool {
+  Eigen::Index crossed = 0;
+  for (const auto& log : logs) {
+    if (turns(log, kStepsOfSteadyEdges * step_rad) != turns(log, kStepsAboveResolution * step_rad)) {
+      return true;
+    }
+    const Eigen::ArrayXd moved = (log.q1_rad.tail(log.samples() - 1) - log.q1_rad.head(log.samples() - 1)).array();
+    crossed += (moved.abs() > 0.5 * step_rad && moved.abs() < 1.5 * step_rad).count();
+  }
+  return crossed < kEdgesSeen;
 }
 
 /// Direction of the other axis at every sample, by a conditioner of its own.
@@ -118,6 +150,10 @@ auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& no
   }
   const double largest = kLargestShareOfMotion * range;
   double threshold = threshold_above(noise.step_rad, noise.white_rad);
+  const bool by_resolution = threshold == kStepsAboveResolution * noise.step_rad;
+  if (by_resolution && !edges_may_tremble(logs, noise.step_rad)) {
+    threshold = kStepsOfSteadyEdges * noise.step_rad;
+  }
   std::vector<double> thresholds;
   for (; threshold < largest && thresholds.size() < 8; threshold *= 2.0) {
     thresholds.push_back(threshold);

@@ -24,7 +24,8 @@ struct AngleNoise {
 auto motor_angle_noise(const std::vector<AxisLog>& logs) -> AngleNoise;
 
 /// Thresholds for the direction switch worth trying, rad, ascending. The first is just above what noise alone can do:
-/// 2.5 encoder steps or 8 standard deviations, whichever is more; none is above 2 % of the motion.
+/// 1.5 encoder steps or 8 standard deviations, whichever is more; 0.75 steps where the logs show that the encoder does
+/// not tremble on its edges. None is above 2 % of the motion.
 auto direction_thresholds(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> std::vector<double>;
 
 /// Samples per direction between two switches, and the torque of steady motion.

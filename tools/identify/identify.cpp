@@ -179,6 +179,9 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
           " rad up";
   }
   const std::string unit = " " + form.catalogue->motion_unit();
+  if (shape.direction_threshold_rad < noise.step_rad) {
+    how += ", less than a count as the encoder trembled on no edge";
+  }
   notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + unit + ": " + how +
                   " (resolution " + rounded(noise.step_rad, 3) + unit + ", noise " + rounded(noise.white_rad, 2) +
                   unit + ")");
