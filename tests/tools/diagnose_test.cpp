@@ -234,7 +234,7 @@ TEST(DiagnosisJson, HasEveryFieldOfTheContract) {
   EXPECT_LT(json.at("before").at("gof_percent").get<double>(), json.at("after").at("gof_percent").get<double>());
   EXPECT_LT(json.at("ratio_ci95").at(0).get<double>(), json.at("ratio_ci95").at(1).get<double>());
   // The noise that the log was made with.
-  EXPECT_NEAR(json.at("noise_floor").get<double>(), 0.001, 0.00015);
+  EXPECT_NEAR(json.at("noise_floor").get<double>(), 0.001, 0.00007);
   EXPECT_TRUE(json.at("next_experiment").is_null());
 }
 

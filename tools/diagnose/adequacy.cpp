@@ -73,10 +73,24 @@ auto learned_cycles(const Preparation& p) -> Repeats {
 }
 
 auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double {
-  Repeats cycles = learned_cycles(p);
-  cycles.first *= p.factor;
-  cycles.length *= p.factor;
-  return std::sqrt(pure_error(error, cycles).squaredNorm() / static_cast<double>(cycles.count * cycles.length));
+  const Repeats cycles = learned_cycles(p);
+  std::vector<bool> certain(static_cast<std::size_t>(cycles.length), true);  // by the place in the cycle
+  for (const auto& doubtful : p.uncertain) {
+    for (Eigen::Index row = std::max(doubtful.begin, cycles.first); row < doubtful.end; ++row) {
+      certain[static_cast<std::size_t>((row - cycles.first) % cycles.length)] = false;
+    }
+  }
+  const Eigen::VectorXd deviation =
+      pure_error(error, {cycles.first * p.factor, cycles.length * p.factor, cycles.count});
+  double squares = 0.0;
+  Eigen::Index samples = 0;
+  for (Eigen::Index i = 0; i < cycles.count * cycles.length; ++i) {
+    if (certain[static_cast<std::size_t>(i % cycles.length)]) {
+      squares += deviation.segment((cycles.first + i) * p.factor, p.factor).squaredNorm();
+      samples += p.factor;
+    }
+  }
+  return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0;
 }
 
 auto averaged_out(const Preparation& p, const Eigen::VectorXd& error) -> double {

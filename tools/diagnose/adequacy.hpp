@@ -31,7 +31,8 @@ struct ExplainedShare {
 auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling)
     -> ExplainedShare;
 
-/// rms of pure error over the cycles that take part in learning, in the measured quantity. `error` has every sample.
+/// rms of pure error over the cycles that take part in learning, in the measured quantity, where the direction is known
+/// in all of them. `error` has every sample.
 auto pure_error_level(const Preparation& p, const Eigen::VectorXd& error) -> double;
 
 /// Mean square of what the means of the coarse grid leave out of an error, over the rows to learn from whose direction
