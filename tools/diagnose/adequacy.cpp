@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kCertain = 0.005;
 constexpr double kRepeatsItself = 0.001;  // stricter: small errors of the hindsight direction repeat as well
-constexpr double kMatters = 0.08;         // of the energy: 4 % of the rms error
 constexpr double kCeilingWhite = 2.7;     // t over some 40 blocks at kCertain
 constexpr double kCeilingRaw = 2.0;
 
@@ -51,6 +50,7 @@ void test_repetition(const Preparation& p, const Evidence& evidence, Adequacy& r
   const double z = (mean / difference - 1.0) / std::sqrt(2.0 / rows + 2.0 / (rows * (count - 1.0)));
   result.lack_of_fit_p = normal_tail(z);
   energies(evidence.error, evidence.sensing.col(0), mean, difference);
+  mean = std::max(mean, 0.0);  // what the encoder hides is one draw, and may be more than there is
   result.reducible_share = std::max(result.reducible_share, (mean - difference) / (mean + (count - 1.0) * difference));
 }
 
@@ -121,12 +121,15 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   result.ceiling_p = sieve.ceiling_p;
   const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
   const Eigen::VectorXd reducible = result.law_energy - result.ceiling_energy;
-  const double reducible_t =
-      evidence.by_energy ? std::max(t_statistic(reducible), signed_rank_score(reducible)) : t_statistic(reducible);
+  // A few blocks with much motion may hold most of the energy, and make the mean uncertain.
+  const double reducible_t = std::max(t_statistic(reducible), signed_rank_score(reducible));
   const bool above_ceiling = result.reducible_share > kMatters && certain && reducible_t > kCeilingRaw;
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, result);
   }
+  // Nobody does worse than the law alone, and what repeats can be explained by somebody.
+  result.ceiling_energy *=
+      (1.0 - std::max(result.reducible_share, 0.0)) * result.law_energy.sum() / result.ceiling_energy.sum();
   const bool repeats_itself = result.lack_of_fit_p < kRepeatsItself && result.reducible_share > kMatters;
   result.lacks_something = above_ceiling || repeats_itself;
   return result;

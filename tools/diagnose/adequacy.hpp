@@ -13,13 +13,17 @@ struct Adequacy {
   double ceiling_t = 0.0;      ///< t over blocks of what a flexible model gains, whitened
   double reducible_share =
       0.0;  ///< share of the residual's energy that a flexible model, or repetition, shows to be no noise
-  double hidden_energy = 0.0;      ///< of what sensors and a grid hide from the law, in the measured quantity
-  Eigen::VectorXd law_energy;      ///< out of fold per learned block, in the measured quantity
-  Eigen::VectorXd ceiling_energy;  ///< the same for the law with everything flexible added, and for what the sensors
-                                   ///< of motor angle and torque hide from any law
+  double hidden_energy = 0.0;  ///< of what sensors and a grid hide from the law, in the measured quantity
+  Eigen::VectorXd law_energy;  ///< out of fold per learned block, in the measured quantity
+  /// The same for the law with everything flexible added, and for what the sensors of motor angle and torque hide from
+  /// any law; no more than the law's in all, and no more than what does not repeat.
+  Eigen::VectorXd ceiling_energy;
 };
 
-/// Judges the law of this round. "Something" must be both certain and large enough to matter (8 % of the energy).
+/// Share of the energy that something must be to matter: 4 % of the rms error.
+inline constexpr double kMatters = 0.08;
+
+/// Judges the law of this round. "Something" must be both certain and large enough to matter.
 auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveResult& sieve) -> Adequacy;
 
 /// Share of what the ceiling explains beyond `before` that `after` explains too, with the lower 5 % bound over

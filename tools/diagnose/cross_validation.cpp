@@ -22,10 +22,11 @@ auto without_fold(const BlockList& blocks, std::size_t fold) -> BlockList {
 }
 
 /// Least squares of the last of the gram's columns on the others; those from `first_penalised` on pay a ridge relative
-/// to their own size.
-auto ridge_solution(const Eigen::MatrixXd& gram, Eigen::Index first_penalised, double ridge) -> Eigen::VectorXd {
+/// to their `sizes`.
+auto ridge_solution(const Eigen::MatrixXd& gram, const Eigen::VectorXd& sizes, Eigen::Index first_penalised,
+                    double ridge) -> Eigen::VectorXd {
   const Eigen::Index n = gram.cols() - 1;
-  const Eigen::VectorXd scale = gram.diagonal().head(n).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::VectorXd scale = sizes.head(n).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(n, n) * scale.asDiagonal();
   scaled.diagonal().array() += 1e-12;
   scaled.diagonal().tail(n - first_penalised).array() += ridge;
@@ -113,7 +114,8 @@ auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen
     }
     const Eigen::MatrixXd gram = all - grams.sum(held_out, with_error);
     for (std::size_t r = 0; r < kRidges.size(); ++r) {
-      const Eigen::VectorXd theta = ridge_solution(gram, first_penalised, kRidges[r]);
+      // Sizes are those on all rows: what the others hardly show of a place is not judged by them.
+      const Eigen::VectorXd theta = ridge_solution(gram, all.diagonal(), first_penalised, kRidges[r]);
       for (std::size_t i = fold; i < blocks.size(); i += kFolds) {
         energies(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(r)) = grams.energy(blocks[i], columns, theta);
       }

@@ -14,8 +14,9 @@ namespace {
 
 /// The effects found must explain more than this of what can be explained, or none of them is named.
 constexpr double kNamedShare = 0.5;
-/// And more than this where something is still missing beside them: it may be what they stood in for.
-constexpr double kNamedShareBesideUnlisted = 0.8;
+/// And more than this where something is still missing beside them: what has a name removes nearly all that can be
+/// removed, and the nearest wrong name seldom does.
+constexpr double kNamedShareBesideUnlisted = 0.9;
 
 /// Of the noise floor: an error beyond this is not noise alone, whatever the law.
 constexpr double kWellAboveFloor = 1.3;

@@ -32,6 +32,7 @@ class Probes {
       of_direction();
       of_ratio();
       of_torque();
+      of_other_axes();
     }
     of_angle();
     of_time();
@@ -93,8 +94,9 @@ class Probes {
       stribeck.push_back({(direction_.array() * (-ratio.square()).exp()).matrix()});
     }
     add("stribeck_friction", std::move(stribeck));
-    add("curved_drag", {{(direction_.array() * s_.dq1.array().abs().sqrt()).matrix()},
-                        {(direction_.array() * s_.dq1.array().square()).matrix()}});
+    // The two directions apart: a lag of one direction alone, or of one sign in both, is no less foreign.
+    add("curved_drag",
+        {by_direction(s_.dq1.array().abs().sqrt().matrix()), by_direction(s_.dq1.array().square().matrix())});
   }
 
   /// Of an effort: drag that is not in proportion to the speed, and what pulls back.
@@ -144,7 +146,6 @@ class Probes {
     const auto pull = s_.ddq1.array();
     add("inertia_change", {{(pull * place).matrix(), (pull * place.square()).matrix()},
                            {(pull * s_.q1.array().sin()).matrix(), (pull * s_.q1.array().cos()).matrix()}});
-    add("wander", {half_waves(10)}, Sign::kAny, {"offset", "thermal_drift"});
   }
 
   /// Slow changes in time of any form: a level, and up to so many half waves over the rows to learn from. Waves that
@@ -169,16 +170,27 @@ class Probes {
       bends.push_back({(s_.q1.array() - at).max(0.0).matrix()});
     }
     add("bent_ratio", std::move(bends));
+    const auto place = s_.q1.array() - s_.q1.mean();
+    add("curved_ratio", {{place.square().matrix(), place.cube().matrix()}}, Sign::kAny, {"gravity"});
   }
 
   void of_torque() {
     if (tau_range_ <= 0.0) {
       return;
     }
-    add("angle_dependent_friction",
-        {by_direction(s_.tau.cwiseProduct(s_.q1)), by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs()))});
+    const Column place = s_.q1.array() - s_.q1.mean();
+    add("angle_dependent_friction", {by_direction(s_.tau.cwiseProduct(s_.q1)),
+                                     by_direction(s_.tau.cwiseProduct(s_.q1.cwiseAbs())),
+                                     {direction_.cwiseProduct(place), direction_.cwiseProduct(place.cwiseAbs())}});
     const Column share_of_time = s_.time_s / span_s_;
     add("wear", {by_direction(s_.tau.cwiseProduct(share_of_time))});
+    const double largest = s_.tau.cwiseAbs().maxCoeff();
+    std::vector<std::vector<Column>> one_sided = {{s_.tau.cwiseAbs2()}};
+    for (const double share : {0.0, 0.15, 0.3, 0.5, 0.7}) {
+      one_sided.push_back({(s_.tau.array() - share * largest).max(0.0).matrix()});
+      one_sided.push_back({(s_.tau.array() + share * largest).min(0.0).matrix()});
+    }
+    add("one_sided_stiffness", std::move(one_sided));
   }
 
   void of_angle() {
@@ -193,7 +205,16 @@ class Probes {
     add("local_spot", std::move(spots));
   }
 
+  auto reversals() const -> int {
+    const auto forward = s_.forward.array() > 0.5;
+    return static_cast<int>((forward.head(rows() - 1) != forward.tail(rows() - 1)).count());
+  }
+
   void of_time() {
+    // Slower than the motion, or it could be the motion's own doing.
+    if (const int waves = std::min(10, reversals() / 4); waves > 2) {
+      add("wander", {half_waves(waves)}, Sign::kAny, {"offset", "thermal_drift"});
+    }
     add("ratio_change", {{s_.q1.cwiseProduct((s_.time_s.array() / span_s_ - 0.5).matrix())}});
     std::vector<std::vector<Column>> steps;
     constexpr int kSteps = 16;
@@ -216,6 +237,49 @@ class Probes {
     }
     const Column slope = local_slope(coarse_fitted(), 1, p_.coarse_period_s);
     add("motor_delay", {{slope}}, Sign::kNonNegative);
+    std::vector<std::vector<Column>> swings;
+    for (const double frequency_hz : {2.0, 4.0, 8.0}) {
+      for (const double damping : {0.1, 0.4}) {
+        swings.push_back({resonant(coarse_fitted(), 2.0 * std::numbers::pi * frequency_hz, damping) - coarse_fitted()});
+      }
+    }
+    // Far above the motion it is these, and nobody could tell.
+    add("resonance", std::move(swings), Sign::kNonNegative,
+        {"transport_delay", "load_inertia", "transmission_viscous"});
+  }
+
+  /// What a mass on a spring makes of a motion: x'' = w^2 (signal - x) - 2 d w x', by small steps.
+  auto resonant(const Column& signal, double frequency_rad_s, double damping) const -> Column {
+    const auto steps = static_cast<int>(std::ceil(20.0 * frequency_rad_s * p_.coarse_period_s));
+    const double step = p_.coarse_period_s / steps;
+    Column moved(rows());
+    double x = signal[0];
+    double speed = 0.0;
+    for (Eigen::Index i = 0; i < rows(); ++i) {
+      for (int k = 1; k <= steps; ++k) {
+        const double share = static_cast<double>(k) / steps;
+        const double at = i == 0 ? signal[0] : signal[i - 1] + share * (signal[i] - signal[i - 1]);
+        speed += step * (frequency_rad_s * frequency_rad_s * (at - x) - 2.0 * damping * frequency_rad_s * speed);
+        x += step * speed;
+      }
+      moved[i] = x;
+    }
+    return moved;
+  }
+
+  /// Another axis changes elasticity, ratio or drag of this joint.
+  void of_other_axes() {
+    std::vector<std::vector<Column>> changed;
+    const Column place = s_.q1.array() - s_.q1.mean();
+    for (const auto& side : s_.side) {
+      if (side.name.rfind("axis", 0) == 0) {
+        const Column other = side.values.array() - side.values.mean();
+        for (const Column* own : {&s_.tau, &s_.dq1, &place}) {
+          changed.push_back(by_direction(own->cwiseProduct(other)));
+        }
+      }
+    }
+    add("coupled_stiffness", std::move(changed));
   }
 
   /// Axes beside the one that axis_coupling looks at. The name is the column's, so that a user can ask for it.

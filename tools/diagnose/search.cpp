@@ -179,6 +179,7 @@ class Searcher {
       if (at == confusable.end()) {
         search_.rounds.push_back(summary_of(round, best, confusable));
         search_.unlisted = round.evidence.families[best->family].name;
+        search_.lacks_something = search_.effects.empty() && best->explained > kMatters;
         return false;
       }
       confusable.erase(at);
@@ -300,7 +301,7 @@ class Searcher {
   }
 
   void conclude(const Round& round) {
-    search_.lacks_something = round.adequacy.lacks_something;
+    search_.lacks_something = search_.lacks_something || round.adequacy.lacks_something;
     if (!search_.effects.empty()) {
       search_.share = explained_share(base_energy_, round.adequacy.law_energy, round.adequacy.ceiling_energy);
     }

@@ -10,9 +10,10 @@ struct Search {
   LawForm law;  ///< the base with the effects found
   std::vector<AddedEffect> effects;
   std::vector<RoundSummary> rounds;
-  bool lacks_something = false;  ///< the law found still leaves more than noise
-  std::string unlisted;          ///< the probe that fits best what is left; empty if none does
-  ExplainedShare share;          ///< of all that can be explained, by the effects found
+  /// The law found still leaves more than noise; or a probe, and nothing listed, explains what the base leaves.
+  bool lacks_something = false;
+  std::string unlisted;  ///< the probe that fits best what is left; empty if none does
+  ExplainedShare share;  ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
   double base_reducible = 0.0;          ///< share of the base law's residual energy that is no noise
   std::vector<std::string> detectable;  ///< smallest effects that would have shown in the last round

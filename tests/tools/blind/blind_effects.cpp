@@ -51,6 +51,31 @@ auto late(const Signal& signal, double delay_s) -> Signal {
   return result;
 }
 
+/// How far a mass on a spring stays away from where it is pulled.
+auto swing(const Signal& pulled, double frequency_hz, double damping) -> Signal {
+  const double w = 2.0 * kPi * frequency_hz;
+  Signal away(pulled.size());
+  double place = pulled[0];
+  double speed = 0.0;
+  for (Eigen::Index i = 0; i < pulled.size(); ++i) {
+    speed += kStep * w * (w * (pulled[i] - place) - 2.0 * damping * speed);
+    place += kStep * speed;
+    away[i] = place - pulled[i];
+  }
+  return away;
+}
+
+/// Steps up or down at times that nobody knows.
+auto lost_counts(const World& w, Draw& draw) -> Signal {
+  Signal steps = Signal::Zero(w.time.size());
+  for (int k = 0; k < 4; ++k) {
+    const double at = draw.between(0.05, 0.95) * w.duration;
+    const double sign = draw.one_of(3) == 0 ? -1.0 : 1.0;
+    steps += sign * (w.time > at).cast<double>();
+  }
+  return steps;
+}
+
 }  // namespace
 
 auto listed() -> const std::map<std::string, Effect>& {
@@ -103,6 +128,12 @@ auto unlisted() -> const std::map<std::string, Effect>& {
       {"root_drag", [](const World& w, Draw&) { return Signal(-w.sign * w.speed.abs().sqrt()); }},
       {"coupled_stiffness", [](const World& w, Draw&) { return Signal(w.other_q * w.tau); }},
       {"bent_drum", [](const World& w, Draw&) { return Signal((w.q - 0.2).max(0.0)); }},
+      {"speed_squared", [](const World& w, Draw&) { return Signal(w.speed.square()); }},
+      {"one_sided_gap",
+       [](const World& w, Draw& d) { return Signal((w.tau - d.between(0.1, 0.5) * w.tau.abs().maxCoeff()).max(0.0)); }},
+      {"swing", [](const World& w, Draw& d) { return swing(w.joint, d.between(2.5, 8.0), d.between(0.1, 0.4)); }},
+      {"lost_counts", lost_counts},
+      {"slanted_friction", [](const World& w, Draw&) { return Signal(w.sign * w.q); }},
   };
   return kEffects;
 }
