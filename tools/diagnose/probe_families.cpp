@@ -163,7 +163,7 @@ class Probes {
 
   /// Of a joint angle: a ratio that changes along the way, as that of a drum that is not round.
   void of_ratio() {
-    constexpr int kBends = 9;
+    constexpr int kBends = 17;
     std::vector<std::vector<Column>> bends;
     for (int i = 1; i < kBends; ++i) {
       const double at = s_.q1.minCoeff() + q1_range_ * i / kBends;
