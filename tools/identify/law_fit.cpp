@@ -130,22 +130,43 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
   return fit_columns(law_columns(design, form), target, blocks, law_signs(form));
 }
 
-auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
-                        Eigen::MatrixXd columns) -> Eigen::MatrixXd {
+auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd {
+  std::vector<Eigen::VectorXd> changes;
+  Eigen::Index first = 0;  // of the term's own coefficients
   for (const auto* term : ordered_terms(form)) {
+    const auto own = static_cast<Eigen::Index>(term->coefficients.size());
+    LawForm part = form;  // of the law, that moves with the term's shapes
+    Eigen::VectorXd weights = theta;
+    if (!term->acts_on_output) {
+      std::erase_if(part.terms,
+                    [&](const auto& name) { return name != term->name && !form.catalogue->term(name).acts_on_output; });
+      weights = theta.segment(first, own);
+    }
+    first += own;
     for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
-      LawForm moved = form;
+      LawForm moved = part;
       double& value = moved.shapes[term->first_shape + i];
       const double step = shape_step(term->shapes[i], value);
       value += step;
-      const Eigen::VectorXd above = law_columns(design, moved) * theta;
+      const Eigen::VectorXd above = law_columns(design, moved) * weights;
       value = std::max(term->shapes[i].minimum, value - 2.0 * step);
       const double span = form.shapes[term->first_shape + i] + step - value;
-      columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
-      columns.rightCols(1) = (above - law_columns(design, moved) * theta) / span;
+      changes.emplace_back((above - law_columns(design, moved) * weights) / span);
     }
   }
-  return columns;
+  Eigen::MatrixXd result(design.rows(), static_cast<Eigen::Index>(changes.size()));
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    result.col(static_cast<Eigen::Index>(i)) = changes[i];
+  }
+  return result;
+}
+
+auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
+                        const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
+  const Eigen::MatrixXd changes = sensitivities(design, form, theta);
+  Eigen::MatrixXd result(columns.rows(), columns.cols() + changes.cols());
+  result << columns, changes;
+  return result;
 }
 
 auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,

@@ -66,7 +66,7 @@ auto law_signs(const LawForm& form) -> std::vector<Sign>;
 auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LinearFit;
 
-/// Improves the shapes from where they are: a search around each in turn, then steps in all at once.
+/// The shapes that fit best within their limits, of those around where they are.
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
     -> LawForm;
 
@@ -83,9 +83,12 @@ auto shape_step(const ShapeInfo& info, double value) -> double;
 /// A shape that ended at a limit of its range is not identified: names of those.
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
 
-/// The law's columns with one more for each shape that is searched for: how the law's angle or effort changes with it.
+/// How the law's angle or effort changes with each shape that is searched for, the coefficients held: a column per
+/// shape.
+auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd;
+/// The law's columns, then the sensitivities.
 auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
-                        Eigen::MatrixXd columns) -> Eigen::MatrixXd;
+                        const Eigen::MatrixXd& columns) -> Eigen::MatrixXd;
 
 /// The fitted law with 95 % intervals; those of shapes come from the fit's sensitivity to them.
 auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "tools/identify/bounded_search.hpp"
 #include "tools/identify/force_fit.hpp"
 #include "tools/support/errors.hpp"
 #include "tools/support/statistics.hpp"
@@ -122,7 +124,7 @@ auto simulate_rows(const Theta& theta, const Rows& rows) -> Eigen::VectorXd {
   return out;
 }
 
-auto jacobian(const Theta& theta, const Rows& rows) -> Eigen::MatrixXd {
+auto sensitivities(const Theta& theta, const Rows& rows) -> Eigen::MatrixXd {
   Eigen::MatrixXd columns(rows.in.size(), Eigen::Index{kUnknowns});
   for (Eigen::Index k = 0; k < kUnknowns; ++k) {
     const double step = 1e-5 * std::max(std::abs(theta[k]), 0.01);
@@ -170,46 +172,37 @@ auto start_of(const Rows& rows) -> Theta {
   return theta;
 }
 
-/// What the numbers of the law may be, the motor's friction and the offset left free.
-constexpr double kLeast[] = {1e-3, 1e-3, 0.0, 1e-3};
-constexpr double kMost[] = {3.0, 3.0, 8.0, 4.0};
-
-auto kept_in_range(Theta theta) -> Theta {
-  for (Eigen::Index i = 0; i < kFriction; ++i) {
-    theta[i] = std::clamp(theta[i], kLeast[i], kMost[i]);
-  }
-  return theta;
-}
+/// What the numbers of the law may be.
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+const Theta kLeast = {1e-3, 1e-3, 0.0, 1e-3, -kOpen, -kOpen};
+const Theta kMost = {3.0, 3.0, 8.0, 4.0, kOpen, kOpen};
 
 /// A number that ended at a limit of its range is not identified.
 auto at_limit(const Theta& theta, Eigen::Index i) -> bool {
-  return i < kFriction && (theta[i] <= kLeast[i] || theta[i] >= kMost[i]);
+  return theta[i] <= kLeast[i] || theta[i] >= kMost[i];
 }
 
-/// Gauss and Newton with steps halved until the error falls; `fit` gets the covariance at the end.
-auto solve_rows(const Rows& rows, Theta theta, LinearFit& fit) -> Theta {
-  constexpr int kRounds = 60;
-  const std::vector<Sign> any(kUnknowns, Sign::kAny);
-  double squares = (rows.out - simulate_rows(theta, rows)).squaredNorm();
-  for (int round = 0; round < kRounds; ++round) {
-    fit = fit_columns(jacobian(theta, rows), rows.out - simulate_rows(theta, rows), rows.strokes, any);
-    double share = 1.0;
-    bool better = false;
-    const double before = squares;
-    for (; share > 1e-4 && !better; share *= 0.5) {
-      const Theta trial = kept_in_range(theta + share * fit.theta);
-      const double here = (rows.out - simulate_rows(trial, rows)).squaredNorm();
-      better = here < squares;
-      if (better) {
-        theta = trial;
-        squares = here;
-      }
-    }
-    if (!better || before - squares < 1e-10 * before) {
-      break;
-    }
+/// What the law leaves of the output.
+class LineResidual final : public NonlinearResidual {
+ public:
+  explicit LineResidual(const Rows& rows) : rows_(rows) {}
+  auto at(const Eigen::VectorXd& parameters) -> Eigen::VectorXd override {
+    theta_ = parameters;
+    return rows_.out - simulate_rows(theta_, rows_);
   }
-  fit = fit_columns(jacobian(theta, rows), rows.out - simulate_rows(theta, rows), rows.strokes, any);
+  auto jacobian() -> Eigen::MatrixXd override { return -sensitivities(theta_, rows_); }
+
+ private:
+  const Rows& rows_;
+  Theta theta_;
+};
+
+/// The law that fits best near a start; `fit` gets the covariance.
+auto solve_rows(const Rows& rows, const Theta& start, LinearFit& fit) -> Theta {
+  LineResidual residual(rows);
+  const Theta theta = least_squares_within({kLeast, kMost}, start, residual).parameters;
+  fit = fit_columns(sensitivities(theta, rows), rows.out - simulate_rows(theta, rows), rows.strokes,
+                    std::vector<Sign>(kUnknowns, Sign::kAny));
   return theta;
 }
 

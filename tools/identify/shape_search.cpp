@@ -6,114 +6,148 @@
 #include <limits>
 #include <numeric>
 
+#include "tools/identify/bounded_search.hpp"
 #include "tools/identify/law_fit.hpp"
 #include "tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {
 
-/// Golden-section search for the least cost in [low, high].
-template <typename Cost>
-auto golden_section(double low, double high, int steps, Cost&& cost) -> double {
-  constexpr double kRatio = 0.6180339887498949;
-  double a = high - kRatio * (high - low);
-  double b = low + kRatio * (high - low);
-  double cost_a = cost(a);
-  double cost_b = cost(b);
-  for (int i = 0; i < steps; ++i) {
-    if (cost_a <= cost_b) {  // where all is alike, towards the smaller
-      high = b;
-      b = a;
-      cost_b = cost_a;
-      a = high - kRatio * (high - low);
-      cost_a = cost(a);
-    } else {
-      low = a;
-      a = b;
-      cost_a = cost_b;
-      b = low + kRatio * (high - low);
-      cost_b = cost(b);
-    }
-  }
-  return cost_a <= cost_b ? a : b;
-}
-
-/// What a step of a shape is measured by where its value says nothing, as at zero. A range of equal ratios has its
-/// smallest value for that, or a small joint would be searched in a large one's steps.
-auto smallest_span(const ShapeInfo& info) -> double {
-  const bool in_ratio = info.scale == ShapeScale::kRatio && info.minimum > 0.0;
-  return in_ratio ? info.minimum : info.maximum - info.minimum;
-}
-
-/// A shape that is searched for, and where it stands among all shapes.
+/// A shape that is searched for, and where it stands among all shapes. A search goes along its scale: the logarithm
+/// where settings lie in equal ratios, else the share of its range.
 struct ShapeSlot {
   const ShapeInfo* info;
   std::size_t index;
+  bool is_delay;  ///< of the law's output
+
+  [[nodiscard]] auto in_ratio() const -> bool { return info->scale == ShapeScale::kRatio && info->minimum > 0.0; }
+  [[nodiscard]] auto range() const -> double { return info->maximum - info->minimum; }
+  [[nodiscard]] auto place(double value) const -> double { return in_ratio() ? std::log(value) : value / range(); }
+  [[nodiscard]] auto value(double place) const -> double {
+    return std::clamp(in_ratio() ? std::exp(place) : place * range(), info->minimum, info->maximum);
+  }
+  /// Change of the value per change of the place.
+  [[nodiscard]] auto slope(double value) const -> double { return in_ratio() ? value : range(); }
 };
 
 auto shape_slots(const LawForm& form) -> std::vector<ShapeSlot> {
   std::vector<ShapeSlot> slots;
   for (const auto* term : ordered_terms(form)) {
     for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
-      slots.push_back({&term->shapes[i], term->first_shape + i});
+      slots.push_back({&term->shapes[i], term->first_shape + i, term->acts_on_output});
     }
   }
   return slots;
 }
 
-/// Gauss and Newton's steps in coefficients and shapes together, halved until they help, from a start nearby.
-auto settled(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> LawForm {
-  constexpr int kRounds = 8;
-  constexpr int kHalvings = 5;
-  constexpr double kEnough = 1e-9;  // of the error
-  const auto slots = shape_slots(form);
-  for (int round = 0; round < kRounds; ++round) {
-    const Eigen::MatrixXd columns = law_columns(design, form);
-    auto signs = law_signs(form);
-    const LinearFit now = fit_columns(columns, target, blocks, signs);
-    signs.resize(signs.size() + slots.size(), Sign::kAny);
-    const Eigen::VectorXd step =
-        fit_columns(with_sensitivities(design, form, now.theta, columns), target, blocks, signs)
-            .theta.tail(static_cast<Eigen::Index>(slots.size()));
-    double share = 1.0;
-    double left = now.rmse;
-    LawForm next = form;
-    for (int i = 0; i < kHalvings && left >= now.rmse; ++i, share *= 0.5) {
-      for (std::size_t k = 0; k < slots.size(); ++k) {
-        const auto& [info, index] = slots[k];
-        next.shapes[index] =
-            std::clamp(form.shapes[index] + share * step[static_cast<Eigen::Index>(k)], info->minimum, info->maximum);
+auto bounds_of(const std::vector<ShapeSlot>& slots) -> SearchBounds {
+  const auto count = static_cast<Eigen::Index>(slots.size());
+  SearchBounds bounds{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto& slot = slots[static_cast<std::size_t>(i)];
+    bounds.lower[i] = slot.place(slot.info->minimum);
+    bounds.upper[i] = slot.place(slot.info->maximum);
+  }
+  return bounds;
+}
+
+/// What a law leaves of its target, by the places of its shapes, the coefficients fitted exactly within their signs.
+class ShapeResidual final : public NonlinearResidual {
+ public:
+  ShapeResidual(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
+      : design_(design), target_(target), blocks_(blocks), slots_(shape_slots(form)), form_(std::move(form)) {}
+
+  auto at(const Eigen::VectorXd& places) -> Eigen::VectorXd override {
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      form_.shapes[slots_[i].index] = slots_[i].value(places[static_cast<Eigen::Index>(i)]);
+    }
+    columns_ = law_columns(design_, form_);
+    fit_ = fit_columns(columns_, target_, blocks_, law_signs(form_));
+    return stacked(target_ - columns_ * fit_.theta, blocks_);
+  }
+
+  /// The law's sensitivities clear of the columns that the fit is free to use (Kaufman 1975).
+  auto jacobian() -> Eigen::MatrixXd override {
+    const auto count = static_cast<Eigen::Index>(slots_.size());
+    Eigen::MatrixXd changes = sensitivities(design_, form_, fit_.theta);
+    std::vector<Eigen::Index> free;
+    for (Eigen::Index i = 0; i < columns_.cols(); ++i) {
+      if (!fit_.at_bound[static_cast<std::size_t>(i)]) {
+        free.push_back(i);
       }
-      left = fit_law(design, target, blocks, next).rmse;
     }
-    if (left >= now.rmse) {
-      break;
+    project_out(columns_(Eigen::all, free), blocks_, changes);
+    Eigen::MatrixXd result(rows_in(blocks_), count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const auto& slot = slots_[static_cast<std::size_t>(i)];
+      result.col(i) = -slot.slope(form_.shapes[slot.index]) * stacked(changes.col(i), blocks_);
     }
-    form = std::move(next);
-    if (left > (1.0 - kEnough) * now.rmse) {
-      break;
+    return result;
+  }
+
+ private:
+  const LawDesign& design_;
+  const Eigen::VectorXd& target_;
+  const Blocks& blocks_;
+  std::vector<ShapeSlot> slots_;
+  LawForm form_;
+  Eigen::MatrixXd columns_;
+  LinearFit fit_;
+};
+
+/// A law and the rms of what it leaves.
+using Fitted = std::pair<double, LawForm>;
+
+/// The form with the shapes nearest to its own that fit best.
+auto descended(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> Fitted {
+  const auto slots = shape_slots(form);
+  Eigen::VectorXd start(static_cast<Eigen::Index>(slots.size()));
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    start[static_cast<Eigen::Index>(i)] = slots[i].place(form.shapes[slots[i].index]);
+  }
+  ShapeResidual residual(design, target, blocks, form);
+  const SearchResult found = least_squares_within(bounds_of(slots), start, residual);
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    form.shapes[slots[i].index] = slots[i].value(found.parameters[static_cast<Eigen::Index>(i)]);
+  }
+  return {std::sqrt(found.squares / static_cast<double>(rows_in(blocks))), std::move(form)};
+}
+
+/// The same, and no delay in the wrong sample: between two samples the law is interpolated, which averages its noise,
+/// so there is a valley in each sample near the best. A descent goes on from the middle of a neighbour that is lower.
+auto followed(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
+    -> Fitted {
+  Fitted best = descended(design, target, blocks, form);
+  const double period_s = design.period_s(0);
+  for (const auto& slot : shape_slots(form)) {
+    const double here = std::floor(best.second.shapes[slot.index] / period_s);
+    for (const double sample : {here - 1.0, here + 1.0}) {
+      LawForm next = best.second;
+      next.shapes[slot.index] = (sample + 0.5) * period_s;
+      if (slot.is_delay && sample >= 0.0 && next.shapes[slot.index] < slot.info->maximum &&
+          fit_law(design, target, blocks, next).rmse < best.first) {
+        return followed(design, target, blocks, next);
+      }
     }
   }
-  return form;
+  return best;
 }
 
 /// Starts that take every shape once through each part of its range (Latin hypercube: McKay, Beckman and Conover 1979).
 auto hypercube(const LawForm& form, std::size_t count) -> std::vector<LawForm> {
-  constexpr double kSmallestShare = 1.0 / 400.0;  // of a range that begins at nothing
   Random random(0x1A71);
   std::vector<LawForm> starts(count, form);
-  for (const auto& [info, index] : shape_slots(form)) {
+  for (const auto& slot : shape_slots(form)) {
     std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t i = count; i-- > 1;) {
       std::swap(order[i], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
     }
+    const double low = slot.place(slot.info->minimum);
+    const double high = slot.place(slot.info->maximum);
     for (std::size_t i = 0; i < count; ++i) {
       const double share = (static_cast<double>(order[i]) + random.uniform()) / static_cast<double>(count);
-      const double low = std::max(info->minimum, kSmallestShare * info->maximum);
-      starts[i].shapes[index] = info->scale == ShapeScale::kRatio
-                                    ? low * std::pow(info->maximum / low, share)
-                                    : info->minimum + share * (info->maximum - info->minimum);
+      starts[i].shapes[slot.index] = slot.value(low + share * (high - low));
     }
   }
   return starts;
@@ -123,47 +157,29 @@ auto hypercube(const LawForm& form, std::size_t count) -> std::vector<LawForm> {
 
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
     -> LawForm {
-  constexpr int kSteps = 12;
-  constexpr double kReach = 0.5;  // of the value
-  if (shape_slots(form).empty()) {
-    return form;
-  }
-  for (const auto& [info, index] : shape_slots(form)) {
-    double& value = form.shapes[index];
-    const double reach = std::max(kReach * value, 2e-3 * smallest_span(*info));
-    const double low = std::max(info->minimum, value - reach);
-    const double high = std::min(info->maximum, value + 2.0 * reach);
-    value = golden_section(low, high, kSteps, [&](double trial) {
-      value = trial;
-      return fit_law(design, target, blocks, form).rmse;
-    });
-  }
-  return settled(design, target, blocks, form);
+  return shape_slots(form).empty() ? form : followed(design, target, blocks, std::move(form)).second;
 }
 
 auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm {
   constexpr std::size_t kStarts = 24;
-  constexpr std::size_t kFollowed = 3;
+  constexpr std::size_t kFollowed = 5;
   if (shape_slots(form).empty()) {
     return form;
   }
-  std::vector<std::pair<double, LawForm>> starts;
+  std::vector<Fitted> starts;
   for (auto& start : hypercube(form, kStarts)) {
     starts.emplace_back(fit_law(design, target, blocks, start).rmse, std::move(start));
   }
   std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  double least = std::numeric_limits<double>::infinity();
-  LawForm best = form;
+  Fitted best = {std::numeric_limits<double>::infinity(), form};
   for (std::size_t i = 0; i < kFollowed; ++i) {
-    LawForm refined = refine_shapes(design, target, blocks, starts[i].second);
-    const double rmse = fit_law(design, target, blocks, refined).rmse;
-    if (rmse < least) {
-      least = rmse;
-      best = std::move(refined);
+    Fitted found = followed(design, target, blocks, starts[i].second);
+    if (found.first < best.first) {
+      best = std::move(found);
     }
   }
-  return best;
+  return best.second;
 }
 
 auto shape_step(const ShapeInfo& info, double value) -> double {
