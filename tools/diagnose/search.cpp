@@ -110,16 +110,21 @@ class Searcher {
     return families;
   }
 
-  /// The trial itself, or the special case of it that this log can not tell from it.
-  auto simplest(const Round& round, const FamilyTrial* best) const -> const FamilyTrial* {
+  /// The trial itself, or the special case of it that this log can not tell from it. Beside another effect that was
+  /// found what the other left blurs the comparison, and half as much energy again is no difference.
+  auto simplest(const Round& round, const FamilyTrial* best, bool beside_another) const -> const FamilyTrial* {
+    constexpr double kBlurred = 1.5;
     if (best == nullptr) {
       return best;
     }
     const auto names = names_of(round, confusable(round, *best));
     for (const auto& special : round.evidence.families[best->family].special_cases) {
       const FamilyTrial* trial = trial_of(round, special);
-      if (trial != nullptr && std::find(names.begin(), names.end(), special) != names.end() &&
-          passes(*trial, round.evidence)) {
+      if (trial == nullptr || !passes(*trial, round.evidence)) {
+        continue;
+      }
+      const bool as_good = beside_another && trial->energies.sum() < kBlurred * best->energies.sum();
+      if (as_good || std::find(names.begin(), names.end(), special) != names.end()) {
         return trial;
       }
     }
@@ -146,6 +151,19 @@ class Searcher {
     return pair && !clearly_positive(pair->energies - probe.energies) ? pair : std::nullopt;
   }
 
+  /// The best pair where one effect explains too little; or where a probe explains most, or as much as the best, but
+  /// two that are listed more.
+  auto better_pair(const Round& round, const FamilyTrial* best) const -> std::optional<EffectPair> {
+    const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
+    const bool clear =
+        best != nullptr && round.evidence.families[best->family].in_catalogue && rivals(round, *best).empty();
+    if (!too_little && clear) {
+      return std::nullopt;
+    }
+    auto pair = best_pair(round.evidence, *search_.law.catalogue);
+    return pair && (too_little || clearly_positive(best->energies - pair->energies)) ? pair : std::nullopt;
+  }
+
   /// What sensors or a grid hide is not noise to the trials. No effect is named that is not larger than that; beside a
   /// grid, none where nothing is known to be missing.
   static auto may_be_hidden(const Round& round, const FamilyTrial& trial) -> bool {
@@ -156,14 +174,12 @@ class Searcher {
 
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
-    const FamilyTrial* best = simplest(round, best_passing(round, false));
+    const FamilyTrial* best = simplest(round, best_passing(round, false), !search_.effects.empty());
     if (best != nullptr && may_be_hidden(round, *best)) {
       best = nullptr;
     }
-    const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
     if (search_.effects.empty() && round.adequacy.lacks_something &&
-        ((too_little && add_pair(round, best_pair(round.evidence, *search_.law.catalogue))) ||
-         (best != nullptr && add_pair(round, parts_of(round, *best))))) {
+        (add_pair(round, better_pair(round, best)) || (best != nullptr && add_pair(round, parts_of(round, *best))))) {
       return true;
     }
     if (best == nullptr) {
@@ -233,7 +249,7 @@ class Searcher {
       }
       progress_("trying " + both[0].name + " and " + both[1].name);
       const Round without = hold_round(p_, law_without(*law, both[k].name));
-      const FamilyTrial* best = simplest(without, best_passing(without, false));
+      const FamilyTrial* best = simplest(without, best_passing(without, false), true);
       if (best == nullptr || !without.evidence.families[best->family].in_catalogue) {
         return false;
       }
