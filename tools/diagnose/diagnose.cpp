@@ -114,8 +114,9 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
   }
   const std::string found = joined(names, " and ");
   if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
-    d.reason = "Something is missing from the law; " + found + " explains only " +
-               rounded(100.0 * search.share.value, 2) + " % of what can be explained, so it is not named.";
+    const long certain = std::lround(100.0 * std::max(0.0, search.share.lower));
+    d.reason = "Something is missing from the law; " + found + " explains no more than " + std::to_string(certain) +
+               " % of what can be explained for certain, so it is not named.";
     d.next_experiment = kEverything;
     return Verdict::kUnknown;
   }

@@ -326,7 +326,10 @@ class Searcher {
       search_.noise_floor = pure_error_level(p_, error);
     } else {
       const auto rows = static_cast<double>(rows_in(p_.split.learned()));
-      const double left = std::min(round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum());
+      // Out of fold a law that the log hardly determines may leave any amount; what it leaves in the fit bounds the
+      // noise.
+      const double left = std::min({round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum(),
+                                    stacked(round.residual.error, p_.split.learned()).squaredNorm()});
       search_.noise_floor = std::sqrt(left / rows + averaged_out(p_, error));
     }
     for (const auto& trial : round.trials) {
