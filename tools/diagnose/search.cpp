@@ -151,6 +151,12 @@ class Searcher {
     return pair && !clearly_positive(pair->energies - probe.energies) ? pair : std::nullopt;
   }
 
+  /// Whether one effect explains most, and is a probe.
+  static auto stands_in_for_most(const Round& round, const FamilyTrial* best) -> bool {
+    return best != nullptr && best->explained >= kShareAlone * round.adequacy.reducible_share &&
+           !round.evidence.families[best->family].in_catalogue;
+  }
+
   /// The best pair where one effect explains too little; or where a probe explains most, or as much as the best, but
   /// two that are listed more.
   auto better_pair(const Round& round, const FamilyTrial* best) const -> std::optional<EffectPair> {
@@ -179,7 +185,8 @@ class Searcher {
       best = nullptr;
     }
     if (search_.effects.empty() && round.adequacy.lacks_something &&
-        (add_pair(round, better_pair(round, best)) || (best != nullptr && add_pair(round, parts_of(round, *best))))) {
+        (add_pair(round, better_pair(round, best), stands_in_for_most(round, best)) ||
+         (best != nullptr && add_pair(round, parts_of(round, *best))))) {
       return true;
     }
     if (best == nullptr) {
@@ -231,8 +238,8 @@ class Searcher {
   }
 
   /// Two effects at once, each of which has to be the best where the other is already in the law, unless that builds on
-  /// it.
-  auto add_pair(Round& round, const std::optional<EffectPair>& pair) -> bool {
+  /// it. They may have to suffice: to leave nothing but noise.
+  auto add_pair(Round& round, const std::optional<EffectPair>& pair, bool must_suffice = false) -> bool {
     if (!pair ||
         explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
       return false;
@@ -269,10 +276,14 @@ class Searcher {
         (!larger_first && !builds_on(effects[1].name, effects[0].name))) {
       std::swap(effects[0], effects[1]);
     }
+    Round next = hold_round(p_, *law);
+    if (must_suffice && next.adequacy.lacks_something) {
+      return false;
+    }
     search_.effects = effects;
     search_.rounds.insert(search_.rounds.end(), summaries.begin(), summaries.end());
     search_.law = *law;
-    round = hold_round(p_, *law);
+    round = std::move(next);
     return true;
   }
 
