@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -188,6 +189,20 @@ TEST(Diagnose, TheNoiseFloorIsThatOfSingleSamplesWithoutRepeatsToo) {
   const Diagnosis d = diagnosis_of(request);
   EXPECT_FALSE(d.floor_from_repeats);
   EXPECT_NEAR(d.noise_floor, request.noise_rad, 0.07 * request.noise_rad);
+}
+
+TEST(Diagnose, WhatALateEncoderOwesIsSaidWhereNothingIsMissing) {
+  const auto said = [](double counts_per_turn) {
+    SyntheticRequest request = small_request(Truth::kNone);
+    request.counts_per_turn = counts_per_turn;
+    const Diagnosis d = diagnosis_of(request);
+    EXPECT_EQ(d.verdict, Verdict::kNothingMissing) << d.reason;
+    return std::any_of(d.warnings.begin(), d.warnings.end(), [](const auto& warning) {
+      return warning.find("its encoder does not show it yet") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(said(2048.0));
+  EXPECT_FALSE(said(4e6));
 }
 
 // The other axis is driven against a spring alone: its torque is its angle, and no fit can tell which of them pulls.

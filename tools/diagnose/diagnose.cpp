@@ -18,8 +18,6 @@ constexpr double kNamedShare = 0.5;
 /// removed, and the nearest wrong name seldom does.
 constexpr double kNamedShareBesideUnlisted = 0.9;
 
-/// Of the noise floor: an error beyond this is not noise alone, whatever the law.
-constexpr double kWellAboveFloor = 1.3;
 constexpr const char* kLateDirection =
     "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
     "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
@@ -134,6 +132,7 @@ auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict 
 
 void keep_base_only(Diagnosis& d) {
   d.effects.clear();
+  d.undetermined.clear();
   d.law = d.base;
   d.after = d.before;
   d.ratio_ci95 = {1.0, 1.0};
@@ -150,6 +149,17 @@ auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::
   return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
 }
 
+/// Whether the base law errs well above the noise, and most of that where the running switch does not know the
+/// direction.
+auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d) -> bool {
+  constexpr double kWellAboveNoise = 1.3;
+  constexpr double kMost = 0.5;
+  const double known = error_of_known_direction(p, d.traces.before);
+  const double all = d.before.rmse * d.before.rmse;
+  const double above_noise = all - d.noise_floor * d.noise_floor;
+  return d.before.rmse > kWellAboveNoise * d.noise_floor && all - known * known > kMost * above_noise;
+}
+
 /// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
 void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -158,17 +168,13 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
   d.effects = search.effects;
   if (search.effects.empty() || is_refusal(d.verdict)) {
     keep_base_only(d);
-    if (d.verdict == Verdict::kNothingMissing && d.before.rmse > kWellAboveFloor * d.noise_floor) {
+    if (d.verdict == Verdict::kNothingMissing && late_direction_weighs_most(p, d)) {
       d.warnings.push_back(kLateDirection);
     }
     return;
   }
   d.law = causal_law(p, search.law);
   d.undetermined = undetermined(p, search.law);
-  if (!d.undetermined.empty()) {
-    d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
-                         ": other values would fit as well, so the law holds for motions like this one only");
-  }
   d.traces.after = estimates(p.logs, p.causal, d.law);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
@@ -180,6 +186,10 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
     keep_base_only(d);
   } else if (d.ratio_ci95[1] >= 1.0) {
     d.warnings.push_back("the running estimate gains little: " + std::string(kLateDirection));
+  }
+  if (!d.undetermined.empty()) {
+    d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
+                         ": other values would fit as well, so the law holds for motions like this one only");
   }
 }
 

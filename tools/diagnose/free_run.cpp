@@ -35,6 +35,26 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
   return {error, 100.0 * error / rms(measured), goodness_of_fit_percent(measured, estimated)};
 }
 
+auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
+  std::vector<bool> known;
+  for (std::size_t log = 0; log < p.logs.size(); ++log) {
+    const Samples& running = p.causal.samples()[log];
+    std::transform(running.begin(), running.end(), p.hindsight.samples()[log].begin(), std::back_inserter(known),
+                   [](const auto& now, const auto& later) { return now.forward == later.forward; });
+  }
+  double squares = 0.0;
+  Eigen::Index count = 0;
+  for (const auto& rows : refined(p.split, p.factor).of(Role::kReport)) {
+    for (Eigen::Index i = rows.begin; i < rows.end; ++i) {
+      if (known[static_cast<std::size_t>(i)]) {
+        squares += (p.target[i] - estimate[i]) * (p.target[i] - estimate[i]);
+        ++count;
+      }
+    }
+  }
+  return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+}
+
 namespace {
 
 /// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs. @pre there are rows

@@ -13,6 +13,10 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
 /// Free-running error of an estimate on the rows set aside.
 auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary;
 
+/// rms error of an estimate on the rows set aside where the running direction switch agrees with hindsight: without
+/// what is owed to an encoder that shows a turn late. In the target's unit.
+auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double;
+
 /// Whether a law errs less than the base for certain on the rows set aside, on the coarse grid and in hindsight, where
 /// decisions are taken. A running estimate errs most where the motor has turned and its encoder does not show it yet,
 /// and no effect mends that.
