@@ -110,21 +110,23 @@ class Searcher {
     return families;
   }
 
-  /// The trial itself, or the special case of it that this log can not tell from it. Beside another effect that was
-  /// found what the other left blurs the comparison, and half as much energy again is no difference.
+  /// The trial itself, or the special case of it that this log can not tell from it, or that leaves no more on rows it
+  /// was not fitted to, whatever a noise model judged from the residual makes of the steps at reversals. Beside another
+  /// effect that was found what the other left blurs the comparison, and half as much energy again is no difference.
   auto simplest(const Round& round, const FamilyTrial* best, bool beside_another) const -> const FamilyTrial* {
     constexpr double kBlurred = 1.5;
     if (best == nullptr) {
       return best;
     }
+    const bool listed = round.evidence.families[best->family].in_catalogue;
+    const double allowed = best->energies.sum() * (beside_another ? kBlurred : listed ? 1.0 : 0.0);
     const auto names = names_of(round, confusable(round, *best));
     for (const auto& special : round.evidence.families[best->family].special_cases) {
       const FamilyTrial* trial = trial_of(round, special);
       if (trial == nullptr || !passes(*trial, round.evidence)) {
         continue;
       }
-      const bool as_good = beside_another && trial->energies.sum() < kBlurred * best->energies.sum();
-      if (as_good || std::find(names.begin(), names.end(), special) != names.end()) {
+      if (trial->energies.sum() <= allowed || std::find(names.begin(), names.end(), special) != names.end()) {
         return trial;
       }
     }
