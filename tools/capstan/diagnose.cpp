@@ -46,9 +46,16 @@ void print_diagnosis(const Diagnosis& d) {
 auto run_diagnose(const CommandOptions& options) -> int {
   AxisRequest request;
   request_target(options.target, options.base, request);
-  request.needs_torque = options.base == kDefaultModel;
-  const auto logs = options.logs.read(request);
   DiagnoseOptions wanted;
+  if (options.base.ends_with(".toml")) {
+    wanted.base_law = form_of(read_joint_file(options.base));
+    if (request.effort || request.force) {
+      throw BadInput("the law of " + options.base + " explains a joint angle, and " + options.target +
+                     " is an effort; leave --target out, or choose --base rigid_dynamics, pull_push or preisach");
+    }
+  }
+  request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") : options.base == kDefaultModel;
+  const auto logs = options.logs.read(request);
   wanted.base_model = options.base;
   if (isatty(STDERR_FILENO) != 0) {
     wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
@@ -83,7 +90,7 @@ void add_diagnose(CLI::App& app, int& exit_status) {
   command->add_option("--base", options->base,
                       "law to start from: kinematic, pseudo_kinematic (default where torque is logged), "
                       "rigid_dynamics (default where the target is an effort), or pull_push or preisach (joint torque "
-                      "from motor torque)");
+                      "from motor torque); or a joint file, whose law is fitted anew");
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");

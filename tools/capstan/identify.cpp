@@ -22,17 +22,12 @@ struct IdentifyOptions {
   std::string target, output;
 };
 
-/// The law of a joint file, to be fitted anew from where it is.
-auto form_of_file(const std::string& path) -> LawForm {
-  const JointFile joint = read_joint_file(path);
-  return {joint.catalogue, joint.terms, joint.parameters.shapes};
-}
-
 auto run_identify(const IdentifyOptions& options) -> int {
   if (is_force_model(options.model)) {
     return identify_force(options.logs, options.model, options.output);
   }
-  const auto file = options.model.ends_with(".toml") ? std::optional(form_of_file(options.model)) : std::nullopt;
+  const auto file =
+      options.model.ends_with(".toml") ? std::optional(form_of(read_joint_file(options.model))) : std::nullopt;
   const auto terms = file ? file->terms : terms_of_model(options.model);
   AxisRequest request;
   request_target(options.target, options.model, request);

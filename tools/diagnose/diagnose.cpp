@@ -194,11 +194,12 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
 }
 
 /// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.
-auto base_law(const std::vector<AxisLog>& logs, Diagnosis& d) -> std::optional<LawForm> {
+auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d)
+    -> std::optional<LawForm> {
   std::string unfit = reason_unfit(logs);
   if (unfit.empty()) {
     try {
-      return form_of_model(d.base_model, logs);
+      return options.base_law ? *options.base_law : form_of_model(d.base_model, logs);
     } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
       unfit = refusal.what();
     }
@@ -235,7 +236,8 @@ void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& o
 auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   Diagnosis d;
   describe_logs(recorded, options, d);
-  const Catalogue& catalogue = catalogue_of_model(d.base_model, recorded);
+  const Catalogue& catalogue =
+      options.base_law ? *options.base_law->catalogue : catalogue_of_model(d.base_model, recorded);
   d.unit = catalogue.target_unit();
   d.motion_unit = catalogue.motion_unit();
   d.base = d.law = JointFile(catalogue);
@@ -245,7 +247,7 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
     std::transform(logs.begin(), logs.end(), logs.begin(),
                    [&d](const auto& log) { return averaged_for_force(d.base_model, log); });
   }
-  const auto base = base_law(logs, d);
+  const auto base = base_law(logs, options, d);
   if (!base) {
     return d;
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/identify/law_fit.hpp"
 #include "tools/joint_file/joint_file.hpp"
 #include "tools/log/axis_log.hpp"
 
@@ -90,6 +91,7 @@ struct Diagnosis {
 struct DiagnoseOptions {
   std::string
       base_model;  ///< empty: rigid_dynamics for an effort, pseudo_kinematic where torque is logged, else kinematic
+  std::optional<LawForm> base_law = {};  ///< a joint angle's law to start from instead, called base_model
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 

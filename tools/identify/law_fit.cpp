@@ -85,6 +85,10 @@ auto LawForm::has(const std::string& term) const -> bool {
   return std::find(terms.begin(), terms.end(), term) != terms.end();
 }
 
+auto form_of(const JointFile& joint) -> LawForm {
+  return {joint.catalogue, joint.terms, joint.parameters.shapes};
+}
+
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
   std::vector<const CatalogueTerm*> terms;
   for (const auto& term : *form.catalogue) {

@@ -55,6 +55,9 @@ struct LawForm {
   [[nodiscard]] auto has(const std::string& term) const -> bool;
 };
 
+/// The law of a joint file, to be fitted anew from where it is.
+auto form_of(const JointFile& joint) -> LawForm;
+
 /// Terms of the form in the order of the catalogue.
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*>;
 

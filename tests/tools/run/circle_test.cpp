@@ -75,6 +75,11 @@ TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
 
   const Recorded again = record("identify_play.toml", model_lines(diagnosis.law, 0));
   EXPECT_LT(again.summary.joints[0].estimation_rmse_rad, 0.25 * recorded.summary.joints[0].estimation_rmse_rad);
+  DiagnoseOptions corrected;
+  corrected.base_model = "corrected.toml";
+  corrected.base_law = form_of(diagnosis.law);
+  const Diagnosis second = diagnose(again.logs, corrected);
+  EXPECT_EQ(second.verdict, Verdict::kNothingMissing) << second.reason;
 }
 
 TEST(Circle, ReplayOfTheLogGivesTheFirmwaresOwnEstimatesToTheBit) {
