@@ -235,12 +235,12 @@ class Probes {
       add("motor_delay", {{local_slope(s_.ddq1, 1, p_.coarse_period_s)}}, Sign::kNonNegative);
       return;
     }
-    const Column slope = local_slope(coarse_fitted(), 1, p_.coarse_period_s);
-    add("motor_delay", {{slope}}, Sign::kNonNegative);
+    const Column fitted = coarse_fitted();
+    add("motor_delay", {{local_slope(fitted, 1, p_.coarse_period_s)}}, Sign::kNonNegative);
     std::vector<std::vector<Column>> swings;
     for (const double frequency_hz : {2.0, 4.0, 8.0}) {
       for (const double damping : {0.1, 0.4}) {
-        swings.push_back({resonant(coarse_fitted(), 2.0 * std::numbers::pi * frequency_hz, damping) - coarse_fitted()});
+        swings.push_back({resonant(fitted, 2.0 * std::numbers::pi * frequency_hz, damping) - fitted});
       }
     }
     // Far above the motion it is these, and nobody could tell.
