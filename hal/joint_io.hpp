@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/fixed.hpp"
+#include "capstan/model/fixed.hpp"
 
 namespace capstan {
 

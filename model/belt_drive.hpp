@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "model/tendon.hpp"
+#include "capstan/model/tendon.hpp"
 
 namespace capstan {
 

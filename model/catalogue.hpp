@@ -3,23 +3,27 @@
 
 #include <tuple>
 
-#include "model/terms/angle_periodic.hpp"
-#include "model/terms/axis_coupling.hpp"
-#include "model/terms/gravity.hpp"
-#include "model/terms/joint_offset.hpp"
-#include "model/terms/load_inertia.hpp"
-#include "model/terms/motor_angle.hpp"
-#include "model/terms/play.hpp"
-#include "model/terms/presliding.hpp"
-#include "model/terms/pretension_offset.hpp"
-#include "model/terms/reversal_memory.hpp"
-#include "model/terms/slip_propagation.hpp"
-#include "model/terms/stiffness_hardening.hpp"
-#include "model/terms/tendon_elongation.hpp"
-#include "model/terms/thermal_drift.hpp"
-#include "model/terms/transmission_viscous.hpp"
-#include "model/terms/transport_delay.hpp"
-#include "model/terms/viscoelastic_creep.hpp"
+#include "capstan/model/terms/angle_periodic.hpp"
+#include "capstan/model/terms/axis_coupling.hpp"
+#include "capstan/model/terms/coupled_hysteresis.hpp"
+#include "capstan/model/terms/curved_ratio.hpp"
+#include "capstan/model/terms/gravity.hpp"
+#include "capstan/model/terms/hysteresis.hpp"
+#include "capstan/model/terms/joint_offset.hpp"
+#include "capstan/model/terms/load_inertia.hpp"
+#include "capstan/model/terms/motor_angle.hpp"
+#include "capstan/model/terms/play.hpp"
+#include "capstan/model/terms/presliding.hpp"
+#include "capstan/model/terms/pretension_offset.hpp"
+#include "capstan/model/terms/reversal_memory.hpp"
+#include "capstan/model/terms/slip_propagation.hpp"
+#include "capstan/model/terms/stiffness_hardening.hpp"
+#include "capstan/model/terms/table.hpp"
+#include "capstan/model/terms/tendon_elongation.hpp"
+#include "capstan/model/terms/thermal_drift.hpp"
+#include "capstan/model/terms/transmission_viscous.hpp"
+#include "capstan/model/terms/transport_delay.hpp"
+#include "capstan/model/terms/viscoelastic_creep.hpp"
 
 namespace capstan {
 
@@ -39,15 +43,27 @@ struct TermList {
   }
 };
 
-/// The catalogue. A new effect is one file in terms/ and one word here: parameters, shell, storage, fit and diagnosis
-/// follow.
+/// The catalogue: a chain of input terms, the sum, output terms. A new effect is one file in terms/ and one word here:
+/// parameters, shell, storage, fit and diagnosis follow.
+/// What lies between the motor and the ratio, in this order; the ratio and its curve see what comes out of it.
+using InputTerms = TermList<Hysteresis>;
 using SumTerms = TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset,
                           ReversalMemory, SlipPropagation, Play, Presliding, Gravity, AxisCoupling, ViscoelasticCreep,
-                          ThermalDrift, AnglePeriodic, StiffnessHardening, LoadInertia>;
+                          ThermalDrift, AnglePeriodic, StiffnessHardening, LoadInertia, CurvedRatio, CoupledHysteresis,
+                          CoupledHysteresis2, CoupledHysteresis3, Table>;
 /// Effects of the joint's own sensor, applied to the finished sum in this order.
 using OutputTerms = TermList<TransportDelay>;
 
 inline constexpr std::size_t kCoefficientCount = SumTerms::kCoefficients;
-inline constexpr std::size_t kShapeCount = SumTerms::kShapes + OutputTerms::kShapes;
+/// Of the input terms, then the sum's, then the output terms.
+inline constexpr std::size_t kShapeCount = InputTerms::kShapes + SumTerms::kShapes + OutputTerms::kShapes;
+
+/// Visits every term of the chain in the order of its flat lists of shapes and coefficients.
+template <typename Scalar, typename Visit>
+constexpr void for_each_term(Visit&& visit) {
+  InputTerms::for_each<Scalar>(visit);
+  SumTerms::for_each<Scalar>(visit);
+  OutputTerms::for_each<Scalar>(visit);
+}
 
 }  // namespace capstan

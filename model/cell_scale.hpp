@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/weighted_sum.hpp"
+#include "capstan/model/weighted_sum.hpp"
 
 namespace capstan {
 

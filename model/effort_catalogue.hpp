@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/catalogue.hpp"
-#include "model/terms/angle_periodic.hpp"
-#include "model/terms/axis_coupling.hpp"
-#include "model/terms/effort/coulomb_friction.hpp"
-#include "model/terms/effort/friction_asymmetry.hpp"
-#include "model/terms/effort/inertia.hpp"
-#include "model/terms/effort/offset.hpp"
-#include "model/terms/effort/play_friction.hpp"
-#include "model/terms/effort/stribeck_friction.hpp"
-#include "model/terms/effort/viscous_friction.hpp"
-#include "model/terms/gravity.hpp"
-#include "model/terms/thermal_drift.hpp"
+#include "capstan/model/catalogue.hpp"
+#include "capstan/model/terms/angle_periodic.hpp"
+#include "capstan/model/terms/axis_coupling.hpp"
+#include "capstan/model/terms/effort/coulomb_friction.hpp"
+#include "capstan/model/terms/effort/friction_asymmetry.hpp"
+#include "capstan/model/terms/effort/inertia.hpp"
+#include "capstan/model/terms/effort/load_friction.hpp"
+#include "capstan/model/terms/effort/motion_coupling.hpp"
+#include "capstan/model/terms/effort/offset.hpp"
+#include "capstan/model/terms/effort/play_friction.hpp"
+#include "capstan/model/terms/effort/power_law_friction.hpp"
+#include "capstan/model/terms/effort/spring.hpp"
+#include "capstan/model/terms/effort/stribeck_friction.hpp"
+#include "capstan/model/terms/effort/viscous_friction.hpp"
+#include "capstan/model/terms/gear/gear_torque.hpp"
+#include "capstan/model/terms/gear/load_friction.hpp"
+#include "capstan/model/terms/gear/torque_saturation.hpp"
+#include "capstan/model/terms/gravity.hpp"
+#include "capstan/model/terms/thermal_drift.hpp"
 
 namespace capstan {
 
@@ -24,5 +31,16 @@ using EffortTerms = TermList<effort::Inertia, effort::ViscousFriction, effort::C
 /// Terms of the joint angle that an effort may hold as well, by the same files; their coefficients are then efforts per
 /// regressor. OutputTerms act on it too.
 using SharedTerms = TermList<Gravity, AxisCoupling, AnglePeriodic, ThermalDrift>;
+
+/// What measured machines have beside these. They take part in laws that are chosen for what they predict
+/// (tools/select), not yet in the search for names.
+using MachineEffortTerms = TermList<effort::PowerLawFriction, effort::Spring, effort::LoadFriction>;
+
+/// What another joint's motion asks of this motor: terms of the other joint's sample.
+using CouplingEffortTerms = TermList<effort::MotionCoupling>;
+
+/// Torque behind a gear from the motor's: the gear's own terms. What the motor pays for friction the joint goes
+/// without, so terms of efforts take part with any sign.
+using GearTerms = TermList<gear::GearTorque, gear::LoadFriction, gear::TorqueSaturation>;
 
 }  // namespace capstan

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 

@@ -3,8 +3,8 @@
 
 #include <variant>
 
-#include "model/preisach.hpp"
-#include "model/pull_push.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/model/pull_push.hpp"
 
 namespace capstan {
 

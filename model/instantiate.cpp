@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instantiates every law for the number formats in use, so that a mistake shows when the library is built.
-#include "model/coupled_axes.hpp"
-#include "model/effort_catalogue.hpp"
-#include "model/force_law.hpp"
-#include "model/motion_law.hpp"
-#include "model/preisach.hpp"
-#include "model/pull_push.hpp"
-#include "model/tension_state.hpp"
+#include "capstan/model/coupled_axes.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/model/force_law.hpp"
+#include "capstan/model/motion_law.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/model/pull_push.hpp"
+#include "capstan/model/tension_state.hpp"
 
 namespace capstan {
 namespace {
@@ -17,6 +17,10 @@ constexpr auto all_sum_terms_meet_the_concept() -> bool {
   const auto meets = [&ok]<typename Term>() { ok = ok && SumTerm<Term, Scalar>; };
   SumTerms::for_each<Scalar>(meets);
   EffortTerms::for_each<Scalar>(meets);
+  InputTerms::for_each<Scalar>([&ok]<typename Term>() { ok = ok && InputTerm<Term, Scalar>; });
+  MachineEffortTerms::for_each<Scalar>(meets);
+  CouplingEffortTerms::for_each<Scalar>(meets);
+  GearTerms::for_each<Scalar>(meets);
   OutputTerms::for_each<Scalar>([&ok]<typename Term>() { ok = ok && OutputTerm<Term, Scalar>; });
   return ok;
 }
@@ -43,6 +47,20 @@ template class effort::PlayFriction<double>;
 template class effort::PlayFriction<Q24>;
 template class effort::Offset<double>;
 template class effort::Offset<Q24>;
+template class effort::PowerLawFriction<double>;
+template class effort::PowerLawFriction<Q24>;
+template class effort::Spring<double>;
+template class effort::Spring<Q24>;
+template class effort::LoadFriction<double>;
+template class effort::LoadFriction<Q24>;
+template class effort::MotionCoupling<double>;
+template class effort::MotionCoupling<Q24>;
+template class gear::GearTorque<double>;
+template class gear::GearTorque<Q24>;
+template class gear::LoadFriction<double>;
+template class gear::LoadFriction<Q24>;
+template class gear::TorqueSaturation<double>;
+template class gear::TorqueSaturation<Q24>;
 // 11 levels are the thesis's grid, 41 the largest one meant for the target.
 template class Preisach<double, 11>;
 template class Preisach<Q24, 11>;

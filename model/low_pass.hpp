@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 

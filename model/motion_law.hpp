@@ -2,11 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
-#include "model/catalogue.hpp"
-#include "model/reciprocal.hpp"
-#include "model/weighted_sum.hpp"
+#include "capstan/model/input_stage.hpp"
+#include "capstan/model/reciprocal.hpp"
+#include "capstan/model/weighted_sum.hpp"
 
 namespace capstan {
 
@@ -15,15 +16,54 @@ namespace capstan {
 template <typename Scalar>
 struct LawParameters {
   std::array<Scalar, kCoefficientCount> coefficients{};  ///< theta, in the order of SumTerms
-  std::array<Scalar, kShapeCount> shapes{};              ///< in the order of SumTerms, then OutputTerms
+  std::array<Scalar, kShapeCount> shapes{};              ///< in the order of InputTerms, SumTerms, OutputTerms
   ConditionerShape<Scalar> conditioner{};
 };
 
-/// A law can be made of these: its coefficients' magnitudes add up to less than 256, so that no sum of fixed point
-/// wraps. One that does not fit estimates nothing but zero, `saturated` in every cycle.
+/// A law can be made of these: its coefficients' magnitudes add up to less than 256, of a table's the largest counting,
+/// so that no sum of fixed point wraps. One that does not fit estimates nothing but zero, `saturated` in every cycle.
 template <typename Scalar>
 constexpr auto fits(const LawParameters<Scalar>& parameters) -> bool {
-  return WeightedSum<Scalar>::holds(parameters.coefficients);
+  typename WeightedSum<Scalar>::Reach reach;
+  auto next = parameters.coefficients.begin();
+  SumTerms::for_each<Scalar>([&]<typename Term>() {
+    const std::span<const Scalar> own(next, kCoefficientsOf<Term>);
+    next += static_cast<std::ptrdiff_t>(kCoefficientsOf<Term>);
+    if constexpr (one_at_a_time<Term>()) {
+      reach.add_largest(own);
+    } else {
+      reach.add(own);
+    }
+  });
+  return reach.holds();
+}
+
+/// What is wrong with the shapes and coefficients of a law's parts together, beside their own ranges.
+enum class LawFault : std::uint8_t {
+  kNone,
+  kRatioTurnsBack,  ///< the ratio's curve: somewhere the joint would stand or run against its motor
+  kTableEnds,       ///< a table with its ends out of order
+};
+
+/// For whoever takes a law, not for the cycle.
+constexpr auto check_parts(const LawParameters<Q24>& parameters) -> LawFault {
+  LawFault fault = LawFault::kNone;
+  const Q24* own = parameters.coefficients.data();
+  const Q24* shape = parameters.shapes.data() + InputTerms::kShapes;
+  const Q24 beta = parameters.coefficients[0];  // MotorAngle leads the catalogue
+  SumTerms::for_each<Q24>([&]<typename Term>() {
+    if constexpr (std::is_same_v<Term, CurvedRatio<Q24>>) {
+      const bool on = own[0] != Q24{} || own[1] != Q24{};
+      fault = on && !follows_everywhere(beta, own[0], own[1], shape[1]) ? LawFault::kRatioTurnsBack : fault;
+    }
+    if constexpr (std::is_same_v<Term, Table<Q24>>) {
+      const bool on = std::any_of(own, own + kCoefficientsOf<Term>, [](Q24 value) { return value != Q24{}; });
+      fault = on && shape[2] >= shape[3] ? LawFault::kTableEnds : fault;
+    }
+    own += kCoefficientsOf<Term>;
+    shape += kShapesOf<Term>;
+  });
+  return fault;
 }
 
 template <typename Scalar>
@@ -33,8 +73,9 @@ struct Estimate {
   bool saturated = false;  ///< a number met the end of its range: the angles are not to be trusted
 };
 
-/// Motor angle and torque to joint angle: the sum of all terms of the catalogue,
-///   y = sum theta_k phi_k(sample, state, shape),
+/// Motor angle and torque to joint angle, a chain: the input terms make h of the motor angle, which the sum of all
+/// terms of the catalogue sees beside the motor angle itself,
+///   y = sum theta_k phi_k(sample, state, shape),  beta h among them,
 /// passed through the output terms. One sample in, one estimate out; no allocation; the time depends on which effects
 /// are on.
 template <typename Scalar>
@@ -45,13 +86,17 @@ class MotionLaw {
         coefficients_(unfit_ ? decltype(coefficients_){} : parameters.coefficients),
         active_(active_terms(coefficients_)),
         per_beta_(beta()),
+        curve_(make_curve(parameters)),
         conditioner_(dt, parameters.conditioner),
-        terms_(make<SumTerms, 0>(dt, parameters)),
-        output_terms_(make<OutputTerms, SumTerms::kShapes>(dt, parameters)) {}
+        input_(dt, parameters.shapes, dt.filter_gain(parameters.conditioner.rate_time_constant_s)),
+        input_on_(input_.is_on()),
+        terms_(make_terms<SumTerms, InputTerms::kShapes>(dt, parameters.shapes)),
+        output_terms_(make_terms<OutputTerms, InputTerms::kShapes + SumTerms::kShapes>(dt, parameters.shapes)) {}
 
   /// As newly made of the same parameters, without the divisions that making takes.
   constexpr void restart() {
     conditioner_.restart();
+    input_.restart();
     for_each_active(terms_, [](auto& term, std::size_t /*first*/) { capstan::restart(term); });
     std::apply([](auto&... term) { (capstan::restart(term), ...); }, output_terms_);
     q2_ = Scalar{};
@@ -71,6 +116,9 @@ class MotionLaw {
       q2_ = beta() * now.q1 + coefficients_[kOffset];
     }
     conditioner_.update(now, q2_);
+    if (input_on_) {
+      conditioner_.pass_through(input_);
+    }
     const Sample<Scalar>& sample =
         conditioner_.sample();  // as a part of this, so that what is read of it once is known
     const Scalar* const pulled = pulled_by(sample);
@@ -92,11 +140,22 @@ class MotionLaw {
   [[nodiscard]] constexpr auto beta() const -> Scalar { return coefficients_[kBeta]; }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
-  /// `motion` (its direction, speed and torque) has settled. From (5.28): q1 = (q2 - rest) / beta. `motion.q1` is
-  /// where the motor is about to be, for what is periodic in it; its q2 is not read.
+  /// `motion` (its direction, speed and torque) has settled. From (5.28): h = (q2 - rest) / beta, the curve of the
+  /// ratio turned round with it, then the input terms. `motion.q1` is where the motor is about to be, for what is
+  /// periodic in it, for a table of it, and for the curve to be turned round from; its q2 is not read.
   /// @pre beta is not zero; if it is, the result saturates.
   [[nodiscard]] constexpr auto invert(Scalar q2, const Sample<Scalar>& motion) const -> Scalar {
-    return per_beta(q2 - (rest_either_way(q2, motion) + rest_one_way(motion)));
+    const Scalar left = q2 - (rest_either_way(q2, motion) + rest_one_way(motion));
+    return undone(through_ratio(left, motion.q1), motion.forward);
+  }
+  /// What is left of the joint angle after the rest, taken back through ratio and curve: h, rad.
+  /// @param near  where the motor is about to be, rad
+  [[nodiscard]] constexpr auto through_ratio(Scalar joint_side, Scalar near) const -> Scalar {
+    return is_active<CurvedRatio<Scalar>>() ? curve_(joint_side, near) : per_beta(joint_side);
+  }
+  /// The motor angle to a settled h in one direction, rad.
+  [[nodiscard, gnu::always_inline]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {
+    return input_on_ ? input_.undone(h, forward) : h;
   }
   /// The two parts of the rest, for who turns the law round for both directions at once: what is the same whichever
   /// way the motion goes and whatever torque it takes, and what is not.
@@ -104,7 +163,8 @@ class MotionLaw {
     motion.q2 = q2;
     return settled<true>(motion);
   }
-  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(const Sample<Scalar>& motion) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar> motion) const -> Scalar {
+    motion.h = input_on_ ? input_.settled(motion) : motion.q1;
     return settled<false>(motion);
   }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
@@ -116,23 +176,6 @@ class MotionLaw {
   static constexpr std::size_t kOffset = 1;  // JointOffset follows
   static_assert(std::is_same_v<std::tuple_element_t<0, SumTerms::Tuple<Scalar>>, MotorAngle<Scalar>>);
   static_assert(std::is_same_v<std::tuple_element_t<1, SumTerms::Tuple<Scalar>>, JointOffset<Scalar>>);
-
-  /// Builds the terms of a list, each from its slice of the flat shapes.
-  template <typename List, std::size_t FirstShape>
-  static constexpr auto make(SamplePeriod<Scalar> dt, const LawParameters<Scalar>& parameters) {
-    std::size_t next = FirstShape;
-    auto make_one = [&]<typename Term>(std::in_place_type_t<Term>) {
-      std::array<Scalar, kShapesOf<Term>> shape{};
-      for (Scalar& value : shape) {
-        value = parameters.shapes[next++];
-      }
-      return Term(dt, shape);
-    };
-    // Braces, not parentheses: they fix the order of evaluation.
-    return [&]<typename... Term>(std::type_identity<std::tuple<Term...>>) {
-      return std::tuple<Term...>{make_one(std::in_place_type<Term>)...};
-    }(std::type_identity<typename List::template Tuple<Scalar>>{});
-  }
 
   static constexpr auto active_terms(const std::array<Scalar, kCoefficientCount>& coefficients) -> std::uint32_t {
     std::uint32_t active = 0;
@@ -154,6 +197,32 @@ class MotionLaw {
     return (std::size_t{0} + ... + kCoefficientsOf<std::tuple_element_t<I, typename SumTerms::Tuple<Scalar>>>);
   }
   (std::make_index_sequence<Index>{});
+
+  /// Where a term stands in the sum.
+  template <typename Term>
+  static constexpr std::size_t kPlace = []<typename... All>(std::type_identity<std::tuple<All...>>) {
+    std::size_t place = 0;
+    static_cast<void>(((std::is_same_v<Term, All> ? false : (++place, true)) && ...));
+    return place;
+  }(std::type_identity<typename SumTerms::Tuple<Scalar>>{});
+  template <typename Term>
+  [[nodiscard]] constexpr auto is_active() const -> bool {
+    return (active_ >> kPlace<Term> & 1U) != 0;
+  }
+  constexpr auto make_curve(const LawParameters<Scalar>& parameters) const -> CurveInverse<Scalar> {
+    std::size_t shape = InputTerms::kShapes;
+    CurveInverse<Scalar> curve;
+    SumTerms::for_each<Scalar>([&]<typename Term>() {
+      if constexpr (std::is_same_v<Term, CurvedRatio<Scalar>>) {
+        if (is_active<Term>()) {
+          const Scalar* const own = &coefficients_[kFirst<kPlace<Term>>];
+          curve = {beta(), own[0], own[1], {parameters.shapes[shape], parameters.shapes[shape + 1]}};
+        }
+      }
+      shape += kShapesOf<Term>;
+    });
+    return curve;
+  }
 
   /// Calls visit(term, place of its first coefficient) for every effect that is on. One that is off adds nothing,
   /// whatever its state: its coefficients change only with a new law.
@@ -196,6 +265,12 @@ class MotionLaw {
       add_one<Checked>(coefficients_[first + Common + (regressors.forward ? 0 : 1)], regressors.value, sum);
     }
   }
+  template <bool Checked, std::size_t Count>
+  [[gnu::always_inline]] constexpr void add(const Between<Scalar, Count>& regressors, std::size_t first,
+                                            const Scalar* /*pulled*/, WeightedSum<Scalar>& sum) const {
+    add_one<Checked>(coefficients_[first + regressors.at], regressors.rest, sum);
+    add_one<Checked>(coefficients_[first + regressors.at + 1], regressors.share, sum);
+  }
   template <bool Checked>
   [[gnu::always_inline]] static constexpr void add_one(Scalar coefficient, Scalar regressor, WeightedSum<Scalar>& sum) {
     if constexpr (Checked) {
@@ -205,14 +280,20 @@ class MotionLaw {
     }
   }
 
-  /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta q1.
+  /// What is turned round by solving, not by taking its settled value away.
+  template <typename Term>
+  static consteval auto is_of_ratio() -> bool {
+    return std::is_same_v<Term, MotorAngle<Scalar>> || std::is_same_v<Term, CurvedRatio<Scalar>>;
+  }
+
+  /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta h and its curve.
   template <bool Alike>
   [[nodiscard, gnu::always_inline]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
     const Scalar* const pulled = pulled_by(motion);
     WeightedSum<Scalar> rest;
     for_each_active(
         terms_, [&]<typename Term>(const Term& term, std::size_t first) __attribute__((always_inline)) {
-          if constexpr (!std::is_same_v<Term, MotorAngle<Scalar>> && settles_alike<Term>() == Alike) {
+          if constexpr (!is_of_ratio<Term>() && settles_alike<Term>() == Alike) {
             add<false>(term.settled(motion), first, pulled, rest);
           }
         });
@@ -223,7 +304,10 @@ class MotionLaw {
   std::array<Scalar, kCoefficientCount> coefficients_;
   std::uint32_t active_;  ///< a bit for each term, in the order of SumTerms
   Reciprocal<Scalar> per_beta_;
+  CurveInverse<Scalar> curve_;
   SampleConditioner<Scalar> conditioner_;
+  InputStage<Scalar> input_;
+  bool input_on_;
   typename SumTerms::Tuple<Scalar> terms_;
   typename OutputTerms::Tuple<Scalar> output_terms_;
   Scalar q2_{};  ///< last estimate

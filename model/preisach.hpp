@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "model/force_estimate.hpp"
-#include "model/reversal_surface.hpp"
+#include "capstan/model/force_estimate.hpp"
+#include "capstan/model/reversal_surface.hpp"
 
 namespace capstan {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/exponential.hpp"
-#include "model/force_estimate.hpp"
-#include "model/weighted_sum.hpp"
+#include "capstan/model/exponential.hpp"
+#include "capstan/model/force_estimate.hpp"
+#include "capstan/model/weighted_sum.hpp"
 
 namespace capstan {
 

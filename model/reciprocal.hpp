@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 

@@ -4,8 +4,8 @@
 #include <bit>
 #include <type_traits>
 
-#include "model/cell_scale.hpp"
-#include "model/reversal_table.hpp"
+#include "capstan/model/cell_scale.hpp"
+#include "capstan/model/reversal_table.hpp"
 
 namespace capstan {
 

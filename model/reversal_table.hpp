@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 

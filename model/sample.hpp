@@ -1,9 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/scalar.hpp"
+#include <array>
+#include <cstddef>
+
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
+
+/// Joints of a machine that may pull at one of its joints, beside its own motor.
+inline constexpr std::size_t kMostOthers = 3;
+
+/// Another joint's motor, whose tendons pass this joint.
+template <typename Scalar>
+struct OtherMotor {
+  Scalar q1{};          ///< motor angle, rad
+  Scalar tau{};         ///< torque, N m
+  bool forward = true;  ///< its direction switch
+};
 
 /// What a law is given: one instant as it was measured. Whoever has only motor angle and torque leaves the rest as it
 /// is.
@@ -14,28 +28,28 @@ struct Measured {
   /// Joint angle of the last cycle, rad. A running law puts its own last estimate here, a fit the joint's measured
   /// angle. Missing: q1 stands for it.
   Scalar q2 = ScalarTraits<Scalar>::missing();
-  Scalar other_q1{};                                     ///< motor angle of the axis this one is coupled to, rad
-  Scalar other_tau{};                                    ///< its torque, N m
-  bool other_forward = true;                             ///< its direction switch
+  std::array<OtherMotor<Scalar>, kMostOthers> others{};  ///< by the slots of the law's coupling
   Scalar temperature = ScalarTraits<Scalar>::missing();  ///< of the transmission, degrees Celsius
 };
 
 /// What every term sees: one instant of one axis, with what many terms need worked out once.
 template <typename Scalar>
 struct Sample {
-  Scalar q1{};                ///< motor angle at the input pulley, rad
-  Scalar dq1{};               ///< its filtered rate, rad/s
-  Scalar tau{};               ///< motor-side torque, N m
-  bool forward = true;        ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
-  bool saturated = false;     ///< this sample's angle, torque or rate met the end of its range
-  Scalar ddq1{};              ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
-  Scalar q1_reversal{};       ///< motor angle where the present direction began (at first: where it all began), rad
-  Scalar tau_reversal{};      ///< torque there, N m
-  Scalar q2{};                ///< joint angle of the last cycle, rad
-  Scalar other_q1{};          ///< motor angle of the axis this one is coupled to, rad
-  Scalar other_tau{};         ///< its torque, N m
-  bool other_forward = true;  ///< its direction switch
-  Scalar warmth{};            ///< temperature above 25 degrees Celsius, K; 0 where nobody measures it
+  Scalar q1{};             ///< motor angle at the input pulley, rad
+  Scalar dq1{};            ///< its filtered rate, rad/s
+  Scalar tau{};            ///< motor-side torque, N m
+  bool forward = true;     ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
+  bool saturated = false;  ///< this sample's angle, torque or rate met the end of its range
+  /// The motor angle behind the input terms, rad: what is left of it after hysteresis in front of the ratio. q1 where
+  /// there is none.
+  Scalar h{};
+  Scalar dh{};            ///< its rate, filtered as dq1 is, rad/s
+  Scalar ddq1{};          ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
+  Scalar q1_reversal{};   ///< motor angle where the present direction began (at first: where it all began), rad
+  Scalar tau_reversal{};  ///< torque there, N m
+  Scalar q2{};            ///< joint angle of the last cycle, rad
+  std::array<OtherMotor<Scalar>, kMostOthers> others{};  ///< motors that this joint is coupled to
+  Scalar warmth{};  ///< temperature above 25 degrees Celsius, K; 0 where nobody measures it
 };
 
 /// Shapes of the conditioner, part of every law.
@@ -88,15 +102,20 @@ class SampleConditioner {
     sample_.ddq1 = Traits::between(sample_.ddq1, dt_.per_millisecond(step), acceleration_gain_);
     sample_.saturated = Traits::is_saturated(now.q1) || Traits::is_saturated(now.tau) || Traits::is_saturated(rate) ||
                         Traits::is_saturated(rate_error);
-    sample_.q1 = now.q1;
+    sample_.q1 = sample_.h = now.q1;
+    sample_.dh = sample_.dq1;
     sample_.tau = now.tau;
     update_direction(now);
     sample_.q2 = q2;
-    sample_.other_q1 = now.other_q1;
-    sample_.other_tau = now.other_tau;
-    sample_.other_forward = now.other_forward;
+    sample_.others = now.others;
     sample_.warmth = Traits::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
     return sample_;
+  }
+
+  /// Lets what lies between the motor and the ratio act on the last sample.
+  template <typename Stage>
+  [[gnu::always_inline]] constexpr void pass_through(Stage& stage) {
+    stage.update(sample_);
   }
 
   /// The last sample.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/force_estimate.hpp"
-#include "model/tendon.hpp"
+#include "capstan/model/force_estimate.hpp"
+#include "capstan/model/tendon.hpp"
 
 namespace capstan {
 

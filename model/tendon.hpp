@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/exponential.hpp"
+#include "capstan/model/exponential.hpp"
 
 namespace capstan {
 

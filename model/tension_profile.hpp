@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "model/tendon.hpp"
+#include "capstan/model/tendon.hpp"
 
 namespace capstan {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstddef>
 
-#include "model/exponential.hpp"
-#include "model/force_estimate.hpp"
-#include "model/reciprocal.hpp"
+#include "capstan/model/exponential.hpp"
+#include "capstan/model/force_estimate.hpp"
+#include "capstan/model/reciprocal.hpp"
 
 namespace capstan {
 

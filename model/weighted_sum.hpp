@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <span>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 
@@ -17,7 +19,13 @@ class WeightedSum {
   [[nodiscard]] constexpr auto value() const -> Scalar { return total_; }
   /// A checked regressor that counts met an end of the range; whether the sum does, its value says.
   [[nodiscard]] constexpr auto cut() const -> bool { return false; }
-  /// Whatever the regressors, sums with these coefficients do not leave what they are added up in.
+  /// Whether, whatever the regressors, sums with these coefficients do not leave what they are added up in.
+  class Reach {
+   public:
+    constexpr void add(std::span<const Scalar> /*coefficients*/) {}
+    constexpr void add_largest(std::span<const Scalar> /*coefficients*/) {}
+    [[nodiscard]] constexpr auto holds() const -> bool { return true; }
+  };
   template <std::size_t Count>
   static constexpr auto holds(const std::array<Scalar, Count>& /*coefficients*/) -> bool {
     return true;
@@ -44,13 +52,32 @@ class WeightedSum<Q24> {
   [[nodiscard]] constexpr auto value() const -> Q24 { return Q24::from_wide(total_ >> Q24::kFrac); }
   [[nodiscard]] constexpr auto cut() const -> bool { return cut_; }
   /// Their magnitudes add up to less than 256, so a sum stays 2^31 below 2^63.
+  class Reach {
+   public:
+    constexpr void add(std::span<const Q24> coefficients) {
+      for (const Q24 coefficient : coefficients) {
+        sum_ += size(coefficient);
+      }
+    }
+    /// Of coefficients of which shares that add up to one count at a time.
+    constexpr void add_largest(std::span<const Q24> coefficients) {
+      std::int64_t largest = 0;
+      for (const Q24 coefficient : coefficients) {
+        largest = std::max(largest, size(coefficient));
+      }
+      sum_ += largest;
+    }
+    [[nodiscard]] constexpr auto holds() const -> bool { return sum_ < std::int64_t{256} << Q24::kFrac; }
+
+   private:
+    static constexpr auto size(Q24 x) -> std::int64_t { return x.raw() < 0 ? -std::int64_t{x.raw()} : x.raw(); }
+    std::int64_t sum_ = 0;
+  };
   template <std::size_t Count>
   static constexpr auto holds(const std::array<Q24, Count>& coefficients) -> bool {
-    std::int64_t sum = 0;
-    for (const Q24 coefficient : coefficients) {
-      sum += coefficient.raw() < 0 ? -std::int64_t{coefficient.raw()} : coefficient.raw();
-    }
-    return sum < std::int64_t{256} << Q24::kFrac;
+    Reach reach;
+    reach.add(coefficients);
+    return reach.holds();
   }
 
  private:

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/cia402/pdo_map.hpp"
+#include "capstan/hal/cia402/pdo_map.hpp"
 
 namespace capstan::cia402 {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "hal/cia402/drive_link.hpp"
+#include "capstan/hal/cia402/drive_link.hpp"
 
 namespace capstan::cia402 {
 

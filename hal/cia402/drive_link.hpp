@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hal/cia402/drive_state.hpp"
-#include "hal/cia402/journal.hpp"
-#include "hal/cia402/pdo_map.hpp"
-#include "hal/joint_io.hpp"
+#include "capstan/hal/cia402/drive_state.hpp"
+#include "capstan/hal/cia402/journal.hpp"
+#include "capstan/hal/cia402/pdo_map.hpp"
+#include "capstan/hal/joint_io.hpp"
 
 namespace capstan::cia402 {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402/drive_setup.hpp"
+#include "capstan/hal/cia402/drive_setup.hpp"
 
 #include <array>
 #include <cstdio>

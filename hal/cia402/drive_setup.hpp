@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/cia402/drive_link.hpp"
-#include "hal/cia402/sdo_client.hpp"
+#include "capstan/hal/cia402/drive_link.hpp"
+#include "capstan/hal/cia402/sdo_client.hpp"
 
 namespace capstan::cia402 {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "hal/cia402/frame.hpp"
+#include "capstan/hal/cia402/frame.hpp"
 
 namespace capstan::cia402 {
 

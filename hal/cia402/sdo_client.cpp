@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402/sdo_client.hpp"
+#include "capstan/hal/cia402/sdo_client.hpp"
 
 namespace capstan::cia402 {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "hal/cia402/journal.hpp"
-#include "hal/cia402/pdo_map.hpp"
+#include "capstan/hal/cia402/journal.hpp"
+#include "capstan/hal/cia402/pdo_map.hpp"
 
 namespace capstan::cia402 {
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/cia402_sim/drive_bus.hpp"
-#include "hal/linux/can_link.hpp"
-#include "hal/linux/can_socket.hpp"
+#include "capstan/hal/cia402_sim/drive_bus.hpp"
+#include "capstan/hal/linux/can_link.hpp"
+#include "capstan/hal/linux/can_socket.hpp"
 
 namespace {
 

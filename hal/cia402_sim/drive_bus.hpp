@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/cia402_sim/simulated_drive.hpp"
+#include "capstan/hal/cia402_sim/simulated_drive.hpp"
 
 namespace capstan::drive_sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402_sim/object_dictionary.hpp"
+#include "capstan/hal/cia402_sim/object_dictionary.hpp"
 
 namespace capstan::drive_sim {
 namespace {

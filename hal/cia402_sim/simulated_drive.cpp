@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402_sim/simulated_drive.hpp"
+#include "capstan/hal/cia402_sim/simulated_drive.hpp"
 
 #include <algorithm>
 #include <cmath>

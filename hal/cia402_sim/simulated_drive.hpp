@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "hal/cia402/frame.hpp"
-#include "hal/cia402_sim/object_dictionary.hpp"
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/cia402/frame.hpp"
+#include "capstan/hal/cia402_sim/object_dictionary.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 namespace capstan::drive_sim {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
 
 #include <array>
 #include <stdexcept>
 
-#include "hal/cia402/drive_setup.hpp"
-#include "hal/linux/can_link.hpp"
+#include "capstan/hal/cia402/drive_setup.hpp"
+#include "capstan/hal/linux/can_link.hpp"
 
 namespace capstan {
 namespace {

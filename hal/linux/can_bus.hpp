@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/cia402/bus_budget.hpp"
-#include "hal/cia402/bus_master.hpp"
-#include "hal/linux/can_socket.hpp"
+#include "capstan/hal/cia402/bus_budget.hpp"
+#include "capstan/hal/cia402/bus_master.hpp"
+#include "capstan/hal/linux/can_socket.hpp"
 
 namespace capstan {
 

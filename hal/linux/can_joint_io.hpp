@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
 
 namespace capstan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/can_link.hpp"
+#include "capstan/hal/linux/can_link.hpp"
 
 #include <linux/can/netlink.h>
 #include <linux/if_link.h>
@@ -14,7 +14,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan {
 namespace {

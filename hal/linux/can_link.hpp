@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "hal/cia402/bus_budget.hpp"
+#include "capstan/hal/cia402/bus_budget.hpp"
 
 namespace capstan {
 

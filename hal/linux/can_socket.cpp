@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/can_socket.hpp"
+#include "capstan/hal/linux/can_socket.hpp"
 
 #include <fcntl.h>
 #include <linux/can.h>

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "hal/cia402/bus_master.hpp"
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/hal/cia402/bus_master.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan {
 

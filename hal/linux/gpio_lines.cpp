@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/gpio_lines.hpp"
+#include "capstan/hal/linux/gpio_lines.hpp"
 
 #include <stdexcept>
 #include <vector>

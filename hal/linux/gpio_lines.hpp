@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "hal/linux/gpio_request.hpp"
+#include "capstan/hal/linux/gpio_request.hpp"
 
 namespace capstan {
 

@@ -11,8 +11,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "hal/linux/file_descriptor.hpp"
-#include "hal/linux/gpio_request.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
+#include "capstan/hal/linux/gpio_request.hpp"
 
 namespace capstan {
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "hal/linux/gpio_request.hpp"
+#include "capstan/hal/linux/gpio_request.hpp"
 
 namespace capstan {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/rt_loop.hpp"
+#include "capstan/hal/linux/rt_loop.hpp"
 
 #include <malloc.h>
 #include <pthread.h>
@@ -16,7 +16,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "hal/linux/edge_schedule.hpp"
+#include "capstan/hal/linux/edge_schedule.hpp"
 
 namespace capstan {
 namespace {

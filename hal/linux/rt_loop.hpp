@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "hal/linux/time_histogram.hpp"
+#include "capstan/hal/linux/time_histogram.hpp"
 
 namespace capstan {
 

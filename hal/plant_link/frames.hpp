@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/joint_io.hpp"
-#include "hal/plant_link/cobs.hpp"
-#include "hal/plant_link/crc16.hpp"
+#include "capstan/hal/framing/cobs.hpp"
+#include "capstan/hal/framing/crc16.hpp"
+#include "capstan/hal/joint_io.hpp"
 
 /// The two frames between a board without a joint of its own and the simulated plant that stands in for one. All
 /// numbers are little endian and fixed point, so that what arrives is what was sent, to the bit.

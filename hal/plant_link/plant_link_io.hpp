@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/joint_io.hpp"
-#include "hal/plant_link/frames.hpp"
+#include "capstan/hal/joint_io.hpp"
+#include "capstan/hal/plant_link/frames.hpp"
 
 namespace capstan::plant_link {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "hal/sim/parameters.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/parameters.hpp"
 
 /// What one axis needs besides its tendons: torque balances of motor and joint as functions of their increments in one
 /// implicit Euler step. Each balance grows with its own increment, which is what makes the solvers' solution unique.
@@ -162,6 +162,14 @@ inline double bristle_after(double width, double z, double move) {
   return std::clamp(z + move, -width, width);
 }
 
+/// The joint's end stops push back as springs, and never pull.
+inline Torque stop_torque(const PlantParameters& p, double angle) {
+  const double beyond = angle - std::clamp(angle, p.stop_low_rad, p.stop_high_rad);
+  if (beyond == 0.0 || p.stop_stiffness_nm_per_rad == 0.0)
+    return {0.0, 0.0, 0.0};
+  return {p.stop_stiffness_nm_per_rad * beyond, p.stop_stiffness_nm_per_rad, 0.0};
+}
+
 inline Balance motor_balance(const PlantParameters& p, const DrivetrainState& s, const Loads& loads, double h,
                              double move) {
   const Effects& e = p.effects;
@@ -210,6 +218,12 @@ inline Balance joint_balance(const PlantParameters& p, const DrivetrainState& s,
             p.environment.kind == EnvironmentKind::kLocked,
             0.0,
             std::fabs(env.value)};
+  if (p.stop_stiffness_nm_per_rad > 0.0) {
+    const Torque t = stop_torque(p, angle);
+    b.residual += t.value;
+    b.slope += instant * t.slope_angle;
+    b.size += std::fabs(t.value);
+  }
   if (e.presliding_nm > 0.0) {
     const Torque t = bristle(e.presliding_nm, e.presliding_width_rad, s.joint_bristle_rad, instant * move);
     b.residual += t.value;

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/sim/plant_server.hpp"
+#include "capstan/hal/sim/plant_server.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/coupled_drivetrain.hpp"
+#include "capstan/hal/sim/coupled_drivetrain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "hal/sim/drivetrain.hpp"
+#include "capstan/hal/sim/drivetrain.hpp"
 
 namespace capstan::sim {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "hal/sim/axis_mechanics.hpp"
-#include "hal/sim/instrument.hpp"
-#include "hal/sim/tendon.hpp"
+#include "capstan/hal/sim/axis_mechanics.hpp"
+#include "capstan/hal/sim/instrument.hpp"
+#include "capstan/hal/sim/tendon.hpp"
 
 namespace capstan::sim {
 

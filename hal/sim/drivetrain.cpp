@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/drivetrain.hpp"
+#include "capstan/hal/sim/drivetrain.hpp"
 
 #include <cmath>
 #include <initializer_list>

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "hal/sim/axis_mechanics.hpp"
-#include "hal/sim/tendon.hpp"
+#include "capstan/hal/sim/axis_mechanics.hpp"
+#include "capstan/hal/sim/tendon.hpp"
 
 namespace capstan::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/experiments.hpp"
+#include "capstan/hal/sim/experiments.hpp"
 
 #include <stdexcept>
 #include <utility>

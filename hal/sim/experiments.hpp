@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hal/sim/motion.hpp"
+#include "capstan/hal/sim/motion.hpp"
 
 namespace capstan::sim {
 

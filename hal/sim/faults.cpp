@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/faults.hpp"
+#include "capstan/hal/sim/faults.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "hal/sim/step.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/step.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/sim/random.hpp"
-#include "hal/sim/sensors.hpp"
+#include "capstan/hal/sim/random.hpp"
+#include "capstan/hal/sim/sensors.hpp"
 
 namespace capstan::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/fields.hpp"
+#include "capstan/hal/sim/fields.hpp"
 
 #include <array>
 #include <cmath>
@@ -33,6 +33,9 @@ constexpr std::array kPlantFields = std::to_array<Field<P>>({
     {"joint_inertia_kgm2", &P::joint_inertia_kgm2, 1.0e-12, 10.0},
     {"joint_viscous_nms_per_rad", &P::joint_viscous_nms_per_rad, 0.0, 100.0},
     {"joint_coulomb_nm", &P::joint_coulomb_nm, 0.0, 100.0},
+    {"stop_low_rad", &P::stop_low_rad, -1.0e3, 1.0e3},
+    {"stop_high_rad", &P::stop_high_rad, -1.0e3, 1.0e3},
+    {"stop_stiffness_nm_per_rad", &P::stop_stiffness_nm_per_rad, 0.0, 1.0e6},
     {"encoder_counts_per_turn", &P::encoder_counts_per_turn, 1.0, 1.0e8},
     {"encoder_start_counts", &P::encoder_start_counts, -2147483648.0, 2147483647.0},
     {"current_noise_a", &P::current_noise_a, 0.0, 100.0},
@@ -286,6 +289,9 @@ void validate(const PlantParameters& parameters) {
   }
   checked_integer("element_count", static_cast<double>(parameters.element_count), 2, 512);
   checked_integer("substeps", static_cast<double>(parameters.substeps), 1, 1000);
+  if (parameters.stop_low_rad >= parameters.stop_high_rad) {
+    throw std::invalid_argument("stop_low_rad is not below stop_high_rad; give the end stops in order");
+  }
   if (parameters.pretension_n + parameters.effects.pretension_change_n < 0.0) {
     throw std::invalid_argument("pretension: the change leaves less than nothing; make pretension.change_n smaller");
   }

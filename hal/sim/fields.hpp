@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "hal/sim/parameters.hpp"
+#include "capstan/hal/sim/parameters.hpp"
 
 namespace capstan::sim {
 

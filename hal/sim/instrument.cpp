@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/instrument.hpp"
+#include "capstan/hal/sim/instrument.hpp"
 
 #include <algorithm>
 
-#include "hal/sim/fields.hpp"
-#include "hal/sim/scenario_sections.hpp"
+#include "capstan/hal/sim/fields.hpp"
+#include "capstan/hal/sim/scenario_sections.hpp"
 
 namespace capstan::sim {
 namespace {

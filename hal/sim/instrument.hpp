@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/sim/parameters.hpp"
+#include "capstan/hal/sim/parameters.hpp"
 
 namespace capstan::sim {
 

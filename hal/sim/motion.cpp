@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/motion.hpp"
+#include "capstan/hal/sim/motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
 
 #include <cmath>
 #include <stdexcept>

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "hal/sim/coupled_drivetrain.hpp"
-#include "hal/sim/plant.hpp"
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/coupled_drivetrain.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan::sim {
 

@@ -135,6 +135,10 @@ struct PlantParameters {
   double joint_inertia_kgm2 = 4.0e-7;
   double joint_viscous_nms_per_rad = 2.0e-4;
   double joint_coulomb_nm = 0.002;
+  // End stops of the joint: springs beyond these angles. 0 stiffness: there are none.
+  double stop_low_rad = -3.0;
+  double stop_high_rad = 3.0;
+  double stop_stiffness_nm_per_rad = 0.0;
   // Sensors the firmware sees.
   double encoder_counts_per_turn = 40960.0;  ///< of the input pulley, after quadrature and gear
   double encoder_start_counts = 0.0;         ///< what the counter shows at q1 = 0

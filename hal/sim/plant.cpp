@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
 
 namespace capstan::sim {
 namespace {
@@ -168,6 +168,7 @@ void Periphery::observe_tip(const DrivetrainState& s) {
     torque = s.joint_torque_nm - e.gravity_torque_nm * det_sin(s.q2_rad + e.gravity_angle_rad) +
              loads(truth_.time_s, s).tip_torque_nm;
   }
+  torque += stop_torque(parameters_, s.q2_rad).value;
   truth_.tip_force_n = torque / parameters_.tip_length_m;
   if (parameters_.tip_force_noise_n > 0.0)
     truth_.tip_force_n += parameters_.tip_force_noise_n * tip_noise_.normal();

@@ -7,12 +7,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/sim/drivetrain.hpp"
-#include "hal/sim/faults.hpp"
-#include "hal/sim/parameters.hpp"
-#include "hal/sim/random.hpp"
-#include "hal/sim/sensors.hpp"
-#include "hal/sim/step.hpp"
+#include "capstan/hal/sim/drivetrain.hpp"
+#include "capstan/hal/sim/faults.hpp"
+#include "capstan/hal/sim/parameters.hpp"
+#include "capstan/hal/sim/random.hpp"
+#include "capstan/hal/sim/sensors.hpp"
+#include "capstan/hal/sim/step.hpp"
 
 namespace capstan::sim {
 

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <thread>
 
-#include "hal/sim/plant_server.hpp"
+#include "capstan/hal/sim/plant_server.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/plant_server.hpp"
+#include "capstan/hal/sim/plant_server.hpp"
 
 #include <unistd.h>
 
@@ -9,9 +9,9 @@
 #include <span>
 #include <stdexcept>
 
-#include "hal/plant_link/plant_server.hpp"
-#include "hal/sim/multi_plant.hpp"
-#include "hal/sim/sim_io.hpp"
+#include "capstan/hal/plant_link/plant_server.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -6,8 +6,8 @@
 #include <iosfwd>
 #include <string>
 
-#include "hal/linux/file_descriptor.hpp"
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan::sim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 #include <algorithm>
 #include <locale>
@@ -7,8 +7,8 @@
 #include <sstream>
 #include <utility>
 
-#include "hal/sim/fields.hpp"
-#include "hal/sim/scenario_sections.hpp"
+#include "capstan/hal/sim/fields.hpp"
+#include "capstan/hal/sim/scenario_sections.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/sim/faults.hpp"
-#include "hal/sim/instrument.hpp"
-#include "hal/sim/motion.hpp"
-#include "hal/sim/parameters.hpp"
+#include "capstan/hal/sim/faults.hpp"
+#include "capstan/hal/sim/instrument.hpp"
+#include "capstan/hal/sim/motion.hpp"
+#include "capstan/hal/sim/parameters.hpp"
 
 namespace capstan::sim {
 

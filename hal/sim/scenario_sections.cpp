@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/scenario_sections.hpp"
+#include "capstan/hal/sim/scenario_sections.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "hal/sim/experiments.hpp"
-#include "hal/sim/fields.hpp"
+#include "capstan/hal/sim/experiments.hpp"
+#include "capstan/hal/sim/fields.hpp"
 
 namespace capstan::sim {
 namespace {

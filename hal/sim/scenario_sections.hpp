@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/faults.hpp"
-#include "hal/sim/motion.hpp"
-#include "hal/sim/parameters.hpp"
-#include "hal/sim/toml_source.hpp"
+#include "capstan/hal/sim/faults.hpp"
+#include "capstan/hal/sim/motion.hpp"
+#include "capstan/hal/sim/parameters.hpp"
+#include "capstan/hal/sim/toml_source.hpp"
 
 /// The sections that scenarios and instruments are made of. All throw ScenarioError.
 namespace capstan::sim {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/sensors.hpp"
+#include "capstan/hal/sim/sensors.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "hal/sim/step.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/step.hpp"
 
 namespace capstan::sim {
 

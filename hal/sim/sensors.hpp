@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/sim/parameters.hpp"
-#include "hal/sim/random.hpp"
+#include "capstan/hal/sim/parameters.hpp"
+#include "capstan/hal/sim/random.hpp"
 
 namespace capstan::sim {
 

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/joint_io.hpp"
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/joint_io.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 namespace capstan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/tendon.hpp"
+#include "capstan/hal/sim/tendon.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/toml_source.hpp"
+#include "capstan/hal/sim/toml_source.hpp"
 
 #include <cmath>
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <sstream>
 
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan::sim {
 

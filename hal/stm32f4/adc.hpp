@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/stm32f4/adc_registers.hpp"
-#include "hal/stm32f4/dma_registers.hpp"
+#include "capstan/hal/stm32f4/adc_registers.hpp"
+#include "capstan/hal/stm32f4/dma_registers.hpp"
 
 namespace capstan::stm32f4 {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/stm32f4/can_registers.hpp"
-#include "hal/stm32f4/ring_buffer.hpp"
+#include "capstan/hal/stm32f4/can_registers.hpp"
+#include "capstan/hal/stm32f4/ring_buffer.hpp"
 
 namespace capstan::stm32f4 {
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/stm32f4/gpio.hpp"
-#include "hal/stm32f4/register.hpp"
+#include "capstan/hal/stm32f4/gpio.hpp"
+#include "capstan/hal/stm32f4/register.hpp"
 
 namespace capstan::stm32f4 {
 

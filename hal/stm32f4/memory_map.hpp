@@ -5,13 +5,13 @@
 
 #include <cstdint>
 
-#include "hal/stm32f4/adc_registers.hpp"
-#include "hal/stm32f4/can_registers.hpp"
-#include "hal/stm32f4/dma_registers.hpp"
-#include "hal/stm32f4/edge_inputs.hpp"
-#include "hal/stm32f4/gpio.hpp"
-#include "hal/stm32f4/registers.hpp"
-#include "hal/stm32f4/timer_registers.hpp"
+#include "capstan/hal/stm32f4/adc_registers.hpp"
+#include "capstan/hal/stm32f4/can_registers.hpp"
+#include "capstan/hal/stm32f4/dma_registers.hpp"
+#include "capstan/hal/stm32f4/edge_inputs.hpp"
+#include "capstan/hal/stm32f4/gpio.hpp"
+#include "capstan/hal/stm32f4/registers.hpp"
+#include "capstan/hal/stm32f4/timer_registers.hpp"
 
 namespace capstan::stm32f4 {
 

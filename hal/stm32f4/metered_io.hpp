@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "hal/joint_io.hpp"
+#include "capstan/hal/joint_io.hpp"
 
 namespace capstan::stm32f4 {
 

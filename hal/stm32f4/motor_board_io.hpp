@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/joint_io.hpp"
-#include "hal/stm32f4/adc.hpp"
-#include "hal/stm32f4/gpio.hpp"
-#include "hal/stm32f4/pwm_set_value.hpp"
-#include "hal/stm32f4/quadrature.hpp"
+#include "capstan/hal/joint_io.hpp"
+#include "capstan/hal/stm32f4/adc.hpp"
+#include "capstan/hal/stm32f4/gpio.hpp"
+#include "capstan/hal/stm32f4/pwm_set_value.hpp"
+#include "capstan/hal/stm32f4/quadrature.hpp"
 
 namespace capstan::stm32f4 {
 

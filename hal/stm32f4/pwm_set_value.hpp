@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "hal/stm32f4/timer_registers.hpp"
-#include "model/fixed.hpp"
+#include "capstan/hal/stm32f4/timer_registers.hpp"
+#include "capstan/model/fixed.hpp"
 
 namespace capstan::stm32f4 {
 

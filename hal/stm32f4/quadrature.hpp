@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "hal/stm32f4/timer_registers.hpp"
+#include "capstan/hal/stm32f4/timer_registers.hpp"
 
 namespace capstan::stm32f4 {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hal/stm32f4/register.hpp"
+#include "capstan/hal/stm32f4/register.hpp"
 
 namespace capstan::stm32f4 {
 

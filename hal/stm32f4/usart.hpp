@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/stm32f4/nvic.hpp"
-#include "hal/stm32f4/registers.hpp"
-#include "hal/stm32f4/ring_buffer.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/registers.hpp"
+#include "capstan/hal/stm32f4/ring_buffer.hpp"
 
 namespace capstan::stm32f4 {
 

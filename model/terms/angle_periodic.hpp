@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
-#include "model/trigonometry.hpp"
+#include "capstan/model/term.hpp"
+#include "capstan/model/trigonometry.hpp"
 
 namespace capstan {
 
@@ -22,6 +22,9 @@ class AnglePeriodic {
       .coefficients = {{{"sine", "rad", Sign::kAny, "angle per sin(N q1)"},
                         {"cosine", "rad", Sign::kAny, "angle per cos(N q1)"}}},
       .shapes = {{{"order", "1", 0.5, 120.0, 5.0, "N: periods per turn of the input pulley", ShapeScale::kPeriods}}},
+      .relations = {.doubles = {"gravity"},
+                    .special_cases_of_effort = {"offset", "gravity"},
+                    .shown_by = Motion::kSpeeds | Motion::kTurns},
   };
 
   static constexpr bool kSettlesAlike = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -22,6 +22,7 @@ class AxisCoupling {
                         {"top", "rad/Nm", Sign::kAny, "joint angle per torque of the other axis on its way forward"},
                         {"bottom", "rad/Nm", Sign::kAny, "joint angle per torque of the other axis on its way back"}}},
       .shapes = {},
+      .relations = {.doubles = {"transport_delay", "coupled_hysteresis"}, .shown_by = Motion::kOthers, .slots = 1},
   };
 
   static constexpr bool kSettlesAlike = true;
@@ -29,7 +30,7 @@ class AxisCoupling {
   constexpr AxisCoupling(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1, false> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1, false> {
-    return {.common = {s.other_q1}, .value = s.other_tau, .forward = s.other_forward};
+    return {.common = {s.others[0].q1}, .value = s.others[0].tau, .forward = s.others[0].forward};
   }
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
-#include "model/trigonometry.hpp"
+#include "capstan/model/term.hpp"
+#include "capstan/model/trigonometry.hpp"
 
 namespace capstan {
 
@@ -22,6 +22,9 @@ class Gravity {
       .coefficients = {{{"sine", "rad", Sign::kAny, "angle per sin q2"},
                         {"cosine", "rad", Sign::kAny, "angle per cos q2"}}},
       .shapes = {},
+      .relations = {.doubles = {"angle_periodic", "joint_offset", "stiffness_hardening"},
+                    .special_cases_of_effort = {"offset"},
+                    .shown_by = Motion::kSpeeds},
   };
 
   static constexpr bool kSettlesAlike = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -17,6 +17,7 @@ class JointOffset {
       .exciting_motion = "any motion from a known pose",
       .coefficients = {{{"offset", "rad", Sign::kAny, "joint angle at motor angle zero"}}},
       .shapes = {},
+      .relations = {.doubles = {"gravity", "thermal_drift"}},
   };
 
   static constexpr bool kSettlesAlike = true;

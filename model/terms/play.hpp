@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -19,7 +19,9 @@ class Play {
       .exciting_motion = "reversals under several loads, amplitudes below and above the gap",
       .coefficients = {{{"gain", "1", Sign::kNonNegative,
                          "joint angle per motor angle through the gap; beta for pure backlash"}}},
-      .shapes = {{{"half_width", "rad", 0.0005, 0.5, 0.02, "half the gap, at the motor"}}},
+      .shapes = {{{"half_width", "rad", 0.0005, 0.5, 0.02, "half the gap, at the motor", ShapeScale::kRatio,
+                   ShapeOf::kMotorRange}}},
+      .relations = {.doubles = {"presliding", "tendon_elongation"}, .shown_by = Motion::kLoops | Motion::kSmall},
   };
 
   static constexpr bool kStaysInRange = true;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -22,6 +22,9 @@ class ReversalMemory {
       .coefficients = {{{"top", "rad/Nm", Sign::kNonNegative, "memory while the top tendon is pulled, a'_t"},
                         {"bottom", "rad/Nm", Sign::kNonNegative, "memory while the bottom tendon is pulled, a'_b"}}},
       .shapes = {},
+      .relations = {.doubles = {"pretension_offset", "slip_propagation", "gravity"},
+                    .builds_on = {"tendon_elongation"},
+                    .shown_by = Motion::kLoops},
   };
 
   constexpr ReversalMemory(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "model/cell_scale.hpp"
-#include "model/term.hpp"
+#include "capstan/model/cell_scale.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -17,6 +17,9 @@ namespace capstan {
 /// through play operators of half widths spread evenly over [0, R] does just that (a Prandtl-Ishlinskii operator):
 ///   regressor  mean_k play(tau, r_k) - tau,   r_k = R (k + 1/2) / n
 /// beside the a tau of the base law, so a coefficient equal to a turns a tau into a PI(tau).
+/// Its sign is that of the base law's a, negative, as long as the tendon stretches less at first. It is the other one
+/// where the joint loses more at first: after a reversal from a load under which a tendon went slack its slack is taken
+/// up before anything stretches, and where the torque is logged with the other sign both turn round.
 ///
 /// Where what is rubbed against is not spread so evenly, the old stretch leaves in another way. To first order a share
 /// of the torque has yet to arrive, and it fades with the change s of the torque since the reversal:
@@ -36,12 +39,18 @@ class SlipPropagation {
       .source = "(2.6), (2.7), (2.10) with a moving front; thesis 8.2 names the jump at reversals as open",
       .confusable_with = "pretension_offset, reversal_memory, play, presliding",
       .exciting_motion = "nested loops: reversals at several torques, some before the front has reached the joint",
-      .coefficients = {{{"a", "rad/Nm", Sign::kNonPositive, "elongation per torque that arrives gradually"},
+      .coefficients = {{{"a", "rad/Nm", Sign::kAny, "elongation per torque that arrives gradually", Sign::kNonPositive,
+                         "after a reversal the slack of a tendon is taken up first, or the torque has the other sign"},
                         {"top", "rad/Nm", Sign::kAny, "old stretch per torque after a reversal to the top tendon, c_t"},
                         {"bottom", "rad/Nm", Sign::kAny,
                          "old stretch per torque after a reversal to the bottom tendon, c_b"}}},
-      .shapes = {{{"torque", "Nm", 0.002, 20.0, 0.05,
-                   "R: half the change of torque after which the whole tendon slips"}}},
+      .shapes = {{{"torque", "Nm", 0.002, 20.0, 0.05, "R: half the change of torque after which the whole tendon slips",
+                   ShapeScale::kRatio, ShapeOf::kTorqueRange}}},
+      .relations = {.doubles = {"pretension_offset", "reversal_memory", "play", "presliding"},
+                    .builds_on = {"tendon_elongation"},
+                    // A front that has arrived at once is a step at each reversal.
+                    .special_cases = {"pretension_offset"},
+                    .shown_by = Motion::kLoops | Motion::kSmall},
   };
 
   static constexpr bool kStaysInRange = true;

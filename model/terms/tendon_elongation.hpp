@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -22,6 +22,7 @@ class TendonElongation {
           {{{"top", "rad/Nm", Sign::kNonPositive, "elongation per torque while the top tendon is pulled, a_t"},
             {"bottom", "rad/Nm", Sign::kNonPositive, "elongation per torque while the bottom tendon is pulled, a_b"}}},
       .shapes = {},
+      .relations = {.doubles = {"play", "hysteresis"}, .shown_by = Motion::kLoops},
   };
 
   static constexpr bool kStaysInRange = true;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/low_pass.hpp"
-#include "model/term.hpp"
+#include "capstan/model/low_pass.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -22,7 +22,14 @@ class ThermalDrift {
           "the same cycle at the start, in the middle and at the end of a record of 2 T, with temperature",
       .coefficients = {{{"warm_up", "rad", Sign::kAny, "change of the joint angle from switching on to warm"},
                         {"temperature", "rad/K", Sign::kAny, "change per temperature"}}},
-      .shapes = {{{"time", "min", 0.05, 120.0, 5.0, "T: within it 63 % of the warming has come"}}},
+      .shapes = {{{"time", "min", 0.05, 120.0, 5.0, "T: within it 63 % of the warming has come", ShapeScale::kRatio,
+                   ShapeOf::kTime}}},
+      .relations = {.doubles = {"viscoelastic_creep", "joint_offset"},
+                    .special_cases_of_effort = {"offset"},
+                    .shown_by = Motion::kWarmth,
+                    // Warming that has not slowed down yet is a straight line, and with a thermometer there may be no
+                    // other at all.
+                    .open_shapes = true},
   };
 
   static constexpr bool kSettlesAlike = true;

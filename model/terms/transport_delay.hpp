@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -24,7 +24,9 @@ class TransportDelay {
       .confusable_with = "transmission_viscous",
       .exciting_motion = "a multisine or chirp over a decade with fast reversals",
       .coefficients = {},
-      .shapes = {{{"delay", "s", 0.0, 0.06, 0.0, "how much later the joint sensor reports than the motor's"}}},
+      .shapes = {{{"delay", "s", 0.0, 0.06, 0.0, "how much later the joint sensor reports than the motor's",
+                   ShapeScale::kRatio, ShapeOf::kTime}}},
+      .relations = {.doubles = {"transmission_viscous"}, .shown_by = Motion::kSpeeds | Motion::kFast},
   };
 
   constexpr TransportDelay(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) {

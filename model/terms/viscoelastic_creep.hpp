@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/low_pass.hpp"
-#include "model/term.hpp"
+#include "capstan/model/low_pass.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan {
 
@@ -21,6 +21,8 @@ class ViscoelasticCreep {
       .exciting_motion = "holds of at least 3 T at several torques, then back to zero",
       .coefficients = {{{"creep", "rad/Nm", Sign::kNonPositive, "elongation per torque that comes with time"}}},
       .shapes = {{{"time", "s", 0.01, 120.0, 1.0, "T: within it 63 % of the creep has come"}}},
+      .relations = {.doubles = {"thermal_drift", "transmission_viscous", "slip_propagation"},
+                    .shown_by = Motion::kLoops | Motion::kHolds},
   };
 
   constexpr ViscoelasticCreep(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : crept_(dt, shape[0]) {}

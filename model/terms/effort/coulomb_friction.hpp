@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -18,6 +18,7 @@ class CoulombFriction {
       .exciting_motion = "a ladder of speeds, both ways, with a change of load",
       .coefficients = {{{"level", "Nm", Sign::kNonNegative, "effort against any motion"}}},
       .shapes = {},
+      .relations = {.doubles = {"stribeck_friction", "play_friction"}, .shown_by = Motion::kSpeeds | Motion::kSmall},
   };
 
   constexpr CoulombFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -18,6 +18,10 @@ class FrictionAsymmetry {
       .coefficients = {{{"level", "Nm", Sign::kAny, "dry friction forward beyond that backward"},
                         {"drag", "Nms/rad", Sign::kAny, "drag forward beyond that backward"}}},
       .shapes = {},
+      .relations = {.doubles = {"offset"},
+                    .builds_on = {"coulomb_friction", "play_friction"},
+                    .special_cases_of_effort = {"offset"},
+                    .shown_by = Motion::kSpeeds},
   };
 
   constexpr FrictionAsymmetry(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

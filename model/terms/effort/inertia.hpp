@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -18,6 +18,7 @@ class Inertia {
       .exciting_motion = "a chirp or multisine over a decade",
       .coefficients = {{{"inertia", "Nms2/krad", Sign::kNonNegative, "effort per acceleration; 1 is 1e-3 kg m2"}}},
       .shapes = {},
+      .relations = {.doubles = {"transport_delay"}, .shown_by = Motion::kFast},
   };
 
   constexpr Inertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

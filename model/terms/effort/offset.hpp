@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -17,6 +17,7 @@ class Offset {
       .exciting_motion = "rest in a known pose, motion both ways",
       .coefficients = {{{"offset", "Nm", Sign::kAny, "effort at rest without friction"}}},
       .shapes = {},
+      .relations = {.doubles = {"gravity", "friction_asymmetry"}},
   };
 
   constexpr Offset(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/exponential.hpp"
-#include "model/low_pass.hpp"
-#include "model/reciprocal.hpp"
-#include "model/term.hpp"
+#include "capstan/model/exponential.hpp"
+#include "capstan/model/low_pass.hpp"
+#include "capstan/model/reciprocal.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -27,6 +27,9 @@ class PlayFriction {
                         {"grip", "Nm", Sign::kNonNegative, "friction that comes once half of the play is left"},
                         {"bristle", "Nm", Sign::kNonNegative, "friction that builds up fast, then slowly"}}},
       .shapes = {{{"half_width", "rad", 0.0005, 2.0, 0.02, "w: half the way over which it engages"}}},
+      .relations = {.doubles = {"coulomb_friction", "stribeck_friction"},
+                    .special_cases_of_effort = {"coulomb_friction"},
+                    .shown_by = Motion::kSmall | Motion::kLoops},
   };
 
   constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)

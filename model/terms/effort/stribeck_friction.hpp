@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/exponential.hpp"
-#include "model/reciprocal.hpp"
-#include "model/term.hpp"
+#include "capstan/model/exponential.hpp"
+#include "capstan/model/reciprocal.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -20,6 +20,9 @@ class StribeckFriction {
       .exciting_motion = "six constant speeds or more, from v_s/10 to 10 v_s, both ways",
       .coefficients = {{{"excess", "Nm", Sign::kNonNegative, "static friction beyond that of fast motion"}}},
       .shapes = {{{"speed", "rad/s", 0.001, 10.0, 0.1, "v_s: speed at which 37 % of the excess are left"}}},
+      .relations = {.doubles = {"coulomb_friction", "play_friction"},
+                    .builds_on = {"coulomb_friction", "play_friction"},
+                    .shown_by = Motion::kSpeeds | Motion::kSmall},
   };
 
   constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)

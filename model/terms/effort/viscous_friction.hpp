@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::effort {
 
@@ -17,6 +17,7 @@ class ViscousFriction {
       .exciting_motion = "constant speeds over a decade, both ways",
       .coefficients = {{{"drag", "Nms/rad", Sign::kNonNegative, "effort per speed"}}},
       .shapes = {},
+      .relations = {.doubles = {"coulomb_friction", "offset"}, .shown_by = Motion::kSpeeds},
   };
 
   constexpr ViscousFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

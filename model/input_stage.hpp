@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <tuple>
+
+#include "capstan/model/catalogue.hpp"
+
+namespace capstan {
+
+/// Builds the terms of a list, each from its slice of the flat shapes.
+template <typename List, std::size_t FirstShape, typename Scalar>
+constexpr auto make_terms(SamplePeriod<Scalar> dt, const std::array<Scalar, kShapeCount>& shapes) {
+  std::size_t next = FirstShape;
+  auto make_one = [&]<typename Term>(std::type_identity<Term>) {
+    std::array<Scalar, kShapesOf<Term>> shape{};
+    for (Scalar& value : shape) {
+      value = shapes[next++];
+    }
+    return Term(dt, shape);
+  };
+  // Braces, not parentheses: they fix the order of evaluation.
+  return [&]<typename... Term>(std::type_identity<std::tuple<Term...>>) {
+    return std::tuple<Term...>{make_one(std::type_identity<Term>{})...};
+  }(std::type_identity<typename List::template Tuple<Scalar>>{});
+}
+
+/// The input terms of a law, one after the other, and the rate of what comes out of them. Off, it leaves the sample as
+/// it is, bit for bit.
+template <typename Scalar>
+class InputStage {
+ public:
+  /// @param rate_gain  of the filter of dq1
+  constexpr InputStage(SamplePeriod<Scalar> dt, const std::array<Scalar, kShapeCount>& shapes,
+                       typename ScalarTraits<Scalar>::Gain rate_gain)
+      : dt_(dt), gain_(rate_gain), terms_(make_terms<InputTerms, 0>(dt, shapes)) {}
+  constexpr void restart() {
+    std::apply([](auto&... term) { (capstan::restart(term), ...); }, terms_);
+    lag_ = lag_rate_ = Scalar{};
+  }
+  [[nodiscard]] constexpr auto is_on() const -> bool {
+    return std::apply([](const auto&... term) { return (term.is_on() || ...); }, terms_);
+  }
+
+  /// Puts h and dh into the sample. @pre h is q1 there
+  constexpr void update(Sample<Scalar>& sample) {
+    std::apply([&sample](auto&... term) { ((sample.h = term.is_on() ? term.update(sample) : sample.h), ...); }, terms_);
+    const Scalar lag = sample.h - sample.q1;
+    const Scalar rate = dt_.rate_of(lag - lag_);
+    const Scalar rate_error = rate - lag_rate_;
+    lag_ = lag;
+    lag_rate_ += Traits::part(rate_error, gain_);
+    sample.dh = sample.dq1 + lag_rate_;
+    sample.saturated |= Traits::is_saturated(sample.h) | Traits::is_saturated(rate) | Traits::is_saturated(rate_error) |
+                        Traits::is_saturated(sample.dh);
+  }
+  /// h once a motion in the sample's direction has lasted.
+  [[nodiscard]] constexpr auto settled(Sample<Scalar> motion) const -> Scalar {
+    motion.h = motion.q1;
+    std::apply([&motion](const auto&... term) { ((motion.h = term.settled(motion)), ...); }, terms_);
+    return motion.h;
+  }
+  /// The motor angle at which h stands, once a motion in this direction has lasted.
+  [[nodiscard]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {
+    return undone(h, forward, std::make_index_sequence<std::tuple_size_v<decltype(terms_)>>{});
+  }
+
+ private:
+  using Traits = ScalarTraits<Scalar>;
+  template <std::size_t... I>
+  [[nodiscard]] constexpr auto undone(Scalar h, bool forward, std::index_sequence<I...>) const -> Scalar {
+    ((h = std::get<sizeof...(I) - 1 - I>(terms_).undone(h, forward)), ...);  // the last one first
+    return h;
+  }
+
+  SamplePeriod<Scalar> dt_;
+  typename ScalarTraits<Scalar>::Gain gain_;
+  typename InputTerms::Tuple<Scalar> terms_;
+  Scalar lag_{};
+  Scalar lag_rate_{};
+};
+
+}  // namespace capstan
