@@ -12,9 +12,9 @@
 #include <string_view>
 #include <utility>
 
-#include "boards/common/terminal_mode.hpp"
-#include "firmware/text.hpp"
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/boards/common/terminal_mode.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan {
 

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "boards/common/console.hpp"
+#include "capstan/boards/common/console.hpp"
 
 namespace capstan {
 namespace {

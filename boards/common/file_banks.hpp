@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "firmware/storage.hpp"
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/firmware/parameters/storage.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan {
 

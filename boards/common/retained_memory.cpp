@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/retained_memory.hpp"
+#include "capstan/boards/common/retained_memory.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -11,8 +11,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "firmware/crc32.hpp"
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/firmware/parameters/crc32.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan {
 namespace {

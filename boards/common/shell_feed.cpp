@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/shell_feed.hpp"
+#include "capstan/boards/common/shell_feed.hpp"
 
 #include <algorithm>
 #include <span>

@@ -3,8 +3,8 @@
 
 #include <chrono>
 
-#include "boards/common/console.hpp"
-#include "firmware/shell_input.hpp"
+#include "capstan/boards/common/console.hpp"
+#include "capstan/firmware/console/shell_input.hpp"
 
 namespace capstan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/terminal_mode.hpp"
+#include "capstan/boards/common/terminal_mode.hpp"
 
 #include <unistd.h>
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <ostream>
 
-#include "firmware/text.hpp"
-#include "hal/linux/can_bus.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
 
 namespace capstan {
 

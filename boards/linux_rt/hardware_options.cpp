@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/hardware_options.hpp"
+#include "capstan/boards/linux_rt/hardware_options.hpp"
 
 #include <algorithm>
 #include <charconv>

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "hal/linux/can_bus.hpp"
-#include "hal/linux/gpio_lines.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/gpio_lines.hpp"
 
 namespace capstan {
 

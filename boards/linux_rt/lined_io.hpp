@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "hal/joint_io.hpp"
+#include "capstan/hal/joint_io.hpp"
 
 namespace capstan {
 

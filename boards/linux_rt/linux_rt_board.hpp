@@ -7,10 +7,10 @@
 #include <ostream>
 #include <thread>
 
-#include "boards/linux_rt/rt_joints.hpp"
-#include "firmware/board.hpp"
-#include "firmware/exchange.hpp"
-#include "hal/linux/rt_loop.hpp"
+#include "capstan/boards/linux_rt/rt_joints.hpp"
+#include "capstan/firmware/loop/board.hpp"
+#include "capstan/firmware/loop/exchange.hpp"
+#include "capstan/hal/linux/rt_loop.hpp"
 
 namespace capstan {
 

@@ -5,14 +5,14 @@
 #include <exception>
 #include <iostream>
 
-#include "boards/common/console.hpp"
-#include "boards/common/file_banks.hpp"
-#include "boards/common/retained_memory.hpp"
-#include "boards/common/shell_feed.hpp"
-#include "boards/linux_rt/linux_rt_board.hpp"
-#include "boards/linux_rt/options.hpp"
-#include "boards/linux_rt/selftest.hpp"
-#include "firmware/shell.hpp"
+#include "capstan/boards/common/console.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/common/retained_memory.hpp"
+#include "capstan/boards/common/shell_feed.hpp"
+#include "capstan/boards/linux_rt/linux_rt_board.hpp"
+#include "capstan/boards/linux_rt/options.hpp"
+#include "capstan/boards/linux_rt/selftest.hpp"
+#include "capstan/firmware/console/shell.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/options.hpp"
+#include "capstan/boards/linux_rt/options.hpp"
 
 #include <getopt.h>
 
@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "boards/linux_rt/hardware_options.hpp"
+#include "capstan/boards/linux_rt/hardware_options.hpp"
 
 namespace capstan {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "hal/linux/can_bus.hpp"
-#include "hal/linux/gpio_lines.hpp"
-#include "hal/linux/rt_loop.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/gpio_lines.hpp"
+#include "capstan/hal/linux/rt_loop.hpp"
 
 namespace capstan {
 

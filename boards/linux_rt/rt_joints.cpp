@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/rt_joints.hpp"
+#include "capstan/boards/linux_rt/rt_joints.hpp"
 
 #include <array>
 #include <stdexcept>
 
-#include "boards/linux_rt/can_report.hpp"
-#include "boards/linux_rt/lined_io.hpp"
-#include "firmware/application.hpp"
-#include "hal/linux/can_joint_io.hpp"
-#include "hal/sim/sim_io.hpp"
+#include "capstan/boards/linux_rt/can_report.hpp"
+#include "capstan/boards/linux_rt/lined_io.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/linux/can_joint_io.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
 
 namespace capstan {
 namespace {

@@ -6,10 +6,10 @@
 #include <span>
 #include <string>
 
-#include "firmware/machine.hpp"
-#include "firmware/text.hpp"
-#include "hal/linux/can_bus.hpp"
-#include "hal/linux/gpio_lines.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/firmware/loop/machine.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/gpio_lines.hpp"
 
 namespace capstan {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/selftest.hpp"
+#include "capstan/boards/linux_rt/selftest.hpp"
 
 #include <sys/utsname.h>
 
@@ -9,7 +9,7 @@
 #include <iomanip>
 #include <thread>
 
-#include "boards/linux_rt/linux_rt_board.hpp"
+#include "capstan/boards/linux_rt/linux_rt_board.hpp"
 
 namespace capstan {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware/machine.hpp"
-#include "hal/linux/rt_loop.hpp"
+#include "capstan/firmware/loop/machine.hpp"
+#include "capstan/hal/linux/rt_loop.hpp"
 
 namespace capstan {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/sim/sim_board.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
 
 #include <algorithm>
 #include <stdexcept>
 
-#include "firmware/application.hpp"
-#include "hal/sim/multi_plant.hpp"
-#include "hal/sim/sim_io.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
 
 namespace capstan {
 

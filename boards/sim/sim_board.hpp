@@ -5,10 +5,10 @@
 #include <memory>
 #include <span>
 
-#include "firmware/machine.hpp"
-#include "firmware/shell.hpp"
-#include "hal/sim/plant.hpp"
-#include "hal/sim/scenario.hpp"
+#include "capstan/firmware/console/shell.hpp"
+#include "capstan/firmware/loop/machine.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan {
 

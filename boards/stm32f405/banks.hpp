@@ -9,9 +9,9 @@
 #include <cstring>
 #include <span>
 
-#include "firmware/storage.hpp"
-#include "hal/stm32f4/flash_sectors.hpp"
-#include "hal/stm32f4/watchdog.hpp"
+#include "capstan/firmware/parameters/storage.hpp"
+#include "capstan/hal/stm32f4/flash_sectors.hpp"
+#include "capstan/hal/stm32f4/watchdog.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -5,11 +5,11 @@
 #include <array>
 #include <cstdint>
 
-#include "hal/stm32f4/clocks.hpp"
-#include "hal/stm32f4/gpio.hpp"
-#include "hal/stm32f4/quadrature.hpp"
-#include "hal/stm32f4/usart.hpp"
-#include "model/fixed.hpp"
+#include "capstan/hal/stm32f4/clocks.hpp"
+#include "capstan/hal/stm32f4/gpio.hpp"
+#include "capstan/hal/stm32f4/quadrature.hpp"
+#include "capstan/hal/stm32f4/usart.hpp"
+#include "capstan/model/fixed.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "boards/stm32f405/can_protocol.hpp"
-#include "firmware/machine.hpp"
-#include "firmware/shell_input.hpp"
-#include "hal/stm32f4/ring_buffer.hpp"
+#include "capstan/boards/stm32f405/can_protocol.hpp"
+#include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/firmware/loop/machine.hpp"
+#include "capstan/hal/stm32f4/ring_buffer.hpp"
 
 namespace capstan::stm32f405 {
 

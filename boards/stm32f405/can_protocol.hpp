@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include "hal/plant_link/crc16.hpp"
-#include "hal/stm32f4/can.hpp"
-#include "model/fixed.hpp"
+#include "capstan/hal/framing/crc16.hpp"
+#include "capstan/hal/stm32f4/can.hpp"
+#include "capstan/model/fixed.hpp"
 
 /// What the motor board says and hears on CAN: classical frames with 11-bit identifiers at 1 Mbit/s, numbers little
 /// endian. n is the node, 1 to 127; identifiers are those of CANopen's predefined set, so that one bus can carry both.

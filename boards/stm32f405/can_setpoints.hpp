@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "boards/stm32f405/can_protocol.hpp"
-#include "firmware/axis.hpp"
+#include "capstan/boards/stm32f405/can_protocol.hpp"
+#include "capstan/firmware/loop/axis.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -6,11 +6,11 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/shell_input.hpp"
-#include "firmware/text.hpp"
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/tick.hpp"
-#include "hal/stm32f4/usart.hpp"
+#include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/tick.hpp"
+#include "capstan/hal/stm32f4/usart.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/cycle.hpp"
-#include "firmware/parameters.hpp"
+#include "capstan/firmware/loop/cycle.hpp"
+#include "capstan/firmware/parameters/parameters.hpp"
 
 /// A recorded run, played through the firmware's cycle. The same code reads it on the host and on the target, so equal
 /// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
@@ -149,7 +149,8 @@ template <std::size_t Axes, typename Source, typename Sink, typename Meter>
       header.u32() != parameters().size()) {
     return ReplayResult::kBadHeader;  // of another firmware
   }
-  Config<Axes> config{};
+  static Config<Axes> config;  // as large as half of the stack
+  config.fill(kDefaultAxis);
   for (AxisConfig& axis : config) {
     for (const ParameterInfo& parameter : parameters()) {
       std::array<std::uint8_t, 4> word{};

@@ -5,8 +5,8 @@
 #include <span>
 #include <string_view>
 
-#include "firmware/text.hpp"
-#include "hal/stm32f4/semihosting.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/stm32f4/semihosting.hpp"
 
 namespace capstan::stm32f405 {
 

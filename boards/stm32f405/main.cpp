@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motor board: every object is built here, once.
-#include "boards/stm32f405/banks.hpp"
-#include "boards/stm32f405/board.hpp"
-#include "boards/stm32f405/motor_hardware.hpp"
-#include "boards/stm32f405/own_image.hpp"
-#include "boards/stm32f405/runtime.hpp"
-#include "hal/stm32f4/memory_map.hpp"
+#include "capstan/boards/stm32f405/banks.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/motor_hardware.hpp"
+#include "capstan/boards/stm32f405/own_image.hpp"
+#include "capstan/boards/stm32f405/runtime.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
 
 // From the linker script: the two parameter banks.
 extern "C" capstan::stm32f4::MemoryRegister capstan_bank_a[];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The board's emulated twin: everything as on the motor board but its joint, which is a simulated plant at the end of
 // USART2, and its parameter banks, since the emulator has no flash controller.
-#include "boards/stm32f405/banks.hpp"
-#include "boards/stm32f405/board.hpp"
-#include "boards/stm32f405/own_image.hpp"
-#include "boards/stm32f405/runtime.hpp"
-#include "hal/plant_link/plant_link_io.hpp"
-#include "hal/stm32f4/memory_map.hpp"
+#include "capstan/boards/stm32f405/banks.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/own_image.hpp"
+#include "capstan/boards/stm32f405/runtime.hpp"
+#include "capstan/hal/plant_link/plant_link_io.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/stm32f405/motor_hardware.hpp"
+#include "capstan/boards/stm32f405/motor_hardware.hpp"
 
-#include "boards/stm32f405/runtime.hpp"
+#include "capstan/boards/stm32f405/runtime.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <utility>
 
-#include "boards/stm32f405/board.hpp"
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/motor_board_io.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/motor_board_io.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "boards/stm32f405/image.hpp"
-#include "firmware/crc32.hpp"
+#include "capstan/boards/stm32f405/image.hpp"
+#include "capstan/firmware/parameters/crc32.hpp"
 
 // From the linker script.
 extern "C" const std::uint8_t capstan_sector0_end[];

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/stm32f405/runtime.hpp"
+#include "capstan/boards/stm32f405/runtime.hpp"
 
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -5,20 +5,20 @@
 #include <cstdint>
 #include <span>
 
-#include "boards/stm32f405/board.hpp"
-#include "boards/stm32f405/can_node.hpp"
-#include "boards/stm32f405/can_setpoints.hpp"
-#include "boards/stm32f405/console.hpp"
-#include "boards/stm32f405/own_image.hpp"
-#include "boards/stm32f405/startup.hpp"
-#include "firmware/application.hpp"
-#include "firmware/shell.hpp"
-#include "hal/stm32f4/clocks.hpp"
-#include "hal/stm32f4/cycle_schedule.hpp"
-#include "hal/stm32f4/metered_io.hpp"
-#include "hal/stm32f4/reset_cause.hpp"
-#include "hal/stm32f4/tick.hpp"
-#include "hal/stm32f4/watchdog.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/can_node.hpp"
+#include "capstan/boards/stm32f405/can_setpoints.hpp"
+#include "capstan/boards/stm32f405/console.hpp"
+#include "capstan/boards/stm32f405/own_image.hpp"
+#include "capstan/boards/stm32f405/startup.hpp"
+#include "capstan/firmware/console/shell.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/stm32f4/clocks.hpp"
+#include "capstan/hal/stm32f4/cycle_schedule.hpp"
+#include "capstan/hal/stm32f4/metered_io.hpp"
+#include "capstan/hal/stm32f4/reset_cause.hpp"
+#include "capstan/hal/stm32f4/tick.hpp"
+#include "capstan/hal/stm32f4/watchdog.hpp"
 
 namespace capstan::stm32f405 {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/stm32f405/startup.hpp"
+#include "capstan/boards/stm32f405/startup.hpp"
 
 #include <array>
 #include <cstddef>
 
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
 
 // Symbols of the linker script, of which only the addresses mean anything, and the functions its vectors start in.
 // NOLINTBEGIN(readability-identifier-naming): the linker's names.

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shell says unasked: to who has just come, and about stored parameters that are not what was saved.
+#include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/loop/version.hpp"
+
+namespace capstan {
+namespace {
+
+void print_migration(Print& out, const char* begin, const LoadReport& report) {
+  out << begin << "stored parameters are another version's:";
+  const char* before = " ";
+  const auto count = [&out, &before](std::uint16_t values, const char* what) {
+    if (values != 0) {
+      out << before << std::uint32_t{values} << what;
+      before = ", ";
+    }
+  };
+  count(report.absent, " of today's were not in it and have their defaults");
+  count(report.out_of_range, " are outside today's range and have their defaults");
+  count(report.unknown, " have names that are unknown today and were left out");
+  if (report.first_default != nullptr) {
+    out << " (the first default: " << report.first_default->group << '.' << report.first_default->name << ')';
+  }
+  out << "; all others were taken over; look at 'diff', then 'save'\r\n";
+}
+
+}  // namespace
+
+void Shell::print_load_report(const char* begin) {
+  const LoadReport& report = machine_.load_report();
+  switch (report.result) {
+    case LoadResult::kLoaded:
+      if (report.migrated()) {
+        print_migration(out_, begin, report);
+      }
+      break;
+    case LoadResult::kForeign:
+      out_ << begin << "stored parameters have format " << report.format
+           << ", which this version does not read; defaults are in use until a set is loaded or saved\r\n";
+      break;
+    case LoadResult::kCorrupt:
+    case LoadResult::kUnreadable:
+      out_ << begin << "stored parameters are " << (report.result == LoadResult::kCorrupt ? "corrupt" : "not readable")
+           << "; defaults are in use until a set is loaded or saved\r\n";
+      break;
+    case LoadResult::kUnfinished:
+      out_ << begin << "power went while the first set was saved; defaults are in use\r\n";
+      break;
+    case LoadResult::kEmpty:
+      out_ << begin << "no parameters were ever saved; defaults are in use\r\n";
+      break;
+    case LoadResult::kRefused:
+      break;
+  }
+}
+
+void Shell::greet() {
+  const MachineTelemetry now = machine_.telemetry();
+  out_ << "# capstan " << kVersion << " on board " << board_.name() << ", joints "
+       << static_cast<std::uint32_t>(machine_.axes()) << ", state " << name(now.state);
+  if (now.first_fault != Fault::kNone) {
+    out_ << " by " << info(now.first_fault).name << ": 'faults' says what to do";
+  } else if (now.conditions != 0) {
+    out_ << ", something blocks arming: 'faults' says what";
+  }
+  out_ << "\r\n";
+  print_load_report("# ");
+  out_ << "# 'help' lists the commands, Tab completes, 'status' shows the joints, 'arm' gives torque, 'disarm' takes "
+          "it\r\n";
+  prompt();
+}
+
+}  // namespace capstan

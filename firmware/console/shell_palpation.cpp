@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shell tells of palpated sites.
+#include <algorithm>
+
+#include "capstan/firmware/console/shell_commands.hpp"
+
+namespace capstan {
+namespace {
+
+/// One line that a log's reader skips: the number with its interval, and a bar of up to 40 signs for the map.
+void print_site(Print& out, const SiteStiffness& site, Q24 largest) {
+  constexpr std::int64_t kWidest = 40;
+  out << "# site " << site.site << " stiffness " << site.value_nm_per_rad << " +- " << site.half_interval
+      << " Nm/rad (95 %, " << site.strokes << " strokes) ";
+  const std::int64_t bar = largest > Q24{} ? kWidest * site.value_nm_per_rad.raw() / largest.raw() : 0;
+  for (std::int64_t i = 0; i < bar; ++i) {
+    out << '=';
+  }
+  out << "\r\n";
+}
+
+}  // namespace
+
+void Shell::print_stiffness() {
+  palpating_ = false;
+  if (const auto site = machine_.palpation().end()) {
+    print_site(out_, *site, site->value_nm_per_rad);
+  } else {
+    out_ << "# no stiffness: the tip was not pressed far enough twice, or rests on something as stiff as the "
+            "instrument; raise amplitude or cycles\r\n";
+  }
+}
+
+void ShellCommands::palpation_map(Shell& shell) {
+  Q24 largest;
+  for (const SiteStiffness& site : shell.machine_.palpation().map()) {
+    largest = std::max(largest, site.value_nm_per_rad);
+  }
+  for (const SiteStiffness& site : shell.machine_.palpation().map()) {
+    print_site(shell.out_, site, largest);
+  }
+  shell.ok();
+}
+
+}  // namespace capstan

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shell's view of what the machine does now.
+#include "capstan/firmware/console/shell_commands.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr std::array<const char*, 6> kLimitNames = {"limits.current",
+                                                    "limits.continuous_current",
+                                                    "limits.current_rate",
+                                                    "limits.motor_min/motor_max",
+                                                    "limits.joint_min/joint_max/joint_speed",
+                                                    "limits.joint_torque or the reach of the force law"};
+
+/// How far the force law may be off while its past is unknown: half of the widest that its loop gets.
+auto widest(const ForceConfig::Law::Grid::Table& grid) -> Q24 {
+  Q24 most;
+  const std::size_t last = grid.levels - 1;
+  for (std::size_t level = 0; level < grid.levels; ++level) {
+    most = std::max(most, grid.force(last, level) - grid.force(level, level));
+  }
+  return most * Q24::from_double(0.5);
+}
+
+void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& force) {
+  if (force.law == 0) {
+    return;
+  }
+  out << " force " << joint.joint_torque_nm << " Nm";
+  if (joint.mode == ControlMode::kForce) {
+    out << " of " << joint.joint_torque_reference_nm << " Nm";
+  }
+  if (joint.joint_torque_known) {
+    return;
+  }
+  if (force.law == static_cast<std::int32_t>(ForceLawKind::kPreisach)) {
+    out << " (past unknown: within " << widest(force.grid) << " Nm until the motor's torque was at an end of its grid)";
+  } else {
+    out << " (past unknown: right once the motor's torque has passed the tendons)";
+  }
+}
+
+void print_thermometer(Print& out, const MachineTelemetry& now) {
+  if (ScalarTraits<Q24>::is_missing(now.temperature_c)) {
+    out << "thermometer none: thermal_drift knows no temperature\r\n";
+    return;
+  }
+  out << "thermometer " << now.temperature_c << " C"
+      << (now.warnings == 0 ? "" : ", silent now: thermal_drift stays at this value") << "\r\n";
+}
+
+}  // namespace
+
+void Shell::print_warnings(WarningSet warnings) {
+  for (const WarningInfo& entry : kWarningTable) {
+    if ((warnings & bit(entry.warning)) != 0) {
+      out_ << "  warning " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
+    }
+  }
+}
+
+void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
+  const MachineTelemetry now = shell.machine_.telemetry();
+  Print& out = shell.out_;
+  out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
+      << " overruns " << now.overruns << "\r\n";
+  if (const LoadReport& report = shell.machine_.load_report();
+      report.migrated() || report.result == LoadResult::kForeign) {
+    shell.print_load_report("");
+  }
+  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
+    const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
+    out << "joint" << static_cast<std::uint32_t>(axis);
+    if (shell.machine_.config()[axis].motor.fitted == 0) {
+      out << " not fitted\r\n";
+      continue;
+    }
+    out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
+        << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
+        << joint.current_a << " A";
+    if (joint.mode == ControlMode::kMotor) {
+      out << " motor reference " << joint.q1_reference_rad << " rad";
+    }
+    print_force(out, joint, shell.machine_.config()[axis].force);
+    for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
+      if ((joint.limits & (1U << i)) != 0) {
+        out << " limited by " << kLimitNames[i];
+      }
+    }
+    out << "\r\n";
+    print_law_status(out, shell.machine_.config()[axis]);
+    shell.print_warnings(joint.warnings);
+  }
+  print_thermometer(out, now);
+  shell.ok();
+}
+
+}  // namespace capstan

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/control/controller.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
+constexpr Q24 kOne = Q24::from_int(1);
+constexpr Q24 kHalf = Q24::from_double(0.5);
+
+// References are exact, so their direction needs only a threshold above the rounding of a slow stream.
+constexpr ConditionerShape<Q24> kReferenceShape{.direction_threshold_rad = Q24::from_double(1e-5),
+                                                .rate_time_constant_s = Q24::from_double(0.002)};
+
+constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
+  return backward + (forward - backward) * branch;
+}
+
+}  // namespace
+
+Controller::Controller(const ControlConfig& gains)
+    : reference_(kPeriod, kReferenceShape),
+      reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)),
+      per_stiffness_(gains.stiffness_nm_per_rad) {}
+
+void Controller::rt_configure(const ControlConfig& gains) {
+  reversal_gain_ = kPeriod.filter_gain(gains.reversal_time_s);
+  per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
+}
+
+auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm)
+    -> Q24 {
+  reference_.restart();
+  reference_.update(q2_rad, Q24{});
+  branch_ = kHalf;
+  last_q2_ = q2_rad;
+  Sample<Q24> rest = law.sample();
+  rest.dq1 = rest.ddq1 = Q24{};
+  pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
+  pull_known_ = false;
+  integral_ = rest.q1 - pull_extreme_;
+  if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
+    integral_ += (*kept_nm - mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_)) * per_stiffness_;
+  }
+  motor_reference_ = pull_extreme_ + integral_;
+  return rt_servo(gains, law.sample(), Q24{});
+}
+
+auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24 {
+  return mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_) +
+         gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) + gains.damping_nms_per_rad * (rate - motor.dq1);
+}
+
+auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) -> Q24 {
+  const Q24 shared = law.rest_either_way(q2, motion);
+  const bool went_forward = motion.forward;
+  const Q24 turned_at = motion.tau_reversal;
+  // The direction is a constant where it is called, so what the other direction's tendon adds falls away.
+  const auto rest_on = [&](auto forward) {
+    motion.forward = forward;
+    motion.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
+    // On the other branch it will have turned out of the other steady motion.
+    const Q24 other_torque = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
+    motion.tau_reversal = forward == went_forward ? turned_at : other_torque;
+    return law.rest_one_way(motion);
+  };
+  const Q24 backward = rest_on(std::false_type{});
+  const Q24 forward = rest_on(std::true_type{});
+  // The ratio's curve is turned round once, half way between the branches or where they are mixed; what lies in front
+  // of the ratio is a way of the motor.
+  const Q24 h = law.through_ratio(q2 - (shared + mix(backward, forward, branch_)), motion.q1);
+  const Q24 behind = law.undone(h, false);
+  const Q24 ahead = law.undone(h, true);
+  branches_apart_ = forward - backward;
+  ways_apart_ = ahead - behind;
+  return mix(behind, ahead, branch_);
+}
+
+void Controller::rt_cross_over(bool forward) {
+  branch_ += ((forward ? kOne : Q24{}) - branch_) * reversal_gain_;
+}
+
+/// With a play, for the other axis' encoder is in it.
+void Controller::rt_follow_pull(Q24 asked) {
+  constexpr Q24 kPlay = Q24::from_double(0.002);
+  const Q24 moved = asked - pull_extreme_;
+  const bool turns = abs(moved) > kPlay && (!pull_known_ || (moved > Q24{}) != pull_forward_);
+  if (turns) {
+    pull_known_ = true;
+    pull_forward_ = moved > Q24{};
+  }
+  if (turns || (pull_known_ && (moved > Q24{}) == pull_forward_)) {
+    pull_extreme_ = asked;
+  }
+}
+
+auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {
+  // The start value may lie outside the limit; the integral may then only shrink.
+  const Q24 limit = abs(integral_) < gains.integral_limit_rad ? gains.integral_limit_rad : abs(integral_);
+  integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
+  return gains.kp * error + integral_ - gains.kd_s * kPeriod.rate_of(movement);
+}
+
+auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24 {
+  const Sample<Q24>& reference = reference_.update(q1_reference, Q24{});
+  if (reference.dq1 != Q24{}) {
+    rt_cross_over(reference.forward);
+  }
+  // What friction leaves of the way; at the joint the outer loop does that.
+  const Q24 limit = gains.integral_limit_rad;
+  const Q24 error = q1_reference - law.sample().q1;
+  integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
+  motor_reference_ = q1_reference + integral_;
+  return rt_servo(gains, law.sample(), reference.dq1);
+}
+
+auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24 {
+  const ControlConfig& gains = config.control;
+  // Where the transmission is crossed (beta < 0) the motor runs against the joint, and so must every correction.
+  const bool crossed = law.beta() < Q24{};
+  const auto motor_side = [crossed](Q24 joint_side) { return crossed ? -joint_side : joint_side; };
+
+  const Sample<Q24>& reference = reference_.update(q2_reference, Q24{});
+  const bool pulled = is_pulled(config);
+  if (pulled ? pull_known_ : reference.dq1 != Q24{}) {
+    const bool forward = pulled ? pull_forward_ : reference.forward != crossed;
+    rt_cross_over(forward);
+  }
+  Sample<Q24> motion = law.sample();
+  motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
+  motion.dq1 = law.per_beta(reference.dq1);
+  motion.ddq1 = law.per_beta(reference.ddq1);
+  const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
+  last_q2_ = q2;
+  const Q24 asked = rt_inverse(gains, law, q2_reference, motion);
+  if (pulled) {
+    const Q24 off = branch_ - kHalf;
+    rt_follow_pull(asked + law.per_beta(branches_apart_ * off) - ways_apart_ * off);
+  }
+  motor_reference_ = asked + correction;
+  return rt_servo(gains, law.sample(), motion.dq1);
+}
+
+}  // namespace capstan

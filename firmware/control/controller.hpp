@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "capstan/firmware/parameters/config.hpp"
+#include "capstan/model/reciprocal.hpp"
+
+namespace capstan {
+
+/// Joint position control through the estimated joint angle.
+///   q1* = invert(q2*) + PID(q2* - q2)      the inverse law is the feedforward, the PID corrects what it leaves; it
+///   changes sign
+///                                          with beta, so that it pulls the joint back on a crossed transmission too
+///   tau = tau*(direction) + stiffness (q1* - q1) + damping (q1*' - q1')
+/// At a reversal of the reference the feedforward passes from one branch of the law to the other within reversal_time,
+/// so it crosses the hysteresis at once but does not kick. Where another axis pulls at the joint, the motor turns round
+/// with what that asks of it, reference or no reference: then the direction is that of the inverse itself.
+class Controller {
+ public:
+  explicit Controller(const ControlConfig& gains);
+  /// New gains.
+  void rt_configure(const ControlConfig& gains);
+  /// Takes over without a jump, in place of rt_update in that cycle: the reference is the present estimate, and the
+  /// motor is asked to stay where it is. What an update would turn the law round for is what the start does, so a cycle
+  /// in which control changes hands costs no more than another.
+  /// @param kept_nm  torque to begin with, which the motor has, N m; none: that of a steady motion, whichever way
+  /// @returns motor-side torque, N m
+  auto rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm = {})
+      -> Q24;
+  /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
+  /// N m
+  auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
+  /// From now on rt_update_motor is called instead; the torque stays if its first reference is motor_reference().
+  void rt_start_motor() {
+    reference_.restart();
+    integral_ = Q24{};
+  }
+  /// The servo, its feedforward and the integral, here of the motor's error: the motor follows q1_reference, rad,
+  /// whatever the joint makes of it.
+  auto rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24;
+  /// Where the servo holds the motor, rad.
+  [[nodiscard]] auto motor_reference() const -> Q24 { return motor_reference_; }
+
+ private:
+  /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on; branches_apart_
+  /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it.
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion)
+      -> Q24;
+  /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s.
+  [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24;
+  void rt_cross_over(bool forward);
+  /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
+  /// asks would turn the motor back where the hysteresis has the other sign.
+  void rt_follow_pull(Q24 asked);
+  /// Both arguments in the motor's direction.
+  auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
+
+  SampleConditioner<Q24> reference_;
+  Q30 reversal_gain_;
+  Reciprocal<Q24> per_stiffness_;
+  Q24 integral_;
+  Q24 last_q2_;
+  Q24 motor_reference_;  // of the last cycle
+  Q24 pull_extreme_;     // of the inverse half way between the branches, in the present direction
+  Q24 branches_apart_;   // of the joint, the motor being where it is
+  Q24 ways_apart_;       // of the motor, by what lies in front of the ratio
+  bool pull_known_ = false;
+  bool pull_forward_ = true;
+  Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet
+};
+
+}  // namespace capstan

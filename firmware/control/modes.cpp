@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/control/modes.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
+// A reference may have waited for one cycle before it was used, and torque goes within one: 100 ms in all.
+constexpr std::int32_t kLinkTimeoutCycles = 98;
+
+auto out_of_range(const JointView& joint) -> bool {
+  const LimitConfig& limits = joint.config.limits;
+  return joint.estimate.q2_rad > limits.joint_max_rad || joint.estimate.q2_rad < limits.joint_min_rad;
+}
+
+/// Of a trajectory of the motor, rad/s2: what is left to the joint is the motor's over beta.
+auto motor_acceleration(const JointView& joint) -> Q24 {
+  return abs(joint.law.per_beta(joint.config.limits.joint_acceleration_rad_s2));
+}
+
+}  // namespace
+
+Modes::Modes(const AxisConfig& config) : controller_(config.control), force_(config.force) {
+  trajectory_.rt_configure(config.limits);
+}
+
+void Modes::rt_configure(const AxisConfig& config) {
+  controller_.rt_configure(config.control);
+  trajectory_.rt_configure(config.limits);
+}
+
+void Modes::rt_observe(Q24 drive_nm, bool estimate_valid) {
+  reference_.limits = 0;
+  if (estimate_valid && force_.has_law()) {
+    force_.rt_observe(drive_nm);
+  }
+}
+
+auto Modes::rt_command(const JointView& joint, const AxisCommand& command) -> bool {
+  switch (command.kind) {
+    case AxisCommand::Kind::kNone:
+      return true;
+    case AxisCommand::Kind::kZero:
+      return false;
+    case AxisCommand::Kind::kStop:
+      if (in_torque()) {
+        rt_hold_here(joint.estimate, Start::kKeepsTorque);
+      }
+      trajectory_.rt_stop(in_motor() ? motor_acceleration(joint) : joint.config.limits.joint_acceleration_rad_s2);
+      following_ = false;
+      braking_ = true;
+      return true;
+    case AxisCommand::Kind::kMove:
+      return rt_take_move(joint, command);
+    case AxisCommand::Kind::kMoveMotor:
+      return rt_take_motor(joint, command);
+    case AxisCommand::Kind::kFollow:
+      return rt_take_stream(joint, command);
+    case AxisCommand::Kind::kTorque:
+      return rt_take_torque(joint, command);
+    case AxisCommand::Kind::kForce:
+    case AxisCommand::Kind::kFollowForce:
+      return rt_take_force(joint, command);
+  }
+  return false;
+}
+
+auto Modes::rt_take_move(const JointView& joint, const AxisCommand& command) -> bool {
+  const LimitConfig& limits = joint.config.limits;
+  if (command.position_rad < limits.joint_min_rad || command.position_rad > limits.joint_max_rad ||
+      command.speed_rad_s <= Q24{} || rt_motor_moves()) {
+    return false;
+  }
+  if (reference_.mode != ControlMode::kPosition) {
+    rt_hold_here(joint.estimate, Start::kKeepsTorque);
+  }
+  following_ = braking_ = false;
+  trajectory_.rt_start(command.position_rad, std::min(command.speed_rad_s, limits.joint_speed_rad_s));
+  return true;
+}
+
+auto Modes::rt_take_stream(const JointView& joint, const AxisCommand& command) -> bool {
+  const LimitConfig& limits = joint.config.limits;
+  if (rt_motor_moves()) {
+    return false;
+  }
+  if (reference_.mode != ControlMode::kPosition) {
+    rt_hold_here(joint.estimate, Start::kKeepsTorque);
+  }
+  follow_target_ = clamp(command.position_rad, limits.joint_min_rad, limits.joint_max_rad);
+  const bool inside = follow_target_ == command.position_rad;
+  if (!inside) {
+    rt_flag(Limit::kReference);
+  }
+  following_ = true;
+  braking_ = false;
+  cycles_since_reference_ = 0;
+  return inside;
+}
+
+/// In position control the motor goes on from where its servo holds it; from torque, from where a servo would have to
+/// hold it for that torque.
+auto Modes::rt_take_motor(const JointView& joint, const AxisCommand& command) -> bool {
+  const LimitConfig& limits = joint.config.limits;
+  if (command.position_rad < limits.motor_min_rad || command.position_rad > limits.motor_max_rad ||
+      command.speed_rad_s <= Q24{} || (!in_motor() && in_motion())) {
+    return false;
+  }
+  if (!in_motor()) {
+    if (in_torque()) {
+      rt_hold_here(joint.estimate, Start::kKeepsTorque);
+    }
+    if (start_ != Start::kNone) {
+      static_cast<void>(rt_take_over(joint));
+    }
+    controller_.rt_start_motor();
+    trajectory_.rt_reset(controller_.motor_reference());
+    reference_.mode = ControlMode::kMotor;
+    reference_.begins = true;
+  }
+  braking_ = false;
+  trajectory_.rt_start(command.position_rad,
+                       abs(joint.law.per_beta(std::min(command.speed_rad_s, limits.joint_speed_rad_s))));
+  return true;
+}
+
+auto Modes::rt_take_torque(const JointView& joint, const AxisCommand& command) -> bool {
+  torque_target_nm_ = command.torque_nm;
+  trailing_q2_ = in_torque() ? trailing_q2_ : joint.estimate.q2_rad;
+  reference_.mode = ControlMode::kTorque;
+  following_ = true;
+  braking_ = false;
+  cycles_since_reference_ = 0;
+  return true;
+}
+
+auto Modes::rt_take_force(const JointView& joint, const AxisCommand& command) -> bool {
+  if (!force_.has_law() || command.torque_rate_nm_s <= Q24{} || (!in_force() && in_motion())) {
+    return false;
+  }
+  const Q24 most = joint.config.limits.joint_torque_nm;
+  const bool inside = abs(command.joint_torque_nm) <= most;
+  const bool streamed = command.kind == AxisCommand::Kind::kFollowForce;
+  if (!inside && !streamed) {
+    return false;
+  }
+  if (!inside) {
+    rt_flag(Limit::kJointTorque);
+  }
+  if (!in_force()) {
+    trailing_q2_ = joint.estimate.q2_rad;
+    reference_.mode = ControlMode::kForce;
+    force_.rt_start(joint.drive_nm);
+  }
+  force_.rt_aim(clamp(command.joint_torque_nm, -most, most), command.torque_rate_nm_s);
+  following_ = streamed;
+  braking_ = false;
+  cycles_since_reference_ = 0;
+  return inside;
+}
+
+void Modes::rt_hold_here(const JointEstimate& estimate, Start start) {
+  trajectory_.rt_reset(estimate.q2_rad);
+  reference_.q2_rad = estimate.q2_rad;
+  reference_.joint_torque_nm = Q24{};
+  reference_.mode = ControlMode::kPosition;
+  reference_.begins = true;
+  following_ = false;
+  start_ = start;
+}
+
+auto Modes::rt_take_over(const JointView& joint) -> Q24 {
+  const std::optional<Q24> kept_nm = start_ == Start::kKeepsTorque ? std::optional(joint.drive_nm) : std::nullopt;
+  start_ = Start::kNone;
+  return controller_.rt_start(joint.config.control, joint.law, joint.estimate.q2_rad, kept_nm);
+}
+
+void Modes::rt_rest() {
+  following_ = false;
+  reference_.mode = ControlMode::kPosition;
+  reference_.begins = true;
+}
+
+auto Modes::rt_stream_lost() -> bool {
+  return following_ && ++cycles_since_reference_ > kLinkTimeoutCycles;
+}
+
+auto Modes::rt_took_begin() -> bool {
+  const bool began = reference_.begins;
+  reference_.begins = false;
+  return began;
+}
+
+/// Too far, or faster than moves may be. By how far a low-pass lags, because a rate from counts is mostly noise.
+auto Modes::rt_runs_away(const JointView& joint) -> bool {
+  constexpr Q24 kTrailS = Q24::from_double(0.02);
+  constexpr Q30 kTrailGain = kPeriod.filter_gain(kTrailS);
+  const Q24 q2 = joint.estimate.q2_rad;
+  trailing_q2_ += (q2 - trailing_q2_) * kTrailGain;
+  return out_of_range(joint) || abs(q2 - trailing_q2_) > joint.config.limits.joint_speed_rad_s * kTrailS;
+}
+
+auto Modes::rt_next_position(const LimitConfig& limits) -> Q24 {
+  if (!following_) {
+    return trajectory_.rt_step(limits.joint_acceleration_rad_s2);
+  }
+  // A streamed reference may not run faster than moves may, so a wrong first value can not throw the joint.
+  const Q24 step = per_cycle(limits.joint_speed_rad_s);
+  const Q24 last = reference_.q2_rad;
+  const Q24 next = clamp(follow_target_, last - step, last + step);
+  if (next != follow_target_) {
+    rt_flag(Limit::kReference);
+  }
+  trajectory_.rt_track(next);
+  return next;
+}
+
+auto Modes::rt_torque(const JointView& joint) -> Q24 {
+  if (in_torque() ? rt_runs_away(joint) : in_motor() && out_of_range(joint)) {
+    rt_flag(Limit::kReference);
+    rt_hold_here(joint.estimate, Start::kSteady);
+  }
+  if (in_torque()) {
+    reference_.q2_rad = joint.estimate.q2_rad;  // nothing is asked of the position
+    return in_force() ? rt_force(joint.config.force) : torque_target_nm_;
+  }
+  if (start_ != Start::kNone) {
+    return rt_take_over(joint);
+  }
+  if (in_motor()) {
+    reference_.q2_rad = joint.estimate.q2_rad;
+    reference_.q1_rad = trajectory_.rt_step(motor_acceleration(joint));
+    return controller_.rt_update_motor(joint.config.control, joint.law, reference_.q1_rad);
+  }
+  reference_.q2_rad = rt_next_position(joint.config.limits);
+  return controller_.rt_update(joint.config, joint.law, reference_.q2_rad, joint.estimate.q2_rad);
+}
+
+auto Modes::rt_step(const JointView& joint) -> const JointReference& {
+  reference_.torque_nm = rt_torque(joint);
+  if (in_torque()) {
+    reference_.q1_rad = joint.motor.q1_rad;
+  } else if (!in_motor()) {
+    reference_.q1_rad = controller_.motor_reference();
+  }
+  reference_.moving = in_motion();
+  return reference_;
+}
+
+auto Modes::rt_idle(const MotorState& motor) -> const JointReference& {
+  reference_.torque_nm = Q24{};
+  reference_.q1_rad = motor.q1_rad;
+  reference_.moving = false;
+  return reference_;
+}
+
+auto Modes::rt_force(const ForceConfig& config) -> Q24 {
+  const Q24 torque = force_.rt_update(config);
+  reference_.joint_torque_nm = force_.wanted();
+  if (force_.out_of_reach()) {
+    rt_flag(Limit::kJointTorque);
+  }
+  return torque;
+}
+
+}  // namespace capstan

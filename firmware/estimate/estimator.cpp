@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/estimate/estimator.hpp"
+
+#include <memory>
+
+namespace capstan {
+namespace {
+
+constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
+
+}  // namespace
+
+Estimator::Estimator(const AxisConfig& config) : law_(kPeriod, config.law), monitor_(config.monitor) {}
+
+void Estimator::rt_make_law(const LawParameters<Q24>& parameters) {
+  std::construct_at(&law_, kPeriod, parameters);
+}
+
+auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
+    -> const JointEstimate& {
+  estimate_.valid = false;
+  estimate_.faults = 0;
+  if (motor.faults != 0 || !others.estimable) {
+    return estimate_;  // the fault is the sensor's own
+  }
+  Measured<Q24> now;
+  now.q1 = motor.q1_rad;
+  now.tau = motor.tau_nm;
+  now.temperature = temperature_c;
+  now.others = others.motors;
+  const Estimate<Q24> estimate = law_.update(now);
+  estimate_.q2_rad = estimate.q2;
+  estimate_.q2_reported_rad = estimate.q2_reported;
+  estimate_.valid = !estimate.saturated;
+  if (estimate.saturated) {
+    estimate_.faults = bit(Fault::kEstimatorRange);
+  } else if (monitor_.watches()) {
+    rt_monitor(config, motor);
+  }
+  return estimate_;
+}
+
+void Estimator::rt_monitor(const AxisConfig& config, const MotorState& motor) {
+  const Sample<Q24>& sample = law_.sample();
+  monitor_.rt_step(config.monitor, config.control,
+                   {.q1_rad = sample.q1,
+                    .q1_reversal_rad = sample.q1_reversal,
+                    .tau_nm = sample.tau,
+                    .forward = sample.forward,
+                    .has_joint = motor.has_joint,
+                    .joint_error_rad = motor.joint_rad - estimate_.q2_reported_rad});
+}
+
+}  // namespace capstan

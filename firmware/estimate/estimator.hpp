@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/estimate/law_monitor.hpp"
+#include "capstan/firmware/estimate/motor_sensing.hpp"
+
+namespace capstan {
+
+/// The motors that pull at a joint beside its own, as that joint's law sees them.
+struct Neighbours {
+  std::array<OtherMotor<Q24>, kMostOthers> motors{};  ///< by the slots of the law's coupling
+  bool estimable = true;                              ///< the sensors of all of them are sound
+};
+
+/// What the law makes of one joint in this cycle.
+struct JointEstimate {
+  Q24 q2_rad;           ///< joint angle
+  Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
+  bool valid = false;   ///< both are of this cycle
+  FaultSet faults = 0;  ///< of the law itself
+};
+
+/// The law of one joint, and the monitor that says whether it still fits.
+class Estimator {
+ public:
+  explicit Estimator(const AxisConfig& config);
+  /// The law anew, and its memory. It is made in place: too large to be made and then copied within a cycle.
+  void rt_make_law(const LawParameters<Q24>& parameters);
+  /// The monitor anew; a warning goes away.
+  void rt_make_monitor(const MonitorConfig& config) { monitor_.rt_configure(config); }
+  void rt_forget() { law_.restart(); }
+  /// There is no joint here.
+  void rt_absent() { estimate_ = {}; }
+  /// @param others         the motors that pull at this joint too
+  /// @param temperature_c  the last that was measured, or the mark of a missing value
+  /// @returns invalid with the last angles where a sensor failed: an estimate from an old value would be a guess
+  auto rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
+      -> const JointEstimate&;
+  /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
+  void rt_judge_law(const MonitorConfig& config) { monitor_.rt_judge(config); }
+
+  [[nodiscard]] auto law() const -> const MotionLaw<Q24>& { return law_; }
+  [[nodiscard]] auto monitor() const -> const LawMonitor& { return monitor_; }
+
+ private:
+  void rt_monitor(const AxisConfig& config, const MotorState& motor);
+
+  MotionLaw<Q24> law_;
+  LawMonitor monitor_;
+  JointEstimate estimate_;
+};
+
+}  // namespace capstan

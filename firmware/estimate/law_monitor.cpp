@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/estimate/law_monitor.hpp"
+
+#include "capstan/model/exponential.hpp"
+
+namespace capstan {
+namespace {
+
+/// mean / expected^2 in Q24, where both are raw squares.
+auto ratio_of(std::int64_t mean, Q24 expected) -> Q24 {
+  const std::int64_t scale = std::int64_t{expected.raw()} * expected.raw();
+  constexpr std::int64_t kMost = std::int64_t{100} << Q24::kFrac;
+  // Both lose the same bits where the quotient would not fit.
+  const int shift = mean > (std::int64_t{1} << 38) ? 24 : 0;
+  const std::int64_t below = std::max<std::int64_t>(scale >> shift, 1);
+  const std::int64_t above = mean >> shift;
+  return above / below >= 100 ? Q24::from_wide(kMost) : Q24::from_wide((above << Q24::kFrac) / below);
+}
+
+/// The largest u with -ln(1 - u) <= c u, from below: u <- 1 - e^(-c u) rises to it.
+auto root_of(Q24 c) -> Q24 {
+  constexpr Q24 kOne = Q24::from_int(1);
+  Q24 u = kOne - kOne / c;
+  for (int i = 0; i < 24; ++i) {
+    u = kOne * share_gone(c * u, kOne);
+  }
+  return u;
+}
+
+}  // namespace
+
+void LawMonitor::rt_configure(const MonitorConfig& config) {
+  *this = LawMonitor{};
+  watches_ = config.joint_rms_rad > Q24{} || config.torque_rms_nm > Q24{};
+  const Q24 theta = root_of(config.excess * config.excess) * Q24::from_double(0.5);
+  threshold_ = Q24::from_double(kLogStretches) / theta;
+}
+
+void LawMonitor::rt_step(const MonitorConfig& config, const ControlConfig& control, const Input& now) {
+  if (abs(now.q1_rad - last_q1_) < kStride) {
+    return;
+  }
+  last_q1_ = now.q1_rad;
+  if (now.has_joint && config.joint_rms_rad > Q24{}) {
+    constexpr Q24 kMost = Q24::from_int(1);  // 256 squares of it fit
+    const std::int64_t error = clamp(now.joint_error_rad, -kMost, kMost).raw();
+    if (count_ < kStretch) {
+      squares_ += error * error;
+      ++count_;
+    }
+  } else if (config.torque_rms_nm > Q24{} && abs(now.q1_rad - now.q1_reversal_rad) > config.settle_rad) {
+    Side& side = sides_[now.forward ? 1 : 0];
+    side.sum += (now.tau_nm - (now.forward ? control.torque_forward_nm : control.torque_backward_nm)).raw();
+    ++side.count;
+  }
+}
+
+void LawMonitor::rt_judge(const MonitorConfig& config) {
+  if (count_ == kStretch) {
+    rt_sensor_stretch(config);
+  }
+  if (sides_[0].count >= kStretch / 2 && sides_[1].count >= kStretch / 2) {
+    rt_friction_stretch(config);
+  }
+}
+
+void LawMonitor::rt_sensor_stretch(const MonitorConfig& config) {
+  rt_weigh(config.excess, ratio_of(squares_ / kStretch, config.joint_rms_rad), Warning::kLawMisfit);
+  squares_ = 0;
+  count_ = 0;
+}
+
+void LawMonitor::rt_friction_stretch(const MonitorConfig& config) {
+  const Q24 more = Q24::from_wide((sides_[1].sum / sides_[1].count - sides_[0].sum / sides_[0].count) / 2);
+  rt_weigh(config.excess, ratio_of(std::int64_t{more.raw()} * more.raw(), config.torque_rms_nm),
+           more > Q24{} ? Warning::kFrictionHigher : Warning::kFrictionLower);
+  sides_ = {};
+}
+
+void LawMonitor::rt_weigh(Q24 excess, Q24 mean_square, Warning warning) {
+  level_ = clamp(level_ + (mean_square - excess * excess), Q24{}, threshold_);
+  share_ = level_ / threshold_;
+  if (level_ >= threshold_) {
+    warnings_ |= bit(warning);
+  }
+}
+
+}  // namespace capstan

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+
+#include "capstan/firmware/loop/exchange.hpp"
+#include "capstan/firmware/loop/machine.hpp"
+#include "capstan/firmware/parameters/parameters.hpp"
+
+namespace capstan {
+
+/// The firmware of a board: the cycle on one side, the machine that the shell sees on the other. `rt_tick` belongs to
+/// the timer interrupt or the real-time thread, everything else to the background.
+template <JointIo Io>
+class Application final : public Machine {
+ public:
+  static constexpr std::size_t kAxes = Io::kAxes;
+  using Streamed = std::array<AxisCommand, kAxes>;
+
+  /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not
+  /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
+  /// @param fault_memory  FaultLog::words_for(kAxes) words that outlive a reset; empty: faults are not logged
+  Application(Io& io, Banks& banks, std::span<std::uint32_t> fault_memory = {})
+      : io_(io), storage_(banks), load_report_(load_at_start()), state_(config_), fault_log_(fault_memory, kAxes) {
+    published_.rt_publish({});
+    const LoadResult start = load_report_.result;
+    const bool unusable = start == LoadResult::kCorrupt || start == LoadResult::kForeign;
+    parameter_faults_.store(unusable                           ? bit(Fault::kModelInvalid)
+                            : start == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
+                                                               : 0,
+                            std::memory_order_relaxed);
+  }
+
+  /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
+  void rt_tick(const Streamed& streamed = {}) {
+    rt_take_config();
+    Sensed<kAxes> sensed;
+    const Status read = io_.read(sensed);
+    const Drive<kAxes> drive = cycle(state_, sensed, rt_command(streamed));
+    state_.drive_faults = 0;
+    if (read == Status::kFailed) {
+      io_.release();
+    } else if (io_.write(drive) != Status::kOk) {
+      io_.release();
+      state_.drive_faults = bit(Fault::kDriveFailed);  // or torque would come back with the next write that succeeds
+    }
+    rt_publish();
+  }
+
+  /// The console is gone: whatever moves must not go on. Takes torque away within a cycle, and leaves a latched fault
+  /// for the operator to see. Callable from the background at any time.
+  void link_lost() { link_lost_.store(true, std::memory_order_relaxed); }
+
+  /// What the board itself found wrong since it started. Callable from the background at any time.
+  void set_board_faults(FaultSet faults) { board_faults_.store(faults, std::memory_order_relaxed); }
+
+  auto axes() const -> std::size_t override { return kAxes; }
+  auto telemetry() const -> MachineTelemetry override { return published_.read().machine; }
+  auto axis_telemetry(std::size_t axis) const -> AxisTelemetry override { return published_.read().axis[axis]; }
+  auto config() const -> std::span<const AxisConfig> override { return config_; }
+  auto staging(const void* owner) -> std::span<AxisConfig> override {
+    if (staging_owner_ != nullptr && staging_owner_ != owner) {
+      return {};
+    }
+    staging_owner_ = owner;
+    return staged_;
+  }
+  void end_staging(const void* owner) override { staging_owner_ = staging_owner_ == owner ? nullptr : staging_owner_; }
+  auto configure(std::span<const AxisConfig> axes, Rights rights) -> SetAnswer override {
+    const std::size_t count = std::min(axes.size(), kAxes);
+    const bool live = has_torque();
+    for (std::size_t axis = 0; axis < count; ++axis) {
+      SetAnswer answer = judge_change(config_[axis], axes[axis], rights, live);
+      if (!answer.taken()) {
+        answer.axis = axis;
+        return answer;
+      }
+    }
+    if (config_waits_.load(std::memory_order_acquire)) {
+      return {.refusal = SetAnswer::Refusal::kBusy};
+    }
+    std::copy_n(axes.begin(), count, config_.begin());
+    config_waits_.store(true, std::memory_order_release);
+    return {};
+  }
+  auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
+  auto settled() const -> bool override {
+    return request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.settled() &&
+           recorder_.settled() && experiment_box_.empty();
+  }
+  auto save() -> bool override {
+    const bool saved = !has_torque() && storage_.save(config_, key_);
+    if (saved) {
+      load_report_ = {.result = LoadResult::kLoaded};
+      parameter_faults_.store(0, std::memory_order_relaxed);
+    }
+    return saved;
+  }
+  auto load() -> LoadResult override {
+    if (has_torque() || config_waits_.load(std::memory_order_acquire) || staging_owner_ != nullptr) {
+      return LoadResult::kRefused;
+    }
+    staged_.fill(kDefaultAxis);
+    const LoadReport report = storage_.load(staged_, &key_);
+    if (report.result == LoadResult::kLoaded) {
+      // Sound, for the storage has checked it; nothing waits and torque is off.
+      static_cast<void>(configure(staged_, Rights::kMaintenance));
+      parameter_faults_.store(0, std::memory_order_relaxed);
+    }
+    load_report_ = report;
+    return report.result;
+  }
+  auto load_report() const -> const LoadReport& override { return load_report_; }
+  auto maintenance_key() const -> KeyDigest override { return key_; }
+  void set_maintenance_key(const KeyDigest& key) override { key_ = key; }
+  auto recorder() -> Recorder& override { return recorder_; }
+  auto scope() -> Scope& override { return scope_; }
+  auto fault_log() -> FaultLog& override { return fault_log_; }
+  auto palpation() -> Palpation& override { return palpation_; }
+  auto begin_experiment(const ExperimentSetup& setup) -> bool override {
+    return setup.axis < kAxes && experiment_box_.offer(setup);
+  }
+
+ private:
+  struct Snapshot {
+    MachineTelemetry machine;
+    std::array<AxisTelemetry, kAxes> axis{};
+  };
+  auto load_at_start() -> LoadReport {
+    const LoadReport report = storage_.load(config_, &key_);
+    if (report.result != LoadResult::kLoaded) {
+      config_.fill(kDefaultAxis);
+    }
+    return report;
+  }
+
+  /// Also while a request that may give torque is under way.
+  [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
+
+  /// The experiment's command, if one runs and the joints are still its own.
+  void rt_experiment(Command<kAxes>& command) {
+    const State state = state_.supervisor.state();
+    if (const ExperimentSetup* setup = experiment_box_.rt_peek()) {
+      experiment_.rt_start(*setup);
+      if (state != State::kHolding) {
+        experiment_.rt_end();
+      }
+      experiment_taken_ = true;
+    } else if (!energised(state)) {
+      experiment_.rt_end();
+    }
+    if (experiment_.active()) {
+      command.axis[experiment_.axis()] = experiment_.rt_step(state_.axis[experiment_.axis()]);
+      command.experiment = experiment_.active();
+    }
+  }
+
+  void rt_take_config() {
+    if (config_waits_.load(std::memory_order_acquire)) {
+      for (std::size_t i = 0; i < kAxes; ++i) {
+        state_.axis[i].rt_configure(config_[i]);
+      }
+      config_waits_.store(false, std::memory_order_release);
+    }
+    state_.board_faults = board_faults_.load(std::memory_order_relaxed);
+    state_.model_faults = parameter_faults_.load(std::memory_order_relaxed);
+  }
+
+  /// The operator takes the joint back.
+  void rt_end_experiment(Command<kAxes>& command, std::size_t axis) {
+    if (axis == experiment_.axis()) {
+      experiment_.rt_end();
+      command.experiment = false;
+    }
+  }
+
+  /// Streamed references, over them an experiment's, and over them what the shell asked for.
+  auto rt_command(const Streamed& streamed) -> Command<kAxes> {
+    Command<kAxes> command{.axis = streamed};
+    rt_experiment(command);
+    // What is asked for before the first cycle waits for the second, which can carry it out.
+    const Request* request = state_.supervisor.state() == State::kBoot ? nullptr : request_box_.rt_peek();
+    if (request != nullptr) {
+      switch (request->kind) {
+        case Request::Kind::kArm:
+          command.arm = true;
+          break;
+        case Request::Kind::kDisarm:
+          command.disarm = true;
+          break;
+        case Request::Kind::kMove:
+        case Request::Kind::kMoveMotor:
+          rt_end_experiment(command, request->axis);
+          command.axis[request->axis] = {
+              request->kind == Request::Kind::kMove ? AxisCommand::Kind::kMove : AxisCommand::Kind::kMoveMotor,
+              request->position_rad, request->speed_rad_s};
+          break;
+        case Request::Kind::kStop:
+          rt_end_experiment(command, request->axis);
+          command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
+          break;
+        case Request::Kind::kForce:
+          rt_end_experiment(command, request->axis);
+          command.axis[request->axis] = {.kind = AxisCommand::Kind::kForce,
+                                         .joint_torque_nm = request->joint_torque_nm,
+                                         .torque_rate_nm_s = request->torque_rate_nm_s};
+          break;
+        case Request::Kind::kZero:
+          command.axis[request->axis] = {AxisCommand::Kind::kZero, request->position_rad, {}};
+          break;
+      }
+      acknowledge_ = true;
+    }
+    if (link_lost_.exchange(false, std::memory_order_relaxed)) {
+      command.arm = false;
+      command.disarm |= energised(state_.supervisor.state());  // in kFaulted it would acknowledge the fault
+    }
+    return command;
+  }
+
+  void rt_publish() {
+    Snapshot now;
+    now.machine = state_.telemetry;
+    now.machine.experiment = experiment_.phase();
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      now.axis[i] = state_.axis[i].telemetry();
+    }
+    recorder_.rt_step(now.machine, now.axis);  // first: who sees that a run is over finds all of it
+    published_.rt_publish(now);
+    scope_.rt_step(now.machine, now.axis);
+    fault_log_.rt_step(now.machine, now.axis);
+    if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
+      acknowledge_ = false;
+      request_box_.rt_taken();
+    }
+    if (experiment_taken_) {
+      experiment_taken_ = false;
+      experiment_box_.rt_taken();
+    }
+  }
+
+  Io& io_;
+  ParameterStorage storage_;
+  Config<kAxes> config_{};                  // the background's copy, which it leaves alone while ...
+  std::atomic<bool> config_waits_ = false;  // ... the cycle is to take it
+  Config<kAxes> staged_{};
+  const void* staging_owner_ = nullptr;
+  KeyDigest key_;  // the background's own
+  LoadReport load_report_;
+  CycleState<kAxes> state_;  // the cycle's
+  bool acknowledge_ = false;
+  Mailbox<Request> request_box_;
+  Published<Snapshot> published_;
+  Recorder recorder_;
+  Experiment experiment_;
+  bool experiment_taken_ = false;
+  Mailbox<ExperimentSetup> experiment_box_;
+  Scope scope_;
+  FaultLog fault_log_;
+  Palpation palpation_;
+  std::atomic<bool> link_lost_ = false;
+  std::atomic<FaultSet> board_faults_ = 0;
+  std::atomic<FaultSet> parameter_faults_ = 0;
+};
+
+}  // namespace capstan

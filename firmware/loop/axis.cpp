@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/loop/axis.hpp"
+
+namespace capstan {
+namespace {
+
+auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool {
+  return a.coefficients == b.coefficients && a.shapes == b.shapes &&
+         a.conditioner.direction_threshold_rad == b.conditioner.direction_threshold_rad &&
+         a.conditioner.rate_time_constant_s == b.conditioner.rate_time_constant_s;
+}
+
+auto same_force_law(const ForceConfig& a, const ForceConfig& b) -> bool {
+  return a.law == b.law && a.eta_top == b.eta_top && a.eta_bottom == b.eta_bottom &&
+         a.pretension_nm == b.pretension_nm && a.ratio == b.ratio && a.friction_nm == b.friction_nm &&
+         a.offset_nm == b.offset_nm && a.grid.levels == b.grid.levels && a.grid.inputs == b.grid.inputs &&
+         a.grid.forces == b.grid.forces;
+}
+
+auto same_monitor(const AxisConfig& a, const AxisConfig& b) -> bool {
+  return a.monitor.joint_rms_rad == b.monitor.joint_rms_rad && a.monitor.torque_rms_nm == b.monitor.torque_rms_nm &&
+         a.monitor.excess == b.monitor.excess && a.monitor.settle_rad == b.monitor.settle_rad &&
+         a.control.torque_forward_nm == b.control.torque_forward_nm &&
+         a.control.torque_backward_nm == b.control.torque_backward_nm;
+}
+
+// What turns counts and currents into the law's arguments; a change of it is a jump for the law's memory.
+auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
+  return a.encoder_counts_per_turn == b.encoder_counts_per_turn && a.encoder_sign == b.encoder_sign &&
+         a.torque_per_current_nm_per_a == b.torque_per_current_nm_per_a && a.fitted == b.fitted;
+}
+
+}  // namespace
+
+Axis::Axis(const AxisConfig& config)
+    : config_(config), sensing_(config.motor), estimator_(config), modes_(config_), gate_(config), observer_(config) {}
+
+void Axis::rt_configure(const AxisConfig& config) {
+  const bool new_scale = !same_scale(config.motor, config_.motor);
+  const bool new_law = new_scale || !same_law(config.law, config_.law);
+  const bool new_force = new_scale || !same_force_law(config.force, config_.force);
+  const bool new_monitor = new_law || !same_monitor(config, config_);
+  config_ = config;
+  sensing_.rt_configure(config_.motor);
+  modes_.rt_configure(config_);
+  gate_.rt_configure(config_);
+  observer_.rt_configure(config_);
+  if (new_law) {
+    estimator_.rt_make_law(config_.law);
+  }
+  if (new_force) {
+    modes_.rt_make_force_law(config_.force);
+  }
+  if (new_monitor) {
+    estimator_.rt_make_monitor(config_.monitor);
+    telemetry_.misfit = Q24{};
+    telemetry_.warnings = 0;
+  }
+}
+
+void Axis::rt_zero(Q24 q1_rad) {
+  sensing_.rt_zero(q1_rad);
+  estimator_.rt_forget();
+}
+
+auto Axis::rt_sense(const AxisSensed& sensed) -> MotorState {
+  if (fitted()) {
+    return sensing_.rt_step(config_, sensed);
+  }
+  sensing_.rt_absent();
+  estimator_.rt_absent();
+  return {};
+}
+
+auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c) -> JointEstimate {
+  if (!fitted()) {
+    return {};
+  }
+  const JointEstimate& estimate = estimator_.rt_step(config_, motor, others, temperature_c);
+  modes_.rt_observe(gate_.drive_a() * config_.motor.torque_per_current_nm_per_a, estimate.valid);
+  return estimate;
+}
+
+auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool {
+  return fitted() && modes_.rt_command(view(motor, estimate), command);
+}
+
+auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet {
+  if (!energised || !fitted()) {
+    monitors_.rt_rest();
+    modes_.rt_rest();
+  }
+  if (!fitted()) {
+    return 0;
+  }
+  FaultSet faults = motor.faults | estimate.faults | gate_.faults() |
+                    monitors_.rt_watch_power(config_.limits, motor, gate_.drive_a()) |
+                    observer_.rt_step(motor, gate_.drive_a(), energised);
+  if (energised) {
+    faults |= monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(), modes_.rt_took_begin()) |
+              (modes_.rt_stream_lost() ? bit(Fault::kLinkLost) : 0);
+  }
+  return faults;
+}
+
+void Axis::rt_arm(const JointEstimate& estimate) {
+  modes_.rt_arm(estimate);
+  gate_.rt_restart();
+  observer_.rt_arm();
+}
+
+auto Axis::rt_reference(const MotorState& motor, const JointEstimate& estimate, bool energised)
+    -> const JointReference& {
+  return energised ? modes_.rt_step(view(motor, estimate)) : modes_.rt_idle(motor);
+}
+
+auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive {
+  const bool driven = energised && fitted();
+  const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
+  return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven);
+}
+
+void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, FaultSet faults) {
+  const JointReference& reference = modes_.reference();
+  telemetry_.q1_rad = motor.q1_rad;
+  telemetry_.tau_nm = motor.tau_nm;
+  telemetry_.current_a = motor.current_a;
+  telemetry_.q2_rad = estimate.q2_rad;
+  telemetry_.q2_reported_rad = estimate.q2_reported_rad;
+  telemetry_.estimate_valid = estimate.valid;
+  telemetry_.q2_reference_rad = reference.q2_rad;
+  telemetry_.q1_reference_rad = reference.q1_rad;
+  telemetry_.joint_torque_reference_nm = reference.joint_torque_nm;
+  telemetry_.mode = reference.mode;
+  telemetry_.moving = reference.moving;
+  telemetry_.drive_a = gate_.drive_a();
+  telemetry_.limits = static_cast<LimitSet>(reference.limits | gate_.limits());
+  telemetry_.faults = faults;
+  if (modes_.force().has_law()) {
+    const ForceEstimate<Q24>& force = modes_.force().estimate();
+    telemetry_.joint_torque_nm = force.force;
+    telemetry_.joint_torque_known = force.known;
+    telemetry_.joint_torque_phase = force.phase;
+  }
+  telemetry_.misfit = estimator_.monitor().level();
+  telemetry_.warnings = estimator_.monitor().warnings();
+}
+
+}  // namespace capstan

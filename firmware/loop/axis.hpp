@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/safety/gate.hpp"
+#include "capstan/firmware/safety/monitors.hpp"
+#include "capstan/firmware/safety/motor_observer.hpp"
+#include "capstan/firmware/telemetry/axis_telemetry.hpp"
+
+namespace capstan {
+
+/// One joint: its parameters, and the stages that a cycle's values pass through. Each stage is handed what the ones
+/// before it made; none reads what another keeps.
+class Axis {
+ public:
+  explicit Axis(const AxisConfig& config);
+  Axis(const Axis&) = delete;  // the force law refers to the parameters in here
+  auto operator=(const Axis&) -> Axis& = delete;
+  ~Axis() = default;
+
+  /// New parameters. The law and its memory are made anew only if its parameters or the scale of its arguments changed;
+  /// torque must be off then (needs_rest).
+  void rt_configure(const AxisConfig& config);
+  /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
+  /// jump, after which the position is not known. Torque must be off.
+  void rt_zero(Q24 q1_rad);
+  /// Converts the sensors.
+  auto rt_sense(const AxisSensed& sensed) -> MotorState;
+  /// Runs the law. `other`: the motor that pulls at this joint too; nullptr if there is none. `temperature_c`: the last
+  /// that was measured, or the mark of a missing value.
+  auto rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c = ScalarTraits<Q24>::missing())
+      -> JointEstimate;
+  /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
+  void rt_judge_law() { estimator_.rt_judge_law(config_.monitor); }
+  /// Takes a command, as Modes::rt_command; false too where there is no joint.
+  auto rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool;
+  /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
+  auto rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet;
+  /// Gets ready for torque: stand where the joint is.
+  void rt_arm(const JointEstimate& estimate);
+  /// What is wanted of the motor.
+  auto rt_reference(const MotorState& motor, const JointEstimate& estimate, bool energised) -> const JointReference&;
+  /// The one gate every output passes.
+  auto rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive;
+  /// The last call of a cycle.
+  void rt_report(const MotorState& motor, const JointEstimate& estimate, FaultSet faults);
+
+  /// As another joint's law sees this motor.
+  [[nodiscard]] auto as_neighbour(const MotorState& motor) const -> OtherMotor<Q24> {
+    return {motor.q1_rad, motor.tau_nm, estimator_.law().sample().forward};
+  }
+  [[nodiscard]] auto in_motion() const -> bool { return modes_.in_motion(); }
+  [[nodiscard]] auto braking() const -> bool { return modes_.braking(); }
+  [[nodiscard]] auto in_torque() const -> bool { return modes_.in_torque(); }
+  [[nodiscard]] auto config() const -> const AxisConfig& { return config_; }
+  [[nodiscard]] auto fitted() const -> bool { return config_.motor.fitted != 0; }
+  [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return telemetry_; }
+
+ private:
+  [[nodiscard]] auto view(const MotorState& motor, const JointEstimate& estimate) const -> JointView {
+    return {config_, estimator_.law(), motor, estimate, gate_.drive_a() * config_.motor.torque_per_current_nm_per_a};
+  }
+
+  AxisConfig config_;
+  MotorSensing sensing_;
+  Estimator estimator_;
+  Modes modes_;
+  Monitors monitors_;
+  Gate gate_;
+  MotorObserver observer_;
+  AxisTelemetry telemetry_;
+};
+
+}  // namespace capstan

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "capstan/model/force_law.hpp"
+#include "capstan/model/motion_law.hpp"
+
+namespace capstan {
+
+/// The cycle's rate. A constant: measured time is telemetry and never enters the law.
+inline constexpr std::int32_t kCycleRateHz = 1000;
+
+/// A rate's share of one cycle: rate / kCycleRateHz by the one rounding rule (nearest, ties towards plus infinity).
+constexpr auto per_cycle(Q24 rate) -> Q24 {
+  const std::int32_t quotient = rate.raw() / kCycleRateHz;
+  const std::int32_t twice_the_rest = 2 * (rate.raw() % kCycleRateHz);
+  return Q24::from_raw(quotient + (twice_the_rest >= kCycleRateHz ? 1 : 0) - (twice_the_rest < -kCycleRateHz ? 1 : 0));
+}
+static_assert(per_cycle(Q24::from_raw(1499)).raw() == 1 && per_cycle(Q24::from_raw(-1499)).raw() == -1);
+static_assert(per_cycle(Q24::from_raw(1500)).raw() == 2 && per_cycle(Q24::from_raw(-1500)).raw() == -1 &&
+              per_cycle(Q24::from_raw(-1501)).raw() == -2);
+static_assert(per_cycle(Q24::max()).raw() > 0 && per_cycle(Q24::lowest()).raw() < 0);
+
+/// Motor, gear and encoder, as seen at the transmission's input pulley.
+struct MotorConfig {
+  std::int32_t encoder_counts_per_turn = 40960;  ///< counts per turn of the input pulley
+  std::int32_t encoder_sign = 1;                 ///< +1 or -1
+  Q24 torque_per_current_nm_per_a = Q24::from_double(0.1);
+  Q24 speed_limit_rad_s = Q24::from_double(60.0);  ///< a faster encoder is a fault
+  std::int32_t fitted = 1;                         ///< 0: there is no joint here; nothing is sensed, judged or driven
+};
+
+/// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the
+/// motor servo follows it.
+struct ControlConfig {
+  Q24 kp = Q24::from_double(0.2);                     ///< motor rad per joint rad
+  Q24 ki_per_s = Q24::from_double(4.0);               ///< 1/s
+  Q24 kd_s{};                                         ///< s, on the estimate, not on the error
+  Q24 integral_limit_rad = Q24::from_double(0.3);     ///< anti-windup, rad of motor angle
+  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);   ///< motor servo
+  Q24 damping_nms_per_rad = Q24::from_double(0.006);  ///< motor servo
+  Q24 torque_forward_nm{};                            ///< feedforward: torque that keeps the motor moving forward
+  Q24 torque_backward_nm{};                           ///< the same backward (negative)
+  Q24 reversal_time_s = Q24::from_double(0.02);       ///< the feedforward changes direction within about this time
+};
+
+struct LimitConfig {
+  Q24 current_a = Q24::from_double(3.0);             ///< peak
+  Q24 continuous_current_a = Q24::from_double(1.5);  ///< what the winding stands for ever
+  Q24 thermal_time_s = Q24::from_double(10.0);       ///< of the winding
+  Q24 current_rate_a_per_cycle = Q24::from_double(0.5);
+  Q24 motor_min_rad = Q24::from_double(-6.0);  ///< tendon travel, in motor space
+  Q24 motor_max_rad = Q24::from_double(6.0);
+  Q24 joint_min_rad = Q24::from_double(-2.0);  ///< references outside are refused
+  Q24 joint_max_rad = Q24::from_double(2.0);
+  Q24 joint_speed_rad_s = Q24::from_double(2.0);  ///< of moves
+  Q24 joint_acceleration_rad_s2 = Q24::from_double(10.0);
+  Q24 joint_jerk_krad_s3 = Q24::from_double(120.0);  ///< of moves; the default is what any acceleration does in a cycle
+  Q24 following_error_rad = Q24::from_double(0.35);
+  Q24 following_time_s = Q24::from_double(0.25);
+  Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted
+  Q24 joint_torque_nm = Q24::from_double(0.2);     ///< largest that force control may be asked for
+  Q24 supply_min_v{};                              ///< of the amplifier; 0: not watched
+};
+
+/// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.
+struct ForceConfig {
+  static constexpr std::size_t kLevels = 11;  ///< the thesis's grid, and the one that is identified
+  static constexpr std::size_t kDepth = 16;   ///< reversals that are remembered
+  using Law = ForceLaw<Q24, kLevels, kDepth>;
+
+  std::int32_t law = 0;  ///< a ForceLawKind
+  Q24 eta_top{};
+  Q24 eta_bottom{};
+  Q24 pretension_nm{};
+  Q24 ratio = Q24::from_int(1);
+  Q24 friction_nm{};               ///< the motor's own
+  Q24 offset_nm{};                 ///< of the motor's torque
+  Q24 stiffness_top_nm_per_rad{};  ///< r1^2 Kn, for palpation; 0: not known
+  Q24 stiffness_bottom_nm_per_rad{};
+  Q24 rate_nm_per_s = Q24::from_double(0.05);      ///< of `move jointN force=`
+  Q24 reversal_time_s = Q24::from_double(0.03);    ///< the motor's torque crosses the hysteresis within about this
+  Q24 threshold_nm = Q24::from_double(0.0002);     ///< return of the wanted torque that counts as a reversal
+  ReversalTable<Q24, kLevels> grid{.forces = {}};  ///< of preisach
+};
+
+/// What the monitor takes for right. 0: not watched.
+struct MonitorConfig {
+  Q24 joint_rms_rad{};                      ///< of the law's error against a joint sensor
+  Q24 torque_rms_nm{};                      ///< of the mean friction torque of a stretch of motion
+  Q24 excess = Q24::from_double(1.5);       ///< of either that is still allowed, times
+  Q24 settle_rad = Q24::from_double(0.35);  ///< motor's travel after a reversal until its torque is steady
+};
+
+/// How sure the law of a joint is, as its joint.toml says.
+enum class LawStatus : std::int32_t {
+  kConfirmed,    ///< its effects are certain, or it was asked for by name
+  kProvisional,  ///< it lowers the error for certain; what it is made of is not
+  kBase,         ///< nothing was found that lowers the error
+};
+
+/// The motor itself, as commissioning finds it: what the motor observer takes for right. Inertia 0: not commissioned.
+struct ObserverConfig {
+  Q24 inertia_gm2{};  ///< of motor and input pulley, 1 g m2 being 1e-3 kg m2
+  Q24 coulomb_nm{};   ///< torque that the motor's own friction holds
+  Q24 noise_a{};      ///< of the measured current about the wanted one, offset included
+};
+
+/// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.
+struct AxisConfig {
+  MotorConfig motor;
+  ControlConfig control;
+  LimitConfig limits;
+  LawParameters<Q24> law;
+  ForceConfig force;
+  MonitorConfig monitor;
+  ObserverConfig observer;
+  /// Joints whose motors pull at this one, by the slots of the law's coupling; -1: none.
+  std::array<std::int32_t, kMostOthers> coupled_to = {-1, -1, -1};
+  std::int32_t law_status = 0;  ///< a LawStatus: what `apply` knows of the law and the shell says
+
+  constexpr AxisConfig() { law.coefficients[0] = Q24::from_int(1); }  // rigid until a model is loaded
+};
+static_assert(std::is_standard_layout_v<AxisConfig>);
+/// What a joint has before anybody writes to it. In the program, not on a stack: it is more than a kilobyte.
+inline constexpr AxisConfig kDefaultAxis{};
+
+/// Whether another motor pulls at the joint.
+inline auto is_pulled(const AxisConfig& config) -> bool {
+  return std::any_of(config.coupled_to.begin(), config.coupled_to.end(), [](std::int32_t joint) { return joint >= 0; });
+}
+
+template <std::size_t Axes>
+using Config = std::array<AxisConfig, Axes>;
+
+}  // namespace capstan

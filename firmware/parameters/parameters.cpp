@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/parameters/parameters.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include "capstan/firmware/control/trajectory.hpp"
+#include "capstan/firmware/parameters/name_hash.hpp"
+#include "capstan/firmware/safety/motor_observer.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr auto real(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
+                    double minimum, double maximum, ParameterChange change = ParameterChange::kDisarmed)
+    -> ParameterInfo {
+  return {group,
+          name,
+          unit,
+          doc,
+          ParameterType::kReal,
+          change,
+          static_cast<std::uint16_t>(offset),
+          Q24::from_double(minimum).raw(),
+          Q24::from_double(maximum).raw()};
+}
+
+constexpr auto integer(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
+                       std::int32_t minimum, std::int32_t maximum, ParameterChange change = ParameterChange::kDisarmed)
+    -> ParameterInfo {
+  return {group,   name,   unit, doc, ParameterType::kInteger, change, static_cast<std::uint16_t>(offset),
+          minimum, maximum};
+}
+
+constexpr auto kTunable = ParameterChange::kAnyTime;
+constexpr auto kSafety = ParameterChange::kMaintenance;
+constexpr std::size_t kMotor = offsetof(AxisConfig, motor);
+constexpr std::size_t kControl = offsetof(AxisConfig, control);
+constexpr std::size_t kLimits = offsetof(AxisConfig, limits);
+constexpr std::size_t kLaw = offsetof(AxisConfig, law);
+using ForceGrid = decltype(ForceConfig::grid);
+constexpr std::size_t kForce = offsetof(AxisConfig, force);
+constexpr std::size_t kGrid = kForce + offsetof(ForceConfig, grid);
+constexpr std::size_t kMonitor = offsetof(AxisConfig, monitor);
+constexpr std::size_t kCoupledTo = offsetof(AxisConfig, coupled_to);
+constexpr std::size_t kObserver = offsetof(AxisConfig, observer);
+constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
+
+constexpr std::array kFixedParameters = {
+    integer("motor", "encoder_counts", "1", "encoder counts per turn of the input pulley",
+            kMotor + offsetof(MotorConfig, encoder_counts_per_turn), 16, 1 << 24),
+    integer("motor", "encoder_sign", "1", "+1, or -1 if the encoder counts against the torque",
+            kMotor + offsetof(MotorConfig, encoder_sign), -1, 1),
+    real("motor", "torque_per_current", "Nm/A", "torque at the input pulley per motor current",
+         kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
+    real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
+         kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0, kSafety),
+    integer("motor", "fitted", "1", "1, or 0 if the board has no joint here: then nothing of it blocks arming or moves",
+            kMotor + offsetof(MotorConfig, fitted), 0, 1, kSafety),
+    real("control", "kp", "1", "joint loop, proportional: motor rad per joint rad",
+         kControl + offsetof(ControlConfig, kp), 0.0, 20.0, kTunable),
+    real("control", "ki", "1/s", "joint loop, integral", kControl + offsetof(ControlConfig, ki_per_s), 0.0, 100.0,
+         kTunable),
+    real("control", "kd", "s", "joint loop, derivative of the estimate", kControl + offsetof(ControlConfig, kd_s), 0.0,
+         1.0, kTunable),
+    real("control", "integral_limit", "rad", "bound of the integral, motor side",
+         kControl + offsetof(ControlConfig, integral_limit_rad), 0.0, 10.0, kTunable),
+    real("control", "stiffness", "Nm/rad", "motor servo, proportional",
+         kControl + offsetof(ControlConfig, stiffness_nm_per_rad), 0.0, 100.0, kTunable),
+    real("control", "damping", "Nms/rad", "motor servo, derivative",
+         kControl + offsetof(ControlConfig, damping_nms_per_rad), 0.0, 10.0, kTunable),
+    real("control", "torque_forward", "Nm", "torque that keeps the motor moving forward",
+         kControl + offsetof(ControlConfig, torque_forward_nm), -50.0, 50.0, kTunable),
+    real("control", "torque_backward", "Nm",
+         "torque that keeps the motor moving backward, negative where friction rules",
+         kControl + offsetof(ControlConfig, torque_backward_nm), -50.0, 50.0, kTunable),
+    real("control", "reversal_time", "s", "the feedforward changes direction within about this time",
+         kControl + offsetof(ControlConfig, reversal_time_s), 0.001, 2.0, kTunable),
+    real("limits", "current", "A", "peak current", kLimits + offsetof(LimitConfig, current_a), 0.001, 100.0, kSafety),
+    real("limits", "continuous_current", "A", "current the winding stands for ever",
+         kLimits + offsetof(LimitConfig, continuous_current_a), 0.001, 100.0, kSafety),
+    real("limits", "thermal_time", "s", "thermal time constant of the winding",
+         kLimits + offsetof(LimitConfig, thermal_time_s), 0.1, 120.0, kSafety),
+    real("limits", "current_rate", "A/cycle", "largest change of the set value in one cycle",
+         kLimits + offsetof(LimitConfig, current_rate_a_per_cycle), 0.0001, 100.0, kSafety),
+    real("limits", "motor_min", "rad", "tendon travel: no torque further out",
+         kLimits + offsetof(LimitConfig, motor_min_rad), -125.0, 125.0, kSafety),
+    real("limits", "motor_max", "rad", "tendon travel: no torque further out",
+         kLimits + offsetof(LimitConfig, motor_max_rad), -125.0, 125.0, kSafety),
+    real("limits", "joint_min", "rad", "smallest reference", kLimits + offsetof(LimitConfig, joint_min_rad), -125.0,
+         125.0, kSafety),
+    real("limits", "joint_max", "rad", "largest reference", kLimits + offsetof(LimitConfig, joint_max_rad), -125.0,
+         125.0, kSafety),
+    real("limits", "joint_speed", "rad/s", "largest speed of a reference",
+         kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0, kSafety),
+    real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
+         kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0, kSafety),
+    real("limits", "joint_jerk", "krad/s3", "change of the acceleration of moves, 1 krad/s3 being 1 rad/s2 in 1 ms",
+         kLimits + offsetof(LimitConfig, joint_jerk_krad_s3), 0.01, 120.0, kSafety),
+    real("limits", "following_error", "rad", "larger for longer than following_time is a fault",
+         kLimits + offsetof(LimitConfig, following_error_rad), 0.001, 10.0, kSafety),
+    real("limits", "following_time", "s", "how long following_error may be exceeded",
+         kLimits + offsetof(LimitConfig, following_time_s), 0.001, 10.0, kSafety),
+    real("limits", "current_mismatch", "A", "measured and wanted current may differ by this for 50 ms",
+         kLimits + offsetof(LimitConfig, current_mismatch_a), 0.001, 100.0, kSafety),
+    real("limits", "joint_torque", "Nm", "largest torque that force control may be asked for",
+         kLimits + offsetof(LimitConfig, joint_torque_nm), 0.0, 100.0, kSafety),
+    real("limits", "supply_min", "V", "a lower supply of the amplifier is a fault; 0: not watched",
+         kLimits + offsetof(LimitConfig, supply_min_v), 0.0, 127.0, kSafety),
+    real("conditioner", "direction_threshold", "rad", "return of the motor that counts as a reversal",
+         kConditioner + offsetof(ConditionerShape<Q24>, direction_threshold_rad), 0.0, 1.0),
+    real("conditioner", "rate_time_constant", "s", "filter of the motor's rate",
+         kConditioner + offsetof(ConditionerShape<Q24>, rate_time_constant_s), 0.0, 1.0),
+    integer("axis_coupling", "joint", "1", "joint whose motor pulls at this one; -1: none", kCoupledTo, -1, 3),
+    integer("axis_coupling", "joint_2", "1", "the second such joint, for coupled_hysteresis_2; -1: none",
+            kCoupledTo + sizeof(std::int32_t), -1, 3),
+    integer("axis_coupling", "joint_3", "1", "the third, for coupled_hysteresis_3; -1: none",
+            kCoupledTo + 2 * sizeof(std::int32_t), -1, 3),
+    integer("law", "status", "1", "how sure the law is: 0 confirmed, 1 provisional, 2 base",
+            offsetof(AxisConfig, law_status), 0, 2),
+    integer("force", "law", "1", "motor torque to joint torque: 0 none, 1 pull, 2 pull-push, 3 preisach",
+            kForce + offsetof(ForceConfig, law), 0, 3),
+    real("force", "eta_top", "1", "friction-bending number of the top tendon", kForce + offsetof(ForceConfig, eta_top),
+         0.0, 3.0),
+    real("force", "eta_bottom", "1", "the same of the bottom tendon", kForce + offsetof(ForceConfig, eta_bottom), 0.0,
+         3.0),
+    real("force", "pretension", "Nm", "tendon integral times the input radius, I r1",
+         kForce + offsetof(ForceConfig, pretension_nm), 0.0, 8.0),
+    real("force", "ratio", "1", "output radius over input radius, r2 / r1", kForce + offsetof(ForceConfig, ratio),
+         0.001, 4.0),
+    real("force", "friction", "Nm", "the motor's own friction", kForce + offsetof(ForceConfig, friction_nm), 0.0, 8.0),
+    real("force", "offset", "Nm", "of the motor's torque", kForce + offsetof(ForceConfig, offset_nm), -8.0, 8.0),
+    real("force", "stiffness_top", "Nm/rad", "of the top tendon at the motor, r1^2 K, for palpation; 0: not known",
+         kForce + offsetof(ForceConfig, stiffness_top_nm_per_rad), 0.0, 127.0),
+    real("force", "stiffness_bottom", "Nm/rad", "the same of the bottom tendon",
+         kForce + offsetof(ForceConfig, stiffness_bottom_nm_per_rad), 0.0, 127.0),
+    real("force", "rate", "Nm/s", "how fast 'move jointN force=' changes the joint's torque",
+         kForce + offsetof(ForceConfig, rate_nm_per_s), 0.0001, 100.0, kTunable),
+    real("force", "reversal_time", "s", "the motor's torque crosses the hysteresis within about this time",
+         kForce + offsetof(ForceConfig, reversal_time_s), 0.001, 2.0, kTunable),
+    real("force", "threshold", "Nm", "return of the wanted joint torque that counts as a reversal",
+         kForce + offsetof(ForceConfig, threshold_nm), 0.0, 1.0, kTunable),
+    real("monitor", "joint_rms", "rad", "expected error of the law against the joint's sensor; 0: not watched",
+         kMonitor + offsetof(MonitorConfig, joint_rms_rad), 0.0, 1.0),
+    real("monitor", "torque_rms", "Nm",
+         "expected error of the mean friction torque, without a joint sensor; 0: not watched",
+         kMonitor + offsetof(MonitorConfig, torque_rms_nm), 0.0, 10.0),
+    real("monitor", "excess", "1", "a warning comes when either error is larger than this times the expected",
+         kMonitor + offsetof(MonitorConfig, excess), 1.1, 5.0),
+    real("monitor", "settle", "rad", "motor's travel after a reversal until its torque is steady",
+         kMonitor + offsetof(MonitorConfig, settle_rad), 0.0, 10.0),
+    real("observer", "inertia", "gm2",
+         "of motor and input pulley, as commissioned; 0: not known, and nothing is watched by it",
+         kObserver + offsetof(ObserverConfig, inertia_gm2), 0.0, 100.0, kSafety),
+    real("observer", "coulomb", "Nm", "torque that the motor's own friction holds",
+         kObserver + offsetof(ObserverConfig, coulomb_nm), 0.0, 100.0, kSafety),
+    real("observer", "noise", "A", "of the measured current about the wanted one, offset included",
+         kObserver + offsetof(ObserverConfig, noise_a), 0.0, 10.0, kSafety),
+    ParameterInfo{"preisach", "levels", "1", "levels of the grid of reversal values", ParameterType::kInteger,
+                  ParameterChange::kDisarmed, static_cast<std::uint16_t>(kGrid + offsetof(ForceGrid, levels)), 0,
+                  ForceConfig::kLevels},
+};
+
+constexpr double kCoefficientLimit = 100.0;
+
+/// "input_3", "force_10_7": the grid's rows have numbers instead of names.
+struct GridName {
+  std::array<char, 12> text{};
+  constexpr explicit GridName(std::string_view stem) {
+    for (const char c : stem) {
+      text[size_++] = c;
+    }
+  }
+  constexpr auto with(std::size_t number) const -> GridName {
+    GridName longer = *this;
+    longer.text[longer.size_++] = '_';
+    if (number > 9) {
+      longer.text[longer.size_++] = static_cast<char>('0' + number / 10);
+    }
+    longer.text[longer.size_++] = static_cast<char>('0' + number % 10);
+    return longer;
+  }
+
+ private:
+  std::size_t size_ = 0;
+};
+
+constexpr std::size_t kGridRows = ForceConfig::kLevels + ForceGrid::kMaxValues;
+constexpr auto make_grid_names() {
+  std::array<GridName, kGridRows> names = []<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<GridName, kGridRows>{((void)I, GridName(""))...};
+  }
+  (std::make_index_sequence<kGridRows>{});
+  std::size_t next = 0;
+  for (std::size_t level = 0; level < ForceConfig::kLevels; ++level) {
+    names[next++] = GridName("input").with(level);
+  }
+  for (std::size_t row = 0; row < ForceConfig::kLevels; ++row) {
+    for (std::size_t column = 0; column <= row; ++column) {
+      names[next++] = GridName("force").with(row).with(column);
+    }
+  }
+  return names;
+}
+constexpr std::array<GridName, kGridRows> kGridNames = make_grid_names();
+
+constexpr std::size_t kLawAt = kFixedParameters.size() + kGridRows;
+constexpr std::size_t kCount = kLawAt + kCoefficientCount + kShapeCount;
+static_assert(kCount <= kMostParameters);
+
+constexpr void add_grid_rows(std::array<ParameterInfo, kCount>& table) {
+  constexpr double kMost = 127.0;
+  for (std::size_t i = 0; i < kGridRows; ++i) {
+    const bool input = i < ForceConfig::kLevels;
+    const std::size_t offset = input ? offsetof(ForceGrid, inputs) + i * sizeof(Q24)
+                                     : offsetof(ForceGrid, forces) + (i - ForceConfig::kLevels) * sizeof(Q24);
+    table[kFixedParameters.size() + i] =
+        real("preisach", kGridNames[i].text.data(), "Nm",
+             input ? "motor torque of this level, in increasing order"
+                   : "joint torque after a rise to the first level and a fall to the second",
+             kGrid + offset, -kMost, kMost);
+  }
+}
+
+/// Walks a list of terms and writes a row for every coefficient and shape it declares.
+class LawRows {
+ public:
+  constexpr explicit LawRows(std::array<ParameterInfo, kCount>& table) : table_(table) {}
+  template <typename Term>
+  constexpr void operator()() {
+    for (const CoefficientInfo& c : Term::kInfo.coefficients) {
+      table_[next_++] = real(Term::kInfo.name, c.name, c.unit, c.doc,
+                             kLaw + offsetof(LawParameters<Q24>, coefficients) + coefficient_++ * sizeof(Q24),
+                             c.sign == Sign::kNonNegative ? 0.0 : -kCoefficientLimit,
+                             c.sign == Sign::kNonPositive ? 0.0 : kCoefficientLimit);
+    }
+    for (const ShapeInfo& s : Term::kInfo.shapes) {
+      table_[next_++] = real(Term::kInfo.name, s.name, s.unit, s.doc,
+                             kLaw + offsetof(LawParameters<Q24>, shapes) + shape_++ * sizeof(Q24),
+                             std::min(0.0, s.minimum), s.maximum);
+    }
+  }
+
+ private:
+  std::array<ParameterInfo, kCount>& table_;
+  std::size_t next_ = kLawAt;
+  std::size_t coefficient_ = 0;
+  std::size_t shape_ = 0;
+};
+
+constexpr auto make_table() -> std::array<ParameterInfo, kCount> {
+  std::array<ParameterInfo, kCount> table{};
+  for (std::size_t i = 0; i < kFixedParameters.size(); ++i) {
+    table[i] = kFixedParameters[i];
+  }
+  add_grid_rows(table);
+  LawRows rows(table);
+  for_each_term<Q24>(rows);
+  return table;
+}
+
+constexpr std::array<ParameterInfo, kCount> kTable = make_table();
+
+// Two names with one hash would share their stored value. FNV-1a begins with the joint's number, so what is unique for
+// one joint is checked for each.
+template <std::size_t Axis>
+consteval auto hashes_are_unique() -> bool {
+  std::array<std::uint32_t, kCount> hashes{};
+  for (std::size_t i = 0; i < kCount; ++i) {
+    hashes[i] = name_hash(Axis, kTable[i].group, kTable[i].name);
+  }
+  std::sort(hashes.begin(), hashes.end());
+  return std::adjacent_find(hashes.begin(), hashes.end()) == hashes.end();
+}
+static_assert(hashes_are_unique<0>() && hashes_are_unique<1>() && hashes_are_unique<2>() && hashes_are_unique<3>());
+
+}  // namespace
+
+auto parameters() -> std::span<const ParameterInfo> {
+  return kTable;
+}
+
+auto find_parameter(std::string_view group_dot_name) -> const ParameterInfo* {
+  const std::size_t dot = group_dot_name.find('.');
+  if (dot == std::string_view::npos) {
+    return nullptr;
+  }
+  const std::string_view group(group_dot_name.data(), dot);
+  const std::string_view name(group_dot_name.data() + dot + 1, group_dot_name.size() - dot - 1);
+  for (const ParameterInfo& parameter : kTable) {
+    if (group == parameter.group && name == parameter.name) {
+      return &parameter;
+    }
+  }
+  return nullptr;
+}
+
+auto raw_value(const AxisConfig& config, const ParameterInfo& parameter) -> std::int32_t {
+  std::int32_t raw = 0;
+  std::memcpy(&raw, reinterpret_cast<const char*>(&config) + parameter.offset, sizeof raw);
+  return raw;
+}
+
+void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int32_t raw) {
+  std::memcpy(reinterpret_cast<char*>(&config) + parameter.offset, &raw, sizeof raw);
+}
+
+auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool {
+  for (const ParameterInfo& parameter : kTable) {
+    if (parameter.change != ParameterChange::kAnyTime && raw_value(now, parameter) != raw_value(next, parameter)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo* {
+  for (const ParameterInfo& parameter : kTable) {
+    if (parameter.change == ParameterChange::kMaintenance && raw_value(now, parameter) != raw_value(next, parameter)) {
+      return &parameter;
+    }
+  }
+  return nullptr;
+}
+
+auto judge_change(const AxisConfig& now, const AxisConfig& next, Rights rights, bool live) -> SetAnswer {
+  using Refusal = SetAnswer::Refusal;
+  if (live && needs_rest(now, next)) {
+    return {.refusal = Refusal::kNeedsRest};
+  }
+  const ParameterInfo* limit = changed_safety_limit(now, next);
+  if (limit != nullptr && rights != Rights::kMaintenance) {
+    return {.refusal = Refusal::kSafetyLimit, .limit = limit};
+  }
+  const char* reason = check(next);
+  return reason == nullptr ? SetAnswer{}
+                           : SetAnswer{.refusal = Refusal::kInconsistent, .reason = reason, .grid = check_grid(next)};
+}
+
+namespace {
+
+auto check_law(const LawParameters<Q24>& law) -> const char* {
+  if (abs(law.coefficients[0]) < Q24::from_double(0.01)) {
+    return "motor_angle.beta is nearly zero, so the law can not be inverted; set it to the ratio of the pulley radii";
+  }
+  if (!fits(law)) {
+    return "the law's coefficients add up to 256 or more, which its numbers do not hold; look for one that is far too "
+           "large";
+  }
+  switch (check_parts(law)) {
+    case LawFault::kRatioTurnsBack:
+      return "the curve of curved_ratio turns back within its span, so the law can not be inverted; make square and "
+             "cube smaller or span larger";
+    case LawFault::kTableEnds:
+      return "table.low is not below table.high; set them in order";
+    case LawFault::kNone:
+      break;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+auto check(const AxisConfig& config) -> const char* {
+  if (const char* fault = check_law(config.law); fault != nullptr) {
+    return fault;
+  }
+  if (config.motor.encoder_sign == 0) {
+    return "motor.encoder_sign is 0; set it to 1 or -1";
+  }
+  if (config.limits.motor_min_rad >= config.limits.motor_max_rad) {
+    return "limits.motor_min is not below limits.motor_max; set them in order";
+  }
+  if (config.limits.joint_min_rad >= config.limits.joint_max_rad) {
+    return "limits.joint_min is not below limits.joint_max; set them in order";
+  }
+  if (!Trajectory::can_keep(config.limits)) {
+    return "limits.joint_jerk is below a sixteenth of limits.joint_acceleration, so that would take longer than 32 ms "
+           "to "
+           "build up; raise the one or lower the other";
+  }
+  if (config.limits.continuous_current_a > config.limits.current_a) {
+    return "limits.continuous_current is above limits.current; lower it or raise limits.current";
+  }
+  if (const char* sentence = MotorObserver::check(config)) {
+    return sentence;
+  }
+  const TableCheck grid = check_grid(config);
+  return grid.ok() ? nullptr : describe(grid.fault);
+}
+
+auto check_grid(const AxisConfig& config) -> TableCheck {
+  return config.force.law == static_cast<std::int32_t>(ForceLawKind::kPreisach)
+             ? check(config.force.grid, ForceConfig::Law::kRounding)
+             : TableCheck{};
+}
+
+}  // namespace capstan

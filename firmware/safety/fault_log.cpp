@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/fault_log.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <string_view>
+
+namespace capstan {
+namespace {
+
+constexpr std::uint32_t kMagicOfThisLayout = 0x324C4643;  // "CFL2"; another layout has another
+
+constexpr std::array<std::string_view, FaultLog::kSignals> kNames = {"q1", "torque", "q2", "reference"};
+
+auto packed(const FaultEntry& entry) -> std::uint32_t {
+  return static_cast<std::uint32_t>(entry.fault) | static_cast<std::uint32_t>(entry.state) << 8U |
+         static_cast<std::uint32_t>(entry.joints) << 16U;
+}
+
+/// What the cycle writes while others may copy the memory.
+void rt_put(std::uint32_t& word, std::uint32_t value) {
+  std::atomic_ref(word).store(value, std::memory_order_relaxed);
+}
+
+auto joints_with(Fault fault, std::span<const AxisTelemetry> axes) -> std::uint8_t {
+  unsigned joints = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    joints |= (axes[i].faults & bit(fault)) != 0 ? 1U << i : 0U;
+  }
+  return static_cast<std::uint8_t>(joints);
+}
+
+}  // namespace
+
+auto FaultLog::signals() -> std::array<const SignalInfo*, kSignals> {
+  std::array<const SignalInfo*, kSignals> found{};
+  for (std::size_t i = 0; i < kSignals; ++i) {
+    for (const SignalInfo& info : joint_signals()) {
+      found[i] = kNames[i] == info.name ? &info : found[i];
+    }
+  }
+  return found;
+}
+
+FaultLog::FaultLog(std::span<std::uint32_t> memory, std::size_t axes)
+    : memory_(memory.size() >= words_for(axes) ? memory : std::span<std::uint32_t>{}), axes_(axes) {
+  if (memory_.empty()) {
+    return;
+  }
+  const std::uint32_t magic = kMagicOfThisLayout + static_cast<std::uint32_t>(axes);
+  // Indices are looked at too: what power-on leaves may have the magic by a stale image, and nothing else right.
+  const bool whole = memory_[kMagic] == magic && memory_[kPhase] <= kFrozen && memory_[kNext] < kSamples &&
+                     memory_[kStored] <= kSamples;
+  if (!whole) {
+    std::fill(memory_.begin(), memory_.end(), 0U);
+    memory_[kMagic] = magic;
+  }
+  const std::uint32_t last_start = memory_[kStarts]++;
+  if (phase() == kRunning) {  // nobody took the torque away: the run ended by itself
+    rt_add({.start = last_start, .tick = memory_[kLastTick], .state = State::kArmed});
+    memory_[kKept] = memory_[kFaults];
+    set_phase(kFrozen);
+  }
+}
+
+auto FaultLog::phase() const -> std::uint32_t {
+  return memory_.empty() ? std::uint32_t{kFree} : std::atomic_ref(memory_[kPhase]).load(std::memory_order_acquire);
+}
+void FaultLog::set_phase(std::uint32_t phase) {
+  std::atomic_ref(memory_[kPhase]).store(phase, std::memory_order_release);
+}
+
+auto FaultLog::count() const -> std::uint32_t {
+  return memory_.empty() ? 0 : std::atomic_ref(memory_[kFaults]).load(std::memory_order_acquire);
+}
+
+auto FaultLog::unpack(std::uint32_t number) const -> FaultEntry {
+  const auto words = memory_.subspan(kHeadWords + number % kEntries * kEntryWords, kEntryWords);
+  const std::uint32_t fault = std::min<std::uint32_t>(words[2] & 0xFFU, kFaultTable.size() - 1);
+  const std::uint32_t state = std::min<std::uint32_t>(words[2] >> 8U & 0xFFU, kStateNames.size() - 1);
+  return {.start = words[0],
+          .tick = words[1],
+          .fault = static_cast<Fault>(fault),
+          .state = static_cast<State>(state),
+          .joints = static_cast<std::uint8_t>(words[2] >> 16U),
+          .conditions = words[3]};
+}
+
+auto FaultLog::entry(std::uint32_t age) const -> FaultEntry {
+  return memory_.empty() ? FaultEntry{} : unpack(count() - 1 - age);
+}
+
+auto FaultLog::kept() const -> std::size_t {
+  return phase() == kFrozen ? memory_[kStored] : 0;
+}
+auto FaultLog::kept_entry() const -> FaultEntry {
+  return memory_.empty() ? FaultEntry{} : unpack(memory_[kKept] - 1);
+}
+
+auto FaultLog::place_of(std::size_t sample) const -> std::size_t {
+  const std::size_t oldest = memory_[kStored] < kSamples ? 0 : memory_[kNext];
+  return kHeadWords + kEntries * kEntryWords + (oldest + sample) % kSamples * sample_words(axes_);
+}
+
+auto FaultLog::cycles_from_fault(std::size_t sample) const -> std::int32_t {
+  return static_cast<std::int32_t>(memory_[place_of(sample)] - memory_[place_of(kept() - 1)]);
+}
+
+auto FaultLog::raw(std::size_t sample, std::size_t axis, std::size_t signal) const -> std::int32_t {
+  const auto words = memory_.subspan(place_of(sample) + 1 + axis * kWordsOfJoint, kWordsOfJoint);
+  if (signal < kWordsOfJoint) {
+    return static_cast<std::int32_t>(words[signal] << 8U);
+  }
+  return static_cast<std::int32_t>((words[0] >> 24U) << 8U | (words[1] >> 24U) << 16U | (words[2] >> 24U) << 24U);
+}
+
+void FaultLog::release() {
+  if (phase() == kFrozen) {
+    set_phase(kFree);
+  }
+}
+
+void FaultLog::rt_add(const FaultEntry& entry) {
+  const auto words = memory_.subspan(kHeadWords + memory_[kFaults] % kEntries * kEntryWords, kEntryWords);
+  rt_put(words[0], entry.start);
+  rt_put(words[1], entry.tick);
+  rt_put(words[2], packed(entry));
+  rt_put(words[3], entry.conditions);
+  std::atomic_ref(memory_[kFaults]).store(memory_[kFaults] + 1, std::memory_order_release);
+}
+
+void FaultLog::rt_store(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {
+  std::uint32_t* place = &memory_[kHeadWords + kEntries * kEntryWords + memory_[kNext] * sample_words(axes_)];
+  rt_put(*place++, machine.tick);
+  for (const AxisTelemetry& axis : axes) {
+    // Three numbers in the lower 24 bits, the fourth in the upper 8 of all.
+    const auto last = static_cast<std::uint32_t>(axis.q2_reference_rad.raw()) >> 8U;
+    std::uint32_t shift = 0;
+    for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad}) {
+      rt_put(*place++, static_cast<std::uint32_t>(value.raw()) >> 8U | (last >> shift) << 24U);
+      shift += 8;
+    }
+  }
+  rt_put(memory_[kNext], memory_[kNext] + 1 == kSamples ? 0 : memory_[kNext] + 1);
+  rt_put(memory_[kStored], std::min<std::uint32_t>(memory_[kStored] + 1, kSamples));
+  rt_put(memory_[kLastTick], machine.tick);
+}
+
+void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {
+  if (memory_.empty()) {
+    return;
+  }
+  const State before = last_;
+  last_ = machine.state;
+  if (energised(machine.state) && !energised(before) && phase() == kFree) {
+    rt_put(memory_[kNext], 0);
+    rt_put(memory_[kStored], 0);
+    set_phase(kRunning);
+  }
+  const bool running = phase() == kRunning;
+  if (energised(machine.state)) {
+    if (running && machine.tick % kEvery == 0) {
+      rt_store(machine, axes);
+    }
+    return;
+  }
+  if (machine.state == State::kFaulted && before != State::kFaulted) {
+    rt_add({.start = memory_[kStarts],
+            .tick = machine.tick,
+            .fault = machine.first_fault,
+            .state = before,
+            .joints = joints_with(machine.first_fault, axes),
+            .conditions = machine.conditions});
+    if (running) {
+      rt_store(machine, axes);
+      rt_put(memory_[kKept], memory_[kFaults]);
+      set_phase(kFrozen);
+    }
+  } else if (running) {  // disarmed: nothing happened
+    set_phase(kFree);
+  }
+}
+
+}  // namespace capstan

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/gate.hpp"
+
+#include "capstan/firmware/safety/motor_observer.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
+// The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
+// that the gate does not rule.
+constexpr Q24 kTooHot = Q24::from_double(1.25);
+constexpr Q24 kOne = Q24::from_int(1);
+// Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
+// the two the limit would come and go with the sensor's noise.
+constexpr Q24 kCool = Q24::from_double(0.9);
+
+/// True for a current that pulls further out where the tendon travel ends. In motor space, because that is where
+/// tendons break.
+auto pulls_outward(const LimitConfig& limits, Q24 q1_rad, Q24 current_a) -> bool {
+  return (q1_rad >= limits.motor_max_rad && current_a > Q24{}) || (q1_rad <= limits.motor_min_rad && current_a < Q24{});
+}
+
+}  // namespace
+
+Gate::Scales::Scales(const AxisConfig& config)
+    : per_torque_constant(config.motor.torque_per_current_nm_per_a),
+      per_continuous_current(config.limits.continuous_current_a),
+      thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)),
+      rate_a_per_cycle(std::min(config.limits.current_rate_a_per_cycle, MotorObserver::slew_limit(config))) {}
+
+auto Gate::faults() const -> FaultSet {
+  return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0;
+}
+
+void Gate::rt_update_i2t(Q24 current_a) {
+  const Q24 load = current_a * scales_.per_continuous_current;
+  heat_ += (load * load - heat_) * scales_.thermal_gain;
+  hot_ = heat_ >= (hot_ ? kCool : kOne);
+}
+
+auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive {
+  met_ = 0;
+  rt_update_i2t(motor.current_a);
+  if (!energised) {
+    drive_a_ = Q24{};
+    return {};
+  }
+  Q24 wanted = torque_nm * scales_.per_torque_constant;
+  if (pulls_outward(limits, motor.q1_rad, wanted)) {
+    rt_flag(Limit::kMotorTravel);
+    wanted = Q24{};
+  }
+  const Q24 peak = hot_ ? limits.continuous_current_a : limits.current_a;
+  if (abs(wanted) > peak) {
+    rt_flag(hot_ ? Limit::kThermal : Limit::kCurrent);
+    wanted = clamp(wanted, -peak, peak);
+  }
+  const Q24 step = scales_.rate_a_per_cycle;
+  Q24 gated = clamp(wanted, drive_a_ - step, drive_a_ + step);
+  if (gated != wanted) {
+    rt_flag(Limit::kRate);
+  }
+  // The rate limit may delay a torque, never its removal.
+  gated = pulls_outward(limits, motor.q1_rad, gated) ? Q24{} : clamp(gated, -peak, peak);
+  drive_a_ = gated;
+  return {.current_a = gated, .enabled = true};
+}
+
+}  // namespace capstan

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/control/modes.hpp"
+
+namespace capstan {
+
+/// The one gate that every output of a joint passes: permission, thermal and peak current, tendon travel, rate.
+class Gate {
+ public:
+  explicit Gate(const AxisConfig& config) : scales_(config) {}
+  void rt_configure(const AxisConfig& config) { scales_ = Scales(config); }
+  /// @param energised  the supervisor's permission; without it the drive is off and the rate begins at zero again
+  auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive;
+  /// The next torque rises from zero.
+  void rt_restart() { drive_a_ = Q24{}; }
+  /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.
+  [[nodiscard]] auto faults() const -> FaultSet;
+  /// What was met in the last step.
+  [[nodiscard]] auto limits() const -> LimitSet { return met_; }
+  /// Current that was wanted in the last step, A.
+  [[nodiscard]] auto drive_a() const -> Q24 { return drive_a_; }
+
+ private:
+  /// What follows from the parameters, so that the cycle divides nothing.
+  struct Scales {
+    explicit Scales(const AxisConfig& config);
+    Reciprocal<Q24> per_torque_constant;
+    Reciprocal<Q24> per_continuous_current;
+    Q30 thermal_gain;
+    Q24 rate_a_per_cycle;  // limits.current_rate, or less where the observer asks for it
+  };
+  void rt_update_i2t(Q24 current_a);
+  void rt_flag(Limit limit) { met_ = static_cast<LimitSet>(met_ | bit(limit)); }
+
+  Scales scales_;
+  Q24 heat_;  // of the winding, 1 = what the continuous current leads to
+  bool hot_ = false;
+  LimitSet met_ = 0;
+  Q24 drive_a_;
+};
+
+}  // namespace capstan

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/monitors.hpp"
+
+namespace capstan {
+namespace {
+
+constexpr std::int32_t kOverCurrentCycles = 20;
+constexpr std::int32_t kMismatchCycles = 50;
+constexpr std::int32_t kFrozenCycles = 50;
+constexpr std::int32_t kStarvedCycles = 10;  // a supply may dip when its motors start
+constexpr Q24 kHalf = Q24::from_double(0.5);
+constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
+
+auto cycles_in(Q24 duration_s) -> std::int32_t {
+  return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
+}
+
+/// Counts the cycles in which something holds without a break, up to a number; true when that is reached.
+auto lasts(bool holds, std::int32_t& cycles, std::int32_t enough) -> bool {
+  cycles = holds ? std::min(cycles + 1, enough) : 0;
+  return cycles >= enough;
+}
+
+}  // namespace
+
+auto Monitors::rt_watch_power(const LimitConfig& limits, const MotorState& motor, Q24 drive_a) -> FaultSet {
+  FaultSet faults = 0;
+  if (lasts(abs(motor.current_a) > limits.current_a * kOverCurrentFactor, cycles_over_current_, kOverCurrentCycles)) {
+    faults |= bit(Fault::kOverCurrent);
+  }
+  // Without torque 0 was wanted, and then an amplifier that drives is a fault too.
+  // Good cycles only take bad ones back, so a sensor that says anything is found too.
+  const bool differs = abs(motor.current_a - drive_a) > limits.current_mismatch_a;
+  cycles_mismatched_ = std::clamp<std::int32_t>(cycles_mismatched_ + (differs ? 1 : -1), 0, kMismatchCycles);
+  if (cycles_mismatched_ == kMismatchCycles) {
+    faults |= bit(Fault::kCurrentMismatch);
+  }
+  if (motor.supply_low || cycles_starved_ > 0) {
+    faults |= rt_supply_fault(motor.supply_low);
+  }
+  return faults;
+}
+
+/// Stays until as many good cycles have followed: a supply that flickers must not let arming pass in between.
+auto Monitors::rt_supply_fault(bool low) -> FaultSet {
+  cycles_starved_ = std::clamp<std::int32_t>(cycles_starved_ + (low ? 1 : -1), 0, kStarvedCycles);
+  starved_ = cycles_starved_ == kStarvedCycles || (starved_ && cycles_starved_ > 0);
+  return starved_ ? bit(Fault::kSupplyLow) : 0;
+}
+
+auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& motor, const JointEstimate& estimate,
+                               const JointReference& reference, bool begins) -> FaultSet {
+  const bool of_motor = reference.mode == ControlMode::kMotor;
+  const Q24 wanted = of_motor ? reference.q1_rad : reference.q2_rad;
+  const Q24 there = of_motor ? motor.q1_rad : estimate.q2_rad;
+  FaultSet faults = 0;
+  const std::int32_t patience = cycles_in(limits.following_time_s) + 1;
+  if (lasts(abs(wanted - there) > limits.following_error_rad, cycles_off_reference_, patience)) {
+    faults |= bit(Fault::kFollowingError);
+  }
+  if (begins) {
+    still_cycles_ = 0;
+  }
+  if (motor.counts != still_counts_ || still_cycles_ == 0) {
+    still_counts_ = motor.counts;
+    still_reference_ = wanted;
+    still_cycles_ = 1;
+  } else if (lasts(true, still_cycles_, kFrozenCycles) &&
+             abs(wanted - still_reference_) > limits.following_error_rad * kHalf) {
+    faults |= bit(Fault::kEncoderFrozen);
+  }
+  return faults;
+}
+
+void Monitors::rt_rest() {
+  cycles_off_reference_ = 0;
+  still_cycles_ = 0;
+}
+
+}  // namespace capstan

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/control/modes.hpp"
+
+namespace capstan {
+
+/// What is watched of one joint in every cycle, beside what its sensors and its law say of themselves.
+class Monitors {
+ public:
+  /// Motor's current and supply, with torque or without. @param drive_a  current that was wanted in the last cycle
+  auto rt_watch_power(const LimitConfig& limits, const MotorState& motor, Q24 drive_a) -> FaultSet;
+  /// Whether the joint does what was asked of it. Only while energised.
+  /// @param begins  the reference has nothing to do with the last one
+  auto rt_watch_motion(const LimitConfig& limits, const MotorState& motor, const JointEstimate& estimate,
+                       const JointReference& reference, bool begins) -> FaultSet;
+  /// Without torque nothing is asked of the joint.
+  void rt_rest();
+
+ private:
+  auto rt_supply_fault(bool low) -> FaultSet;
+
+  std::int32_t cycles_off_reference_ = 0;
+  std::int32_t cycles_over_current_ = 0;
+  std::int32_t cycles_mismatched_ = 0;
+  std::int32_t cycles_starved_ = 0;
+  bool starved_ = false;
+  std::int64_t still_counts_ = 0;  // where the encoder stands since ...
+  std::int32_t still_cycles_ = 0;
+  Q24 still_reference_;  // ... the reference was here
+};
+
+}  // namespace capstan

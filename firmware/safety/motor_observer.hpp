@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/estimate/motor_sensing.hpp"
+
+namespace capstan {
+
+/// Whether encoder and current agree with what torque does to the motor: the motor observer of one joint.
+///
+/// The load is not known (a tendon's friction is ten times the torque that accelerates the motor), so no test asks what
+/// the load is. Three tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
+/// `coulomb`:
+/// - **Motion without torque.** A motor slows down by no more counts in a cycle than the range of its torque within the
+///   last kTrailCycles explains, gain * range + kQuantisation. A stuck, late, scaled or reversed encoder says more in
+///   the first cycle in which it matters; a tip that hits something does not, for its tendons are soft (K v a ms, not J
+///   v / 1 ms).
+/// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
+/// direction)
+///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
+/// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
+/// what
+///   is beyond, up to the charge that makes the motor dv' faster.
+/// Input: whole cycles. Output: a verdict. Fixed point, no division in a cycle.
+///
+/// Thresholds, from the commissioned values only (motor_observer.cpp); healthy margins and false alarms:
+/// docs/safety_concept.md.
+class MotorObserver {
+ public:
+  explicit MotorObserver(const AxisConfig& config) : scales_(config) {}
+  void rt_configure(const AxisConfig& config) { scales_ = Scales(config); }
+
+  /// Faults of encoder, current and amplifier in this cycle; none without commissioned values.
+  /// @param drive_a  current that was wanted in the last cycle   @param energised  with torque
+  auto rt_step(const MotorState& motor, Q24 drive_a, bool energised) -> FaultSet;
+  /// Torque goes on: what was confirmed begins anew, and the first look with it.
+  void rt_arm();
+  /// A look, A, to be added to the wanted current: a triangle to and fro, larger than what the motor's own friction
+  /// holds and far smaller than what moves the joint. A dead encoder or amplifier fails rt_step within its 24 cycles.
+  /// The first is that of rt_arm; another one, which begins against the motion, whenever the encoder falls silent.
+  auto rt_look() -> Q24;
+  /// Something moved the motor that torque did not, and faster: a blow from outside, or the transmission let go.
+  [[nodiscard]] auto blow() const -> bool { return blow_; }
+
+  /// Largest change of the set value in a cycle: what two cycles of it do to the motor's speed stays below half of
+  /// limits.joint_speed, so that no fault is fast before the observer has looked twice. A.
+  static auto slew_limit(const AxisConfig& config) -> Q24;
+  /// nullptr if the values can be, else a sentence with the cure.
+  static auto check(const AxisConfig& config) -> const char*;
+  static auto commissioned(const ObserverConfig& config) -> bool { return config.inertia_gm2 > Q24{}; }
+
+ private:
+  static constexpr std::int32_t kLookCycles = 12;
+
+  /// What follows from the parameters; currents in A raw, counts in 1/256.
+  struct Scales {
+    explicit Scales(const AxisConfig& config);
+    std::int32_t gain = 0;      // counts/256 in a cycle, that a cycle of 1 A adds; 0: not commissioned
+    std::int32_t frozen = 0;    // A
+    std::int32_t rise = 0;      // A
+    std::int32_t impulse = 0;   // A cycles
+    std::int32_t mismatch = 0;  // A
+    std::int32_t charge = 0;    // A cycles
+  };
+  auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
+  auto rt_watch_speed(std::int32_t moved) -> FaultSet;
+  auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
+  void rt_trail(std::int32_t wanted);
+  void rt_listen(std::int32_t moved);
+
+  Scales scales_;
+  std::int64_t counts_ = 0;
+  std::int32_t moved_ = 0;   // in the last cycle, counts
+  std::int32_t wanted_ = 0;  // in the cycle before the last, A
+  std::int32_t high_ = 0;    // envelope of the wanted current
+  std::int32_t low_ = 0;
+  std::int32_t confirmed_up_ = 0;    // the encoder moved forward at this current
+  std::int32_t confirmed_down_ = 0;  // and backward at this
+  std::int32_t answered_ = 0;        // and at all at this
+  std::int32_t unanswered_ = 0;      // A cycles
+  std::int32_t strayed_ = 0;         // A cycles
+  std::int32_t look_ = kLookCycles;
+  std::int32_t silent_ = 0;    // cycles since the last count
+  std::int32_t interval_ = 0;  // between the two last ones
+  bool forward_ = true;
+  bool look_backward_ = false;
+  bool watching_ = false;
+  bool blow_ = false;
+};
+
+}  // namespace capstan

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/supervisor.hpp"
+
+namespace capstan {
+namespace {
+
+auto trigger_of(const SupervisorInput& input) -> Trigger {
+  if (input.faults != 0) {
+    return input.disarm ? Trigger::kDisarm : Trigger::kFault;  // both end without torque; the operator's word is final
+  }
+  if (input.disarm) {
+    return Trigger::kDisarm;
+  }
+  if (input.arm) {
+    return Trigger::kArm;
+  }
+  if (input.experiment) {
+    return Trigger::kExperimentRuns;
+  }
+  if (input.in_motion) {
+    return input.braking ? Trigger::kMotionBrakes : Trigger::kMotionBegins;
+  }
+  return Trigger::kMotionEnds;
+}
+
+/// The table by state and trigger, so that no cycle searches it.
+constexpr auto kNext = [] {
+  std::array<std::array<State, kTriggerCount>, kStateNames.size()> next{};
+  for (std::size_t state = 0; state < next.size(); ++state) {
+    next[state].fill(static_cast<State>(state));
+  }
+  for (const Transition& row : kTransitions) {
+    next[static_cast<std::size_t>(row.from)][static_cast<std::size_t>(row.trigger)] = row.to;
+  }
+  return next;
+}();
+
+auto lowest(FaultSet faults) -> Fault {
+  for (const FaultInfo& entry : kFaultTable) {
+    if ((faults & bit(entry.fault)) != 0) {
+      return entry.fault;
+    }
+  }
+  return Fault::kNone;
+}
+
+}  // namespace
+
+auto Supervisor::rt_step(const SupervisorInput& input) -> State {
+  const Trigger trigger = state_ == State::kBoot ? Trigger::kStarted : trigger_of(input);
+  const State next = kNext[static_cast<std::size_t>(state_)][static_cast<std::size_t>(trigger)];
+  if (next == state_) {
+    return state_;
+  }
+  state_ = next;
+  if (next == State::kFaulted) {
+    first_fault_ = lowest(input.faults);
+  } else if (next == State::kDisarmed) {
+    first_fault_ = Fault::kNone;
+  }
+  return state_;
+}
+
+}  // namespace capstan

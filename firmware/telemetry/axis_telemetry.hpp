@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/control/modes.hpp"
+#include "capstan/firmware/safety/warnings.hpp"
+
+namespace capstan {
+
+/// One joint's numbers of the last cycle, for shell, log and telemetry. Written at the end of a cycle from the values
+/// that went down it; nothing in the cycle reads them.
+struct AxisTelemetry {
+  Q24 q1_rad;
+  Q24 tau_nm;
+  Q24 q2_rad;           ///< estimated joint angle
+  Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
+  Q24 q2_reference_rad;
+  Q24 q1_reference_rad;           ///< where the servo holds the motor; its own angle while there is none
+  Q24 current_a;                  ///< measured
+  Q24 drive_a;                    ///< commanded
+  Q24 joint_torque_nm;            ///< by the force law, 0 without one
+  Q24 joint_torque_reference_nm;  ///< wanted, in force control
+  Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
+  FaultSet faults = 0;            ///< present now
+  LimitSet limits = 0;
+  bool estimate_valid = false;
+  bool joint_torque_known = false;  ///< the force law's past no longer matters
+  ForcePhase joint_torque_phase = ForcePhase::kUnknown;
+  WarningSet warnings = 0;
+  ControlMode mode = ControlMode::kPosition;
+  bool moving = false;  ///< its reference is, or comes as a stream
+};
+
+}  // namespace capstan

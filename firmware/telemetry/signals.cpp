@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/telemetry/signals.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace capstan {
+namespace {
+
+constexpr auto real(const char* name, const char* column, const char* unit, const char* doc, std::size_t offset)
+    -> SignalInfo {
+  return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
+}
+
+constexpr std::array<SignalInfo, 18> kJointSignals = {
+    real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
+    real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
+    real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
+    real("q2_reported", "q2_reported_rad", "rad", "what a joint sensor with the law's sensor effects would say",
+         offsetof(AxisTelemetry, q2_reported_rad)),
+    real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
+    real("motor_reference", "q1_ref_rad", "rad", "where the servo holds the motor",
+         offsetof(AxisTelemetry, q1_reference_rad)),
+    real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
+    real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
+    real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law", offsetof(AxisTelemetry, joint_torque_nm)),
+    real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
+         offsetof(AxisTelemetry, joint_torque_reference_nm)),
+    real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
+         offsetof(AxisTelemetry, misfit)),
+    SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
+               offsetof(AxisTelemetry, faults)},
+    SignalInfo{"limits", "limits", "1",
+               "active limits: 1 current, 2 thermal, 4 rate, 8 motor travel, 16 reference, 32 joint torque",
+               SignalType::kByte, offsetof(AxisTelemetry, limits)},
+    SignalInfo{"valid", "valid", "1", "1 while the estimate is valid", SignalType::kByte,
+               offsetof(AxisTelemetry, estimate_valid)},
+    SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
+               offsetof(AxisTelemetry, joint_torque_known)},
+    SignalInfo{"force_phase", "tau_out_phase", "1",
+               "phase of pull_push: 1 held, 2 the pulled tendon moves, 3 both do, 4 one is slack; 0 none or unknown",
+               SignalType::kByte, offsetof(AxisTelemetry, joint_torque_phase)},
+    SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control, 3 motor position", SignalType::kByte,
+               offsetof(AxisTelemetry, mode)},
+    SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,
+               offsetof(AxisTelemetry, warnings)},
+};
+
+constexpr std::array<SignalInfo, 6> kMachineSignals = {
+    SignalInfo{"state", "state", "1", "number of the state, in the order of the table of states", SignalType::kByte,
+               offsetof(MachineTelemetry, state)},
+    SignalInfo{"fault", "fault", "1", "number of the latched fault", SignalType::kByte,
+               offsetof(MachineTelemetry, first_fault)},
+    SignalInfo{"conditions", "conditions", "1", "faults present now, bit N for number N", SignalType::kWord,
+               offsetof(MachineTelemetry, conditions)},
+    SignalInfo{"overruns", "overruns", "1", "late or skipped cycles since start", SignalType::kWord,
+               offsetof(MachineTelemetry, overruns)},
+    real("temperature", "temperature_C", "C", "of the transmission, the last one measured",
+         offsetof(MachineTelemetry, temperature_c)),
+    SignalInfo{"experiment", "experiment", "1", "0 none yet, 1 approaching, 2 running, 3 done, 4 ended early",
+               SignalType::kByte, offsetof(MachineTelemetry, experiment)},
+};
+
+auto find(std::span<const SignalInfo> table, std::string_view name) -> const SignalInfo* {
+  const auto found =
+      std::find_if(table.begin(), table.end(), [name](const SignalInfo& signal) { return name == signal.name; });
+  return found == table.end() ? nullptr : &*found;
+}
+
+auto after(std::string_view text, std::string_view prefix) -> std::string_view {
+  const bool starts = text.size() > prefix.size() && std::string_view(text.data(), prefix.size()) == prefix;
+  return starts ? std::string_view(text.data() + prefix.size(), text.size() - prefix.size()) : std::string_view();
+}
+
+}  // namespace
+
+auto joint_signals() -> std::span<const SignalInfo> {
+  return kJointSignals;
+}
+auto machine_signals() -> std::span<const SignalInfo> {
+  return kMachineSignals;
+}
+
+auto find_signal(std::string_view text, std::size_t axes) -> Signal {
+  if (const std::string_view name = after(text, "machine."); !name.empty()) {
+    return {find(kMachineSignals, name), Signal::kMachine};
+  }
+  const std::string_view joint = after(text, "joint");
+  if (joint.size() < 3 || joint[0] < '0' || joint[0] > '9' || joint[1] != '.') {
+    return {};
+  }
+  const auto axis = static_cast<std::uint8_t>(joint[0] - '0');
+  return {axis < axes ? find(kJointSignals, std::string_view(joint.data() + 2, joint.size() - 2)) : nullptr, axis};
+}
+
+auto rt_raw(const Signal& signal, const MachineTelemetry& machine, std::span<const AxisTelemetry> axes)
+    -> std::int32_t {
+  const auto* base = signal.axis == Signal::kMachine ? reinterpret_cast<const unsigned char*>(&machine)
+                                                     : reinterpret_cast<const unsigned char*>(&axes[signal.axis]);
+  if (signal.info->type == SignalType::kByte) {
+    return base[signal.info->offset];
+  }
+  std::int32_t raw = 0;
+  std::memcpy(&raw, base + signal.info->offset, sizeof raw);
+  return raw;
+}
+
+void print_name(Print& out, const Signal& signal) {
+  if (signal.axis == Signal::kMachine) {
+    out << "machine.";
+  } else {
+    out << "joint" << static_cast<std::uint32_t>(signal.axis) << '.';
+  }
+  out << signal.info->name;
+}
+
+void print_column(Print& out, const Signal& signal) {
+  if (signal.axis != Signal::kMachine) {
+    out << "axis" << static_cast<std::uint32_t>(signal.axis) << '/';
+  }
+  out << signal.info->column;
+}
+
+void print_raw(Print& out, const Signal& signal, std::int32_t raw) {
+  if (signal.info->type == SignalType::kReal) {
+    out << Q24::from_raw(raw);
+  } else {
+    out << static_cast<std::uint32_t>(raw);
+  }
+}
+
+}  // namespace capstan
