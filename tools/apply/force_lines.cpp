@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/apply/force_lines.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "model/force_law.hpp"
-#include "tools/identify/force_section.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/model/force_law.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

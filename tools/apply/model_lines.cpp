@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/apply/model_lines.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -48,14 +48,17 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   std::vector<std::string> lines = {"begin"};
   const LawParameters<double> law = motion_parameters(joint);
   Lines write(lines, law, axis);
-  SumTerms::for_each<double>(write);
-  OutputTerms::for_each<double>(write);
+  for_each_term<double>(write);
   const ConditionerShape<double>& conditioner = joint.parameters.conditioner;
   write.set("conditioner", "direction_threshold", conditioner.direction_threshold_rad, "rad");
   write.set("conditioner", "rate_time_constant", conditioner.rate_time_constant_s, "s");
-  if (joint.coupled_to) {
-    lines.push_back("set joint" + std::to_string(axis) + ".axis_coupling.joint " + std::to_string(*joint.coupled_to));
+  constexpr std::array<const char*, kMostOthers> kSlots = {"joint", "joint_2", "joint_3"};
+  const std::string stem = "set joint" + std::to_string(axis) + ".";
+  for (std::size_t slot = 0; slot < kSlots.size(); ++slot) {
+    const int coupled = slot < joint.coupled_to.size() ? joint.coupled_to[slot] : -1;
+    lines.push_back(stem + "axis_coupling." + kSlots[slot] + " " + std::to_string(coupled));
   }
+  lines.push_back(stem + "law.status " + std::to_string(static_cast<int>(joint.status)));
   if (joint.steady_torque) {
     write.set("control", "torque_forward", joint.steady_torque->forward_nm, "Nm");
     write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/joint_file/joint_file.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
 
 namespace capstan::tools {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/apply/shell_client.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -14,8 +14,8 @@
 #include <cstring>
 #include <string_view>
 
-#include "boards/common/terminal_mode.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/boards/common/terminal_mode.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

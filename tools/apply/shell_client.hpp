@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "hal/linux/file_descriptor.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
 
 namespace capstan::tools {
 

@@ -1,285 +1,205 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/campaign/fault_campaign.hpp"
+#include "capstan/tools/campaign/fault_campaign.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <numbers>
-#include <optional>
-
-#include "boards/common/file_banks.hpp"
-#include "firmware/application.hpp"
-#include "tools/campaign/faulty_io.hpp"
+#include <atomic>
+#include <thread>
 
 namespace capstan::tools {
 namespace {
 
-constexpr std::array kInputs = {Input::kEncoder,       Input::kCurrent, Input::kAmplifier, Input::kReference,
-                                Input::kEmergencyStop, Input::kClock,   Input::kSupply};
-constexpr std::array kModes = {Mode::kOff,  Mode::kStuck,   Mode::kGarbage,      Mode::kWrongSign,
-                               Mode::kSlow, Mode::kDelayed, Mode::kIntermittent, Mode::kNan};
-constexpr std::array kSituations = {Situation::kDisarmed,  Situation::kHolding,    Situation::kMoving,
-                                    Situation::kFollowing, Situation::kExperiment, Situation::kFaulted};
+/// Two at once that could follow from one cause, or hide each other.
+constexpr std::array kPairs = std::to_array<std::pair<OneFault, OneFault>>({
+    {{Input::kEncoder, Mode::kStuck}, {Input::kCurrent, Mode::kStuck}},
+    {{Input::kCurrent, Mode::kStuck}, {Input::kEncoder, Mode::kStuck}},
+    {{Input::kCurrent, Mode::kStuck}, {Input::kAmplifier, Mode::kGarbage}},
+    {{Input::kCurrent, Mode::kHalf}, {Input::kEncoder, Mode::kHalf}},
+    {{Input::kCurrent, Mode::kDrift}, {Input::kEncoder, Mode::kLate}},
+    {{Input::kEncoder, Mode::kLate}, {Input::kReference, Mode::kStuck}},
+    {{Input::kEncoder, Mode::kHalf}, {Input::kAmplifier, Mode::kSlow}},
+    {{Input::kSupply, Mode::kBrownout}, {Input::kEncoder, Mode::kStuck}},
+    {{Input::kClock, Mode::kIntermittent}, {Input::kEncoder, Mode::kStuck}},
+    {{Input::kTransmission, Mode::kLoose}, {Input::kEncoder, Mode::kStuck}},
+    {{Input::kReference, Mode::kGarbage}, {Input::kEncoder, Mode::kSlow}},
+    {{Input::kAmplifier, Mode::kHalf}, {Input::kEncoder, Mode::kWrongSign}},
+});
 
-constexpr double kSupplyMinV = 18.0;  // of 24
-constexpr int kSettleCycles = 1500;
-constexpr int kObservedCycles = 5000;
-constexpr int kRestCycles = 1000;  // of a disarmed machine before somebody arms it
-/// A joint that goes on is as good as its limits ask: the following error, and what it may grow until that is a fault.
-constexpr double kToleratedRad = 0.5;
-
-/// Firmware, joint and operator.
-class Rig {
- public:
-  explicit Rig(Situation situation) : situation_(situation) {
-    AxisConfig config;
-    config.limits.supply_min_v = Q24::from_double(kSupplyMinV);
-    static_cast<void>(application_.configure({&config, 1}));
-    step();
-    if (situation == Situation::kDisarmed) {
-      run(kSettleCycles);
-      return;
-    }
-    post({.kind = Request::Kind::kArm});
-    run(kSettleCycles);
-    if (situation == Situation::kMoving) {
-      move(kFarRad);
-      run(kIntoTheMoveCycles);
-    }
-    if (situation == Situation::kExperiment) {
-      static_cast<void>(application_.begin_experiment({.recipe = Recipe::kTriangle,
-                                                       .amplitude = Q24::from_double(kFarRad),
-                                                       .rungs = {Q24::from_int(1)},
-                                                       .rung_count = 1,
-                                                       .cycles = 1000}));
-      run(kIntoTheExperimentCycles);
-    }
-    if (situation == Situation::kFaulted) {
-      application_.set_board_faults(bit(Fault::kBoardClock));
-      step();
-      application_.set_board_faults(0);
-      step();
+auto single_faults() -> std::vector<Trouble> {
+  std::vector<Trouble> all;
+  for (const Input input : kInputs) {
+    for (std::size_t mode = 0; mode < kModeCount; ++mode) {
+      if (const OneFault fault{input, static_cast<Mode>(mode)}; why_impossible(fault) == nullptr) {
+        all.push_back({fault});
+      }
     }
   }
+  return all;
+}
+auto double_faults() -> std::vector<Trouble> {
+  std::vector<Trouble> all;
+  for (const auto& [first, second] : kPairs) {
+    all.push_back({first, second});
+  }
+  return all;
+}
 
-  auto observe(std::optional<std::pair<Input, Mode>> fault) -> CampaignRow {
-    CampaignRow row;
-    row.situation = situation_;
-    if (fault) {
-      row.input = fault->first;
-      row.mode = fault->second;
-      if (row.input == Input::kReference) {
-        stream_.emplace(row.mode, 100.0, false);
-      } else {
-        io_.begin(row.input, row.mode);
+/// One joint in one situation.
+struct Job {
+  Joint joint{};
+  Situation situation{};
+  int phases = 1;
+  bool pairs = false;
+};
+
+auto jobs_of(Extent extent) -> std::vector<Job> {
+  std::vector<Job> jobs;
+  for (const Joint joint : kJoints) {
+    const bool all = extent == Extent::kLong || joint == Joint::kForceps;
+    for (const Situation situation : kSituations) {
+      const bool moves = has_phases(situation);
+      if (!all && situation != Situation::kMoving && situation != Situation::kHolding) {
+        continue;
+      }
+      jobs.push_back({joint, situation, !moves ? 1 : all ? kPhases : 4, false});
+      if (moves && all) {
+        jobs.push_back({joint, situation, extent == Extent::kLong ? kPhases : 5, true});
       }
     }
-    const double begin = plant_.truth().q2_rad;
-    bool blocked = false;
-    int detected = -1;
-    for (int cycle = 1; cycle <= kObservedCycles; ++cycle) {
-      const bool had_torque = energised(telemetry().state);
-      if (situation_ == Situation::kDisarmed && cycle == kRestCycles) {
-        post({.kind = Request::Kind::kArm});
-      }
-      if (moves() && cycle % kMoveCycles == 0 && energised(telemetry().state)) {
-        move(cycle / kMoveCycles % 2 == 0 ? kFarRad : -kFarRad);
-      }
-      step();
-      const MachineTelemetry now = telemetry();
-      row.travel_rad = std::max(row.travel_rad, std::fabs(plant_.truth().q2_rad - begin));
-      if (detected < 0 && (now.conditions != 0 || (had_torque && !energised(now.state)))) {
-        detected = cycle;
-        row.fault = now.first_fault != Fault::kNone ? now.first_fault : lowest(now.conditions);
-      }
-      if (detected >= 0 && row.off_after_cycles < 0 && !io_.enabled()) {
-        row.off_after_cycles = cycle - detected;
-      }
-      torque_returned_ |= row.off_after_cycles >= 0 && io_.enabled();
-      if (energised(now.state)) {
-        const double reference = application_.axis_telemetry(0).q2_reference_rad.to_double();
-        row.error_rad = std::max(row.error_rad, std::fabs(plant_.truth().q2_rad - reference));
-      }
-      blocked |= situation_ == Situation::kDisarmed && cycle == kRestCycles && now.state == State::kDisarmed;
+  }
+  return jobs;
+}
+
+class Judge {
+ public:
+  Judge(const Scene& scene, const Course& healthy) : scene_(scene), healthy_(healthy) {}
+
+  void add(CampaignRow& row) const {
+    const RunResult run = run_scene(scene_, row.trouble);
+    const bool wrongly_asked = row.trouble.first.input == Input::kReference && !row.trouble.second;
+    const Hazard hazard = wrongly_asked ? hazard_from_asked(healthy_, run.course) : hazard_beyond(healthy_, run.course);
+    const HazardLimits limits = hazard_limits(setup_of(scene_.joint).config);
+    const double severity = hazard.severity(limits);
+    const Outcome outcome = judge(run, row, severity);
+    const bool worse = row.cases == 0 || outcome > row.outcome || (outcome == row.outcome && severity > row.severity);
+    ++row.cases;
+    row.unsafe += outcome == Outcome::kUnsafe ? 1 : 0;
+    row.hazard.widen(hazard);
+    row.severity = std::max(row.severity, severity);
+    row.detected_ms = std::max(row.detected_ms, run.detected_ms);
+    row.off_after_cycles = std::max(row.off_after_cycles, run.off_after_cycles);
+    if (worse) {
+      row.outcome = outcome;
+      row.worst_phase = scene_.phase;
+      row.fault = run.fault;
+      row.end = run.end;
     }
-    row.detected_ms = detected;
-    row.end = telemetry().state;
-    row.fault = situation_ == Situation::kFaulted ? telemetry().first_fault : row.fault;
-    row.outcome = judge(row, blocked);
-    return row;
   }
 
  private:
-  static constexpr int kMoveCycles = 700;
-  static constexpr int kIntoTheMoveCycles = 300;
-  static constexpr int kIntoTheExperimentCycles = 1000;
-  static constexpr double kFarRad = 0.6;
-
-  [[nodiscard]] auto moves() const -> bool {
-    return situation_ == Situation::kMoving || situation_ == Situation::kDisarmed;
+  [[nodiscard]] auto judge(const RunResult& run, CampaignRow& row, double severity) const -> Outcome {
+    const bool ended = run.end == State::kFaulted || run.blocked;
+    if (run.torque_returned || (ended && (run.fault == Fault::kNone || run.off_after_cycles > 2))) {
+      return Outcome::kUnsafe;
+    }
+    if (severity > 1.0) {
+      return by_mechanics(row) ? Outcome::kMechanical : Outcome::kUnsafe;
+    }
+    return run.blocked ? Outcome::kBlocked : run.end == State::kFaulted ? Outcome::kFaulted : Outcome::kTolerated;
   }
-  static auto lowest(FaultSet faults) -> Fault {
-    for (const FaultInfo& entry : kFaultTable) {
-      if ((faults & bit(entry.fault)) != 0) {
-        return entry.fault;
-      }
+  [[nodiscard]] auto by_mechanics(CampaignRow& row) const -> bool {
+    if (row.trouble.first.input != Input::kTransmission) {
+      return false;
     }
-    return Fault::kNone;
-  }
-  auto judge(const CampaignRow& row, bool blocked) const -> Outcome {
-    const bool off_in_time = row.off_after_cycles >= 0 && row.off_after_cycles <= 2 && !torque_returned_;
-    if (situation_ == Situation::kFaulted) {  // it was before, and whatever else goes wrong changes nothing
-      return row.end == State::kFaulted && row.fault == Fault::kBoardClock && !io_.enabled() ? Outcome::kFaulted
-                                                                                             : Outcome::kUnsafe;
-    }
-    if (row.end == State::kFaulted && row.fault != Fault::kNone && off_in_time) {
-      return Outcome::kFaulted;
-    }
-    if (blocked && row.end == State::kDisarmed && row.fault != Fault::kNone && off_in_time) {
-      return Outcome::kBlocked;
-    }
-    if (energised(row.end) && row.fault == Fault::kNone && row.error_rad <= kToleratedRad) {
-      return Outcome::kTolerated;
-    }
-    return Outcome::kUnsafe;
-  }
-  [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
-  void move(double target_rad) {
-    post({.kind = Request::Kind::kMove,
-          .position_rad = Q24::from_double(target_rad),
-          .speed_rad_s = Q24::from_double(1.0)});
-  }
-  void post(const Request& request) { static_cast<void>(application_.post(request)); }
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) {
-      step();
-    }
-  }
-  void step() {
-    Application<FaultyIo>::Streamed streamed{};
-    constexpr double kHz = 0.5;
-    const double reference = 0.3 * std::sin(2.0 * std::numbers::pi * kHz * sim::kStepS * cycle_++);
-    std::optional<double> sent;
-    if (stream_) {
-      sent = (*stream_)(reference);
-    } else if (situation_ == Situation::kFollowing) {
-      sent = reference;
-    }
-    if (sent) {
-      streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(*sent), {}};
-    }
-    application_.rt_tick(streamed);
+    Trouble cut = row.trouble;
+    cut.cut_at_onset = true;
+    const Hazard least = hazard_beyond(healthy_, run_scene(scene_, cut).course);
+    row.unavoidable_rad = std::max(row.unavoidable_rad, least.travel_rad);
+    return least.severity(hazard_limits(setup_of(scene_.joint).config)) > 1.0;
   }
 
-  Situation situation_;
-  sim::Plant plant_{sim::PlantParameters{}, 3};
-  SimIo plant_io_{plant_};
-  FaultyIo io_{plant_io_};
-  FileBanks banks_ = FileBanks::temporary();
-  Application<FaultyIo> application_{io_, banks_};
-  std::optional<Corruption> stream_;
-  int cycle_ = 0;
-  bool torque_returned_ = false;
+  Scene scene_;
+  const Course& healthy_;
 };
 
-auto why_impossible(Input input, Mode mode) -> const char* {
-  if (mode == Mode::kNan && input != Input::kEncoder && input != Input::kCurrent && input != Input::kSupply) {
-    return input == Input::kEmergencyStop || input == Input::kClock ? "a bit or a count is always a number"
-                                                                    : "fixed point has no NaN";
-  }
-  if (input == Input::kEmergencyStop && (mode == Mode::kStuck || mode == Mode::kSlow)) {
-    return "a stop that does not open is the hardware's: it cuts the set value without the firmware";
-  }
-  if (input == Input::kClock && mode == Mode::kOff) {
-    return "without edges no cycle runs: the watchdog resets the board within 29.9 ms";
-  }
-  return nullptr;
-}
-
-}  // namespace
-
-auto run_without_fault(Situation situation) -> CampaignRow {
-  return Rig(situation).observe(std::nullopt);
-}
-
-auto run_fault_campaign() -> std::vector<CampaignRow> {
+auto run_job(const Job& job) -> std::vector<CampaignRow> {
   std::vector<CampaignRow> rows;
-  for (const Input input : kInputs) {
-    for (const Mode mode : kModes) {
-      for (const Situation situation : kSituations) {
-        const char* impossible = why_impossible(input, mode);
-        CampaignRow row;
-        if (impossible == nullptr) {
-          row = Rig(situation).observe(std::pair(input, mode));
-        }
-        row.input = input;
-        row.mode = mode;
-        row.situation = situation;
-        row.impossible = impossible;
-        rows.push_back(row);
-      }
+  for (const Trouble& trouble : job.pairs ? double_faults() : single_faults()) {
+    if (!takes_part(trouble.first.input, job.situation) ||
+        (trouble.second && !takes_part(trouble.second->input, job.situation))) {
+      continue;
+    }
+    CampaignRow row;
+    row.joint = job.joint;
+    row.situation = job.situation;
+    row.trouble = trouble;
+    rows.push_back(row);
+  }
+  for (int i = 0; i < job.phases; ++i) {
+    const Scene scene{job.joint, job.situation, i * kPhases / job.phases};
+    const RunResult healthy = run_scene(scene, std::nullopt);
+    const Judge judge(scene, healthy.course);
+    for (CampaignRow& row : rows) {
+      judge.add(row);
     }
   }
   return rows;
 }
 
-auto name(Input input) -> const char* {
-  static constexpr std::array kNames = {"encoder",        "current", "amplifier", "reference",
-                                        "emergency stop", "clock",   "supply"};
-  return kNames[static_cast<std::size_t>(input)];
+}  // namespace
+
+auto hazard_limits(const AxisConfig& config) -> HazardLimits {
+  return {.speed_rad_s = config.limits.joint_speed_rad_s.to_double(),
+          .torque_nm = config.limits.joint_torque_nm.to_double()};
 }
-auto name(Mode mode) -> const char* {
-  static constexpr std::array kNames = {"off",  "stuck",   "garbage",      "wrong sign",
-                                        "slow", "delayed", "intermittent", "NaN"};
-  return kNames[static_cast<std::size_t>(mode)];
+
+auto run_without_fault(Joint joint, Situation situation) -> CampaignRow {
+  const RunResult run = run_scene({joint, situation, 0}, std::nullopt);
+  CampaignRow row;
+  row.joint = joint;
+  row.situation = situation;
+  row.fault = run.fault;
+  row.end = run.end;
+  row.detected_ms = run.detected_ms;
+  row.outcome = run.end == State::kFaulted ? Outcome::kFaulted : Outcome::kTolerated;
+  return row;
 }
-auto name(Situation situation) -> const char* {
-  static constexpr std::array kNames = {"disarmed", "holding", "moving", "following", "experiment", "faulted"};
-  return kNames[static_cast<std::size_t>(situation)];
+
+auto run_fault_campaign(Extent extent, int threads) -> Campaign {
+  const std::vector<Job> jobs = jobs_of(extent);
+  std::vector<std::vector<CampaignRow>> done(jobs.size());
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < jobs.size(); i = next++) {
+      done[i] = run_job(jobs[i]);
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 1; i < threads; ++i) {
+    workers.emplace_back(work);
+  }
+  work();
+  for (std::thread& worker : workers) {
+    worker.join();
+  }
+  Campaign campaign;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    auto& rows = jobs[i].pairs ? campaign.pairs : campaign.single;
+    rows.insert(rows.end(), done[i].begin(), done[i].end());
+  }
+  return campaign;
 }
+
 auto name(Outcome outcome) -> const char* {
-  static constexpr std::array kNames = {"faulted", "blocked", "tolerated", "UNSAFE"};
+  static constexpr std::array kNames = {"faulted", "blocked", "tolerated", "mechanical", "UNSAFE"};
   return kNames[static_cast<std::size_t>(outcome)];
 }
 
-void print_campaign(std::ostream& out, const std::vector<CampaignRow>& rows) {
-  std::array<char, 200> line{};
-  std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s %-9s %-10s %-16s %11s %9s %8s %7s\n", "input", "mode",
-                "while", "outcome", "state", "fault", "detected ms", "off after", "travel", "error");
-  out << line.data();
-  std::array<int, 5> counts{};
-  std::array<int, kFaultTable.size()> longest{};
-  for (const CampaignRow& row : rows) {
-    if (row.impossible != nullptr) {
-      ++counts[4];
-      if (row.situation == Situation::kDisarmed) {
-        std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s can not be: %s\n", name(row.input), name(row.mode),
-                      "any", row.impossible);
-        out << line.data();
-      }
-      continue;
-    }
-    ++counts[static_cast<std::size_t>(row.outcome)];
-    if (row.situation != Situation::kDisarmed && row.situation != Situation::kFaulted) {
-      int& most = longest[static_cast<std::size_t>(row.fault)];
-      most = std::max(most, row.detected_ms);
-    }
-    const std::string detected = row.detected_ms < 0 ? "-" : std::to_string(row.detected_ms);
-    const std::string off = row.off_after_cycles < 0 ? "-" : std::to_string(row.off_after_cycles);
-    std::snprintf(line.data(), line.size(), "%-14s %-12s %-10s %-9s %-10s %-16s %11s %9s %8.3f %7.3f\n",
-                  name(row.input), name(row.mode), name(row.situation), name(row.outcome), capstan::name(row.end),
-                  info(row.fault).name, detected.c_str(), off.c_str(), row.travel_rad, row.error_rad);
-    out << line.data();
+auto name(const Trouble& trouble) -> std::string {
+  std::string text = std::string(name(trouble.first.input)) + " " + name(trouble.first.mode);
+  if (trouble.second) {
+    text += std::string(" + ") + name(trouble.second->input) + " " + name(trouble.second->mode);
   }
-  out << "\ntimes are from the onset in ms, travel and error of the true joint in rad; longest detection under "
-         "torque\n";
-  for (const FaultInfo& entry : kFaultTable) {
-    if (const int ms = longest[static_cast<std::size_t>(entry.fault)]; entry.fault != Fault::kNone && ms > 0) {
-      out << "  " << entry.name << " " << ms << " ms\n";
-    }
-  }
-  out << counts[0] << " faulted, " << counts[1] << " blocked, " << counts[2] << " tolerated, " << counts[3]
-      << " unsafe, " << counts[4] << " that can not be\n";
+  return text;
 }
 
 }  // namespace capstan::tools

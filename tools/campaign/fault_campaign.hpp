@@ -1,53 +1,58 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <ostream>
 #include <string>
 #include <vector>
 
-#include "firmware/supervisor.hpp"
+#include "capstan/tools/campaign/rig.hpp"
 
 namespace capstan::tools {
 
-/// What the firmware depends on.
-enum class Input : std::uint8_t { kEncoder, kCurrent, kAmplifier, kReference, kEmergencyStop, kClock, kSupply };
-/// How it goes wrong, from a certain cycle on and for good.
-enum class Mode : std::uint8_t { kOff, kStuck, kGarbage, kWrongSign, kSlow, kDelayed, kIntermittent, kNan };
-/// What the machine was doing.
-enum class Situation : std::uint8_t { kDisarmed, kHolding, kMoving, kFollowing, kExperiment, kFaulted };
-
 enum class Outcome : std::uint8_t {
-  kFaulted,    ///< detected, torque off, latched
-  kBlocked,    ///< detected at rest, and arming was refused
-  kTolerated,  ///< no fault: the joint went on, as near to its reference as the limits ask
-  kUnsafe,     ///< none of these
+  kFaulted,     ///< detected, torque off within two cycles, latched
+  kBlocked,     ///< detected at rest, and arming was refused
+  kTolerated,   ///< no fault, and the true joint went no further than the limits of a hazard
+  kMechanical,  ///< beyond those limits, but so is the joint whose torque is cut at the onset: no firmware can better
+                ///< it
+  kUnsafe,      ///< none of these
 };
 
+/// One fault in one situation: the worst over the phases of the motion.
 struct CampaignRow {
-  Input input{};
-  Mode mode{};
+  Joint joint{};
   Situation situation{};
-  const char* impossible = nullptr;  ///< why there is no such case, or nullptr
+  Trouble trouble;
   Outcome outcome = Outcome::kUnsafe;
+  int cases = 0;
+  int unsafe = 0;
+  int worst_phase = 0;
+  Hazard hazard;                 ///< largest of each over the phases
+  double severity = 0.0;         ///< largest over the phases
+  double unavoidable_rad = 0.0;  ///< of the transmission: travel with the torque cut at the onset
+  Fault fault = Fault::kNone;    ///< in the worst phase
   State end = State::kDisarmed;
-  Fault fault = Fault::kNone;  ///< what took the torque or blocks it
-  int detected_ms = -1;        ///< after the onset; 1: in the first cycle that could see it
-  int off_after_cycles = -1;   ///< from the detecting cycle to the first drive without torque; 0: in the same cycle
-  double travel_rad = 0.0;     ///< of the true joint, from the onset to the end
-  double error_rad = 0.0;      ///< largest distance of the true joint from its reference while there was torque
+  int detected_ms = -1;  ///< longest
+  int off_after_cycles = -1;
 };
 
-/// Every input in every mode in every situation: the firmware in closed loop with the simulated joint, 5 s after the
-/// onset. A disarmed machine is armed and moved after one second, as an operator would.
-[[nodiscard]] auto run_fault_campaign() -> std::vector<CampaignRow>;
-/// The same machine without any fault: what the numbers are to be compared with.
-[[nodiscard]] auto run_without_fault(Situation situation) -> CampaignRow;
+/// How much of the campaign: the short one is part of the checks.
+enum class Extent : std::uint8_t { kShort, kLong };
 
-[[nodiscard]] auto name(Input input) -> const char*;
-[[nodiscard]] auto name(Mode mode) -> const char*;
-[[nodiscard]] auto name(Situation situation) -> const char*;
+struct Campaign {
+  std::vector<CampaignRow> single;
+  std::vector<CampaignRow> pairs;  ///< two faults, 50 ms apart
+};
+
+/// Every input in every mode in every situation: the firmware in closed loop with the simulated joint, beside a twin
+/// without the fault. On `threads` threads; the result does not depend on their number.
+[[nodiscard]] auto run_fault_campaign(Extent extent, int threads = 2) -> Campaign;
+/// The same machine without any fault, judged against itself: what the numbers are to be compared with.
+[[nodiscard]] auto run_without_fault(Joint joint, Situation situation) -> CampaignRow;
+
+[[nodiscard]] auto hazard_limits(const AxisConfig& config) -> HazardLimits;
 [[nodiscard]] auto name(Outcome outcome) -> const char*;
-/// One line for each row, and a summary with the longest detection of each fault.
-void print_campaign(std::ostream& out, const std::vector<CampaignRow>& rows);
+[[nodiscard]] auto name(const Trouble& trouble) -> std::string;
 
 }  // namespace capstan::tools

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/apply/force_lines.hpp"
-#include "tools/apply/model_lines.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/apply/plausible_law.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -8,10 +9,10 @@
 #include <memory>
 #include <sstream>
 
-#include "tools/apply/shell_client.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -21,6 +22,7 @@ struct ApplyOptions {
   std::string port;
   int axis = 0;
   bool keep_unsaved = false;
+  bool force = false;
 };
 
 /// Reads back what a 'set' line asked for. The board rounds to 2^-24 and prints what tells that step from the next,
@@ -44,13 +46,31 @@ void verify(ShellClient& shell, const std::string& set_line) {
                 " as it was set; nothing was saved, so restart it and apply again");
 }
 
+/// A law that this board can run. Throws BadInput or Refusal with the cure.
+auto checked(const JointFile& joint, const ApplyOptions& options) -> const JointFile& {
+  constexpr int kLastAxis = 3;
+  for (const int other : joint.coupled_to) {
+    if (other > kLastAxis || other == options.axis) {
+      throw BadInput(options.model + ": the law is coupled to axis " + std::to_string(other) + ", and joint " +
+                     std::to_string(options.axis) + " of a board can be coupled to its others of 0 to 3; write the " +
+                     "board's number of that joint into [coupling]");
+    }
+  }
+  if (const std::string reason = implausible(joint); !reason.empty() && !options.force) {
+    throw Refusal(options.model + " is " + word_of(joint.status) + " and implausible: " + reason +
+                  "; nothing was written. Fit it to a longer log, or write it all the same with --force");
+  }
+  return joint;
+}
+
 /// The motion law, the force law, or both: what the file has.
 auto lines_of(const ApplyOptions& options) -> std::vector<std::string> {
   const std::string text = read_text_file(options.model);
   std::vector<std::string> force = force_lines(text, options.model, options.axis);
   const bool only_force = !force.empty() && text.find("[terms") == std::string::npos;
-  std::vector<std::string> lines = only_force ? std::vector<std::string>{"begin", "commit"}
-                                              : model_lines(parse_joint_file(text, options.model), options.axis);
+  std::vector<std::string> lines =
+      only_force ? std::vector<std::string>{"begin", "commit"}
+                 : model_lines(checked(parse_joint_file(text, options.model), options), options.axis);
   lines.insert(lines.end() - 1, force.begin(), force.end());
   return lines;
 }
@@ -85,6 +105,7 @@ void add_apply(CLI::App& app, int& exit_status) {
   command->add_option("model", options->model, "the law, a joint.toml")->required();
   command->add_option("--port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
   command->add_option("--axis", options->axis, "joint of the board")->capture_default_str()->check(CLI::Range(0, 3));
+  command->add_flag("--force", options->force, "write a law even if its joint would run against the motor, or too far");
   command->add_flag("--no-save", options->keep_unsaved, "try the law without keeping it over a restart");
   command->callback([options, &exit_status] { exit_status = apply(*options); });
 }

@@ -4,14 +4,15 @@
 #include <iostream>
 #include <memory>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/capstan/options.hpp"
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/next_experiment.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/report/report.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/next_experiment.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/report/report.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -19,6 +20,7 @@ namespace {
 struct CommandOptions {
   LogOptions logs;
   std::string base, target, json, report, next, output;
+  std::vector<std::string> tests;
 };
 
 /// An effort's error is read beside the effort.
@@ -32,15 +34,37 @@ void print_diagnosis(const Diagnosis& d) {
   if (d.traces.measured.size() == 0) {
     return;
   }
-  std::cout << "  error on rows set aside (RMSE): before " << reported(d.before, d.unit);
-  if (!d.effects.empty()) {
-    std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "
-              << rounded(d.ratio_ci95[1], 3) << "]";
+  if (d.unnamed) {
+    std::cout << "  " << d.unnamed->sentence << "\n";
   }
-  std::cout << "; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n" << law_table(d.law, d.undetermined);
+  std::cout << "  law: " << word_of(d.law.status) << "\n  error on rows set aside (RMSE): before "
+            << reported(d.before, d.unit);
+  std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "
+            << rounded(d.ratio_ci95[1], 3) << "]; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n"
+            << law_table(d.law, d.undetermined);
+  for (const auto& log : d.tested) {
+    std::cout << "  error on " << log.name << " (RMSE): before " << reported(log.before, d.unit) << "; after "
+              << reported(log.after, d.unit) << "\n";
+  }
   if (d.next_experiment) {
     std::cout << "  next: " << *d.next_experiment << "\n";
   }
+}
+
+/// A law of an effort, or of the torque behind a gear unless its hysteresis was asked for.
+auto delivers_effort_law(const std::string& base, const std::vector<AxisLog>& logs) -> bool {
+  return logs.front().effort.size() > 0 && base != "preisach";
+}
+
+/// The law that predicts an effort best is delivered whether its parts have names or not.
+void write_grown_law(const std::string& path, const std::vector<AxisLog>& logs) {
+  const EffortSelection selection = select_effort_law(logs);
+  write_effort_file(path, selection.law);
+  const auto percent = [&](double error) { return rounded(100.0 * error / selection.target_rms, 3) + " %"; };
+  std::cout << "law: " << selection.law.status << ", " << joined(selection.law.joint.terms) << "\n  error on the last "
+            << "fifth, which chose and fitted nothing: " << percent(selection.before) << " of the target before, "
+            << percent(selection.after) << " after\n";
+  std::cerr << "wrote " << path << "\n";
 }
 
 auto run_diagnose(const CommandOptions& options) -> int {
@@ -57,11 +81,24 @@ auto run_diagnose(const CommandOptions& options) -> int {
   request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") : options.base == kDefaultModel;
   const auto logs = options.logs.read(request);
   wanted.base_model = options.base;
+  if (!options.tests.empty()) {
+    LogOptions tests = options.logs;
+    tests.files = options.tests;
+    wanted.test_logs = tests.read(request);
+  }
   if (isatty(STDERR_FILENO) != 0) {
     wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
-  const Diagnosis diagnosis = diagnose(logs, wanted);
+  Diagnosis diagnosis = diagnose(logs, wanted);
   print_diagnosis(diagnosis);
+  if (!options.output.empty() && delivers_effort_law(options.base, logs)) {
+    write_grown_law(options.output, logs);
+    diagnosis.law_file = options.output;
+  } else if (!options.output.empty() && !diagnosis.law.terms.empty()) {
+    write_joint_file(options.output, diagnosis.law);
+    std::cerr << "wrote " << options.output << " (" << word_of(diagnosis.law.status) << " law)\n";
+    diagnosis.law_file = options.output;
+  }
   if (!options.json.empty()) {
     write_text_file(options.json, diagnosis_json(diagnosis));
   }
@@ -71,11 +108,6 @@ auto run_diagnose(const CommandOptions& options) -> int {
   if (const std::string next = next_scenario(diagnosis); !options.next.empty() && !next.empty()) {
     write_text_file(options.next, next);
     std::cerr << "wrote " << options.next << "; capstan run --scenario " << options.next << "\n";
-  }
-  if (!options.output.empty() && !diagnosis.law.terms.empty()) {
-    write_joint_file(options.output, diagnosis.law);
-    std::cerr << "wrote " << options.output << (diagnosis.effects.empty() ? " (the base law: no effect was added)" : "")
-              << "\n";
   }
   return is_refusal(diagnosis.verdict) ? kExitRefused : kExitDone;
 }
@@ -94,6 +126,8 @@ void add_diagnose(CLI::App& app, int& exit_status) {
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");
+  command->add_option("--test", options->tests, "log that takes no part in fit or choice and is judged too; repeatable")
+      ->allow_extra_args(false);
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
   command->add_option("--next", options->next,

@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <iostream>
+#include <memory>
 
-#include "tools/campaign/fault_campaign.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/campaign/campaign_report.hpp"
+#include "capstan/tools/campaign/false_alarms.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
 
-auto run_faults() -> int {
-  const auto rows = run_fault_campaign();
-  print_campaign(std::cout, rows);
-  const bool unsafe = std::any_of(rows.begin(), rows.end(), [](const CampaignRow& row) {
-    return row.impossible == nullptr && row.outcome == Outcome::kUnsafe;
-  });
+struct FaultOptions {
+  bool all = false;
+  bool fmea = false;
+  double hours = 0.0;
+  std::uint64_t seed = 1;
+};
+
+auto run_faults(const FaultOptions& options) -> int {
+  if (options.hours > 0.0) {
+    const FalseAlarms alarms = run_false_alarms(options.hours, options.seed);
+    print_false_alarms(std::cout, alarms);
+    return alarms.stops.empty() ? kExitDone : kExitRefused;
+  }
+  const Campaign campaign = run_fault_campaign(options.all ? Extent::kLong : Extent::kShort);
+  if (options.fmea) {
+    print_fmea(std::cout, campaign.single);
+  } else {
+    print_campaign(std::cout, campaign);
+  }
+  const bool unsafe = std::any_of(campaign.single.begin(), campaign.single.end(),
+                                  [](const CampaignRow& row) { return row.outcome == Outcome::kUnsafe; });
   return unsafe ? kExitRefused : kExitDone;
 }
 
@@ -22,8 +39,14 @@ auto run_faults() -> int {
 
 void add_faults(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand(
-      "faults", "break every input of the firmware in every way and state, and print where that ends");
-  command->callback([&exit_status] { exit_status = run_faults(); });
+      "faults", "break every input of the firmware in every way, and print how far the true joint goes");
+  auto options = std::make_shared<FaultOptions>();
+  command->add_flag("--all", options->all, "every joint in every phase; takes an hour instead of minutes");
+  command->add_flag("--fmea", options->fmea, "the table of docs/safety_concept.md");
+  command->add_option("--hours", options->hours,
+                      "instead: this many simulated hours of healthy joints, drawn at random, and their false stops");
+  command->add_option("--seed", options->seed, "of the first drawn joint");
+  command->callback([options, &exit_status] { exit_status = run_faults(*options); });
 }
 
 }  // namespace capstan::tools

@@ -9,13 +9,13 @@
 #include <sstream>
 #include <thread>
 
-#include "firmware/supervisor.hpp"
-#include "tools/apply/shell_client.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/flash/image_file.hpp"
-#include "tools/flash/programmer.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/firmware/safety/supervisor.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/flash/image_file.hpp"
+#include "capstan/tools/flash/programmer.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/identify.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 #include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/capstan/identify_force.hpp"
-#include "tools/capstan/options.hpp"
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/identify_force.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/capstan/identify_force.hpp"
+#include "capstan/tools/capstan/identify_force.hpp"
 
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
 
-#include "tools/identify/force_section.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

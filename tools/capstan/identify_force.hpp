@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/capstan/options.hpp"
+#include "capstan/tools/capstan/options.hpp"
 
 namespace capstan::tools {
 

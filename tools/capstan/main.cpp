@@ -5,9 +5,22 @@
 #include <string>
 #include <vector>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/capstan/run_linux_rt.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/run_linux_rt.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace {
+
+/// Words as CLI11 takes them: the last first. What stands behind -- of a comparison are the logs of now.
+auto backwards(std::vector<std::string> words) -> std::vector<std::string> {
+  if (!words.empty() && words.front() == "compare") {
+    std::replace(words.begin(), words.end(), std::string("--"), std::string("--now"));
+  }
+  std::reverse(words.begin(), words.end());
+  return words;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace capstan::tools;
@@ -24,6 +37,7 @@ int main(int argc, char** argv) {
   add_record(app, exit_status);
   add_replay(app, exit_status);
   add_diagnose(app, exit_status);
+  add_compare(app, exit_status);
   add_thesis(app, exit_status);
   try {
     const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
@@ -31,7 +45,7 @@ int main(int argc, char** argv) {
     if (words.size() >= kOwnWords && words[0] == "run" && words[1] == "--board" && words[2] == "linux_rt") {
       run_linux_rt({words.begin() + kOwnWords, words.end()});
     }
-    app.parse(argc, argv);
+    app.parse(backwards(words));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;
   } catch (const BadInput& error) {

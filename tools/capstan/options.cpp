@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/capstan/options.hpp"
+#include "capstan/tools/capstan/options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <numbers>
 
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/model/terms/table.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -27,6 +29,14 @@ auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -
   return ci95 ? "[" + rounded((*ci95)[0], 5) + ", " + rounded((*ci95)[1], 5) + "]" : otherwise;
 }
 
+/// A table in a line: its values are in the file.
+auto table_line(const JointFile& joint, const CatalogueTerm& term) -> std::string {
+  const double* shapes = &joint.parameters.shapes[term.first_shape];
+  return "  " + term.name + "  " + std::to_string(std::lround(shapes[1])) + " knots over " +
+         describe(static_cast<TableSignal>(std::lround(shapes[0]))) + ", from " + rounded(shapes[2]) + " to " +
+         rounded(shapes[3]) + "\n";
+}
+
 }  // namespace
 
 void LogOptions::add_to(CLI::App& command, bool many) {
@@ -42,13 +52,15 @@ void LogOptions::add_to(CLI::App& command, bool many) {
   command.add_option("--axis", axis, "axis to look at")->capture_default_str()->check(CLI::Range(0, 999));
   if (many) {
     command
-        .add_option("--coupled-to", coupled_to, "axis of the log that may pull at this one; else the first that moves")
+        .add_option("--coupled-to", coupled_to,
+                    "axis of the log that may pull at this one, repeatable; else those that move")
+        ->allow_extra_args(false)
         ->check(CLI::Range(0, kMostAxes - 1));
   }
 }
 
 auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
-  if (coupled_to == axis) {
+  if (std::find(coupled_to.begin(), coupled_to.end(), axis) != coupled_to.end()) {
     throw BadInput("--coupled-to " + std::to_string(axis) + " is the axis itself; name another axis of the log");
   }
   const auto mappings = parse_mappings(maps);
@@ -56,7 +68,7 @@ auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> 
   for (const auto& file : files) {
     AxisRequest wanted = request;
     wanted.axis = axis;
-    wanted.other_axis = coupled_to;
+    wanted.other_axes = coupled_to;
     logs.push_back(read_axis(CsvLog::read(file, mappings), wanted));
     for (const auto& warning : logs.back().warnings) {
       std::cerr << "warning: " << warning << "\n";
@@ -76,15 +88,26 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
     if (!joint.has(term.name)) {
       continue;
     }
+    if (term.form_free) {
+      table += table_line(joint, term);
+      continue;
+    }
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const std::size_t at = term.first_coefficient + i;
-      add(term.name + "." + term.coefficients[i].name, joint.parameters.coefficients[at],
-          interval_text(joint.coefficient_ci95[at], "held at its bound"), term.coefficients[i].unit);
+      const double value = joint.parameters.coefficients[at];
+      const char* without = value == 0.0 ? "held at its bound" : "no interval";
+      add(term.name + "." + term.coefficients[i].name, value, interval_text(joint.coefficient_ci95[at], without),
+          term.coefficients[i].unit);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const auto& info = term.shapes[i];
       const std::size_t at = term.first_shape + i;
-      add(term.name + "." + term.shapes[i].name, joint.parameters.shapes[at],
-          interval_text(joint.shape_ci95[at], "any near this one"), term.shapes[i].unit);
+      const bool idle = info.idle_without >= 0 &&
+                        joint.parameters.shapes[term.first_shape + static_cast<std::size_t>(info.idle_without)] == 0.0;
+      if (!idle) {
+        add(term.name + "." + info.name, joint.parameters.shapes[at],
+            interval_text(joint.shape_ci95[at], "any near this one"), info.unit);
+      }
     }
   }
   return table;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 
@@ -15,7 +15,7 @@ struct LogOptions {
   std::vector<std::string> files;
   std::vector<std::string> maps;
   int axis = 0;
-  std::optional<int> coupled_to;  ///< the axis that may pull at this one
+  std::vector<int> coupled_to;  ///< axes that may pull at this one, by slots
 
   void add_to(CLI::App& command, bool many);
   /// Reads every file. Warnings go to stderr.

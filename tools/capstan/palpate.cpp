@@ -2,12 +2,12 @@
 #include <iostream>
 #include <memory>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/capstan/options.hpp"
-#include "tools/identify/force_section.hpp"
-#include "tools/identify/palpation_log.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/identify/palpation_log.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -10,11 +10,11 @@
 #include <memory>
 #include <optional>
 
-#include "tools/apply/shell_client.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
-#include "tools/telemetry/frame_recorder.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+#include "capstan/tools/telemetry/frame_recorder.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -65,12 +65,13 @@ auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::ti
 }
 
 auto run_record(const RecordOptions& options) -> int {
-  std::ofstream log(options.output);
-  if (!log) {
+  std::ofstream file(options.output, std::ios::binary);
+  if (!file) {
     throw BadInput(options.output + ": the log can not be written; give a path in a folder that exists");
   }
   const ShellClient shell(options.port);
-  FrameRecorder recorder(log);
+  const auto log = sink_for(options.output, file);
+  FrameRecorder recorder(*log);
   for (const int signal_number : {SIGINT, SIGTERM}) {
     static_cast<void>(std::signal(signal_number, stop_recording));
   }
@@ -86,6 +87,7 @@ auto run_record(const RecordOptions& options) -> int {
     constexpr std::chrono::milliseconds kFarewell{200};
     static_cast<void>(receive(shell, recorder, steady_clock::now() + kFarewell, said));
   }
+  log->end();
   std::cout << "recorded " << recorder.rows() << " samples in " << options.output << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged\n";
   if (recorder.rows() == 0) {
@@ -101,12 +103,13 @@ auto run_record(const RecordOptions& options) -> int {
 
 void add_record(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<RecordOptions>();
-  CLI::App* command = app.add_subcommand("record", "record a running board's signals to CSV, as binary frames");
+  CLI::App* command = app.add_subcommand("record", "record a running board's signals to CSV or MCAP, as binary frames");
   command->add_option("port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
   command->add_option("signals", options->signals, "joint0.q2 and so on; 'scope signals' in the shell lists them")
       ->required()
       ->expected(1, 8);
-  command->add_option("-o,--output", options->output, "log to write")->required();
+  command->add_option("-o,--output", options->output, "log to write: MCAP if the name ends in .mcap, else CSV")
+      ->required();
   command->add_option("--every", options->every_ms, "milliseconds from sample to sample")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/replay/replay.hpp"
+#include "capstan/tools/replay/replay.hpp"
 
 #include <iostream>
 #include <memory>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/capstan/options.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/replay/effort_replay.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -20,14 +22,35 @@ struct ReplayOptions {
   std::string output;
 };
 
-auto run_replay(const ReplayOptions& options) -> int {
-  const JointFile joint = read_joint_file(options.model);
+/// A law of an effort explains one column by the motion, in double.
+auto run_effort_replay(const ReplayOptions& options) -> int {
+  if (options.arithmetic == "fixed") {
+    throw Refusal(options.model + " is a law of an effort, which is replayed from the whole motion of a log; add " +
+                  "--arithmetic double");
+  }
+  const EffortLaw law = read_effort_file(options.model);
   const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
+  write_text_file(options.output, replay_effort(csv, options.logs.axis, law));
+  std::cout << "replayed " << csv.time().size() << " samples in double arithmetic, wrote " << options.output << "\n";
+  return kExitDone;
+}
+
+auto run_replay(const ReplayOptions& options) -> int {
+  if (is_effort_file(options.model)) {
+    return run_effort_replay(options);
+  }
+  const JointFile joint = read_joint_file(options.model);
   AxisRequest request;
   request.axis = options.logs.axis;
   request.needs_target = false;
+  request.every_row = true;
   request.needs_torque = joint.has("tendon_elongation");
-  const AxisLog log = read_axis(csv, request);
+  request.other_axes = joint.coupled_to;
+  std::vector<std::string> notes;
+  const CsvLog csv =
+      common_rows_of(CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps)), request, notes);
+  AxisLog log = read_axis(csv, request);
+  log.warnings.insert(log.warnings.end(), notes.begin(), notes.end());
   for (const auto& warning : log.warnings) {
     std::cerr << "warning: " << warning << "\n";
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run/run.hpp"
+#include "capstan/tools/run/run.hpp"
 
 #include <chrono>
 #include <fstream>
@@ -8,12 +8,12 @@
 #include <optional>
 #include <thread>
 
-#include "boards/common/file_banks.hpp"
-#include "boards/common/retained_memory.hpp"
-#include "boards/common/shell_feed.hpp"
-#include "tools/apply/model_lines.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/common/retained_memory.hpp"
+#include "capstan/boards/common/shell_feed.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

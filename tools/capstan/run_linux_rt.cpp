@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/capstan/run_linux_rt.hpp"
+#include "capstan/tools/capstan/run_linux_rt.hpp"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "tools/support/errors.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 

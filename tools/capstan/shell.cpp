@@ -10,11 +10,11 @@
 #include <memory>
 #include <optional>
 
-#include "boards/common/terminal_mode.hpp"
-#include "tools/apply/shell_client.hpp"
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/telemetry/frame_recorder.hpp"
+#include "capstan/boards/common/terminal_mode.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/telemetry/frame_recorder.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -101,12 +101,14 @@ auto run_shell(const ShellOptions& options) -> int {
   if (options.record.empty()) {
     return talk(options.port, nullptr);
   }
-  std::ofstream log(options.record);
-  if (!log) {
+  std::ofstream file(options.record, std::ios::binary);
+  if (!file) {
     throw BadInput(options.record + ": the log can not be written; give a path in a folder that exists");
   }
-  FrameRecorder recorder(log);
+  const auto log = sink_for(options.record, file);
+  FrameRecorder recorder(*log);
   const int status = talk(options.port, &recorder);
+  log->end();
   std::cerr << "recorded " << recorder.rows() << " samples in " << options.record << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged, " << recorder.foreign() << " of other signals\n";
   return status;
@@ -118,7 +120,9 @@ void add_shell(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ShellOptions>();
   CLI::App* command = app.add_subcommand("shell", "talk to a board's shell");
   command->add_option("port", options->port, "tcp:PORT, or the board's serial device")->required();
-  command->add_option("--record", options->record, "CSV of what 'frames EVERY SIGNAL...' sends meanwhile");
+  command->add_option(
+      "--record", options->record,
+      "log (MCAP if the name ends in .mcap, else CSV) of what 'frames EVERY SIGNAL...' sends meanwhile");
   command->callback([options, &exit_status] { exit_status = run_shell(*options); });
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/thesis/thesis.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
 
 #include <unistd.h>
 
@@ -8,8 +8,8 @@
 #include <iostream>
 #include <memory>
 
-#include "tools/capstan/commands.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

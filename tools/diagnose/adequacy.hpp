@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/sieve.hpp"
+#include "capstan/tools/diagnose/sieve.hpp"
 
 namespace capstan::tools {
 

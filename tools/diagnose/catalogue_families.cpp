@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "tools/diagnose/family.hpp"
+#include "capstan/tools/diagnose/family.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -236,7 +236,7 @@ auto catalogue_families(const Preparation& p, const LawForm& law, const LawResid
   const Builder builder(p, law, residual);
   std::vector<Family> families;
   for (const auto& term : *law.catalogue) {
-    if (!law.has(term.name)) {
+    if (!law.has(term.name) && !term.placed) {
       Family family = builder.build(term);
       if (!family.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
         families.push_back(std::move(family));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/cross_validation.hpp"
+#include "capstan/tools/diagnose/cross_validation.hpp"
 
 #include <algorithm>
 #include <array>

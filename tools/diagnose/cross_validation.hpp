@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tools/diagnose/evidence.hpp"
+#include "capstan/tools/diagnose/evidence.hpp"
 
 namespace capstan::tools {
 

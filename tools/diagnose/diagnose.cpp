@@ -2,25 +2,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/free_run.hpp"
-#include "tools/diagnose/search.hpp"
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/verdict.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
-
-/// The effects found must explain more than this of what can be explained, or none of them is named.
-constexpr double kNamedShare = 0.5;
-/// And more than this where something is still missing beside them: what has a name removes nearly all that can be
-/// removed, and the nearest wrong name seldom does.
-constexpr double kNamedShareBesideUnlisted = 0.9;
-
-constexpr const char* kLateDirection =
-    "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
-    "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
 
 constexpr const char* kEverything =
     "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
@@ -53,92 +44,6 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
 
-auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
-  const Catalogue& catalogue = *d.base.catalogue;
-  return catalogue.has(name) ? catalogue.term(name).exciting_motion
-                             : "reversals under several loads and speeds, with holds";
-}
-
-/// The verdict where no effect was found.
-auto judge_empty(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict {
-  if (search.lacks_something) {
-    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
-    d.reason +=
-        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
-    d.next_experiment = kEverything;
-    if (search.unlisted.rfind("axis", 0) == 0) {
-      const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
-      d.next_experiment = "Ask again with --coupled-to " + axis + ": that axis may pull at this one.";
-    }
-    return Verdict::kUnknown;
-  }
-  d.reason = "What the law leaves can not be told from noise.";
-  d.warnings.push_back("smallest contributions that this log would have shown, rms in " + d.unit + ": " +
-                       joined(search.detectable));
-  if (!p.repeats) {
-    d.warnings.push_back(
-        "the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; "
-        "record the same cycle four times");
-  }
-  return Verdict::kNothingMissing;
-}
-
-/// The verdict where `found` can not be told from other effects.
-auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
-  constexpr std::size_t kMostAlternatives = 3;  // more is no answer
-  const bool all_listed = std::all_of(effect.alternatives.begin(), effect.alternatives.end(),
-                                      [&d](const auto& name) { return d.base.catalogue->has(name); });
-  if (effect.alternatives.size() > kMostAlternatives || !all_listed) {
-    d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
-               joined(effect.alternatives) + ".";
-    d.next_experiment = kEverything;
-    return Verdict::kUnknown;
-  }
-  d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
-             "; this log can not tell them apart.";
-  d.next_experiment = "Record this motion, it separates them: " + next_motion(d, effect.name) + "; " +
-                      next_motion(d, effect.alternatives.front()) + ".";
-  return Verdict::kAmbiguous;
-}
-
-/// Puts the search into words and decides what may be named.
-auto judge(const Search& search, const Preparation& p, Diagnosis& d) -> Verdict {
-  if (search.effects.empty()) {
-    return judge_empty(search, p, d);
-  }
-  std::vector<std::string> names;
-  for (const auto& effect : search.effects) {
-    names.push_back(effect.name);
-  }
-  const std::string found = joined(names, " and ");
-  if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
-    const long certain = std::lround(100.0 * std::max(0.0, search.share.lower));
-    d.reason = "Something is missing from the law; " + found + " explains no more than " + std::to_string(certain) +
-               " % of what can be explained for certain, so it is not named.";
-    d.next_experiment = kEverything;
-    return Verdict::kUnknown;
-  }
-  if (!search.effects.front().alternatives.empty()) {
-    return judge_ambiguous(search.effects.front(), d);
-  }
-  if (search.lacks_something) {
-    d.reason = "The law lacks " + found + ", and something beyond it that is not in the catalogue";
-    d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
-    return Verdict::kEffectPlusUnlisted;
-  }
-  d.reason = "The law lacks " + found + "; what is left then can not be told from noise.";
-  return Verdict::kEffect;
-}
-
-void keep_base_only(Diagnosis& d) {
-  d.effects.clear();
-  d.undetermined.clear();
-  d.law = d.base;
-  d.after = d.before;
-  d.ratio_ci95 = {1.0, 1.0};
-  d.traces.after = d.traces.before;
-}
-
 /// A Preisach table has cells that no motion but its recipe visits; they take no part then.
 auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string> {
   if (law.has("preisach")) {
@@ -149,43 +54,96 @@ auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::
   return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
 }
 
-/// Whether the base law errs well above the noise, and most of that where the running switch does not know the
-/// direction.
-auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d) -> bool {
-  constexpr double kWellAboveNoise = 1.3;
-  constexpr double kMost = 0.5;
-  const double known = error_of_known_direction(p, d.traces.before);
-  const double all = d.before.rmse * d.before.rmse;
-  const double above_noise = all - d.noise_floor * d.noise_floor;
-  return d.before.rmse > kWellAboveNoise * d.noise_floor && all - known * known > kMost * above_noise;
+/// The effects are taken back where the law with them errs no less than the base for certain.
+void take_back(const Search& search, Diagnosis& d) {
+  const bool missing = search.base_reducible > 0.05;
+  d.reason = "On rows that took no part in the choice, " + search.effects.front().name +
+             " does not lower the error for certain, so it was not added.";
+  d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
+  d.effects.clear();
 }
 
-/// Reports once, on rows that chose nothing; an effect that does not lower the error there is taken back.
+/// The law with the effects that were found, where there are any; effects that do not lower the error are taken back.
+auto found_law(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d)
+    -> std::optional<JointFile> {
+  if (search.effects.empty()) {
+    return std::nullopt;
+  }
+  JointFile found = causal_law(p, search.law);
+  if (!is_refusal(d.verdict)) {
+    d.effects = search.effects;
+    const Interval ratio = ratio_interval(p, d.traces.before, estimates(p.logs, p.causal, found));
+    if (ratio[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law)) {
+      take_back(search, d);
+    }
+  }
+  return found;
+}
+
+/// Which of two floors is the lower: that of the noise, or what a law leaves of the same rows.
+void bound_floor(Diagnosis& d) {
+  const double left = std::min(d.before.rmse, d.after.rmse);
+  if (left < d.noise_floor) {
+    d.noise_floor = left;
+    d.floor_from = "law";
+  }
+}
+
+/// Errors on a log that took no part. It may have begun elsewhere: its zero is taken off.
+void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tested) {
+  const auto error = [&](const JointFile& law) -> ErrorSummary {
+    const LawDesign design({log}, law.parameters.conditioner);
+    Eigen::VectorXd estimate = estimates({log}, design, law);
+    estimate.array() += (log.measured() - estimate).mean();
+    const double left = rms(log.measured() - estimate);
+    return {left, 100.0 * left / rms(log.measured()), goodness_of_fit_percent(log.measured(), estimate)};
+  };
+  tested.push_back({log.name, error(d.base), error(d.law)});
+}
+
+/// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
+/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor.
+auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
+  const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
+  if (named || (p.repeats && d.verdict == Verdict::kNothingMissing)) {
+    const JointFile& law = named ? *d.found : d.base;
+    // Where the running switch is late, no law of this encoder knows better.
+    const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
+    if (left <= kAboveFloor * d.noise_floor) {
+      LawChoice choice;
+      choice.law = choice.learned = law;
+      choice.status = named ? LawStatus::kConfirmed : LawStatus::kBase;
+      choice.law.status = choice.learned.status = choice.status;
+      choice.is_named = named;
+      choice.halves_agree = 2;
+      return choice;
+    }
+  }
+  return choose_law(p, d.base, d.found);
+}
+
+/// Chooses the law that is delivered and measures its error once, on rows that chose nothing.
 void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
   d.base = causal_law(p, base);
+  d.base.status = LawStatus::kBase;
   d.traces.before = estimates(p.logs, p.causal, d.base);
   d.before = report_error(p, d.traces.before);
-  d.effects = search.effects;
-  if (search.effects.empty() || is_refusal(d.verdict)) {
-    keep_base_only(d);
-    if (d.verdict == Verdict::kNothingMissing && late_direction_weighs_most(p, d)) {
-      d.warnings.push_back(kLateDirection);
-    }
-    return;
-  }
-  d.law = causal_law(p, search.law);
-  d.undetermined = undetermined(p, search.law);
-  d.traces.after = estimates(p.logs, p.causal, d.law);
+  d.found = found_law(p, search, base, d);
+  const LawChoice choice = chosen_law(p, d);
+  d.law = choice.law;
+  d.halves_agree = choice.halves_agree;
+  d.traces.after = estimates(p.logs, p.causal, choice.learned);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
-  if (d.ratio_ci95[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law)) {
-    const bool missing = search.base_reducible > 0.05;
-    d.reason = "On rows that took no part in the choice, " + search.effects.front().name +
-               " does not lower the error for certain, so it was not added.";
-    d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
-    keep_base_only(d);
-  } else if (d.ratio_ci95[1] >= 1.0) {
-    d.warnings.push_back("the running estimate gains little: " + std::string(kLateDirection));
+  if (choice.is_named && (d.effects.empty() || d.verdict == Verdict::kAmbiguous)) {
+    d.law.status = LawStatus::kProvisional;  // it predicts best, and what it is made of is not certain
+  }
+  bound_floor(d);
+  d.undetermined = choice.is_named ? undetermined(p, search.law) : std::vector<std::string>{};
+  reconcile(p, search, choice, d);
+  if (d.law.status == LawStatus::kProvisional) {
+    d.candidates = candidate_shares(search);
+    d.unnamed = unnamed_part(p, choice, d);
   }
   if (!d.undetermined.empty()) {
     d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
@@ -217,13 +175,17 @@ void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& o
   d.explained_share = search.share.value;
   d.explained_share_lower = search.share.lower;
   d.noise_floor = search.noise_floor;
-  d.floor_from_repeats = p.repeats.has_value();
-  d.verdict = judge(search, p, d);
+  d.floor_from = p.repeats ? "repeats" : "flexible model";
+  d.detectable = search.detectable;
+  d.verdict = judge(search, d);
   options.progress("measuring the error on rows set aside");
   d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);
   d.traces.q1 = stacked_signal(p.logs, &AxisLog::q1_rad);
   d.traces.measured = p.target;
   report(p, search, base, d);
+  for (const auto& log : options.test_logs) {
+    test_on(log, d, d.tested);
+  }
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(
         "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/identify/law_fit.hpp"
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 
@@ -61,6 +61,33 @@ struct ErrorSummary {
   double gof_percent = 0.0;
 };
 
+/// An effect and the share of the base law's residual energy that it takes away, out of fold.
+struct CandidateShare {
+  std::string name;
+  double share = 0.0;
+};
+
+/// What the delivered law corrects without a name.
+struct UnnamedPart {
+  std::vector<std::string> signals;  ///< that the residual depends on
+  std::string form;                  ///< "hysteresis + curve"
+  double share = 0.0;                ///< of the base law's error energy on rows set aside that it takes away
+  double rmse = 0.0;                 ///< of that part, in the target's unit
+  std::string sentence;
+};
+
+/// The smallest contribution of an effect that the log would have shown: its rms in the target's unit.
+struct DetectableEffect {
+  std::string name;
+  double rmse = 0.0;
+};
+
+/// A log that took no part, judged by the laws before and after; its zero offset is its own.
+struct TestedLog {
+  std::string name;
+  ErrorSummary before, after;
+};
+
 /// Everything the report draws. Rows of all logs, one below the other.
 struct Traces {
   Eigen::VectorXd time_s, q1, measured, before, after;
@@ -76,14 +103,21 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
-  JointFile base, law;                    ///< the law before, and with the effects; equal if none was added
-  std::vector<AddedEffect> effects;       ///< in the order added
+  JointFile base, law;               ///< the law before, and with the effects; equal if none was added
+  std::optional<JointFile> found;    ///< the law with the effects that were found; it need not be the one delivered
+  std::vector<AddedEffect> effects;  ///< in the order added
   std::vector<std::string> undetermined;  ///< parameters of `law` that these logs can not determine
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};
   double noise_floor = 0.0;
-  bool floor_from_repeats = false;
+  std::string floor_from;  ///< "repeats", "flexible model", or "law": what the delivered law leaves, if that is less
+  std::vector<CandidateShare> candidates;
+  std::optional<UnnamedPart> unnamed;
+  int halves_agree = 0;  ///< of two halves of the log: the delivered law does best there
+  std::vector<DetectableEffect> detectable;
+  std::vector<TestedLog> tested;
+  std::optional<std::string> law_file;  ///< that the law was written to
   double explained_share = 0.0, explained_share_lower = 0.0;
   Traces traces;
 };
@@ -91,6 +125,7 @@ struct Diagnosis {
 struct DiagnoseOptions {
   std::string
       base_model;  ///< empty: rigid_dynamics for an effort, pseudo_kinematic where torque is logged, else kinematic
+  std::vector<AxisLog> test_logs = {};   ///< take no part in fit or choice
   std::optional<LawForm> base_law = {};  ///< a joint angle's law to start from instead, called base_model
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
@@ -99,7 +134,7 @@ struct DiagnoseOptions {
 /// Throws Refusal and BadInput for base models as form_of_model() does.
 auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis;
 
-/// The contract's JSON, schema capstan.diagnosis/1.
+/// The contract's JSON, schema capstan.diagnosis/2.
 auto diagnosis_json(const Diagnosis& diagnosis) -> std::string;
 
 }  // namespace capstan::tools

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/term_catalogue.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -46,7 +46,7 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
 auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
   return {{"name", effect.name},
           {"alternatives", effect.alternatives},
-          {"parameters", parameters_json(d.law, {effect.name}, d.undetermined)},
+          {"parameters", parameters_json(d.found ? *d.found : d.law, {effect.name}, d.undetermined)},
           {"evidence",
            {{"p_value", effect.p_value},
             {"log_evidence_nats", effect.log_evidence},
@@ -56,7 +56,15 @@ auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
             {"explained_t", effect.explained_t},
             {"absorbed_by_base", effect.absorbed},
             {"share_of_explainable", d.explained_share},
-            {"grade", d.floor_from_repeats ? "confirmed" : "indicated"}}}};
+            {"grade", d.repeats > 1 ? "confirmed" : "indicated"}}}};
+}
+
+auto unnamed_json(const UnnamedPart& part) -> Json {
+  return {{"signals", part.signals},
+          {"form", part.form},
+          {"share", part.share},
+          {"rmse", part.rmse},
+          {"sentence", part.sentence}};
 }
 
 auto error_json(const ErrorSummary& error) -> Json {
@@ -67,10 +75,13 @@ auto error_json(const ErrorSummary& error) -> Json {
 
 auto diagnosis_json(const Diagnosis& d) -> std::string {
   Json json;
-  json["schema"] = "capstan.diagnosis/1";
+  json["schema"] = "capstan.diagnosis/2";
   json["log"] = {{"samples", d.samples}, {"rate_hz", d.rate_hz}, {"repeats", d.repeats}, {"warnings", d.warnings}};
   json["target"] = d.target;
   json["base"] = {{"model", d.base_model}, {"parameters", parameters_json(d.base, d.base.terms)}};
+  json["law"] = {{"status", word_of(d.law.status)},
+                 {"terms", d.law.terms},
+                 {"file", d.law_file ? Json(*d.law_file) : Json(nullptr)}};
   json["verdict"] = verdict_word(d.verdict);
   json["effects"] = Json::array();
   for (const auto& effect : d.effects) {
@@ -80,6 +91,21 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
   json["after"] = error_json(d.after);
   json["ratio_ci95"] = d.ratio_ci95;
   json["noise_floor"] = d.noise_floor;
+  json["floor_from"] = d.floor_from;
+  json["detectable"] = Json::array();
+  for (const auto& effect : d.detectable) {
+    json["detectable"].push_back({{"name", effect.name}, {"rmse", effect.rmse}});
+  }
+  json["unnamed"] = d.unnamed ? unnamed_json(*d.unnamed) : Json(nullptr);
+  json["candidates"] = Json::array();
+  for (const auto& candidate : d.candidates) {
+    json["candidates"].push_back({{"name", candidate.name}, {"share", candidate.share}});
+  }
+  json["stability"] = {{"halves", 2}, {"agree", d.halves_agree}};
+  json["test"] = Json::array();
+  for (const auto& log : d.tested) {
+    json["test"].push_back({{"log", log.name}, {"before", error_json(log.before)}, {"after", error_json(log.after)}});
+  }
   json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/evidence.hpp"
+#include "capstan/tools/diagnose/evidence.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "tools/diagnose/adequacy.hpp"
+#include "capstan/tools/diagnose/adequacy.hpp"
 
 namespace capstan::tools {
 namespace {

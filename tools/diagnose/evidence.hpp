@@ -4,8 +4,8 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "tools/diagnose/family.hpp"
-#include "tools/diagnose/noise_model.hpp"
+#include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/diagnose/noise_model.hpp"
 
 namespace capstan::tools {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/preparation.hpp"
+#include "capstan/tools/diagnose/preparation.hpp"
 
 namespace capstan::tools {
 

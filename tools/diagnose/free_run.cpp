@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/free_run.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/random.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 

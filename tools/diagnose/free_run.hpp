@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/preparation.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/preparation.hpp"
 
 namespace capstan::tools {
 

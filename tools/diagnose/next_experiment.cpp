@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/next_experiment.hpp"
+#include "capstan/tools/diagnose/next_experiment.hpp"
 
 #include <algorithm>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
 
 namespace capstan::tools {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
 
 namespace capstan::tools {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/pairs.hpp"
+#include "capstan/tools/diagnose/pairs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "tools/diagnose/trials.hpp"
+#include "capstan/tools/diagnose/trials.hpp"
 
 namespace capstan::tools {
 

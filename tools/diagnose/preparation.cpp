@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/preparation.hpp"
+#include "capstan/tools/diagnose/preparation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/random.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -177,6 +177,26 @@ auto left_out_note(const Preparation& p) -> std::string {
          " s around reversals, whose direction the encoder does not show, law and target are bridged alike";
 }
 
+/// Strokes of the motor there and back: how often it turns by more than a tenth of its range.
+auto strokes(const std::vector<AxisLog>& logs) -> int {
+  constexpr double kShareOfRange = 0.1;
+  int count = 0;
+  for (const auto& log : logs) {
+    const Eigen::VectorXd& q1 = log.q1_rad;
+    const double half_width = 0.5 * kShareOfRange * (q1.maxCoeff() - q1.minCoeff());
+    double place = q1[0];
+    int direction = 0;
+    for (const double angle : q1) {
+      const double next = std::clamp(place, angle - half_width, angle + half_width);
+      const int now = next > place ? 1 : (next < place ? -1 : direction);
+      count += now != direction ? 1 : 0;
+      direction = now;
+      place = next;
+    }
+  }
+  return count;
+}
+
 }  // namespace
 
 auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -220,11 +240,18 @@ auto Preparation::certain() const -> Blocks {
 }
 
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
-  constexpr Eigen::Index kFewestSamples = 400;
-  constexpr double kFewestNoises = 30.0;       // the motion's range in standard deviations of the sensors
-  constexpr double kFewestEffortNoises = 6.0;  // efforts are noisier, and averaged before they are looked at
+  constexpr Eigen::Index kFewestSamples = 150;
+  constexpr Eigen::Index kEnoughSamples = 400;  // whatever the motion
+  constexpr int kFewestStrokes = 3;             // there, back, and there again: both ends of a hysteresis
+  constexpr double kFewestNoises = 30.0;        // the motion's range in standard deviations of the sensors
+  constexpr double kFewestEffortNoises = 6.0;   // efforts are noisier, and averaged before they are looked at
   if (total_samples(logs) < kFewestSamples) {
     return "only " + std::to_string(total_samples(logs)) + " samples; record at least 10 s at 100 Hz or more";
+  }
+  if (total_samples(logs) < kEnoughSamples && strokes(logs) < kFewestStrokes) {
+    return "only " + std::to_string(total_samples(logs)) +
+           " samples in which the motor does not go there, back and there again; record at least 10 s at 100 Hz or "
+           "more";
   }
   const AngleNoise noise = motor_angle_noise(logs);
   std::size_t reversals = 0;

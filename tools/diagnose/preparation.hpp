@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/split.hpp"
-#include "tools/identify/given_motion.hpp"
-#include "tools/identify/identify.hpp"
+#include "capstan/tools/diagnose/split.hpp"
+#include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 namespace capstan::tools {
 

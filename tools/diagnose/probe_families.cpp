@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "tools/diagnose/family.hpp"
-#include "tools/support/random.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -284,8 +284,8 @@ class Probes {
 
   /// Axes beside the one that axis_coupling looks at. The name is the column's, so that a user can ask for it.
   void of_further_axes() {
-    const auto& other = p_.logs.front().other;
-    const std::string looked_at = other ? "axis" + std::to_string(other->number) + "/" : "";
+    const auto& others = p_.logs.front().others;
+    const std::string looked_at = others.empty() ? "" : "axis" + std::to_string(others.front().number) + "/";
     for (const auto& side : s_.side) {
       const bool of_an_axis = side.name.rfind("axis", 0) == 0;
       if (of_an_axis && (looked_at.empty() || side.name.rfind(looked_at, 0) != 0)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/profile.hpp"
+#include "capstan/tools/diagnose/profile.hpp"
 
 #include <algorithm>
 #include <cmath>

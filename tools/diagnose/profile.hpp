@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/cross_validation.hpp"
+#include "capstan/tools/diagnose/cross_validation.hpp"
 
 namespace capstan::tools {
 

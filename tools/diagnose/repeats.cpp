@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/repeats.hpp"
+#include "capstan/tools/diagnose/repeats.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {

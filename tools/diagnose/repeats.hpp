@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <optional>
 
-#include "tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
 
 namespace capstan::tools {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/round.hpp"
+#include "capstan/tools/diagnose/round.hpp"
 
 #include <algorithm>
 #include <limits>
 
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

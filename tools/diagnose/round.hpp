@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/diagnose/adequacy.hpp"
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/diagnose/trials.hpp"
+#include "capstan/tools/diagnose/adequacy.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/trials.hpp"
 
 namespace capstan::tools {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/search.hpp"
+#include "capstan/tools/diagnose/search.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/diagnose/pairs.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/diagnose/pairs.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -348,7 +348,7 @@ class Searcher {
     for (const auto& trial : round.trials) {
       const auto& family = round.evidence.families[trial.family];
       if (family.in_catalogue) {
-        search_.detectable.push_back(family.name + " " + rounded(trial.detectable, 2));
+        search_.detectable.push_back({family.name, trial.detectable});
       }
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/diagnose/round.hpp"
+#include "capstan/tools/diagnose/round.hpp"
 
 namespace capstan::tools {
 
@@ -15,8 +15,8 @@ struct Search {
   std::string unlisted;  ///< the probe that fits best what is left; empty if none does
   ExplainedShare share;  ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
-  double base_reducible = 0.0;          ///< share of the base law's residual energy that is no noise
-  std::vector<std::string> detectable;  ///< smallest effects that would have shown in the last round
+  double base_reducible = 0.0;               ///< share of the base law's residual energy that is no noise
+  std::vector<DetectableEffect> detectable;  ///< smallest effects that would have shown in the last round
 };
 
 /// Adds effects to the base law one by one, or two where only two explain anything, until the first refusal; then

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/sieve.hpp"
+#include "capstan/tools/diagnose/sieve.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "tools/support/random.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {

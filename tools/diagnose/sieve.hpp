@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tools/diagnose/cross_validation.hpp"
+#include "capstan/tools/diagnose/cross_validation.hpp"
 
 namespace capstan::tools {
 

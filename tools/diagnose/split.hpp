@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "tools/diagnose/repeats.hpp"
+#include "capstan/tools/diagnose/repeats.hpp"
 
 namespace capstan::tools {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/trials.hpp"
+#include "capstan/tools/diagnose/trials.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "tools/support/random.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "tools/diagnose/profile.hpp"
-#include "tools/diagnose/sieve.hpp"
+#include "capstan/tools/diagnose/profile.hpp"
+#include "capstan/tools/diagnose/sieve.hpp"
 
 namespace capstan::tools {
 

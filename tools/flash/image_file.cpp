@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/flash/image_file.hpp"
+#include "capstan/tools/flash/image_file.hpp"
 
 #include <elf.h>
 
@@ -11,10 +11,10 @@
 #include <sstream>
 #include <string_view>
 
-#include "boards/stm32f405/image.hpp"
-#include "firmware/crc32.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/boards/stm32f405/image.hpp"
+#include "capstan/firmware/parameters/crc32.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/flash/programmer.hpp"
+#include "capstan/tools/flash/programmer.hpp"
 
 #include <spawn.h>
 #include <sys/wait.h>
@@ -10,8 +10,8 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 extern char** environ;
 

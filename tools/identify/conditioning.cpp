@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/conditioning.hpp"
+#include "capstan/tools/identify/conditioning.hpp"
 
 #include <algorithm>
 
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -61,8 +61,8 @@ auto edges_may_tremble(const std::vector<AxisLog>& logs, double step_rad) -> boo
   return crossed < kEdgesSeen;
 }
 
-/// Direction of the other axis at every sample, by a conditioner of its own.
-void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measured<double>>& series) {
+/// Another axis in a slot of the coupling, its direction by a conditioner of its own.
+void add_other_axis(const OtherAxis& other, std::size_t slot, double period_s, std::vector<Measured<double>>& series) {
   const double step = quantisation_step(other.q1_rad);
   const double white = white_noise_level(other.q1_rad);
   ConditionerShape<double> shape;
@@ -70,9 +70,9 @@ void add_other_axis(const OtherAxis& other, double period_s, std::vector<Measure
   SampleConditioner<double> conditioner(SamplePeriod<double>(period_s), shape);
   for (std::size_t i = 0; i < series.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
-    series[i].other_q1 = other.q1_rad[row];
-    series[i].other_tau = other.tau_nm[row];
-    series[i].other_forward = conditioner.update(other.q1_rad[row], other.tau_nm[row]).forward;
+    series[i].others[slot] = {.q1 = other.q1_rad[row],
+                              .tau = other.tau_nm[row],
+                              .forward = conditioner.update(other.q1_rad[row], other.tau_nm[row]).forward};
   }
 }
 
@@ -112,8 +112,8 @@ auto measured_series(const AxisLog& log) -> std::vector<Measured<double>> {
       series[i].temperature = log.temperature_c[row];
     }
   }
-  if (log.other) {
-    add_other_axis(*log.other, log.period_s, series);
+  for (std::size_t slot = 0; slot < std::min(kMostOthers, log.others.size()); ++slot) {
+    add_other_axis(log.others[slot], slot, log.period_s, series);
   }
   return series;
 }

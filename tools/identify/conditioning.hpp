@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "tools/identify/force_fit.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/identify/law_fit.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
 

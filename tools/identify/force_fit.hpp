@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "model/preisach.hpp"
-#include "model/pull_push.hpp"
-#include "tools/identify/least_squares.hpp"
-#include "tools/log/csv_log.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/model/pull_push.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
+#include "capstan/tools/log/csv_log.hpp"
 
 namespace capstan::tools {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/force_fit.hpp"
-#include "tools/log/axis_log.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/log/axis_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 

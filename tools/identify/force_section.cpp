@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #define TOML_ASSERT(expr) static_assert(true)  // the library asserts what a person can type; its own error says so
-#include "tools/identify/force_section.hpp"
+#include "capstan/tools/identify/force_section.hpp"
 
 #include <toml++/toml.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

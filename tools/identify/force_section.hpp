@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/identify/force_fit.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
 
 namespace capstan::tools {
 

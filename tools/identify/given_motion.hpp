@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/identify/hindsight.hpp"
+#include "capstan/tools/identify/hindsight.hpp"
 
 namespace capstan::tools {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/identify/conditioning.hpp"
-#include "tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/conditioning.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
 
 namespace capstan::tools {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/identify.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/identify/given_motion.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -291,13 +291,20 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   if (joint.catalogue->target() == TargetKind::kAngle) {
     joint.steady_torque = steady_torque(logs, design);
   }
-  if (joint.has("axis_coupling") && logs.front().other) {
-    joint.coupled_to = logs.front().other->number;
+  const auto& others = logs.front().others;
+  for (std::size_t slot = 0; slot < std::min(slots_used(joint), others.size()); ++slot) {
+    joint.coupled_to.push_back(others[slot].number);
   }
   FitSummary summary;
   summary.rmse = rms(target - estimate);
   summary.gof_percent = goodness_of_fit_percent(target, estimate);
   summary.samples = target.size();
+  summary.joint_range = target.maxCoeff() - target.minCoeff();
+  Interval range = {logs.front().q1_rad.minCoeff(), logs.front().q1_rad.maxCoeff()};
+  for (const auto& log : logs) {
+    range = {std::min(range[0], log.q1_rad.minCoeff()), std::max(range[1], log.q1_rad.maxCoeff())};
+  }
+  summary.motor_range = range;
   for (const auto& log : logs) {
     summary.logs.push_back(log.name);
   }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/identify/law_fit.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/law_fit.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace capstan::tools {
 namespace {
@@ -19,7 +20,9 @@ auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape
 }  // namespace
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
-    : LawDesign(logs, all_causal_samples(logs, conditioner)) {}
+    : LawDesign(logs, all_causal_samples(logs, conditioner)) {
+  rate_time_constant_s_ = conditioner.rate_time_constant_s;
+}
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing)
     : samples_(std::move(samples)), smoothing_(smoothing) {
@@ -28,6 +31,16 @@ LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samp
     log_rows_.push_back(log.samples());
     rows_ += log.samples();
   }
+}
+
+auto LawDesign::behind(const LawForm& form) const -> LawDesign {
+  LawDesign result = *this;
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; term->acts_on_input && i < samples_.size(); ++i) {
+      result.samples_[i] = term->input(result.samples_[i], periods_[i], rate_time_constant_s_, form.shapes_of(*term));
+    }
+  }
+  return result;
 }
 
 auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
@@ -102,17 +115,22 @@ auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
 auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixXd {
   const auto terms = ordered_terms(form);
   Eigen::Index count = 0;
+  std::optional<LawDesign> behind;
   for (const auto* term : terms) {
     count += static_cast<Eigen::Index>(term->coefficients.size());
+    if (term->acts_on_input && !behind) {
+      behind = design.behind(form);
+    }
   }
   Eigen::MatrixXd columns(design.rows(), count);
   Eigen::Index next = 0;
   for (const auto* term : terms) {
     if (term->acts_on_output) {
       columns = design.apply(*term, form.shapes_of(*term), columns);
-    } else {
+    } else if (!term->acts_on_input) {
       const auto own = static_cast<Eigen::Index>(term->coefficients.size());
-      columns.middleCols(next, own) = design.columns(*term, form.shapes_of(*term));
+      const LawDesign& seen = behind && term->reads_input ? *behind : design;
+      columns.middleCols(next, own) = seen.columns(*term, form.shapes_of(*term));
       next += own;
     }
   }
@@ -141,13 +159,18 @@ auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::Ve
     const auto own = static_cast<Eigen::Index>(term->coefficients.size());
     LawForm part = form;  // of the law, that moves with the term's shapes
     Eigen::VectorXd weights = theta;
-    if (!term->acts_on_output) {
-      std::erase_if(part.terms,
-                    [&](const auto& name) { return name != term->name && !form.catalogue->term(name).acts_on_output; });
+    if (!term->acts_on_output && !term->acts_on_input) {
+      std::erase_if(part.terms, [&](const auto& name) {
+        const auto& other = form.catalogue->term(name);
+        return name != term->name && !other.acts_on_output && !(other.acts_on_input && term->reads_input);
+      });
       weights = theta.segment(first, own);
     }
     first += own;
-    for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (!is_searched(form, *term, i)) {
+        continue;
+      }
       LawForm moved = part;
       double& value = moved.shapes[term->first_shape + i];
       const double step = shape_step(term->shapes[i], value);
@@ -206,12 +229,16 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
             Interval{plain.theta[next] - half, plain.theta[next] + half};
       }
     }
-    for (std::size_t i = 0; i < searched_shapes(*term); ++i, ++shape) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (!is_searched(form, *term, i)) {
+        continue;
+      }
       const double half = half_interval(full, shape);
       const double value = form.shapes[term->first_shape + i];
       if (full.tolerance[shape] > 0.0) {
         joint.shape_ci95[term->first_shape + i] = Interval{value - half, value + half};
       }
+      ++shape;
     }
   }
   return joint;

@@ -4,11 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "tools/identify/conditioning.hpp"
-#include "tools/identify/least_squares.hpp"
-#include "tools/joint_file/joint_file.hpp"
+#include "capstan/tools/identify/conditioning.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
 
 namespace capstan::tools {
+
+struct LawForm;
 
 /// Logs of one joint, conditioned once: fits and evaluates laws over all of them, one below the other.
 /// Every regressor comes from the terms of the model themselves.
@@ -27,7 +29,10 @@ class LawDesign {
   [[nodiscard]] auto smoothed(const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd;
   [[nodiscard]] auto period_s(std::size_t log) const -> double { return periods_[log]; }
 
-  /// One column per coefficient of a sum term, over all logs.
+  /// The same samples as what stands behind the law's input terms sees them.
+  [[nodiscard]] auto behind(const LawForm& form) const -> LawDesign;
+
+  /// One column per coefficient of a sum term, over all logs, by these samples.
   [[nodiscard]] auto columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd;
   /// Signals over all logs passed through an output term, column by column.
   [[nodiscard]] auto apply(const CatalogueTerm& term, const Shapes& shapes, const Eigen::MatrixXd& signals) const
@@ -39,6 +44,7 @@ class LawDesign {
   std::vector<Eigen::Index> log_rows_;
   Eigen::Index rows_ = 0;
   Eigen::Index smoothing_ = 0;
+  double rate_time_constant_s_ = ConditionerShape<double>{}.rate_time_constant_s;
 };
 
 /// The targets of all logs, one below the other. @pre every log has one
@@ -78,8 +84,8 @@ auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
 auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm;
 
-/// How many of a term's shapes a fit searches for: all, or none.
-auto searched_shapes(const CatalogueTerm& term) -> std::size_t;
+/// Whether a fit searches for a shape of a law: not for one that is given, nor for one that does nothing.
+auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool;
 /// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
 auto shape_step(const ShapeInfo& info, double value) -> double;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {

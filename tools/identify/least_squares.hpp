@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "model/term.hpp"
+#include "capstan/model/term.hpp"
 
 namespace capstan::tools {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/palpation.hpp"
+#include "capstan/tools/identify/palpation.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {

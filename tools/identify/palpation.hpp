@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "model/stiffness.hpp"
-#include "model/tension_state.hpp"
-#include "tools/identify/force_fit.hpp"
+#include "capstan/model/stiffness.hpp"
+#include "capstan/model/tension_state.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
 
 namespace capstan::tools {
 

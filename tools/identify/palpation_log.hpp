@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/identify/palpation.hpp"
+#include "capstan/tools/identify/palpation.hpp"
 
 namespace capstan::tools {
 

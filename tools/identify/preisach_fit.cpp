@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/identify/force_fit.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "tools/identify/bounded_search.hpp"
-#include "tools/identify/force_fit.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/bounded_search.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numeric>
 
-#include "tools/identify/bounded_search.hpp"
-#include "tools/identify/law_fit.hpp"
-#include "tools/support/random.hpp"
+#include "capstan/tools/identify/bounded_search.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -33,8 +33,10 @@ struct ShapeSlot {
 auto shape_slots(const LawForm& form) -> std::vector<ShapeSlot> {
   std::vector<ShapeSlot> slots;
   for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < searched_shapes(*term); ++i) {
-      slots.push_back({&term->shapes[i], term->first_shape + i, term->acts_on_output});
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (is_searched(form, *term, i)) {
+        slots.push_back({&term->shapes[i], term->first_shape + i, term->acts_on_output});
+      }
     }
   }
   return slots;
@@ -188,14 +190,20 @@ auto shape_step(const ShapeInfo& info, double value) -> double {
   return value + step > info.maximum ? -step : step;
 }
 
-auto searched_shapes(const CatalogueTerm& term) -> std::size_t {
-  return term.shapes_are_given ? 0 : term.shapes.size();
+auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool {
+  const ShapeInfo& info = term.shapes[shape];
+  const int switched = info.idle_without;
+  return !term.shapes_are_given && info.of != ShapeOf::kGiven &&
+         (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
 }
 
 auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
   std::vector<std::string> names;
   for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; !term->shapes_are_open && i < searched_shapes(*term); ++i) {
+    for (std::size_t i = 0; !term->shapes_are_open && i < term->shapes.size(); ++i) {
+      if (!is_searched(form, *term, i)) {
+        continue;
+      }
       const auto& info = term->shapes[i];
       const double value = form.shapes[term->first_shape + i];
       const double margin = 2e-3 * (info.maximum - info.minimum);

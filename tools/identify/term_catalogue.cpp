@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/term_catalogue.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
 
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <type_traits>
 
 namespace capstan::tools {
 namespace {
@@ -27,6 +28,16 @@ auto describe() -> CatalogueTerm {
   term.exciting_motion = Term::kInfo.exciting_motion;
   term.coefficients.assign(Term::kInfo.coefficients.begin(), Term::kInfo.coefficients.end());
   term.shapes.assign(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end());
+  term.reads_input = reads_input<Term>();
+  const TermRelations& relations = Term::kInfo.relations;
+  term.doubles.assign(relations.doubles.begin(), relations.doubles.end());
+  term.builds_on.assign(relations.builds_on.begin(), relations.builds_on.end());
+  term.special_cases.assign(relations.special_cases.begin(), relations.special_cases.end());
+  term.shown_by = relations.shown_by;
+  term.shapes_are_open = relations.open_shapes;
+  term.slots = relations.slots;
+  term.form_free = relations.form_free;
+  term.placed = relations.placed;
   return term;
 }
 
@@ -52,6 +63,33 @@ auto pass_through(const Eigen::VectorXd& signal, double period_s, const Shapes& 
     result[row] = term.update(signal[row]);
   }
   return result;
+}
+
+/// By an input stage with the one term alone, so that h and its rate come out as the firmware has them.
+template <typename Term>
+auto pass_input(const Samples& samples, double period_s, double rate_time_constant_s, const Shapes& shapes) -> Samples {
+  std::array<double, kShapeCount> all{};
+  std::size_t next = 0;
+  InputTerms::for_each<double>([&]<typename Other>() {
+    for (std::size_t i = 0; i < kShapesOf<Other>; ++i, ++next) {
+      all[next] = std::is_same_v<Other, Term> ? shapes.at(i) : 0.0;
+    }
+  });
+  const SamplePeriod<double> dt(period_s);
+  InputStage<double> stage(dt, all, dt.filter_gain(rate_time_constant_s));
+  Samples result = samples;
+  for (auto& sample : result) {
+    stage.update(sample);
+  }
+  return result;
+}
+
+template <typename Term>
+auto input_term() -> CatalogueTerm {
+  CatalogueTerm term = describe<Term>();
+  term.acts_on_input = true;
+  term.input = pass_input<Term>;
+  return term;
 }
 
 template <typename Term>
@@ -110,41 +148,17 @@ void take_si_inertia(CatalogueTerm& term) {
   term.coefficients[0].doc = "effort per acceleration";
 }
 
-/// How the terms of a catalogue hang together.
-void relate(std::vector<CatalogueTerm>& terms) {
-  static const std::vector<std::string> kDry = {"coulomb_friction", "play_friction"};
-  static const std::vector<std::string> kElastic = {"tendon_elongation"};
-  static const std::map<std::string, std::vector<std::string>> kBuildsOn = {{"stribeck_friction", kDry},
-                                                                            {"friction_asymmetry", kDry},
-                                                                            {"slip_propagation", kElastic},
-                                                                            {"reversal_memory", kElastic},
-                                                                            {"stiffness_hardening", kElastic}};
-  for (auto& term : terms) {
-    // Warming that has not slowed down yet is a straight line, and with a thermometer there may be no other at all. A
-    // rope may harden with the square of every torque, or with the cube.
-    term.shapes_are_open = term.name == "thermal_drift" || term.name == "stiffness_hardening";
-    if (const auto found = kBuildsOn.find(term.name); found != kBuildsOn.end()) {
-      term.builds_on = found->second;
-    }
-    if (term.name == "slip_propagation") {  // a front that has arrived at once is a step at each reversal
-      term.special_cases = {"pretension_offset"};
-    }
-  }
-}
-
 /// Which terms of an effort are others with one coefficient at nothing.
-void name_special_cases(std::vector<CatalogueTerm>& terms) {
-  static const std::map<std::string, std::vector<std::string>> kSpecialCases = {
-      {"friction_asymmetry", {"offset"}},
-      {"play_friction", {"coulomb_friction"}},
-      {"thermal_drift", {"offset"}},
-      {"gravity", {"offset"}},
-      {"angle_periodic", {"offset", "gravity"}}};
-  for (auto& term : terms) {
-    if (const auto found = kSpecialCases.find(term.name); found != kSpecialCases.end()) {
-      term.special_cases = found->second;
+template <typename List>
+void take_special_cases_of_effort(std::vector<CatalogueTerm>& terms) {
+  List::template for_each<double>([&]<typename Term>() {
+    const Names& names = Term::kInfo.relations.special_cases_of_effort;
+    for (auto& term : terms) {
+      if (term.name == Term::kInfo.name) {
+        term.special_cases.assign(names.begin(), names.end());
+      }
     }
-  }
+  });
 }
 
 /// A linear axis: metres and newtons. Its weight does not turn with it, so that is part of the offset.
@@ -165,9 +179,9 @@ void make_linear(std::vector<CatalogueTerm>& terms) {
 
 auto transmission() -> Catalogue {
   std::vector<CatalogueTerm> terms;
+  InputTerms::for_each<double>([&]<typename Term>() { terms.push_back(input_term<Term>()); });
   add_sum_terms<SumTerms>(terms);
   add_output_terms(terms);
-  relate(terms);
   return {TargetKind::kAngle, "rad", "rad", std::move(terms)};
 }
 
@@ -177,8 +191,8 @@ auto efforts(AxisKind axis) -> Catalogue {
   take_si_inertia(terms.front());
   add_shared_terms(terms);
   add_output_terms(terms);
-  relate(terms);
-  name_special_cases(terms);
+  take_special_cases_of_effort<EffortTerms>(terms);
+  take_special_cases_of_effort<SharedTerms>(terms);
   if (axis == AxisKind::kLinear) {
     make_linear(terms);
     return {TargetKind::kEffort, "N", "m", std::move(terms)};

@@ -3,10 +3,12 @@
 
 #include <Eigen/Dense>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "model/effort_catalogue.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/model/input_stage.hpp"
 
 namespace capstan::tools {
 
@@ -20,9 +22,17 @@ struct CatalogueTerm {
   std::vector<ShapeInfo> shapes;
   std::size_t first_coefficient = 0;  ///< in the flat list of the catalogue's coefficients
   std::size_t first_shape = 0;        ///< in that of its shapes
+  bool acts_on_input = false;         ///< an input term: it changes what those that read h are given
+  bool reads_input = false;           ///< its columns change with the input terms of the law
   bool acts_on_output = false;
-  bool shapes_are_open = false;   ///< at the end of their range they say something too, so a fit may end there
-  bool shapes_are_given = false;  ///< known before a fit, which leaves them alone
+  std::optional<int> of_axis = {};        ///< a term of another axis's samples
+  bool shapes_are_open = false;           ///< at the end of their range they say something too, so a fit may end there
+  bool shapes_are_given = false;          ///< known before a fit, which leaves them alone
+  bool form_free = false;                 ///< describes what has no name; never the name of an effect
+  bool placed = false;                    ///< who builds a law puts it there; no candidate of the search term by term
+  std::vector<std::string> doubles = {};  ///< terms that a poor log can not tell from it
+  Motion shown_by = Motion::kNone;        ///< motions that show it beside them
+  std::size_t slots = 0;                  ///< of the coupling, from the first, that it reads
   /// A difference from one of these, so no effect of its own before one of them is in the law; empty: stands alone.
   std::vector<std::string> builds_on = {};
   /// Terms that it can stand for by a choice of its shapes or coefficients. Where one of them does as well, the answer
@@ -34,6 +44,9 @@ struct CatalogueTerm {
   /// Output terms: a signal of one log passed through the term. It is linear, so the columns of a fit may be passed
   /// instead.
   std::function<Eigen::VectorXd(const Eigen::VectorXd&, double period_s, const Shapes&)> apply;
+
+  /// Input terms: consecutive samples of one log as those behind it see them.
+  std::function<Samples(const Samples&, double period_s, double rate_time_constant_s, const Shapes&)> input;
 
   [[nodiscard]] auto initial_shapes() const -> Shapes;
 };
@@ -73,7 +86,7 @@ class Catalogue {
   std::size_t coefficient_count_ = 0;
 };
 
-/// Motor angle and torque to joint angle: SumTerms, then OutputTerms, as the firmware numbers them.
+/// Motor angle and torque to joint angle: InputTerms, SumTerms, OutputTerms, as the firmware numbers them.
 auto term_catalogue() -> const Catalogue&;
 /// Motion to effort: EffortTerms, the terms of the joint angle that a torque may hold as well, then OutputTerms.
 /// Inertia is in kg m2 (kg): the firmware's krad/s2 is for fixed point.

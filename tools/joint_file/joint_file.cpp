@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/joint_file/joint_file.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
 
 #include <algorithm>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/joint_file/table_section.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -32,6 +33,9 @@ auto quoted(const std::string& text) -> std::string {
 
 auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string {
   std::string text = "\n# " + term.equation + "   " + term.source + "\n[terms." + term.name + "]\n";
+  if (term.name == kTableTerm) {
+    return text + table_text(joint, term);
+  }
   for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
     const std::size_t at = term.first_coefficient + i;
     text += std::string(term.coefficients[i].name) + " = " +
@@ -39,15 +43,38 @@ auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string
   }
   for (std::size_t i = 0; i < term.shapes.size(); ++i) {
     const std::size_t at = term.first_shape + i;
+    const int switched = term.shapes[i].idle_without;
+    if (switched >= 0 && joint.parameters.shapes[term.first_shape + static_cast<std::size_t>(switched)] == 0.0) {
+      continue;
+    }
     text += std::string(term.shapes[i].name) + " = " +
             quantity(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
   }
   return text;
 }
 
+auto coupling_text(const std::vector<int>& joints) -> std::string {
+  if (joints.empty()) {
+    return {};
+  }
+  if (joints.size() == 1) {
+    return "\n# The axis whose motor pulls at this one.\n[coupling]\njoint = " + std::to_string(joints[0]) + "\n";
+  }
+  std::string text = "\n# The axes whose motors pull at this one.\n[coupling]\njoints = [";
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    text += (i > 0 ? ", " : "") + std::to_string(joints[i]);
+  }
+  return text + "]\n";
+}
+
 auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
   std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse, unit, {}) + "gof_percent = " + exact(fit.gof_percent) +
-                     "\nsamples = " + std::to_string(fit.samples) + "\nlogs = [";
+                     "\nsamples = " + std::to_string(fit.samples) + "\n";
+  if (fit.motor_range) {
+    text += "motor_range = [" + exact((*fit.motor_range)[0]) + ", " + exact((*fit.motor_range)[1]) + "]\n" +
+            "joint_range = " + exact(fit.joint_range) + "\n";
+  }
+  text += "logs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
   }
@@ -64,6 +91,21 @@ JointFile::JointFile(const Catalogue& of)
   if (of.target() == TargetKind::kAngle) {
     parameters.coefficients[of.term("motor_angle").first_coefficient] = 1.0;
   }
+}
+
+auto word_of(LawStatus status) -> const char* {
+  constexpr std::array<const char*, 3> kWords = {"confirmed", "provisional", "base"};
+  return kWords[static_cast<std::size_t>(status)];
+}
+
+auto slots_used(const JointFile& joint) -> std::size_t {
+  std::size_t slots = 0;
+  for (const auto& term : *joint.catalogue) {
+    if (joint.has(term.name)) {
+      slots = std::max({slots, term.slots, term.name == kTableTerm ? slots_of_table(joint) : 0});
+    }
+  }
+  return slots;
 }
 
 auto JointFile::has(const std::string& term) const -> bool {
@@ -100,7 +142,8 @@ auto joint_file_text(const JointFile& joint) -> std::string {
   const bool angle = joint.catalogue->target() == TargetKind::kAngle;
   std::string text = std::string("# A law of ") + (angle ? "a joint" : "an effort") +
                      ": y = sum of terms, each coefficient times its regressor. Terms that are absent are off.\n" +
-                     "schema = \"" + (angle ? kJointSchema : kEffortSchema) + "\"\n\n[conditioner]\n";
+                     "schema = \"" + (angle ? kJointSchema : kEffortSchema) + "\"\n" + "status = \"" +
+                     word_of(joint.status) + "\"\n\n[conditioner]\n";
   const auto& conditioner = joint.parameters.conditioner;
   text += "direction_threshold = " + quantity(conditioner.direction_threshold_rad, joint.catalogue->motion_unit(), {});
   if (angle) {  // an effort's rates come from a given motion and do not lag
@@ -114,10 +157,7 @@ auto joint_file_text(const JointFile& joint) -> std::string {
     text += "torque_forward = " + quantity(joint.steady_torque->forward_nm, "Nm", {});
     text += "torque_backward = " + quantity(joint.steady_torque->backward_nm, "Nm", {});
   }
-  if (joint.coupled_to) {
-    text +=
-        "\n# The axis whose motor pulls at this one.\n[coupling]\njoint = " + std::to_string(*joint.coupled_to) + "\n";
-  }
+  text += coupling_text(joint.coupled_to);
   return text + (joint.fit ? fit_text(*joint.fit, joint.catalogue->target_unit()) : "");
 }
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "model/motion_law.hpp"
-#include "tools/identify/term_catalogue.hpp"
+#include "capstan/model/motion_law.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
 
 namespace capstan::tools {
 
@@ -31,12 +31,23 @@ struct FitSummary {
   double rmse = 0.0;  ///< in the target's unit
   double gof_percent = 0.0;
   long samples = 0;
+  std::optional<Interval> motor_range = {};  ///< of the motor angle in the logs, rad
+  double joint_range = 0.0;                  ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };
 
 inline constexpr const char* kJointSchema = "capstan.joint/1";
 /// Written for people and other programs; nothing here reads it back, for nothing runs a law of an effort.
 inline constexpr const char* kEffortSchema = "capstan.effort/1";
+
+/// How sure a law is. A board runs each of them; its shell says which it is.
+enum class LawStatus : std::uint8_t {
+  kConfirmed,    ///< its effects are named and certain; also a model that was asked for by name
+  kProvisional,  ///< it lowers the error on unseen rows for certain; what it is made of is not
+  kBase,         ///< nothing was found that lowers the error
+};
+/// The word of joint.toml.
+auto word_of(LawStatus status) -> const char*;
 
 /// A law as a file: the numbers with units and intervals. Terms that are absent are off.
 struct JointFile {
@@ -49,11 +60,15 @@ struct JointFile {
   std::vector<std::string> terms;  ///< names of the terms that are on, in the order of the catalogue
   std::vector<std::optional<Interval>> coefficient_ci95, shape_ci95;
   std::optional<SteadyTorque> steady_torque;
-  std::optional<int> coupled_to;  ///< number of the axis whose motor pulls at this one, for axis_coupling
+  std::vector<int> coupled_to;  ///< numbers of the axes whose motors pull at this one, by slots of the coupling
+  LawStatus status = LawStatus::kConfirmed;
   std::optional<FitSummary> fit;
 
   [[nodiscard]] auto has(const std::string& term) const -> bool;
 };
+
+/// Slots of the coupling that the law's terms read, from the first.
+auto slots_used(const JointFile& joint) -> std::size_t;
 
 /// Parameters of a law with every effect off (shapes at their initial values), beta = 1.
 auto rigid_law() -> LawParameters<double>;

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/joint_file/table_section.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -118,7 +118,7 @@ class Reader {
                       rounded(limits.low, 6) + " to " + rounded(limits.high, 6));
     }
     if (ci95 != nullptr && entry->get("ci95") != nullptr) {
-      *ci95 = interval(*entry->get("ci95"), key);
+      *ci95 = interval(*entry->get("ci95"), "ci95 of " + key);
     }
     return value;
   }
@@ -147,22 +147,59 @@ class Reader {
     }
   }
 
-  [[nodiscard]] auto name() const -> const std::string& { return name_; }
-
- private:
   auto interval(const toml::node& node, const std::string& key) const -> Interval {
     const toml::array* array = node.as_array();
     if (array == nullptr || array->size() != 2) {
-      fail(node, "ci95 of " + key + " is not a pair; write [low, high] or leave it out");
+      fail(node, key + " is not a pair; write [low, high] or leave it out");
     }
-    const Interval result = {number(*array->get(0), "ci95 of " + key), number(*array->get(1), "ci95 of " + key)};
+    const Interval result = {number(*array->get(0), key), number(*array->get(1), key)};
     if (result[0] > result[1]) {
-      fail(node, "ci95 of " + key + " runs from high to low; swap its ends");
+      fail(node, key + " runs from high to low; swap its ends");
     }
     return result;
   }
 
+  [[nodiscard]] auto name() const -> const std::string& { return name_; }
+
+ private:
+  auto numbers(const toml::table& parent, const std::string& key) const -> std::vector<double> {
+    const toml::node* node = parent.get(key);
+    const toml::array* array = node == nullptr ? nullptr : node->as_array();
+    if (array == nullptr) {
+      fail(node == nullptr ? static_cast<const toml::node&>(parent) : *node,
+           key + " is not a list of numbers; write " + key + " = [-1, 0, 1]");
+    }
+    std::vector<double> values;
+    for (const auto& entry : *array) {
+      values.push_back(number(entry, key));
+      if (std::abs(values.back()) > kLargest) {
+        fail(entry, rounded(values.back(), 6) + " in " + key + " is out of range; it must be from " +
+                        rounded(-kLargest, 6) + " to " + rounded(kLargest, 6));
+      }
+    }
+    return values;
+  }
+
+  void read_table(const toml::table& entry, JointFile& joint) const {
+    only(entry, {"signal", "knots", "forward", "backward"}, "[terms.table]");
+    const auto& words = table_signal_words();
+    const auto word = entry["signal"].value<std::string>();
+    const auto found = std::find(words.begin(), words.end(), word.value_or(""));
+    if (found == words.end()) {
+      fail(entry, "the table's signal is none that there is; write one of " + joined(words));
+    }
+    const TableLists lists{static_cast<std::size_t>(found - words.begin()), numbers(entry, "knots"),
+                           numbers(entry, "forward"), numbers(entry, "backward")};
+    if (const std::string fault = fault_of(lists); !fault.empty()) {
+      fail(entry, fault);
+    }
+    set_table(lists, joint);
+  }
+
   void read_term(const toml::table& entry, const CatalogueTerm& term, JointFile& joint) const {
+    if (term.name == kTableTerm) {
+      return read_table(entry, joint);
+    }
     std::vector<std::string> known;
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
@@ -176,6 +213,9 @@ class Reader {
       const auto& info = term.shapes[i];
       known.emplace_back(info.name);
       const std::size_t at = term.first_shape + i;
+      if (info.idle_without >= 0 && entry.get(info.name) == nullptr) {
+        continue;  // one of several alike, of which the law has fewer
+      }
       joint.parameters.shapes[at] =
           quantity(entry, info.name, info.unit, {info.minimum, info.maximum}, &joint.shape_ci95[at]);
     }
@@ -209,14 +249,57 @@ void read_coupling(const Reader& reader, const toml::table& root, JointFile& joi
   if (table == nullptr) {
     return;
   }
-  constexpr double kLastJoint = 3.0;
-  reader.only(*table, {"joint"}, "[coupling]");
-  const toml::node* node = table->get("joint");
-  const double number = node != nullptr ? reader.number(*node, "coupling.joint") : -1.0;
-  if (number < 0.0 || number > kLastJoint || number != std::floor(number)) {
-    reader.fail(*table, "coupling.joint is not the number of an axis; write the one whose motor pulls, 0 to 3");
+  reader.only(*table, {"joint", "joints"}, "[coupling]");
+  std::vector<const toml::node*> nodes;
+  if (const toml::array* several = (*table)["joints"].as_array()) {
+    for (const auto& node : *several) {
+      nodes.push_back(&node);
+    }
+  } else {
+    nodes.push_back(table->get("joint"));
   }
-  joint.coupled_to = static_cast<int>(number);
+  constexpr double kLastAxis = 15.0;
+  for (const toml::node* node : nodes) {
+    const double number = node != nullptr ? reader.number(*node, "the axis in [coupling]") : -1.0;
+    const bool twice = std::find(joint.coupled_to.begin(), joint.coupled_to.end(), number) != joint.coupled_to.end();
+    if (number < 0.0 || number > kLastAxis || number != std::floor(number) || twice ||
+        joint.coupled_to.size() == kMostOthers) {
+      reader.fail(*table,
+                  "[coupling] does not name axes; write joint = N, or joints = [N, M] for up to three different ones, "
+                  "those whose motors pull");
+    }
+    joint.coupled_to.push_back(static_cast<int>(number));
+  }
+}
+
+/// Every slot that a term reads has its axis.
+void check_coupling(const Reader& reader, const toml::table& root, const JointFile& joint) {
+  const std::size_t used = slots_used(joint);
+  if (used > joint.coupled_to.size() && used > 1) {
+    reader.fail(root, "the law reads " + std::to_string(used) + " coupled axes and [coupling] names " +
+                          std::to_string(joint.coupled_to.size()) + "; write joints = [...] with all of them");
+  }
+}
+
+void read_status(const Reader& reader, const toml::table& root, JointFile& joint) {
+  const toml::node* node = root.get("status");
+  if (node == nullptr) {
+    return;  // written before there was one, by a fit of a model that was asked for
+  }
+  for (const auto status : {LawStatus::kConfirmed, LawStatus::kProvisional, LawStatus::kBase}) {
+    if (node->value<std::string>() == word_of(status)) {
+      joint.status = status;
+      return;
+    }
+  }
+  reader.fail(*node, "the status is none that there is; write \"confirmed\", \"provisional\" or \"base\"");
+}
+
+/// "capstan.joint/2" and beyond: what this version can not know.
+auto is_newer(const std::optional<std::string>& schema) -> bool {
+  const std::string stem = "capstan.joint/";
+  return schema && schema->starts_with(stem) && *schema != kJointSchema &&
+         schema->find_first_not_of("0123456789", stem.size()) == std::string::npos && schema->size() > stem.size();
 }
 
 void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
@@ -224,7 +307,7 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   if (table == nullptr) {
     return;
   }
-  reader.only(*table, {"rmse", "gof_percent", "samples", "logs"}, "[fit]");
+  reader.only(*table, {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "logs"}, "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
   if (const auto* gof = table->get("gof_percent")) {
@@ -232,6 +315,12 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   }
   if (const auto* samples = table->get("samples")) {
     fit.samples = std::lround(reader.number(*samples, "samples"));
+  }
+  if (const auto* range = table->get("motor_range")) {
+    fit.motor_range = reader.interval(*range, "motor_range");
+  }
+  if (const auto* range = table->get("joint_range")) {
+    fit.joint_range = reader.number(*range, "joint_range");
   }
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {
@@ -270,17 +359,24 @@ auto parse_ascii(const std::string& text, const std::string& name) -> JointFile 
                    "this is a law of an effort, and boards run laws of the joint angle; make one with " +
                    "capstan identify --model pseudo_kinematic");
   }
+  if (is_newer(schema)) {
+    throw BadInput(place(name, 1) + "the law is of a newer version, " + *schema + ", and this program reads " +
+                   kJointSchema + "; update capstan, or write the file anew with this version");
+  }
   if (schema != kJointSchema) {
     throw BadInput(place(name, 1) +
                    "the schema is not capstan.joint/1; write schema = \"capstan.joint/1\" or make the file " +
                    "with capstan identify");
   }
-  reader.only(root, {"schema", "conditioner", "terms", "feedforward", "coupling", "fit", "force"}, "the file");
+  reader.only(root, {"schema", "status", "conditioner", "terms", "feedforward", "coupling", "fit", "force"},
+              "the file");
   JointFile joint;
   read_conditioner(reader, root, joint);
   reader.terms(root, joint);
   read_steady_torque(reader, root, joint);
   read_coupling(reader, root, joint);
+  check_coupling(reader, root, joint);
+  read_status(reader, root, joint);
   read_fit(reader, root, joint);
   return joint;
 }

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/log/channel_gate.hpp"
+#include "capstan/tools/log/common_rows.hpp"
+#include "capstan/tools/log/time_scale.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -24,6 +27,9 @@ void check_timing(const CsvLog& csv, AxisLog& axis) {
   }
   const Eigen::VectorXd steps = axis.time_s.tail(n - 1) - axis.time_s.head(n - 1);
   axis.period_s = median(steps);
+  if (const std::string fault = time_unit_fault(axis.period_s); !fault.empty() && !csv.time_is_mapped()) {
+    throw BadInput(place(csv.name(), csv.line_of(0)) + fault);
+  }
   const double jitter = quantile((steps.array() / axis.period_s - 1.0).abs().matrix(), 0.99);
   if (jitter > kSmallJitter) {
     axis.warnings.push_back(csv.name() + ": the time between samples varies by " + rounded(100.0 * jitter, 2) +
@@ -49,31 +55,6 @@ void check_motion(const CsvLog& csv, const AxisLog& axis, const std::string& nam
                  "; record the joint while it moves, or name another column with --map");
 }
 
-/// A joint sensor slower than the log holds each value for several samples; that is a delay, and worth knowing.
-void check_held(const CsvLog& csv, AxisLog& axis) {
-  std::vector<double> runs;
-  double run = 1.0;
-  for (Eigen::Index i = 1; i < axis.samples(); ++i) {
-    if (axis.q2_rad[i] != axis.q2_rad[i - 1]) {
-      runs.push_back(run);
-      run = 0.0;
-    }
-    run += 1.0;
-  }
-  if (runs.size() < 20) {
-    return;
-  }
-  const Eigen::VectorXd lengths =
-      Eigen::Map<const Eigen::VectorXd>(runs.data(), static_cast<Eigen::Index>(runs.size()));
-  const double usual = median(lengths);
-  const auto regular = ((lengths.array() - usual).abs() <= 1.0).count();
-  if (usual >= 2.0 && regular * 10 > lengths.size() * 9) {
-    axis.warnings.push_back(
-        csv.name() + ": " + axis.target + " has a new value only every " + rounded(usual) +
-        " samples, so it is late by half of that on average; log the sensor's own rate to see smaller delays");
-  }
-}
-
 auto varies(const Eigen::VectorXd& values) -> bool {
   return values.maxCoeff() > values.minCoeff();
 }
@@ -84,14 +65,28 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
   if (csv.has(kTemperature) && varies(csv.column(kTemperature))) {
     result.temperature_c = csv.column(kTemperature);
   }
-  for (int other = 0; other < kMostAxes && !result.other; ++other) {
+  const auto add = [&](int other) {
+    const std::string tau = axis_column(other, "tau_Nm");
+    result.others.push_back(
+        {other, csv.column(axis_column(other, "q1_rad")),
+         csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))});
+  };
+  const auto wanted = [&request](int other) {
+    return std::find(request.other_axes.begin(), request.other_axes.end(), other) != request.other_axes.end();
+  };
+  for (const int other : request.other_axes) {
+    if (!csv.has(axis_column(other, "q1_rad"))) {
+      throw BadInput(place(csv.name(), 1) + "the joint is coupled to axis " + std::to_string(other) +
+                     ", and the log has no " + axis_column(other, "q1_rad") +
+                     "; record that axis with it, or name its column with --map \"" + axis_column(other, "q1_rad") +
+                     "=COLUMN\"");
+    }
+    add(other);
+  }
+  for (int other = 0; other < kMostAxes; ++other) {
     const std::string q1 = axis_column(other, "q1_rad");
-    const bool wanted = request.other_axis ? other == *request.other_axis : csv.has(q1) && varies(csv.column(q1));
-    if (other != request.axis && wanted) {
-      const std::string tau = axis_column(other, "tau_Nm");
-      result.other =
-          OtherAxis{other, csv.column(q1),
-                    csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))};
+    if (other != request.axis && !wanted(other) && csv.has(q1) && varies(csv.column(q1))) {
+      add(other);
     }
   }
 }
@@ -102,6 +97,7 @@ void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
   for (int other = 0; other < kMostAxes; ++other) {
     if (other != axis) {
       names.push_back(axis_column(other, "q1_rad"));
+      names.push_back(axis_column(other, "q1_m"));
       names.push_back(axis_column(other, "tau_Nm"));
     }
   }
@@ -132,7 +128,6 @@ void read_angle(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
     axis.q2_rad = csv.column(target);
     if (request.needs_target) {
       check_motion(csv, axis, target, axis.q2_rad);
-      check_held(csv, axis);
     }
   }
 }
@@ -164,7 +159,92 @@ void read_effort(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   }
 }
 
+/// Rows at which something has changed: of a log that repeats its rows, those that were measured.
+void keep_frames(AxisLog& axis) {
+  std::vector<Eigen::Index> frames = {0};
+  for (Eigen::Index i = 1; i < axis.samples(); ++i) {
+    bool changed = false;
+    for (const Eigen::VectorXd* x : {&axis.q1_rad, &axis.tau_nm, &axis.q2_rad, &axis.effort}) {
+      changed = changed || (x->size() > 0 && (*x)[i] != (*x)[i - 1]);
+    }
+    if (changed) {
+      frames.push_back(i);
+    }
+  }
+  for_each_signal(axis, [&](Eigen::VectorXd& signal) {
+    if (signal.size() > 0) {
+      signal = Eigen::VectorXd(signal(frames));
+    }
+  });
+  axis.period_s = median(axis.time_s.tail(axis.samples() - 1) - axis.time_s.head(axis.samples() - 1));
+  axis.warnings.push_back(axis.name + ": the rows repeat; only the " + std::to_string(frames.size()) +
+                          " that were measured are used, " + rounded(axis.rate_hz()) + " Hz");
+}
+
+/// Every channel is looked at; what is wrong is said, and single wild values and rows that repeat are left out.
+void pass_gate(const CsvLog& csv, const AxisRequest& request, const std::string& q1, AxisLog& axis) {
+  const bool effort = axis.effort.size() > 0;
+  const std::string tau = axis_column(request.axis, "tau_Nm");
+  const std::vector<GateChannel> channels = {
+      {q1, ChannelRole::kMotorAngle, &axis.q1_rad},
+      {tau, ChannelRole::kMotorEffort, axis.has_torque ? &axis.tau_nm : nullptr},
+      {effort ? axis.target : "", request.force ? ChannelRole::kJointEffort : ChannelRole::kMotorEffort,
+       effort ? &axis.effort : nullptr},
+      {effort ? axis_column(request.axis, "q2_rad") : axis.target, ChannelRole::kJointAngle,
+       axis.q2_rad.size() > 0 ? &axis.q2_rad : nullptr}};
+  std::vector<Eigen::Index> wild;
+  std::vector<double> held;
+  for (const auto& finding : inspect_channels(axis.period_s, channels)) {
+    const std::string where = finding.rows.empty()
+                                  ? csv.name() + ": "
+                                  : place(csv.name(), csv.line_of(static_cast<std::size_t>(finding.rows.front())));
+    axis.warnings.push_back(where + finding.channel + " " + finding.what);
+    if (finding.fault == ChannelFault::kSpikes) {
+      wild.insert(wild.end(), finding.rows.begin(), finding.rows.end());
+    } else if (finding.fault == ChannelFault::kHeld) {
+      held.push_back(finding.value);
+    }
+  }
+  if (request.every_row) {
+    return;
+  }
+  leave_out(axis, wild);
+  const auto given = std::count_if(channels.begin(), channels.end(), [](const auto& c) {
+    return c.values != nullptr && c.values->maxCoeff() > c.values->minCoeff();
+  });
+  constexpr double kSameBeat = 0.02;  // of the rows per value
+  if (held.size() == static_cast<std::size_t>(given) &&
+      *std::max_element(held.begin(), held.end()) <= (1.0 + kSameBeat) * *std::min_element(held.begin(), held.end())) {
+    keep_frames(axis);
+  }
+}
+
 }  // namespace
+
+void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows) {
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  // Neighbours on a straight line: a row less would be a gap in time, which the laws' memory would feel.
+  for_each_signal(axis, [&](Eigen::VectorXd& signal) {
+    if (&signal == &axis.time_s || signal.size() == 0) {
+      return;
+    }
+    for (std::size_t i = 0; i < rows.size();) {
+      std::size_t j = i;
+      while (j + 1 < rows.size() && rows[j + 1] == rows[j] + 1) {
+        ++j;
+      }
+      const Eigen::Index before = rows[i] - 1;
+      const Eigen::Index after = rows[j] + 1;
+      const bool inside = before >= 0 && after < signal.size();
+      for (Eigen::Index row = rows[i]; inside && row < after; ++row) {
+        const double part = static_cast<double>(row - before) / static_cast<double>(after - before);
+        signal[row] = (1.0 - part) * signal[before] + part * signal[after];
+      }
+      i = j + 1;
+    }
+  });
+}
 
 auto is_effort_column(const std::string& name) -> bool {
   return name.ends_with("_Nm") || name.ends_with("_N");
@@ -174,10 +254,34 @@ auto axis_column(int axis, const std::string& quantity) -> std::string {
   return "axis" + std::to_string(axis) + "/" + quantity;
 }
 
-auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
+auto common_rows_of(const CsvLog& csv, const AxisRequest& request, std::vector<std::string>& notes) -> CsvLog {
+  std::vector<std::string> main;
+  for (const char* quantity : {"q1_rad", "q1_m", "tau_Nm", "tau_N"}) {
+    main.push_back(axis_column(request.axis, quantity));
+  }
+  const std::string target =
+      request.target.empty() ? axis_column(request.axis, request.force ? "tau_out_Nm" : "q2_rad") : request.target;
+  if (std::find(main.begin(), main.end(), target) == main.end()) {
+    main.push_back(target);
+  }
+  std::vector<std::string> others = {"temperature_C"};
+  if (target != axis_column(request.axis, "q2_rad")) {
+    others.push_back(axis_column(request.axis, "q2_rad"));
+  }
+  for (int other = 0; other < kMostAxes; ++other) {
+    if (other != request.axis) {
+      others.push_back(axis_column(other, "q1_rad"));
+      others.push_back(axis_column(other, "tau_Nm"));
+    }
+  }
+  return with_common_rows(csv, main, others, notes);
+}
+
+auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   AxisLog axis;
-  axis.name = csv.name();
-  axis.warnings = csv.warnings();
+  axis.name = all_rows.name();
+  axis.warnings = all_rows.warnings();
+  const CsvLog csv = common_rows_of(all_rows, request, axis.warnings);
   axis.time_s = csv.time();
   check_timing(csv, axis);
   const std::string q1 = rotary_or_linear(csv, request.axis, "q1_rad", request.effort ? "q1_m" : "q1_rad");
@@ -192,6 +296,7 @@ auto read_axis(const CsvLog& csv, const AxisRequest& request) -> AxisLog {
   }
   read_surroundings(csv, request, axis);
   read_side_signals(csv, request.axis, axis);
+  pass_gate(csv, request, q1, axis);
   return axis;
 }
 

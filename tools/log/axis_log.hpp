@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/log/csv_log.hpp"
+#include "capstan/tools/log/csv_log.hpp"
 
 namespace capstan::tools {
 
@@ -34,9 +34,9 @@ struct AxisLog {
   Eigen::VectorXd effort;  ///< torque or force that a law is to explain; empty where the target is the joint angle
   bool linear = false;     ///< metres and newtons instead of radians and newton metres
   bool has_torque = false;
-  std::optional<OtherAxis> other = {};  ///< the one asked for, else the first other axis that moves
-  Eigen::VectorXd temperature_c;        ///< empty if not logged or constant
-  std::vector<SideSignal> side;         ///< motion of other axes and temperature, where logged
+  std::vector<OtherAxis> others = {};  ///< those asked for, then every other one that moves: the first fill the slots
+  Eigen::VectorXd temperature_c;       ///< empty if not logged or constant
+  std::vector<SideSignal> side;        ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
@@ -54,9 +54,9 @@ void for_each_signal(AxisLog& log, Visit&& visit) {
        {&log.time_s, &log.q1_rad, &log.tau_nm, &log.q2_rad, &log.effort, &log.temperature_c}) {
     visit(*signal);
   }
-  if (log.other) {
-    visit(log.other->q1_rad);
-    visit(log.other->tau_nm);
+  for (auto& other : log.others) {
+    visit(other.q1_rad);
+    visit(other.tau_nm);
   }
   for (auto& side : log.side) {
     visit(side.values);
@@ -71,14 +71,21 @@ struct AxisRequest {
   std::string target = {};  ///< column with the measured joint angle; empty: axis<N>/q2_rad
   bool needs_target = true;
   bool needs_torque = false;
-  bool effort = false;  ///< the target is an effort (empty: axis<N>/tau_Nm, or tau_N of a linear axis), no input
-  bool force = false;   ///< the target is the joint's torque (empty: axis<N>/tau_out_Nm), the motor's an input
-  std::optional<int> other_axis = {};  ///< the axis that may pull at this one; else the first other that moves
+  bool effort = false;     ///< the target is an effort (empty: axis<N>/tau_Nm, or tau_N of a linear axis), no input
+  bool force = false;      ///< the target is the joint's torque (empty: axis<N>/tau_out_Nm), the motor's an input
+  bool every_row = false;  ///< wild values are named, and stay: who replays a log has to see it
+  std::vector<int> other_axes = {};  ///< axes that may pull at this one, by slots; those that move come behind them
 };
+
+/// The log with the rows that the axis's channels have in common, where they have different rates; else as it is.
+auto common_rows_of(const CsvLog& log, const AxisRequest& request, std::vector<std::string>& notes) -> CsvLog;
 
 /// Picks an axis out of a log. Throws BadInput with file, line and cure if a column is missing or bad, or nothing
 /// moves.
 auto read_axis(const CsvLog& log, const AxisRequest& request) -> AxisLog;
+
+/// Puts a straight line through these rows of every signal, from the row before to the row after.
+void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows);
 
 /// Whether a column's name says that it is a torque or a force.
 auto is_effort_column(const std::string& name) -> bool;

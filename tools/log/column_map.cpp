@@ -1,34 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/column_map.hpp"
+#include "capstan/tools/log/column_map.hpp"
 
 #include <cmath>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 
+auto mapping_form() -> std::string {
+  return "; write it as --map axis0/q1_rad=q1_motor_rad, --map \"axis0/tau_Nm=current*0.0369\" or --map "
+         "\"axis0/q1_rad=deg(0.5*(left + right))\"";
+}
+
+auto ColumnMapping::scaled() const -> std::optional<std::pair<std::string, double>> {
+  const auto star = expression.rfind('*');
+  if (star == std::string::npos) {
+    return std::nullopt;
+  }
+  const auto factor = parse_number(std::string_view(expression).substr(star + 1));
+  if (!factor || !std::isfinite(*factor)) {
+    return std::nullopt;
+  }
+  return std::pair(std::string(trimmed(std::string_view(expression).substr(0, star))), *factor);
+}
+
 auto parse_mapping(const std::string& text) -> ColumnMapping {
   const auto equals = text.find('=');
-  const std::string form = "; write it as --map axis0/q1_rad=q1_motor_rad or --map \"axis0/tau_Nm=current*0.0369\"";
   if (equals == std::string::npos) {
-    throw BadInput("--map " + text + ": there is no '='" + form);
+    throw BadInput("--map " + text + ": there is no '='" + mapping_form());
   }
   ColumnMapping mapping;
   mapping.wanted = trimmed(std::string_view(text).substr(0, equals));
-  const std::string_view right = trimmed(std::string_view(text).substr(equals + 1));
-  mapping.source = right;
-  const auto star = right.rfind('*');
-  if (star != std::string_view::npos) {
-    const auto factor = parse_number(right.substr(star + 1));
-    if (!factor || !std::isfinite(*factor) || *factor == 0.0) {
-      throw BadInput("--map " + text + ": the factor after '*' is not a number other than zero" + form);
-    }
-    mapping.factor = *factor;
-    mapping.source = trimmed(right.substr(0, star));
+  mapping.expression = trimmed(std::string_view(text).substr(equals + 1));
+  if (mapping.wanted.empty() || mapping.expression.empty()) {
+    throw BadInput("--map " + text + ": a column name is missing" + mapping_form());
   }
-  if (mapping.wanted.empty() || mapping.source.empty()) {
-    throw BadInput("--map " + text + ": a column name is missing" + form);
+  const auto star = mapping.expression.rfind('*');
+  if (star != std::string::npos) {
+    const auto last = trimmed(std::string_view(mapping.expression).substr(star + 1));
+    const auto factor = parse_number(last);
+    if (last.empty() || (factor && (!std::isfinite(*factor) || *factor == 0.0))) {
+      throw BadInput("--map " + text + ": the factor after '*' is not a number other than zero" + mapping_form());
+    }
   }
   return mapping;
 }

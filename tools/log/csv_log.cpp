@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/csv_log.hpp"
+#include "capstan/tools/log/csv_log.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/log/clock_time.hpp"
+#include "capstan/tools/log/csv_dialect.hpp"
+#include "capstan/tools/log/file_form.hpp"
+#include "capstan/tools/log/header_units.hpp"
+#include "capstan/tools/log/mcap_log.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -40,13 +45,14 @@ auto CsvLog::read(const std::string& path, std::vector<ColumnMapping> mappings) 
   return parse(read_text_file(path), path, std::move(mappings));
 }
 
-auto CsvLog::parse(std::string text, std::string name, std::vector<ColumnMapping> mappings) -> CsvLog {
+auto CsvLog::parse(std::string bytes, std::string name, std::vector<ColumnMapping> mappings) -> CsvLog {
   CsvLog log;
   log.name_ = std::move(name);
-  log.text_ = std::move(text);
   log.mappings_ = std::move(mappings);
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::size_t begin = log.text_.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0;
+  log.text_ = is_mcap(bytes)
+                  ? csv_of_mcap(bytes, log.name_, log.warnings_)
+                  : canonical_csv(text_of_file(std::move(bytes), log.name_, log.warnings_), log.name_, log.warnings_);
+  std::size_t begin = 0;
   auto end = log.text_.find('\n', begin);
   std::size_t number = 1;
   for (; end != std::string::npos && log.text_[begin] == kRemark; ++number) {
@@ -58,6 +64,9 @@ auto CsvLog::parse(std::string text, std::string name, std::vector<ColumnMapping
   }
   log.read_header(without_line_end(std::string_view(log.text_).substr(begin, end - begin)));
   log.read_rows(end + 1, number + 1);
+  for (auto& mapping : mappings_by_unit(log.names_, log.mappings_, log.name_, log.warnings_)) {
+    log.mappings_.push_back(std::move(mapping));
+  }
   return log;
 }
 
@@ -109,64 +118,151 @@ auto CsvLog::line_text(const Line& line) const -> std::string_view {
   return without_line_end(std::string_view(text_).substr(line.begin, line.end - line.begin));
 }
 
-auto CsvLog::find(const std::string& wanted) const -> std::optional<Source> {
-  auto index_of = [this](const std::string& name) -> std::optional<std::size_t> {
-    const auto at = std::find(names_.begin(), names_.end(), name);
-    return at == names_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(at - names_.begin()));
-  };
-  for (const auto& mapping : mappings_) {
-    if (mapping.wanted == wanted) {
-      const auto index = index_of(mapping.source);
-      return index ? std::optional(Source{*index, mapping.factor}) : std::nullopt;
-    }
+auto CsvLog::index_of(const std::string& name) const -> std::optional<std::size_t> {
+  const auto at = std::find(names_.begin(), names_.end(), name);
+  return at == names_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(at - names_.begin()));
+}
+
+auto CsvLog::mapping_of(const std::string& wanted) const -> const ColumnMapping* {
+  const auto found =
+      std::find_if(mappings_.begin(), mappings_.end(), [&](const auto& mapping) { return mapping.wanted == wanted; });
+  return found == mappings_.end() ? nullptr : &*found;
+}
+
+auto CsvLog::mapped(const ColumnMapping& mapping) const -> Source {
+  if (const auto index = index_of(mapping.expression)) {
+    return {{*index}, 1.0, {}};
   }
-  const auto index = index_of(wanted);
-  return index ? std::optional(Source{*index, 1.0}) : std::nullopt;
+  const auto scaled = mapping.scaled();
+  if (const auto index = scaled ? index_of(scaled->first) : std::nullopt) {
+    return {{*index}, scaled->second, {}};
+  }
+  try {
+    ColumnExpression expression(mapping.expression, names_);
+    return {expression.columns(), 1.0, expression};
+  } catch (const BadExpression& why) {
+    const std::string reason = why.what();
+    if (reason.starts_with("there is no column")) {
+      throw BadInput(missing(mapping.wanted, reason.substr(std::string_view("there is no column ").size())));
+    }
+    throw BadInput("--map " + mapping.wanted + "=" + mapping.expression + ": " + reason + mapping_form());
+  }
 }
 
 auto CsvLog::has(const std::string& wanted) const -> bool {
-  for (const auto& mapping : mappings_) {
-    if (mapping.wanted == wanted) {
-      return true;  // column() says what is wrong if the mapping's source is not there
-    }
+  return mapping_of(wanted) != nullptr || index_of(wanted).has_value();
+}
+
+auto CsvLog::source_of(const std::string& wanted) const -> Source {
+  if (const auto* mapping = mapping_of(wanted)) {
+    return mapped(*mapping);
   }
-  return find(wanted).has_value();
+  if (const auto index = index_of(wanted)) {
+    return {{*index}, 1.0, {}};
+  }
+  throw BadInput(missing(wanted, wanted));
 }
 
 auto CsvLog::source_name(const std::string& wanted) const -> std::string {
-  const auto source = find(wanted);
-  return source && source->factor == 1.0 ? names_[source->index] : wanted;
+  const auto* mapping = mapping_of(wanted);
+  return mapping != nullptr && index_of(mapping->expression) ? mapping->expression : wanted;
 }
 
-auto CsvLog::missing(const std::string& wanted) const -> std::string {
-  std::string source = wanted;
-  for (const auto& mapping : mappings_) {
-    source = mapping.wanted == wanted ? mapping.source : source;
-  }
+auto CsvLog::missing(const std::string& wanted, const std::string& source) const -> std::string {
   return place(name_, 1) + "there is no column " + source + " among " + joined(names_) +
          "; name the right one with --map " + wanted + "=COLUMN";
 }
 
-auto CsvLog::column(const std::string& wanted) const -> Eigen::VectorXd {
-  const auto source = find(wanted);
-  if (!source) {
-    throw BadInput(missing(wanted));
-  }
+auto CsvLog::cells(std::size_t index, bool gaps) const -> Eigen::VectorXd {
   Eigen::VectorXd values(static_cast<Eigen::Index>(rows()));
   for (std::size_t row = 0; row < rows(); ++row) {
-    const std::string_view cell = cell_of(line_text(lines_[row]), source->index);
+    const std::string_view cell = cell_of(line_text(lines_[row]), index);
     const auto value = parse_number(cell);
-    if (!value || !std::isfinite(*value)) {
-      throw BadInput(place(name_, lines_[row].number) + "column " + names_[source->index] + " holds '" +
+    const bool gap = gaps && trimmed(cell).empty();
+    if (!gap && (!value || !std::isfinite(*value))) {
+      throw BadInput(place(name_, lines_[row].number) + "column " + names_[index] + " holds '" +
                      std::string(trimmed(cell)) + "', which is not a number; repair the line or cut the log before it");
     }
-    values[static_cast<Eigen::Index>(row)] = *value * source->factor;
+    values[static_cast<Eigen::Index>(row)] = gap ? std::nan("") : *value;
   }
   return values;
 }
 
+auto CsvLog::values(const std::string& wanted, bool gaps) const -> Eigen::VectorXd {
+  if (const auto found = replaced_.find(wanted); found != replaced_.end()) {
+    return found->second;
+  }
+  const Source source = source_of(wanted);
+  if (!source.expression) {
+    return cells(source.indices.front(), gaps) * source.factor;
+  }
+  std::vector<Eigen::VectorXd> columns;
+  for (const std::size_t index : source.indices) {
+    columns.push_back(cells(index, gaps));
+  }
+  const std::string option = "--map " + wanted + "=" + mapping_of(wanted)->expression + ": ";
+  try {
+    Eigen::VectorXd result = source.expression->evaluate(columns);
+    for (Eigen::Index i = 0; i < result.size(); ++i) {
+      const bool known = std::all_of(columns.begin(), columns.end(), [i](const auto& c) { return !std::isnan(c[i]); });
+      if (known && !std::isfinite(result[i])) {
+        throw BadInput(option + "has no value at line " + std::to_string(line_of(static_cast<std::size_t>(i))) +
+                       " of " + name_ + "; check what is divided by, and the roots");
+      }
+      result[i] = known ? result[i] : std::nan("");
+    }
+    return result;
+  } catch (const BadExpression& why) {
+    throw BadInput(option + why.what() + mapping_form());
+  }
+}
+
+auto CsvLog::column(const std::string& wanted) const -> Eigen::VectorXd {
+  return values(wanted, false);
+}
+
+auto CsvLog::column_with_gaps(const std::string& wanted) const -> Eigen::VectorXd {
+  return values(wanted, true);
+}
+
+auto CsvLog::time_is_mapped() const -> bool {
+  return mapping_of("time_s") != nullptr;
+}
+
+auto CsvLog::clock_column() const -> std::optional<Eigen::VectorXd> {
+  const Source source = source_of("time_s");
+  if (source.expression || replaced_.count("time_s") > 0 ||
+      !parse_clock(cell_of(line_text(lines_.front()), source.indices.front()))) {
+    return std::nullopt;
+  }
+  constexpr std::int64_t kDay = 86'400'000'000'000;
+  Eigen::VectorXd time(static_cast<Eigen::Index>(rows()));
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+  std::int64_t days = 0;
+  for (std::size_t row = 0; row < rows(); ++row) {
+    const std::string_view cell = cell_of(line_text(lines_[row]), source.indices.front());
+    const auto clock = parse_clock(cell);
+    if (!clock) {
+      throw BadInput(place(name_, lines_[row].number) + "column " + names_[source.indices.front()] + " holds '" +
+                     std::string(trimmed(cell)) + "', which is no time like 2026-11-22T05:18:23.123 as in the rows " +
+                     "before; repair the line or cut the log before it");
+    }
+    std::int64_t now = clock->nanoseconds + days;
+    if (!clock->dated && row > 0 && now < last - kDay / 2) {  // past midnight
+      days += kDay;
+      now += kDay;
+    }
+    first = row == 0 ? now : first;
+    last = now;
+    time[static_cast<Eigen::Index>(row)] = static_cast<double>(now - first) * 1e-9;
+  }
+  return time;
+}
+
 auto CsvLog::time() const -> Eigen::VectorXd {
-  Eigen::VectorXd time = column("time_s");
+  const auto clock = clock_column();
+  Eigen::VectorXd time = clock ? *clock : column("time_s");
   for (Eigen::Index i = 1; i < time.size(); ++i) {
     if (!(time[i] > time[i - 1])) {
       const bool repeated = time[i] == time[i - 1];
@@ -177,6 +273,17 @@ auto CsvLog::time() const -> Eigen::VectorXd {
     }
   }
   return time;
+}
+
+auto CsvLog::with_rows(const std::vector<std::size_t>& rows, std::map<std::string, Eigen::VectorXd> columns) const
+    -> CsvLog {
+  CsvLog result = *this;
+  result.lines_.clear();
+  for (const std::size_t row : rows) {
+    result.lines_.push_back(lines_[row]);
+  }
+  result.replaced_ = std::move(columns);
+  return result;
 }
 
 auto CsvLog::text_with(const std::vector<std::string>& names, const std::vector<Eigen::VectorXd>& columns) const

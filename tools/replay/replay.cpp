@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/replay/replay.hpp"
+#include "capstan/tools/replay/replay.hpp"
 
 #include <cmath>
 
-#include "tools/identify/conditioning.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/conditioning.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -20,9 +20,10 @@ auto run(const AxisLog& log, MotionLaw<Scalar> law, ToScalar&& to_scalar, ToDoub
     Measured<Scalar> now;
     now.q1 = to_scalar(logged.q1);
     now.tau = to_scalar(logged.tau);
-    now.other_q1 = to_scalar(logged.other_q1);
-    now.other_tau = to_scalar(logged.other_tau);
-    now.other_forward = logged.other_forward;
+    for (std::size_t slot = 0; slot < kMostOthers; ++slot) {
+      const auto& other = logged.others[slot];
+      now.others[slot] = {.q1 = to_scalar(other.q1), .tau = to_scalar(other.tau), .forward = other.forward};
+    }
     if (log.temperature_c.size() > 0) {
       now.temperature = to_scalar(logged.temperature);
     }

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 

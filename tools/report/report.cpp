@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/report/report.hpp"
+#include "capstan/tools/report/report.hpp"
 
 #include <filesystem>
 #include <numbers>
 
-#include "tools/diagnose/next_experiment.hpp"
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/report/svg_plot.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/diagnose/next_experiment.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/report/svg_plot.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -96,7 +96,7 @@ auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
   }
   std::vector<Plot> loops = {loop_plot(d, d.traces.before, "before", kBeforeColour)};
   std::vector<Plot> residuals = {residual_plot(d, d.traces.before, "before", kBeforeColour)};
-  if (!d.effects.empty()) {
+  if (d.traces.after.size() > 0) {
     loops.push_back(loop_plot(d, d.traces.after, "after", kAfterColour));
     residuals.push_back(residual_plot(d, d.traces.after, "after", kAfterColour));
   }
@@ -124,14 +124,13 @@ auto error_table(const Diagnosis& d) -> std::string {
             cell(rounded(e.gof_percent), true) + "</tr>\n";
   };
   row("before: " + d.base_model, d.before);
-  if (!d.effects.empty()) {
-    row("after: with the effects below", d.after);
+  row(std::string("after: ") + word_of(d.law.status) + " law", d.after);
+  for (const auto& log : d.tested) {
+    row("before, on " + log.name, log.before);
+    row("after, on " + log.name, log.after);
   }
-  html += "<tr>" +
-          cell(std::string("noise floor (") + (d.floor_from_repeats ? "from repeated cycles" : "of a flexible model") +
-               ")") +
-          cell(rounded(d.noise_floor), true) + cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) +
-          cell("") + "</tr>\n</table>\n";
+  html += "<tr>" + cell("noise floor (from " + d.floor_from + ")") + cell(rounded(d.noise_floor), true) +
+          cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) + cell("") + "</tr>\n</table>\n";
   if (!d.effects.empty()) {
     html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " +
             rounded(d.ratio_ci95[1], 3) + ". The effects explain " + rounded(100.0 * d.explained_share, 3) +

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
 
 namespace capstan::tools {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/run/run.hpp"
+#include "capstan/tools/run/run.hpp"
 
 #include <cmath>
 #include <cstdio>
 
-#include "tools/support/errors.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "boards/sim/sim_board.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
 
 namespace capstan::tools {
 

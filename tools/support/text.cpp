@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/support/text.hpp"
+#include "capstan/tools/support/text.hpp"
 
 #include <array>
 #include <charconv>
@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "tools/support/errors.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 

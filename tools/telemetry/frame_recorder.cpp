@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/telemetry/frame_recorder.hpp"
+#include "capstan/tools/telemetry/frame_recorder.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <span>
 
-#include "firmware/telemetry_frames.hpp"
+#include "capstan/firmware/telemetry/telemetry_frames.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -94,11 +94,11 @@ auto FrameRecorder::take_schema(std::string_view packet) -> bool {
   }
   channels_ = channels;
   schema_ = schema;
-  log_ << "time_s";
+  std::vector<std::string> columns;
   for (const Channel& channel : channels_) {
-    log_ << ',' << channel.column;
+    columns.push_back(channel.column);
   }
-  log_ << '\n';
+  log_.begin(columns);
   return true;
 }
 
@@ -121,14 +121,11 @@ auto FrameRecorder::take_data(std::string_view packet) -> bool {
   lost_ += rows_ == 0 ? 0 : static_cast<std::uint32_t>(passed) / every_ - 1;
   tick_ = tick;
   ++rows_;
-  std::array<char, 32> time{};
-  std::snprintf(time.data(), time.size(), "%lld.%03lld", static_cast<long long>(time_ms_ / 1000),
-                static_cast<long long>(time_ms_ % 1000));
-  log_ << time.data();
+  std::vector<std::string> row;
   for (std::size_t i = 0; i < channels_.size(); ++i) {
-    log_ << ',' << decimal(static_cast<std::int32_t>(u32_at(packet, values + 4 * i)), channels_[i].real);
+    row.push_back(decimal(static_cast<std::int32_t>(u32_at(packet, values + 4 * i)), channels_[i].real));
   }
-  log_ << '\n';
+  log_.row(time_ms_, row);
   return true;
 }
 

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <cstdint>
-#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "capstan/tools/telemetry/log_sink.hpp"
+
 namespace capstan::tools {
 
-/// Takes what a board sends apart: text for the operator, and frames (firmware/telemetry_frames.hpp) as a log by the
-/// contract. A frame that was damaged on its way is dropped and counted, and the next one is read again.
+/// Takes what a board sends apart: text for the operator, and frames (firmware/telemetry/telemetry_frames.hpp) as a log
+/// by the contract. A frame that was damaged on its way is dropped and counted, and the next one is read again.
 class FrameRecorder {
  public:
   /// @param log  outlives this object
-  explicit FrameRecorder(std::ostream& log) : log_(log) {}
+  explicit FrameRecorder(LogSink& log) : log_(log) {}
 
   /// Returns the text among the bytes.
   auto feed(std::string_view bytes) -> std::string;
@@ -35,7 +36,7 @@ class FrameRecorder {
   auto take_schema(std::string_view packet) -> bool;
   auto take_data(std::string_view packet) -> bool;
 
-  std::ostream& log_;
+  LogSink& log_;
   bool in_frame_ = false;
   std::string frame_;
   std::vector<Channel> channels_;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "hal/sim/plant.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/thesis/thesis.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/thesis/laws.hpp"
+#include "capstan/tools/thesis/laws.hpp"
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "tools/identify/identify.hpp"
-#include "tools/support/statistics.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/motion.hpp"
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/log/axis_log.hpp"
+#include "capstan/hal/sim/motion.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 

@@ -2,12 +2,12 @@
 #include <array>
 #include <cmath>
 
-#include "boards/common/file_banks.hpp"
-#include "tools/apply/model_lines.hpp"
-#include "tools/run/run.hpp"
-#include "tools/thesis/laws.hpp"
-#include "tools/thesis/rig.hpp"
-#include "tools/thesis/thesis.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/run/run.hpp"
+#include "capstan/tools/thesis/laws.hpp"
+#include "capstan/tools/thesis/rig.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
 
 namespace capstan::tools {
 namespace {

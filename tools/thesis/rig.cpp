@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/thesis/rig.hpp"
+#include "capstan/tools/thesis/rig.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/multi_plant.hpp"
-#include "tools/log/axis_log.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/thesis/table.hpp"
+#include "capstan/tools/thesis/table.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "tools/thesis/table.hpp"
+#include "capstan/tools/thesis/table.hpp"
 
 /// The tables of the reference thesis (F. Anooshahpour, 2017) on the simulated instruments, beside the printed figures.
 /// The instruments are what their files say; nothing of them is fitted to a table.

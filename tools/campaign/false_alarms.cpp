@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/campaign/false_alarms.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
+#include "capstan/tools/campaign/rig.hpp"
+#include "capstan/tools/support/random.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kRunS = 300.0;
+constexpr double kCommissioningS = 20.0;
+
+/// A joint with everything that may differ between two of them drawn.
+auto drawn_setup(Random& random) -> JointSetup {
+  const auto between = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
+  JointSetup setup = setup_of(random.uniform() < 0.7 ? Joint::kForceps : Joint::kFinger);
+  sim::PlantParameters& plant = setup.plant;
+  plant.motor_inertia_kgm2 *= between(0.6, 2.0);
+  plant.motor_coulomb_nm *= between(0.5, 2.0);
+  plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
+  plant.pretension_n *= between(0.6, 1.4);
+  plant.stiffness_top_n_per_m *= between(0.6, 1.6);
+  plant.stiffness_bottom_n_per_m = plant.stiffness_top_n_per_m * between(0.9, 1.1);
+  plant.current_noise_a *= between(0.5, 2.0);
+  plant.effects.gravity_torque_nm = 0.02 * random.uniform();
+  plant.effects.load_inertia_kgm2 = 2.0e-5 * random.uniform();
+  if (random.uniform() < 0.5) {
+    plant.environment = {.kind = sim::EnvironmentKind::kHuntCrossley,
+                         .stiffness = between(0.05, 1.0),
+                         .damping = 1.0,
+                         .angle_rad = 0.3 * random.uniform()};
+  }
+  if (random.uniform() < 0.5) {  // the hand trembles, or somebody knocks at the instrument
+    plant.effects.tremor_nm = between(0.001, 0.03);
+    plant.effects.tremor_hz = between(1.0, 15.0);
+  }
+  ControlConfig& control = setup.config.control;
+  control.stiffness_nm_per_rad = Q24::from_double(between(0.6, 1.5));
+  control.damping_nms_per_rad = Q24::from_double(between(0.005, 0.01));
+  return setup;
+}
+
+/// One joint, moved at random.
+class Session {
+ public:
+  Session(const JointSetup& setup, std::uint64_t seed) : random_(seed), plant_(setup.plant, seed), setup_(setup) {
+    static_cast<void>(application_.configure({&setup_.config, 1}, Rights::kMaintenance));
+  }
+
+  /// False: it stopped by a fault.
+  auto run(double duration_s) -> bool {
+    const auto cycles = static_cast<int>(duration_s * kCycleRateHz);
+    for (int i = 0; i < cycles; ++i, ++cycle_) {
+      step();
+      note();
+      if (telemetry().state == State::kFaulted) {
+        return false;
+      }
+    }
+    return true;
+  }
+  [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
+  [[nodiscard]] auto time_s() const -> double { return cycle_ * sim::kStepS; }
+  /// Half of the largest torque that moved the encoder by not one count, or a third of the largest against a motion.
+  [[nodiscard]] auto coulomb_nm() const -> double { return std::max(0.5 * unanswered_nm_, against_nm_ / 3.0); }
+  [[nodiscard]] auto noise_a() const -> double { return std::sqrt(squares_ / std::max(1, cycle_)); }
+
+ private:
+  void step() {
+    constexpr int kArm = 100;
+    constexpr int kBegin = 400;
+    if (cycle_ == kArm) {
+      static_cast<void>(application_.post({.kind = Request::Kind::kArm}));
+    }
+    Application<SimIo>::Streamed streamed{};
+    if (cycle_ >= kBegin && cycle_ >= next_) {
+      next_ = cycle_ + 300 + static_cast<int>(2000.0 * random_.uniform());
+      hz_ = random_.uniform() < 0.3 ? 0.05 + 0.8 * random_.uniform() : 0.0;
+      begin_ = cycle_;
+      if (hz_ == 0.0) {
+        const double speed = 0.05 + 1.95 * random_.uniform();
+        static_cast<void>(application_.post({.kind = Request::Kind::kMove,
+                                             .position_rad = Q24::from_double(1.2 * random_.uniform() - 0.6),
+                                             .speed_rad_s = Q24::from_double(speed)}));
+      }
+      from_ = application_.axis_telemetry(0).q2_reference_rad.to_double();
+    }
+    if (hz_ > 0.0 && cycle_ >= kBegin) {
+      const double reach = std::min(0.3, 1.5 / (6.3 * hz_));
+      const double phase = 6.283185307179586 * hz_ * sim::kStepS * (cycle_ - begin_);
+      streamed[0] = {AxisCommand::Kind::kFollow,
+                     Q24::from_double(from_ * std::cos(phase) + reach * 0.5 * (1.0 - std::cos(phase))),
+                     {}};
+    }
+    application_.rt_tick(streamed);
+  }
+  void note() {
+    const AxisTelemetry now = application_.axis_telemetry(0);
+    const double constant = setup_.plant.torque_constant_nm_per_a;
+    const double torque = last_.drive_a.to_double() * constant;
+    if (now.q1_rad > last_.q1_rad) {
+      against_nm_ = std::max(against_nm_, down_nm_ - torque);
+      base_nm_ = up_nm_ = torque;
+      down_nm_ = std::max(down_nm_, torque);
+    } else if (now.q1_rad < last_.q1_rad) {
+      against_nm_ = std::max(against_nm_, torque - up_nm_);
+      base_nm_ = down_nm_ = torque;
+      up_nm_ = std::min(up_nm_, torque);
+    }
+    unanswered_nm_ = std::max(unanswered_nm_, std::fabs(torque - base_nm_));
+    const double stray = now.current_a.to_double() - last_.drive_a.to_double();
+    squares_ += now.moving ? 0.0 : stray * stray;
+    last_ = now;
+  }
+
+  Random random_;
+  sim::Plant plant_;
+  JointSetup setup_;
+  SimIo io_{plant_};
+  FileBanks banks_ = FileBanks::temporary();
+  Application<SimIo> application_{io_, banks_};
+  AxisTelemetry last_{};
+  int cycle_ = 0;
+  int next_ = 0;
+  int begin_ = 0;
+  double hz_ = 0.0;
+  double from_ = 0.0;
+  double base_nm_ = 0.0;
+  double unanswered_nm_ = 0.0;
+  double against_nm_ = 0.0;
+  double up_nm_ = 0.0;
+  double down_nm_ = 0.0;
+  double squares_ = 0.0;
+};
+
+/// As commissioning does it: a first run without the observer, then its values.
+auto commissioned(JointSetup setup, std::uint64_t seed) -> JointSetup {
+  setup.config.observer = {};
+  Session session(setup, seed);
+  static_cast<void>(session.run(kCommissioningS));
+  setup.config.observer = {.inertia_gm2 = Q24::from_double(1000.0 * setup.plant.motor_inertia_kgm2),
+                           .coulomb_nm = Q24::from_double(session.coulomb_nm()),
+                           .noise_a = Q24::from_double(session.noise_a())};
+  return setup;
+}
+
+}  // namespace
+
+auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAlarms {
+  const auto runs = static_cast<std::size_t>(std::ceil(hours * 3600.0 / kRunS));
+  std::vector<FalseStop> stops(runs);
+  std::vector<double> lasted_s(runs);
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < runs; i = next++) {
+      const std::uint64_t own = seed + i;
+      Random random(own * 7919);
+      Session session(commissioned(drawn_setup(random), own + 1'000'000), own);
+      if (!session.run(kRunS)) {
+        stops[i] = {own, session.time_s(), session.telemetry().first_fault};
+      }
+      lasted_s[i] = session.time_s();
+    }
+  };
+  std::vector<std::thread> workers;
+  for (int i = 1; i < threads; ++i) {
+    workers.emplace_back(work);
+  }
+  work();
+  for (std::thread& worker : workers) {
+    worker.join();
+  }
+  FalseAlarms alarms;
+  alarms.plants = static_cast<int>(runs);
+  for (std::size_t i = 0; i < runs; ++i) {
+    alarms.hours += lasted_s[i] / 3600.0;
+    if (stops[i].fault != Fault::kNone) {
+      alarms.stops.push_back(stops[i]);
+    }
+  }
+  return alarms;
+}
+
+void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
+  for (const FalseStop& stop : alarms.stops) {
+    out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s\n";
+  }
+  out << alarms.stops.size() << " false stops in " << alarms.hours << " simulated hours of " << alarms.plants
+      << " drawn joints\n";
+}
+
+}  // namespace capstan::tools

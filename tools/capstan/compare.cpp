@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
+#include <iostream>
+#include <memory>
+
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/diagnose/compare.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct CommandOptions {
+  LogOptions healthy;
+  std::vector<std::string> now;
+  std::string base, target, json;
+};
+
+void print_comparison(const Comparison& comparison) {
+  std::cout << "compared by: " << joined(comparison.terms, " + ") << "\n";
+  for (const auto& one : comparison.moved) {
+    std::cout << "  " << one.name << " moved from " << rounded(one.healthy) << " [" << rounded(one.healthy_ci95[0])
+              << ", " << rounded(one.healthy_ci95[1]) << "] to " << rounded(one.now) << " [" << rounded(one.now_ci95[0])
+              << ", " << rounded(one.now_ci95[1]) << "] " << one.unit << "\n";
+  }
+  if (comparison.moved.empty()) {
+    std::cout << "  no parameter has moved for certain\n";
+  }
+  for (const auto& effect : comparison.came) {
+    std::cout << "  " << effect.name << " has come\n";
+  }
+  std::cout << "the healthy law on the logs of now: " << verdict_word(comparison.now.verdict) << ". "
+            << comparison.now.reason << "\n";
+}
+
+auto run_compare(const CommandOptions& options) -> int {
+  if (options.now.empty()) {
+    throw BadInput("there are no logs of now; write them behind --: capstan compare HEALTHY... -- NOW...");
+  }
+  AxisRequest request;
+  request_target(options.target, options.base, request);
+  LogOptions now = options.healthy;
+  now.files = options.now;
+  DiagnoseOptions wanted;
+  wanted.base_model = options.base;
+  if (isatty(STDERR_FILENO) != 0) {
+    wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
+  }
+  const Comparison comparison = compare(options.healthy.read(request), now.read(request), wanted);
+  print_comparison(comparison);
+  if (!options.json.empty()) {
+    write_text_file(options.json, comparison_json(comparison));
+  }
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<CommandOptions>();
+  CLI::App* command = app.add_subcommand(
+      "compare", "what has changed between two times of one joint: capstan compare HEALTHY... -- NOW...");
+  options->healthy.add_to(*command, true);
+  command->add_option("--now", options->now, "logs of now; the same as what stands behind --");
+  command->add_option("--base", options->base, "law to start from, as for diagnose");
+  command->add_option("--target", options->target, "column to explain, as for diagnose");
+  command->add_option("--json", options->json, "write the comparison as JSON");
+  command->callback([options, &exit_status] { exit_status = run_compare(*options); });
+}
+
+}  // namespace capstan::tools

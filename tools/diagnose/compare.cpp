@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/compare.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// How far two values are apart, in the half widths of their intervals.
+auto distance(const MovedParameter& one) -> double {
+  const double width = 0.5 * (one.healthy_ci95[1] - one.healthy_ci95[0] + one.now_ci95[1] - one.now_ci95[0]);
+  return width > 0.0 ? std::abs(one.now - one.healthy) / width : std::abs(one.now - one.healthy);
+}
+
+void add_if_moved(const MovedParameter& one, std::vector<MovedParameter>& moved) {
+  if (one.healthy_ci95[1] < one.now_ci95[0] || one.now_ci95[1] < one.healthy_ci95[0]) {
+    moved.push_back(one);
+  }
+}
+
+auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vector<MovedParameter> {
+  std::vector<MovedParameter> moved;
+  for (const auto& term : *healthy.catalogue) {
+    if (!healthy.has(term.name)) {
+      continue;
+    }
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      const std::size_t at = term.first_coefficient + i;
+      if (healthy.coefficient_ci95[at] && now.coefficient_ci95[at]) {
+        add_if_moved({term.name + "." + term.coefficients[i].name, term.coefficients[i].unit,
+                      healthy.parameters.coefficients[at], now.parameters.coefficients[at],
+                      *healthy.coefficient_ci95[at], *now.coefficient_ci95[at]},
+                     moved);
+      }
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      const std::size_t at = term.first_shape + i;
+      if (healthy.shape_ci95[at] && now.shape_ci95[at]) {
+        add_if_moved({term.name + "." + term.shapes[i].name, term.shapes[i].unit, healthy.parameters.shapes[at],
+                      now.parameters.shapes[at], *healthy.shape_ci95[at], *now.shape_ci95[at]},
+                     moved);
+      }
+    }
+  }
+  std::stable_sort(moved.begin(), moved.end(), [](const auto& a, const auto& b) { return distance(a) > distance(b); });
+  return moved;
+}
+
+}  // namespace
+
+auto compare(const std::vector<AxisLog>& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
+    -> Comparison {
+  Comparison result;
+  result.healthy = diagnose(healthy, options);
+  if (result.healthy.law.terms.empty()) {
+    throw Refusal("the healthy logs give no law to compare by: " + result.healthy.reason);
+  }
+  // A law that was grown has no intervals; what has names has.
+  const bool named = result.healthy.law.status == LawStatus::kConfirmed;
+  const JointFile& law = named ? result.healthy.law : result.healthy.base;
+  result.terms = law.terms;
+  result.moved = moved_between(identify(healthy, form_of(law)).joint, identify(now, form_of(law)).joint);
+  DiagnoseOptions from_healthy = options;
+  if (law.catalogue->target() == TargetKind::kAngle) {
+    from_healthy.base_law = form_of(law);
+    from_healthy.base_model = "the healthy joint's law";
+  }
+  result.now = diagnose(now, from_healthy);
+  result.came = result.now.effects;
+  return result;
+}
+
+auto comparison_json(const Comparison& comparison) -> std::string {
+  Json json;
+  json["schema"] = "capstan.comparison/1";
+  json["law"] = comparison.terms;
+  json["moved"] = Json::array();
+  for (const auto& one : comparison.moved) {
+    json["moved"].push_back({{"name", one.name},
+                             {"unit", one.unit},
+                             {"healthy", {{"value", one.healthy}, {"ci95", one.healthy_ci95}}},
+                             {"now", {{"value", one.now}, {"ci95", one.now_ci95}}}});
+  }
+  json["came"] = Json::array();
+  for (const auto& effect : comparison.came) {
+    json["came"].push_back({{"name", effect.name}, {"alternatives", effect.alternatives}});
+  }
+  json["verdict"] = verdict_word(comparison.now.verdict);
+  json["healthy"] = Json::parse(diagnosis_json(comparison.healthy));
+  json["now"] = Json::parse(diagnosis_json(comparison.now));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// The effects found must explain more than this of what can be explained, or none of them is named.
+constexpr double kNamedShare = 0.5;
+/// And more than this where something is still missing beside them: what has a name removes nearly all that can be
+/// removed, and the nearest wrong name seldom does.
+constexpr double kNamedShareBesideUnlisted = 0.9;
+
+constexpr const char* kLateDirection =
+    "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
+    "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
+
+constexpr const char* kEverything =
+    "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
+
+auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
+  const Catalogue& catalogue = *d.base.catalogue;
+  return catalogue.has(name) ? catalogue.term(name).exciting_motion
+                             : "reversals under several loads and speeds, with holds";
+}
+
+/// The verdict where no effect was found.
+auto judge_empty(const Search& search, Diagnosis& d) -> Verdict {
+  if (search.lacks_something) {
+    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
+    d.reason +=
+        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
+    d.next_experiment = kEverything;
+    if (search.unlisted.rfind("axis", 0) == 0) {
+      const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
+      d.next_experiment = "Ask again with --coupled-to " + axis + ": that axis may pull at this one.";
+    }
+    return Verdict::kUnknown;
+  }
+  d.reason = "What the law leaves can not be told from noise.";
+  return Verdict::kNothingMissing;
+}
+
+/// The verdict where `found` can not be told from other effects.
+auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
+  constexpr std::size_t kMostAlternatives = 3;  // more is no answer
+  const bool all_listed = std::all_of(effect.alternatives.begin(), effect.alternatives.end(),
+                                      [&d](const auto& name) { return d.base.catalogue->has(name); });
+  if (effect.alternatives.size() > kMostAlternatives || !all_listed) {
+    d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
+               joined(effect.alternatives) + ".";
+    d.next_experiment = kEverything;
+    return Verdict::kUnknown;
+  }
+  d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
+             "; this log can not tell them apart.";
+  d.next_experiment = "Record this motion, it separates them: " + next_motion(d, effect.name) + "; " +
+                      next_motion(d, effect.alternatives.front()) + ".";
+  return Verdict::kAmbiguous;
+}
+
+/// The largest of the effects that the log would just have shown, as a share of the target's rms about its mean.
+auto largest_hidden_share(const Preparation& p, const Diagnosis& d) -> double {
+  double largest = 0.0;
+  for (const auto& effect : d.detectable) {
+    largest = std::max(largest, effect.rmse);
+  }
+  const double size = rms((p.target.array() - p.target.mean()).matrix());
+  return d.detectable.empty() || size <= 0.0 ? 1.0 : largest / size;
+}
+
+/// Whether the base law errs well above the noise, and most of that where the running switch does not know the
+/// direction.
+auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d) -> bool {
+  constexpr double kMost = 0.5;
+  const double known = error_of_known_direction(p, d.traces.before);
+  const double all = d.before.rmse * d.before.rmse;
+  const double above_noise = all - d.noise_floor * d.noise_floor;
+  return all - known * known > kMost * above_noise;
+}
+
+void refuse_completeness(const std::string& why, Diagnosis& d) {
+  d.verdict = Verdict::kUnknown;
+  d.reason = why;
+  d.next_experiment = kEverything;
+}
+
+/// `nothing_missing` has to be earned.
+void check_completeness(const Preparation& p, Diagnosis& d) {
+  // What a grid of relays rounds off repeats and is no effect, so a force law is not held to the floor.
+  const bool held_to_floor = d.base.catalogue->target() != TargetKind::kForce;
+  if (held_to_floor && d.before.rmse > kAboveFloor * d.noise_floor) {
+    if (late_direction_weighs_most(p, d)) {
+      d.warnings.push_back(kLateDirection);
+    } else {
+      refuse_completeness("The law leaves " + rounded(d.before.rmse / d.noise_floor, 2) +
+                              " times the noise on rows set aside, and nothing lowers that for certain.",
+                          d);
+      return;
+    }
+  }
+  if (!p.repeats && largest_hidden_share(p, d) > kLargestHiddenShare) {
+    refuse_completeness(
+        "No effect shows, but without repeated cycles this log would not show one of a tenth of the "
+        "motion either.",
+        d);
+    return;
+  }
+  std::vector<std::string> sizes;
+  for (const auto& effect : d.detectable) {
+    sizes.push_back(effect.name + " " + rounded(effect.rmse, 2));
+  }
+  d.warnings.push_back("smallest contributions that this log would have shown, rms in " + d.unit + ": " +
+                       joined(sizes));
+  if (!p.repeats) {
+    d.warnings.push_back(
+        "the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; "
+        "record the same cycle four times");
+  }
+}
+
+/// Signal and form that a term of a law stands for.
+struct Dependence {
+  std::string signal, form;
+};
+
+auto dependence_of(const TermChoice& choice, const Preparation& p, const std::string& axis) -> Dependence {
+  const std::string q1 = axis + "/q1";
+  const auto other = [&](std::size_t slot) {
+    const auto& others = p.logs.front().others;
+    return slot < others.size() ? "axis" + std::to_string(others[slot].number) + "/q1" : std::string("another axis");
+  };
+  if (choice.term.starts_with("coupled_hysteresis")) {
+    const char last = choice.term.back();
+    return {other(last == '2' ? 1 : (last == '3' ? 2 : 0)), "another joint's tendon with its own hysteresis"};
+  }
+  if (choice.term == "table") {
+    const auto signal = static_cast<TableSignal>(std::lround(choice.shapes[0]));
+    return {
+        signal == TableSignal::kMotorAngle ? q1 : (signal == TableSignal::kTorque ? axis + "/tau" : describe(signal)),
+        "curve"};
+  }
+  if (choice.term == "curved_ratio") {
+    return {q1, "curve"};
+  }
+  return {choice.term == "presliding" ? q1 : choice.term, choice.term == "presliding" ? "rounded hysteresis" : "term"};
+}
+
+}  // namespace
+
+auto judge(const Search& search, Diagnosis& d) -> Verdict {
+  if (search.effects.empty()) {
+    return judge_empty(search, d);
+  }
+  std::vector<std::string> names;
+  for (const auto& effect : search.effects) {
+    names.push_back(effect.name);
+  }
+  const std::string found = joined(names, " and ");
+  if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
+    const long certain = std::lround(100.0 * std::max(0.0, search.share.lower));
+    d.reason = "Something is missing from the law; " + found + " is only certain to explain " +
+               std::to_string(certain) + " % of what can be explained, so it is not named.";
+    d.next_experiment = kEverything;
+    return Verdict::kUnknown;
+  }
+  if (!search.effects.front().alternatives.empty()) {
+    return judge_ambiguous(search.effects.front(), d);
+  }
+  if (search.lacks_something) {
+    d.reason = "The law lacks " + found + ", and something beyond it that is not in the catalogue";
+    d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
+    return Verdict::kEffectPlusUnlisted;
+  }
+  d.reason = "The law lacks " + found + "; what is left then can not be told from noise.";
+  return Verdict::kEffect;
+}
+
+void reconcile(const Preparation& p, const Search& search, const LawChoice& choice, Diagnosis& d) {
+  const bool more_than_named = choice.status == LawStatus::kProvisional;
+  if (d.verdict == Verdict::kEffect && (more_than_named || d.after.rmse > kAboveFloor * d.noise_floor)) {
+    d.reason = "The law lacks " + search.effects.front().name;
+    for (std::size_t i = 1; i < search.effects.size(); ++i) {
+      d.reason += " and " + search.effects[i].name;
+    }
+    if (more_than_named) {
+      d.verdict = Verdict::kEffectPlusUnlisted;
+      d.reason += "; a law with more than that predicts unseen rows better for certain.";
+    } else {
+      d.reason += "; no effect of the catalogue lowers the error further.";
+    }
+  } else if (d.verdict == Verdict::kNothingMissing && more_than_named) {
+    refuse_completeness(
+        "Something is missing from the law: another law predicts unseen rows better for certain, but "
+        "this log does not show which effect it is.",
+        d);
+  } else if (d.verdict == Verdict::kNothingMissing) {
+    check_completeness(p, d);
+  }
+  if (choice.is_named && !d.effects.empty() && d.ratio_ci95[1] >= 1.0) {
+    d.warnings.push_back("the running estimate gains little: " + std::string(kLateDirection));
+  }
+}
+
+auto unnamed_part(const Preparation& p, const LawChoice& choice, const Diagnosis& d) -> std::optional<UnnamedPart> {
+  if (choice.status != LawStatus::kProvisional) {
+    return std::nullopt;
+  }
+  const std::string axis = d.target.substr(0, d.target.find('/'));
+  const LawCandidate law = candidate_of(form_of(choice.law));
+  std::vector<std::string> signals, forms;
+  const auto add = [&](const Dependence& one) {
+    if (std::find(signals.begin(), signals.end(), one.signal) == signals.end()) {
+      signals.push_back(one.signal);
+    }
+    if (std::find(forms.begin(), forms.end(), one.form) == forms.end()) {
+      forms.push_back(one.form);
+    }
+  };
+  if (!law.plays.empty()) {
+    add({axis + "/q1", "hysteresis"});
+  }
+  for (const auto& choice_of_term : law.terms) {
+    if (!d.base.has(choice_of_term.term)) {
+      add(dependence_of(choice_of_term, p, axis));
+    }
+  }
+  if (signals.empty()) {
+    return std::nullopt;
+  }
+  const double left = d.before.rmse > 0.0 ? d.after.rmse / d.before.rmse : 1.0;
+  const double share = std::max(0.0, 1.0 - left * left);
+  UnnamedPart part{signals, joined(forms, " + "), share, std::sqrt(share) * d.before.rmse, {}};
+  part.sentence = "What the base law leaves depends on " + joined(signals, " and ") + " (" + joined(forms, ", ") +
+                  "); that takes away " + rounded(100.0 * share, 3) + " % of its energy on rows set aside.";
+  return part;
+}
+
+auto candidate_shares(const Search& search) -> std::vector<CandidateShare> {
+  constexpr std::size_t kMost = 5;
+  std::vector<CandidateShare> shares;
+  if (search.rounds.empty()) {
+    return shares;
+  }
+  for (const auto& ranked : search.rounds.front().ranking) {
+    if (ranked.in_catalogue && ranked.explained > 0.0) {
+      shares.push_back({ranked.name, ranked.explained});
+    }
+  }
+  std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.share > b.share; });
+  shares.resize(std::min(shares.size(), kMost));
+  return shares;
+}
+
+}  // namespace capstan::tools

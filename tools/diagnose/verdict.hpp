@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/tools/diagnose/search.hpp"
+#include "capstan/tools/select/choice.hpp"
+
+namespace capstan::tools {
+
+/// Puts what the search found into words and decides what may be named, before any error is reported. Writes reason,
+/// warnings and next experiment.
+auto judge(const Search& search, Diagnosis& d) -> Verdict;
+
+/// Makes the verdict agree with the law that is delivered and with the errors before and after: nothing is called
+/// complete that another law betters for certain, or that leaves more than its floor, or in which an effect of a tenth
+/// of the target could hide.
+void reconcile(const Preparation& p, const Search& search, const LawChoice& choice, Diagnosis& d);
+
+/// What the delivered law corrects without a name for it; nothing where it has no such part.
+auto unnamed_part(const Preparation& p, const LawChoice& choice, const Diagnosis& d) -> std::optional<UnnamedPart>;
+
+/// Effects that explain most of what the base law leaves, most first, with their shares of its energy.
+auto candidate_shares(const Search& search) -> std::vector<CandidateShare>;
+
+}  // namespace capstan::tools

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/log/channel_gate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "capstan/tools/log/channel_delay.hpp"
+#include "capstan/tools/log/channel_shape.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Eigen::Index;
+
+constexpr double kFewestSteps = 100.0;  // of the resolution over the range: coarser, and steps look like lost motion
+/// A joint behind tendons turns less than this; its angle in degrees runs over more.
+constexpr double kMostJointTurns = 2.0;
+/// Angles in degrees beside radians run 57.3 times as far; the ratio of the pulleys makes that more or less.
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kPulleys = 3.5;
+/// A delay counts from this many rows on, where it explains this share of the residual's squares, is known to this many
+/// rows and this many times better than its size, and the law leaves no more than this share of the target. Chosen
+/// 2026-11-22 on seeds 1 to 79 of tools/channel_benchmark: clean logs came to a gain of 0.03 where the delay was known
+/// that well, and up to 0.2 where it was not.
+constexpr double kLeastDelay = 0.5;
+constexpr double kDelayGain = 0.09;
+constexpr double kWidestHalf = 0.8;
+constexpr double kCertainDelay = 3.5;
+constexpr double kCertainDelayOfEffort =
+    8.0;  // of two channels alone: a clean one (seed 1006) came to 5.9, late ones to 30 and more
+constexpr double kMostLeft = 0.35;
+
+auto moves(const Eigen::VectorXd& x) -> bool {
+  return x.size() > 0 && x.maxCoeff() > x.minCoeff();
+}
+
+class Gate {
+ public:
+  Gate(double period_s, const std::vector<GateChannel>& channels) : period_s_(period_s) {
+    for (const auto& channel : channels) {
+      if (channel.values != nullptr && moves(*channel.values)) {
+        channels_.push_back(channel);
+      }
+    }
+  }
+
+  auto findings() -> std::vector<ChannelFinding> {
+    for (const auto& channel : channels_) {
+      look_at(channel);
+    }
+    compare_angles();
+    compare_times();
+    return std::move(found_);
+  }
+
+ private:
+  void add(ChannelFault fault, const GateChannel& channel, std::vector<Index> rows, double value, std::string what) {
+    found_.push_back({fault, channel.name, std::move(rows), value, 0.0, 0.0, std::move(what)});
+  }
+  [[nodiscard]] auto first_of(ChannelRole role) const -> const GateChannel* {
+    const auto at = std::find_if(channels_.begin(), channels_.end(), [&](const auto& c) { return c.role == role; });
+    return at == channels_.end() ? nullptr : &*at;
+  }
+  [[nodiscard]] auto has(ChannelFault fault) const -> bool {
+    return std::any_of(found_.begin(), found_.end(), [&](const auto& f) { return f.fault == fault; });
+  }
+
+  void look_at(const GateChannel& channel) {
+    const Eigen::VectorXd& x = *channel.values;
+    if (auto rows = wrap_rows(x); !rows.empty()) {
+      const auto count = std::to_string(rows.size());
+      const double jump = std::abs(x[rows[0]] - x[rows[0] - 1]);
+      add(ChannelFault::kWrapped, channel, std::move(rows), jump,
+          "jumps by " + rounded(jump) + " here and " + count +
+              " times in all, as an angle does that starts anew after " +
+              "each turn; unwrap it, for instance with Python: `numpy.unwrap(angle, period=" + rounded(jump, 3) + ")`");
+      return;
+    }
+    if (auto rows = spike_rows(x); !rows.empty()) {
+      const auto count = std::to_string(rows.size());
+      add(ChannelFault::kSpikes, channel, std::move(rows), 0.0,
+          "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
+    }
+    if (const auto beat = rows_per_value(x)) {
+      add(ChannelFault::kHeld, channel, {}, *beat,
+          "has a new value only every " + rounded(*beat) +
+              " samples, so it is late by half of that on average; log the sensor's own rate");
+    } else if (auto clipped = clipped_rows(x); !clipped.empty()) {
+      const auto count = std::to_string(clipped.size());
+      add(ChannelFault::kClipped, channel, std::move(clipped), x.maxCoeff(),
+          "is cut off at an end of its range in " + count + " rows, from here on; choose a larger range of the sensor");
+    }
+    const auto* motor = first_of(ChannelRole::kMotorAngle);
+    if (motor != nullptr && motor->name != channel.name) {
+      if (auto stuck = stuck_rows(x, *motor->values); !stuck.empty()) {
+        const auto count = std::to_string(stuck.size());
+        add(ChannelFault::kStuck, channel, std::move(stuck), 0.0,
+            "stands still in " + count + " rows, from here on, while the motor moves on; check its cable");
+      }
+    }
+    if (is_magnitude(x, channel.role == ChannelRole::kMotorEffort)) {
+      add(ChannelFault::kUnsigned, channel, {}, 0.0,
+          "turns up sharply each time it reaches zero, as the magnitude of a signal with a sign does; log it with its "
+          "sign");
+    }
+    if (const auto steps = steps_over_range(x); steps && *steps < kFewestSteps) {
+      add(ChannelFault::kQuantised, channel, {}, *steps,
+          "has only " + rounded(*steps, 2) + " steps of its resolution over its range; use a finer sensor");
+    }
+  }
+
+  void compare_angles() {
+    const auto* motor = first_of(ChannelRole::kMotorAngle);
+    const auto* joint = first_of(ChannelRole::kJointAngle);
+    if (joint == nullptr) {
+      return;
+    }
+    const double joint_range = robust_range(*joint->values);
+    const double motor_range = motor == nullptr ? 0.0 : robust_range(*motor->values);
+    const double most = kMostJointTurns * 2.0 * std::numbers::pi;
+    const auto hint = [](const std::string& name) {
+      return "; if it is in degrees, read it with --map \"" + name + "=deg(" + name + ")\"";
+    };
+    if (joint_range > most) {
+      add(ChannelFault::kDegrees, *joint, {}, joint_range,
+          "runs over " + rounded(joint_range) + ", more turns than a joint behind tendons makes" + hint(joint->name));
+    }
+    if (motor == nullptr || joint_range <= 0.0) {
+      return;
+    }
+    const double ratio = motor_range / joint_range;
+    if (ratio > kDegrees / kPulleys && ratio < kDegrees * kPulleys && motor_range > most) {
+      add(ChannelFault::kDegrees, *motor, {}, ratio,
+          "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(motor->name) +
+              ", and if a gear of that " + "ratio lies between them, all is well");
+    }
+  }
+
+  void compare_times() {
+    const auto* motor = first_of(ChannelRole::kMotorAngle);
+    const auto* angle = first_of(ChannelRole::kJointAngle);
+    const auto* effort = first_of(ChannelRole::kMotorEffort);
+    const auto* torque = first_of(ChannelRole::kJointEffort);
+    const auto* target = angle != nullptr ? angle : torque != nullptr ? torque : effort;
+    if (motor == nullptr || target == nullptr || has(ChannelFault::kWrapped) || has(ChannelFault::kUnsigned) ||
+        has(ChannelFault::kHeld)) {  // what is held is late by half of that, and said to be
+      return;
+    }
+    const bool alone = target == effort;
+    const auto* input = alone || effort == nullptr ? nullptr : effort->values;
+    const auto delay = delay_between({motor->values, input, target->values, alone});
+    if (!delay) {
+      return;
+    }
+    const double half = 0.5 * (delay->high - delay->low);
+    const double certain = alone ? kCertainDelayOfEffort : kCertainDelay;
+    if (delay->rows < std::max(kLeastDelay, certain * half) || half > kWidestHalf || delay->gain < kDelayGain ||
+        delay->left > kMostLeft) {
+      return;
+    }
+    const auto* late = delay->channel == LateChannel::kTarget       ? target
+                       : delay->channel == LateChannel::kMotorAngle ? motor
+                                                                    : effort;
+    const double ms = 1e3 * period_s_;
+    add(ChannelFault::kLate, *late, {}, period_s_ * delay->rows,
+        "is late against the other channels by " + rounded(ms * delay->rows, 3) + " ms (95 % " +
+            rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) +
+            "); nothing was shifted: the effect transport_delay can take it up, and a common time stamp would cure it");
+    found_.back().low = period_s_ * delay->low;
+    found_.back().high = period_s_ * delay->high;
+  }
+
+  double period_s_;
+  std::vector<GateChannel> channels_;
+  std::vector<ChannelFinding> found_;
+};
+
+}  // namespace
+
+auto fault_word(ChannelFault fault) -> const char* {
+  constexpr const char* kWords[] = {"spikes",  "held",      "stuck",   "unsigned", "clipped",
+                                    "wrapped", "quantised", "degrees", "late"};
+  return kWords[static_cast<std::size_t>(fault)];
+}
+
+auto inspect_channels(double period_s, const std::vector<GateChannel>& channels) -> std::vector<ChannelFinding> {
+  return Gate(period_s, channels).findings();
+}
+
+}  // namespace capstan::tools

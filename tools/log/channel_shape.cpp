@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/log/channel_shape.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Eigen::Index;
+using Rows = std::vector<Index>;
+
+/// Chosen 2026-11-22 on seeds 1 to 160 and 2000 to 2050 of tools/channel_benchmark and on the shared measured machines.
+/// A wild value stands out by this share of the range at least; less does not matter.
+constexpr double kSpikeShare = 0.1;
+/// ... and by so many times what nearly all (99.5 %) rows stand out.
+constexpr double kSpikeNoises = 6.0;
+constexpr double kUsualShare = 0.995;
+constexpr Index kLongestSpike = 3;
+/// More are no single values any more, but how the channel is.
+constexpr double kMostSpikes = 0.01;
+
+/// Of changes that a clock makes, so many come on its beat.
+constexpr double kOnBeat = 0.97;
+constexpr Index kFewestChanges = 20;
+/// A channel that is held moves by several steps of its resolution from value to value; an encoder's count by one.
+constexpr double kFewestStepsPerValue = 1.5;
+
+constexpr double kStuckTravel = 0.25;  // of the motion's range, on the way while the channel stands
+constexpr double kStuckBeside = 3.0;   // times the longest travel at the other standstills
+constexpr Index kFewestStuck = 8;      // rows
+
+constexpr double kNearZero = 0.03;      // of the largest value
+constexpr Index kFewestTurns = 4;       // at zero
+constexpr double kEdge = 0.01;          // of the largest value: the smallest
+constexpr double kFewestAtEdge = 12.0;  // rows near zero
+constexpr double kEvenDensity = 0.25;   // of neighbouring bands
+constexpr double kSharpTurns = 0.6;     // share of the turns near zero that are sharp
+constexpr double kClipRun = 5;          // rows at the very end of the range
+constexpr double kClipShare = 0.004;    // of the rows
+constexpr double kAbrupt = 0.5;         // of the usual change, on the way into the end of the range
+constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a channel with noise or fine steps
+constexpr double kWrapShare = 0.6;      // of the full range in one row
+constexpr double kWrapAlike = 0.15;     // by which the jumps may differ
+constexpr double kQuietBeside = 0.1;    // of the jump: all other changes
+
+/// By how much rows i .. i + width - 1 stand out from both neighbours, signed; 0 if they do not.
+auto standing_out(const Eigen::VectorXd& x, Index i, Index width) -> double {
+  const double before = x[i - 1];
+  const double after = x[i + width];
+  const auto inside = x.segment(i, width);
+  const double up = inside.minCoeff() - std::max(before, after);
+  const double down = std::min(before, after) - inside.maxCoeff();
+  return up > 0.0 ? up : down > 0.0 ? -down : 0.0;
+}
+
+auto changes_of(const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  return (x.tail(x.size() - 1) - x.head(x.size() - 1)).cwiseAbs();
+}
+
+auto repeated_share(const Eigen::VectorXd& x) -> double {
+  return static_cast<double>((changes_of(x).array() == 0.0).count()) / static_cast<double>(x.size() - 1);
+}
+
+struct Run {
+  Index begin, end;
+};
+
+/// Stretches of one value, of at least `fewest` rows.
+auto flat_runs(const Eigen::VectorXd& x, Index fewest) -> std::vector<Run> {
+  std::vector<Run> runs;
+  Index begin = 0;
+  for (Index i = 1; i <= x.size(); ++i) {
+    if (i == x.size() || x[i] != x[begin]) {
+      if (i - begin >= fewest) {
+        runs.push_back({begin, i});
+      }
+      begin = i;
+    }
+  }
+  return runs;
+}
+
+void append_rows(Rows& rows, const Run& run) {
+  for (Index i = run.begin; i < run.end; ++i) {
+    rows.push_back(i);
+  }
+}
+
+/// The density of a signal that crosses zero is finite there, and folded it still is; one that only comes near thins
+/// out, and one that rests at zero piles up.
+auto has_hard_edge(const Eigen::VectorXd& x, double top) -> bool {
+  const auto between = [&](double low, double high) {
+    return static_cast<double>((x.array() > low * top && x.array() <= high * top).count());
+  };
+  const auto zeros = static_cast<double>((x.array() == 0.0).count());
+  const double first = between(0.0, kNearZero);
+  const double second = between(kNearZero, 2.0 * kNearZero);
+  return first >= kFewestAtEdge && first > kEvenDensity * second && second > kEvenDensity * first &&
+         zeros < 0.3 * first;
+}
+
+/// Falls to zero and rises from it at once, at the usual speed.
+auto turns_sharply(const Eigen::VectorXd& x, double top) -> bool {
+  const double speed = quantile(changes_of(x), 0.7);
+  Index turns = 0;
+  Index sharp = 0;
+  constexpr Index kReach = 3;
+  for (Index i = kReach; i + kReach < x.size(); ++i) {
+    const auto around = x.segment(i - kReach, 2 * kReach + 1);
+    Index lowest = 0;
+    if (x[i] > kNearZero * top || around.minCoeff(&lowest) < x[i] || lowest != kReach) {
+      continue;
+    }
+    ++turns;
+    const double fall = (x[i - kReach] - x[i]) / kReach;
+    const double rise = (x[i + kReach] - x[i]) / kReach;
+    sharp += fall > 0.3 * speed && rise > 0.3 * speed && fall < 4.0 * rise && rise < 4.0 * fall ? 1 : 0;
+  }
+  return turns >= kFewestTurns && static_cast<double>(sharp) >= kSharpTurns * static_cast<double>(turns);
+}
+
+}  // namespace
+
+auto robust_range(const Eigen::VectorXd& values) -> double {
+  return quantile(values, 0.995) - quantile(values, 0.005);
+}
+
+auto spike_rows(const Eigen::VectorXd& x) -> Rows {
+  const Index n = x.size();
+  constexpr Index kFewestRows = 50;
+  if (n < kFewestRows) {
+    return {};
+  }
+  Eigen::VectorXd single = Eigen::VectorXd::Zero(n);
+  for (Index i = 1; i + 1 < n; ++i) {
+    single[i] = std::abs(standing_out(x, i, 1));
+  }
+  const double steps = quantile(changes_of(x), kUsualShare);
+  const double threshold =
+      std::max({kSpikeShare * robust_range(x), kSpikeNoises * quantile(single, kUsualShare), 2.0 * steps});
+  Rows rows;
+  for (Index i = 1; i + 1 < n; ++i) {
+    for (Index width = 1; width <= kLongestSpike && i + width < n; ++width) {
+      if (std::abs(standing_out(x, i, width)) > threshold) {
+        append_rows(rows, {i, i + width});
+        i += width;
+        break;
+      }
+    }
+  }
+  return static_cast<double>(rows.size()) > kMostSpikes * static_cast<double>(n) ? Rows{} : rows;
+}
+
+auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {
+  std::vector<Index> at;
+  std::vector<double> sizes;
+  for (Index i = 1; i < x.size(); ++i) {
+    if (x[i] != x[i - 1]) {
+      at.push_back(i);
+      sizes.push_back(std::abs(x[i] - x[i - 1]));
+    }
+  }
+  if (static_cast<Index>(at.size()) < kFewestChanges) {
+    return std::nullopt;
+  }
+  Eigen::VectorXd runs(static_cast<Index>(at.size()) - 1);
+  for (Index i = 0; i < runs.size(); ++i) {
+    runs[i] = static_cast<double>(at[static_cast<std::size_t>(i) + 1] - at[static_cast<std::size_t>(i)]);
+  }
+  const double beat = median(runs);
+  const double exact_beat = static_cast<double>(at.back() - at.front()) / static_cast<double>(runs.size());
+  const auto on_beat = (runs.array() >= beat - 1.0).count();
+  const auto near_beat = ((runs.array() - beat).abs() <= 1.0).count();
+  const double step = quantisation_step(x);
+  const double size = median(Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Index>(sizes.size())));
+  const bool by_steps = step <= 0.0 || size > kFewestStepsPerValue * step;
+  constexpr double kMostlyNear = 0.85;
+  const auto share = [&](Index count) { return static_cast<double>(count) / static_cast<double>(runs.size()); };
+  if (beat < 2.0 || share(on_beat) < kOnBeat || share(near_beat) < kMostlyNear || !by_steps) {
+    return std::nullopt;
+  }
+  return std::abs(exact_beat - beat) < 1.0 ? exact_beat : beat;
+}
+
+auto stuck_rows(const Eigen::VectorXd& x, const Eigen::VectorXd& motion) -> Rows {
+  struct Standstill {
+    Run run;
+    double travel;
+  };
+  const double range = robust_range(motion);
+  std::vector<Standstill> still;
+  for (const Run& run : flat_runs(x, kFewestStuck)) {
+    const auto rows = motion.segment(run.begin, run.end - run.begin);
+    still.push_back({run, rows.maxCoeff() - rows.minCoeff()});
+  }
+  // The usual standstill is that of lost motion at a reversal, and of an encoder's steps.
+  constexpr std::size_t kFewest = 3;
+  std::vector<double> travels;
+  for (const auto& s : still) {
+    travels.push_back(s.travel);
+  }
+  std::sort(travels.begin(), travels.end());
+  const bool noisy = repeated_share(x) < kRarelyRepeats;
+  const double usual = travels.size() > 2 * kFewest ? travels[travels.size() - 1 - kFewest] : 0.0;
+  Rows rows;
+  for (const auto& s : still) {
+    if (s.travel > kStuckTravel * range &&
+        (noisy || (travels.size() > 2 * kFewest && s.travel > kStuckBeside * usual))) {
+      append_rows(rows, s.run);
+    }
+  }
+  return rows;
+}
+
+auto is_magnitude(const Eigen::VectorXd& x, bool effort) -> bool {
+  const double top = quantile(x, 0.995);
+  const double bottom = x.minCoeff();
+  if (!(top > 0.0) || bottom < 0.0 || bottom > kEdge * top) {
+    return false;
+  }
+  return (effort && has_hard_edge(x, top)) || turns_sharply(x, top);
+}
+
+auto clipped_rows(const Eigen::VectorXd& x) -> Rows {
+  if (repeated_share(x) > kRarelyRepeats) {
+    return {};  // coarse or held: the ends of its range are flat anyway
+  }
+  Rows rows;
+  const double high = x.maxCoeff();
+  const double low = x.minCoeff();
+  const double usual = median(changes_of(x));
+  constexpr Index kReach = 3;
+  for (const Run& run : flat_runs(x, static_cast<Index>(kClipRun))) {
+    // A signal that turns or comes to rest is slow before it is flat; one that is cut off is not.
+    const bool abrupt =
+        run.begin >= kReach && std::abs(x[run.begin] - x[run.begin - kReach]) > kAbrupt * kReach * usual;
+    if (abrupt && (x[run.begin] == high || x[run.begin] == low)) {
+      append_rows(rows, run);
+    }
+  }
+  return static_cast<double>(rows.size()) < kClipShare * static_cast<double>(x.size()) ? Rows{} : rows;
+}
+
+auto wrap_rows(const Eigen::VectorXd& x) -> Rows {
+  const double range = x.maxCoeff() - x.minCoeff();
+  const Eigen::VectorXd changes = changes_of(x);
+  Rows rows;
+  double largest = 0.0;
+  double smallest = range;
+  double other = 0.0;
+  for (Index i = 0; i < changes.size(); ++i) {
+    if (changes[i] > kWrapShare * range) {
+      rows.push_back(i + 1);
+      largest = std::max(largest, changes[i]);
+      smallest = std::min(smallest, changes[i]);
+    } else {
+      other = std::max(other, changes[i]);
+    }
+  }
+  const bool alike = largest - smallest <= kWrapAlike * largest && other < kQuietBeside * largest;
+  // A single wild value jumps and comes back.
+  const auto back = std::any_of(rows.begin(), rows.end(),
+                                [&](Index row) { return std::find(rows.begin(), rows.end(), row + 1) != rows.end(); });
+  constexpr double kMostWraps = 0.02;
+  const bool few = static_cast<double>(rows.size()) < kMostWraps * static_cast<double>(x.size());
+  return range > 0.0 && alike && few && !back ? rows : Rows{};
+}
+
+auto steps_over_range(const Eigen::VectorXd& x) -> std::optional<double> {
+  const double step = quantisation_step(x);
+  return step > 0.0 ? std::optional(robust_range(x) / step) : std::nullopt;
+}
+
+}  // namespace capstan::tools

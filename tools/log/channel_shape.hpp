@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <optional>
+#include <vector>
+
+namespace capstan::tools {
+
+/// Robust range: between the quantiles of 0.5 and 99.5 %, so that wild values do not count.
+auto robust_range(const Eigen::VectorXd& values) -> double;
+
+/// Rows of single wild values: up to three rows that stand out from the rows on both sides.
+auto spike_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
+
+/// Rows per new value of a channel that is held by a clock; nothing if it is not.
+auto rows_per_value(const Eigen::VectorXd& values) -> std::optional<double>;
+
+/// Rows of the stretches in which a channel has one value although the motion goes on.
+auto stuck_rows(const Eigen::VectorXd& values, const Eigen::VectorXd& motion) -> std::vector<Eigen::Index>;
+
+/// Whether a channel is turned up at zero, as the magnitude of a signal with both signs is.
+/// @param effort  crosses zero on the way, noise and all; an angle may well start at zero and return to it
+auto is_magnitude(const Eigen::VectorXd& values, bool effort) -> bool;
+
+/// Rows at an end of the range where the channel is cut off.
+auto clipped_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
+
+/// Rows before which the channel jumps by a whole turn, whatever the unit.
+auto wrap_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
+
+/// Steps of its resolution over the robust range; nothing if no resolution is to be seen.
+auto steps_over_range(const Eigen::VectorXd& values) -> std::optional<double>;
+
+}  // namespace capstan::tools

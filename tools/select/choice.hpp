@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "capstan/tools/select/selection.hpp"
+
+namespace capstan::tools {
+
+/// Which law is delivered, and how sure it is.
+struct LawChoice {
+  JointFile law;      ///< fitted to all rows
+  JointFile learned;  ///< chosen and fitted without the rows set aside, for the error that is reported
+  LawStatus status = LawStatus::kBase;
+  bool is_named = false;  ///< it is the law with the effects that were found
+  int halves_agree = 0;   ///< of two: halves of the judged rows on which no other of the laws compared does better
+  Selection selection;    ///< by all rows
+};
+
+/// Chooses among the base law, the law with the effects that were found, if any, and those that are grown from the
+/// log's vocabulary. The found law where it may be the best and costs next to nothing; else the base law where it may
+/// be; else what errs least. Base and found law come with shapes that were refined already.
+auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
+                const DecidingNumbers& numbers = {}) -> LawChoice;
+
+}  // namespace capstan::tools

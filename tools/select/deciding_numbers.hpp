@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+
+#include "capstan/tools/identify/least_squares.hpp"
+
+namespace capstan::tools {
+
+/// Every number that decides which law is delivered. Lengths are shares of the log's own ranges. Chosen on 22 November
+/// 2026 on the 13 measured joint angles of shared/data/machines, each cut at 45 and 60 % of its rows; what other values
+/// give, and what comes out on a machine when they are chosen on the others, is in docs/measured_machines.md.
+struct DecidingNumbers {
+  /// Rows before the motor has once covered this share of its range take no part: the joint's place depends there on a
+  /// motion that was not logged. Without it catheter_2_3 was 2.15 times a plain fit instead of 0.87,
+  /// wrist_single_q5 2.12 instead of 1.42.
+  double settled_share_of_range = 0.9;
+  /// But at most this share of a log is left out for it.
+  double most_share_unsettled = 0.25;
+
+  /// Half widths of plays that are tried: shares of the motor's range, in equal ratios.
+  double narrowest_play = 1.0 / 200.0;
+  double widest_play = 1.0 / 2.02;
+  std::size_t play_widths = 20;
+  /// A play that the motion does not turn round this often is a step of the first stroke, and no hysteresis.
+  int fewest_turns_of_play = 1;
+  /// As many as the input stage has room for.
+  std::size_t most_plays = 6;
+  /// Half widths of plays of other joints' tendons, shares of those motors' ranges.
+  double narrowest_coupled_play = 1.0 / 100.0;
+  std::size_t coupled_play_widths = 8;
+  /// Other shapes: from this share of a signal's range on; times from so many samples to this share of the log.
+  std::size_t shape_values = 8;
+  double smallest_share = 1.0 / 25.0;
+  double shortest_time = 3.0;
+  double longest_time = 0.25;
+  /// Knots of a table.
+  std::size_t table_knots = 9;
+
+  /// Parts of a log in time. A law is judged on each part of the later half, fitted to all parts before it: it will be
+  /// used after the log, too.
+  Eigen::Index parts = 10;
+  Eigen::Index first_judged_part = 5;
+  /// Pieces of each judged part, and how many of them in a row are resampled together.
+  Eigen::Index pieces_per_part = 8;
+  Eigen::Index run = 3;
+
+  /// A step of growth has to lower the mean squared error on unseen parts to this share at least.
+  double worth_a_step = 0.97;
+  /// A smaller law is taken where it errs by this factor more at most, in the mean square.
+  double as_good = 1.005;
+  /// Another value of a shape has to lower it to this share.
+  double worth_a_move = 0.998;
+  int most_steps = 8;
+  /// Ridge on every coefficient but the ratio and the offset, as a share of its column's mean square.
+  double ridge = 1e-6;
+
+  /// Level at which a law leaves the model confidence set.
+  double confidence_level = 0.1;
+  int resamplings = 500;
+  /// The named law is delivered where it is in the confidence set and errs by this factor more at most, in the mean
+  /// square: a name is worth 2.5 % of the error.
+  double worth_a_name = 1.05;
+  /// The base law stays where it is in the set and errs by this factor more at most. A short log leaves much in the
+  /// set: one that errs ten times as much is no answer, even where chance might have it.
+  double worth_a_law = 1.3;
+};
+
+/// `nothing_missing` takes a law that leaves less than this many floors on rows set aside; 1.2 is the contract's.
+inline constexpr double kAboveFloor = 1.2;
+/// And, where no cycles repeat, that no effect of this share of the target's rms could hide; the contract's.
+inline constexpr double kLargestHiddenShare = 0.1;
+
+}  // namespace capstan::tools

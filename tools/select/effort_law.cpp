@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/effort_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/select/effort_catalogue.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Everything that a choice needs.
+struct Choice {
+  const std::vector<AxisLog>& logs;
+  const EffortDesign& design;
+  const Eigen::VectorXd& target;  ///< as logged
+  const std::vector<LawPart>& parts;
+  std::size_t base;
+  EffortLaw frame;  ///< law without terms
+};
+
+/// The law's effort.
+auto sum_of_terms(const EffortDesign& design, const JointFile& joint) -> Eigen::VectorXd {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(design.rows());
+  for (const auto& term : *joint.catalogue) {
+    if (!joint.has(term.name)) {
+      continue;
+    }
+    const auto first = joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape);
+    const Shapes shapes(first, first + static_cast<std::ptrdiff_t>(term.shapes.size()));
+    const Eigen::MatrixXd columns = design.columns(term, shapes);
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+      sum += joint.parameters.coefficients[term.first_coefficient + static_cast<std::size_t>(i)] * columns.col(i);
+    }
+  }
+  return sum;
+}
+
+/// Puts a part's numbers into the law, and the columns beside them; says where its coefficients are.
+void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::VectorXd& theta, JointFile& joint,
+                Eigen::MatrixXd& columns, std::vector<std::size_t>& places) {
+  const LawPart& part = choice.parts[chosen.part];
+  const CatalogueTerm& term = joint.catalogue->term(part.term);
+  const Shapes& shapes = part.settings[chosen.setting];
+  const Eigen::MatrixXd own = choice.design.columns(term, shapes);
+  std::copy(shapes.begin(), shapes.end(),
+            joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape));
+  for (const std::size_t coefficient : part.coefficients) {
+    const auto next = static_cast<Eigen::Index>(places.size());
+    columns.col(next) = own.col(static_cast<Eigen::Index>(coefficient));
+    places.push_back(term.first_coefficient + coefficient);
+    joint.parameters.coefficients[places.back()] = theta[next];
+  }
+}
+
+/// The law in numbers, with intervals from blocks of all rows.
+auto in_numbers(const Choice& choice, const PartProducts& products, const GrownLaw& grown) -> EffortLaw {
+  EffortLaw law = choice.frame;
+  JointFile& joint = law.joint;
+  const Eigen::VectorXd theta = products.coefficients(grown.law, GrowthNumbers{}.ridge);
+  Eigen::MatrixXd columns(choice.design.rows(), theta.size());
+  std::vector<std::size_t> places;
+  std::set<std::string> terms;
+  for (const auto& chosen : grown.law) {
+    place_part(choice, chosen, theta, joint, columns, places);
+    terms.insert(choice.parts[chosen.part].term);
+  }
+  for (const auto& term : *joint.catalogue) {
+    if (terms.count(term.name) > 0) {
+      joint.terms.push_back(term.name);
+    }
+  }
+  const Eigen::VectorXd target = choice.design.seen(choice.target);
+  const Eigen::VectorXd residual = target - columns * theta;
+  const LinearFit fit = fit_columns(columns, target, interval_blocks({{0, target.size()}}, residual),
+                                    std::vector<Sign>(places.size(), Sign::kAny));
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const double half = half_interval(fit, static_cast<Eigen::Index>(i));
+    const double value = theta[static_cast<Eigen::Index>(i)];
+    joint.coefficient_ci95[places[i]] = Interval{value - half, value + half};
+  }
+  FitSummary summary;
+  summary.rmse = rms(residual);
+  summary.gof_percent = goodness_of_fit_percent(target, target - residual);
+  summary.samples = target.size();
+  for (const auto& log : choice.logs) {
+    summary.logs.push_back(log.name);
+  }
+  joint.fit = summary;
+  return law;
+}
+
+/// The motor's torque late or early against the joint's: the skew at which a law of gain, offset, Coulomb and load
+/// friction leaves least, if that is worth it.
+auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
+  constexpr double kLongestS = 0.06;
+  constexpr double kWorthIt = 0.01;  // of the error; as much as a part must bring to be kept
+  constexpr int kMostSteps = 12;
+  const double step_s = std::max(0.5 * logs.front().period_s, kLongestS / kMostSteps);
+  const PartLaw gear = {{0, 0}, {1, 0}, {2, 0}, {5, 0}};
+  const auto loss = [&](double skew_s) {
+    law.view.skew_s = skew_s;
+    const EffortDesign design(logs, law.view);
+    auto parts = gear_parts(motion_ranges(design));
+    parts.resize(6);
+    const PartProducts products(design, stacked_target(logs), 1.0, *law.joint.catalogue, parts);
+    return 0.5 * std::log(products.fold_errors(gear, GrowthNumbers{}.ridge).mean());
+  };
+  double best = 0.0;
+  double lowest = loss(0.0) - kWorthIt;
+  for (int i = -kMostSteps; i <= kMostSteps; ++i) {
+    const double skew_s = i * step_s;
+    const double found = i != 0 && std::abs(skew_s) <= kLongestS ? loss(skew_s) : lowest;
+    if (found < lowest) {
+      lowest = found;
+      best = skew_s;
+    }
+  }
+  return best;
+}
+
+/// A law without terms for these logs.
+auto frame_for(const std::vector<AxisLog>& logs) -> EffortLaw {
+  const bool gear = !logs.front().motion_alone();
+  EffortLaw law;
+  law.joint = JointFile(gear ? gear_law_catalogue()
+                             : effort_law_catalogue(logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary));
+  law.target = logs.front().target;
+  law.view = usual_view(logs);
+  law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
+  return law;
+}
+
+/// What is new in a law: terms that its base does not hold.
+auto new_effects(const EffortLaw& law, const EffortLaw& base, const GrownLaw& grown) -> std::vector<std::string> {
+  std::vector<std::string> names;
+  for (const auto& term : grown.path) {
+    const std::string name = effect_name(term);
+    if (law.joint.has(term) && !base.joint.has(term) && std::find(names.begin(), names.end(), name) == names.end()) {
+      names.push_back(name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+auto select_effort_law(const std::vector<AxisLog>& logs) -> EffortSelection {
+  const EffortLaw frame = frame_for(logs);
+  const EffortDesign design(logs, frame.view);
+  const Eigen::VectorXd target = stacked_target(logs);
+  const MotionRanges ranges = motion_ranges(design);
+  const bool gear = frame.of_gear();
+  const AxisKind axis = logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
+  const auto parts = gear ? gear_parts(ranges) : effort_parts(ranges, design.axes(), axis);
+  const Choice choice{logs, design, target, parts, gear ? kGearBaseParts : kRigidParts, frame};
+  EffortSelection result;
+  const auto choose_on = [&](double share) {
+    const PartProducts products(design, target, share, *frame.joint.catalogue, parts);
+    result.base = in_numbers(choice, products, grown_base(products, choice.base));
+    result.grown = grow_law(products, choice.base);
+    result.law = in_numbers(choice, products, result.grown);
+  };
+  constexpr double kLearned = 0.8;
+  choose_on(kLearned);
+  const Eigen::VectorXd measured = design.seen(target);
+  const Eigen::Index unseen =
+      measured.size() - static_cast<Eigen::Index>(kLearned * static_cast<double>(measured.size()));
+  const auto error = [&](const EffortLaw& law) {
+    return rms((measured - sum_of_terms(design, law.joint)).tail(unseen));
+  };
+  result.before = error(result.base);
+  result.after = error(result.law);
+  result.target_rms = rms(measured.tail(unseen));
+  choose_on(1.0);
+  result.effects = new_effects(result.law, result.base, result.grown);
+  result.law.status = result.effects.empty() ? "base" : "provisional";
+  return result;
+}
+
+auto run_effort_law(const std::vector<AxisLog>& logs, const EffortLaw& law) -> Eigen::VectorXd {
+  const EffortDesign design(logs, law.view);
+  return sum_of_terms(design, law.joint);
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,397 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/forward_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capstan/model/terms/hysteresis.hpp"
+#include "capstan/model/terms/table.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr std::size_t kTarget = 0;
+constexpr double kNoLaw = std::numeric_limits<double>::infinity();
+/// Fits of a bent law: what it bends over comes from the fit before.
+constexpr int kBends = 2;
+
+auto is_offset(const std::string& term) -> bool {
+  return term == "joint_offset" || term == "offset";
+}
+
+/// Rows of one part of every log, log after log, and the parts one after the other.
+struct Order {
+  std::vector<Eigen::Index> rows, log;
+  Blocks parts;
+};
+
+auto ordered_in_parts(const SelectionData& data, const Blocks& allowed) -> Order {
+  std::vector<std::vector<Eigen::Index>> of_log(data.settled().size());
+  for (std::size_t log = 0; log < of_log.size(); ++log) {
+    const RowRange& settled = data.settled()[log];
+    for (const auto& block : allowed) {
+      for (Eigen::Index row = std::max(block.begin, settled.begin); row < std::min(block.end, settled.end); ++row) {
+        of_log[log].push_back(row);
+      }
+    }
+  }
+  Order order;
+  const Eigen::Index parts = data.numbers().parts;
+  for (Eigen::Index part = 0; part < parts; ++part) {
+    const auto begin = static_cast<Eigen::Index>(order.rows.size());
+    for (std::size_t log = 0; log < of_log.size(); ++log) {
+      const auto count = static_cast<Eigen::Index>(of_log[log].size());
+      for (Eigen::Index i = count * part / parts; i < count * (part + 1) / parts; ++i) {
+        order.rows.push_back(of_log[log][static_cast<std::size_t>(i)]);
+        order.log.push_back(static_cast<Eigen::Index>(log));
+      }
+    }
+    order.parts.push_back({begin, static_cast<Eigen::Index>(order.rows.size())});
+  }
+  return order;
+}
+
+/// Least squares with a little ridge, from scalar products; the last row and column are the target's.
+auto solve(const Eigen::MatrixXd& gram, const std::vector<Sign>& signs, const Eigen::VectorXd& ridge)
+    -> Eigen::VectorXd {
+  const Eigen::Index n = gram.cols() - 1;
+  Eigen::VectorXd scale = gram.diagonal().head(n).cwiseSqrt();
+  scale = scale.unaryExpr([](double x) { return x > 0.0 ? 1.0 / x : 0.0; });
+  Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(n, n) * scale.asDiagonal();
+  scaled.diagonal() += ridge;
+  const Eigen::VectorXd rhs = scale.cwiseProduct(gram.col(n).head(n));
+  Eigen::VectorXd theta = scaled.ldlt().solve(rhs);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!has_sign(theta[i], signs[static_cast<std::size_t>(i)])) {
+      theta = solve_signed(scaled, rhs, signs);
+      break;
+    }
+  }
+  return theta.cwiseProduct(scale);
+}
+
+auto energy_left(const Eigen::MatrixXd& gram, const Eigen::VectorXd& theta) -> double {
+  const Eigen::Index n = theta.size();
+  const Eigen::VectorXd rhs = gram.col(n).head(n);
+  return std::max(0.0, gram(n, n) - 2.0 * theta.dot(rhs) + theta.dot(gram.topLeftCorner(n, n) * theta));
+}
+
+}  // namespace
+
+/// The columns of a fit and what becomes of their coefficients.
+struct ForwardScore::Assembly {
+  static constexpr std::size_t kNotKept = std::numeric_limits<std::size_t>::max();
+  struct Column {
+    std::size_t id = kNotKept;
+    Eigen::VectorXd own;  ///< where it is not kept
+    Sign sign = Sign::kAny;
+    double ridge = 0.0;
+    std::vector<Eigen::Index> coefficients;  ///< of the law
+  };
+  LawCandidate law;  ///< with what is placed by the log where it lies
+  std::vector<Column> columns;
+  Eigen::Index coefficients = 0, beta = -1, first_play = 0, plays = 0, first_bent = 0;
+  Eigen::VectorXd held;                ///< weights of plays that are no columns any more
+  std::vector<Eigen::MatrixXd> grams;  ///< per part, the target last
+  std::vector<Sign> signs;
+  Eigen::VectorXd ridge;
+
+  [[nodiscard]] auto sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd {
+    Eigen::MatrixXd all = grams[static_cast<std::size_t>(first)];
+    for (Eigen::Index part = first + 1; part < end; ++part) {
+      all += grams[static_cast<std::size_t>(part)];
+    }
+    return all;
+  }
+  [[nodiscard]] auto fit(Eigen::Index parts) const -> Eigen::VectorXd { return solve(sum(0, parts), signs, ridge); }
+};
+
+ForwardScore::ForwardScore(SelectionData& data, const Blocks& rows) : data_(data) {
+  Order order = ordered_in_parts(data, rows);
+  rows_ = std::move(order.rows);
+  log_of_row_ = std::move(order.log);
+  parts_ = std::move(order.parts);
+  column_id("target", data.target());
+}
+
+auto ForwardScore::taken(const Eigen::VectorXd& coarse) const -> Eigen::VectorXd {
+  return coarse(rows_);
+}
+
+auto ForwardScore::column_id(const std::string& key, const Eigen::VectorXd& coarse) -> std::size_t {
+  const auto [found, is_new] = ids_.try_emplace(key, columns_.size());
+  if (is_new) {
+    columns_.push_back(taken(coarse));
+  }
+  return found->second;
+}
+
+auto ForwardScore::products_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const -> Products {
+  Products result(static_cast<Eigen::Index>(parts_.size()));
+  for (std::size_t part = 0; part < parts_.size(); ++part) {
+    const RowRange& rows = parts_[part];
+    result[static_cast<Eigen::Index>(part)] =
+        a.segment(rows.begin, rows.size()).dot(b.segment(rows.begin, rows.size()));
+  }
+  return result;
+}
+
+auto ForwardScore::products(std::size_t a, std::size_t b) -> const Products& {
+  constexpr unsigned kHalfWord = 32;
+  const auto [found, is_new] = products_.try_emplace((std::min(a, b) << kHalfWord) | std::max(a, b));
+  if (is_new) {
+    found->second = products_of(columns_[a], columns_[b]);
+  }
+  return found->second;
+}
+
+/// A column per log: each has a zero of its own.
+auto ForwardScore::offset_ids() -> const std::vector<std::size_t>& {
+  for (std::size_t log = offsets_.size(); log < data_.logs().size(); ++log) {
+    Eigen::VectorXd here = Eigen::VectorXd::Zero(data_.rows());
+    here.segment(data_.logs()[log].begin, data_.logs()[log].size()).setOnes();
+    offsets_.push_back(column_id("offset of log " + std::to_string(log), here));
+  }
+  return offsets_;
+}
+
+void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* output, Assembly& fit) {
+  const CatalogueTerm& term = data_.catalogue().term(choice.term);
+  const Eigen::Index first = fit.coefficients;
+  fit.coefficients += static_cast<Eigen::Index>(term.coefficients.size());
+  if (is_offset(choice.term)) {
+    for (const std::size_t id : offset_ids()) {
+      fit.columns.push_back({id, {}, Sign::kAny, 0.0, {first}});
+    }
+    return;
+  }
+  const bool is_ratio = choice.term == "motor_angle";
+  const std::string key = key_of(choice) + (output != nullptr ? "|" + key_of(*output) : "");
+  const Eigen::MatrixXd& columns = data_.columns(choice, output);
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    const std::size_t id = column_id(key + "#" + std::to_string(i), columns.col(i));
+    fit.columns.push_back(
+        {id, {}, term.coefficients[static_cast<std::size_t>(i)].sign, is_ratio ? 0.0 : numbers().ridge, {first + i}});
+  }
+  if (is_ratio) {
+    fit.beta = static_cast<Eigen::Index>(fit.columns.size()) - 1;
+  }
+}
+
+/// A table has one value per knot here, whichever way the motor goes.
+void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, Assembly& fit) {
+  const Eigen::MatrixXd columns = data_.columns_at(choice, h);
+  const CatalogueTerm& term = data_.catalogue().term(choice.term);
+  const auto knots = static_cast<Eigen::Index>(Table<double>::kKnots);
+  const bool is_table = term.form_free;
+  const Eigen::Index count = is_table ? std::lround(choice.shapes[1]) : columns.cols();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    if (is_table) {
+      fit.columns.push_back({Assembly::kNotKept,
+                             taken(columns.col(i) + columns.col(knots + i)),
+                             Sign::kAny,
+                             numbers().ridge,
+                             {first + i, first + knots + i}});
+    } else {
+      fit.columns.push_back({Assembly::kNotKept, taken(columns.col(i)), Sign::kAny, numbers().ridge, {first + i}});
+    }
+  }
+}
+
+void ForwardScore::multiply(Assembly& fit) {
+  const auto n = static_cast<Eigen::Index>(fit.columns.size());
+  fit.grams.assign(parts_.size(), Eigen::MatrixXd(n + 1, n + 1));
+  fit.signs.clear();
+  fit.ridge.resize(n);
+  const auto values = [&](const Assembly::Column& column) -> const Eigen::VectorXd& {
+    return column.id == Assembly::kNotKept ? column.own : columns_[column.id];
+  };
+  Assembly::Column target{kTarget, {}, Sign::kAny, 0.0, {}};
+  for (Eigen::Index i = 0; i <= n; ++i) {
+    const Assembly::Column& a = i < n ? fit.columns[static_cast<std::size_t>(i)] : target;
+    for (Eigen::Index k = 0; k <= i; ++k) {
+      const Assembly::Column& b = k < n ? fit.columns[static_cast<std::size_t>(k)] : target;
+      const bool kept = a.id != Assembly::kNotKept && b.id != Assembly::kNotKept;
+      const Products all = kept ? products(a.id, b.id) : products_of(values(a), values(b));
+      for (std::size_t part = 0; part < parts_.size(); ++part) {
+        fit.grams[part](i, k) = fit.grams[part](k, i) = all[static_cast<Eigen::Index>(part)];
+      }
+    }
+    if (i < n) {
+      fit.signs.push_back(a.sign);
+      fit.ridge[i] = a.ridge;
+    }
+  }
+}
+
+/// The motor angle as the ratio sees it where there are no plays.
+auto ForwardScore::ratio_column(const LawCandidate& law) -> Eigen::VectorXd {
+  return data_.columns({"motor_angle", {}}, law.output(data_.catalogue())).col(0);
+}
+
+auto ForwardScore::behind_plays(const LawCandidate& law, const Assembly& fit, const Eigen::VectorXd& theta)
+    -> Eigen::VectorXd {
+  Eigen::VectorXd h = ratio_column(law);
+  for (Eigen::Index i = 0; i < fit.plays && theta[fit.beta] != 0.0; ++i) {
+    const TermChoice play{"play", {law.plays[static_cast<std::size_t>(i)]}};
+    h += theta[fit.first_play + i] / theta[fit.beta] * data_.columns(play, law.output(data_.catalogue())).col(0);
+  }
+  return h;
+}
+
+/// What lies behind the plays reaches as far as their output does.
+auto ForwardScore::placed(TermChoice choice, const Eigen::VectorXd& h) const -> TermChoice {
+  const Eigen::VectorXd seen = taken(h);
+  const double low = seen.minCoeff();
+  const double high = seen.maxCoeff();
+  if (choice.term == "curved_ratio") {
+    choice.shapes = {0.5 * (low + high), 0.5 * (high - low)};
+  } else if (choice.term == "table" && choice.shapes[0] == static_cast<double>(TableSignal::kMotorAngle)) {
+    choice.shapes[2] = low;
+    choice.shapes[3] = high;
+  }
+  return choice;
+}
+
+/// Holds the plays as they were fitted: what bends over their output was fitted beside it, so a law of both is one
+/// whose plays stay where they are. Their columns go; the ratio's is that of their output.
+void ForwardScore::hold_plays(const LawCandidate& law, Assembly& fit) const {
+  const Eigen::VectorXd theta = fit.fit(numbers().parts);
+  fit.held = theta.segment(fit.first_play, fit.plays) / theta[fit.beta];
+  const auto first = fit.columns.begin() + fit.first_play;
+  fit.columns.erase(first, first + static_cast<std::ptrdiff_t>(law.plays.size()));
+  fit.columns[static_cast<std::size_t>(fit.beta)].id = Assembly::kNotKept;
+  fit.plays = 0;
+}
+
+auto ForwardScore::behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd {
+  Eigen::VectorXd h = ratio_column(law);
+  for (std::size_t i = 0; i < law.plays.size(); ++i) {
+    h += fit.held[static_cast<Eigen::Index>(i)] *
+         data_.columns({"play", {law.plays[i]}}, law.output(data_.catalogue())).col(0);
+  }
+  return h;
+}
+
+auto ForwardScore::assemble(const LawCandidate& law) -> Assembly {
+  Assembly fit;
+  fit.law = law;
+  const TermChoice* output = law.output(data_.catalogue());
+  std::vector<std::pair<const TermChoice*, Eigen::Index>> bent;
+  for (const auto& choice : law.terms) {
+    const CatalogueTerm& term = data_.catalogue().term(choice.term);
+    if (term.acts_on_output) {
+      continue;
+    }
+    if (term.reads_input && term.placed) {
+      bent.emplace_back(&choice, fit.coefficients);
+      fit.coefficients += static_cast<Eigen::Index>(term.coefficients.size());
+    } else {
+      add_columns(choice, output, fit);
+    }
+  }
+  fit.first_play = static_cast<Eigen::Index>(fit.columns.size());
+  fit.plays = static_cast<Eigen::Index>(law.plays.size());
+  for (const double half_width : law.plays) {
+    const TermChoice play{"play", {half_width}};
+    const std::string key = key_of(play) + (output != nullptr ? "|" + key_of(*output) : "");
+    fit.columns.push_back({column_id(key, data_.columns(play, output).col(0)), {}, Sign::kAny, numbers().ridge, {}});
+  }
+  if (bent.empty()) {
+    multiply(fit);
+    return fit;
+  }
+  const std::size_t straight = fit.columns.size();
+  const auto bend_over = [&](const Eigen::VectorXd& h, std::size_t kept) {
+    fit.columns.resize(kept);
+    for (const auto& [choice, first] : bent) {
+      const TermChoice there = placed(*choice, h);
+      fit.law = with_term(data_.catalogue(), std::move(fit.law), there);
+      add_bent(there, first, h, fit);
+    }
+    multiply(fit);
+  };
+  Eigen::VectorXd h = ratio_column(law);
+  bend_over(h, straight);
+  for (int bend = 0; bend < kBends && fit.plays > 0; ++bend) {
+    h = behind_plays(law, fit, fit.fit(numbers().parts));
+    bend_over(h, straight);
+  }
+  if (fit.plays > 0) {
+    hold_plays(law, fit);
+    h = behind_held_plays(law, fit);
+    fit.columns[static_cast<std::size_t>(fit.beta)].own = taken(h);
+    bend_over(h, straight - law.plays.size());
+  }
+  return fit;
+}
+
+auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool {
+  if (!theta.allFinite()) {
+    return false;
+  }
+  constexpr double kMost = Hysteresis<double>::kMostWeight;
+  if (fit.held.size() > 0) {
+    return fit.held.allFinite() && fit.held.cwiseAbs().maxCoeff() <= kMost;
+  }
+  return fit.plays == 0 ||
+         theta.segment(fit.first_play, fit.plays).cwiseAbs().maxCoeff() <= kMost * std::abs(theta[fit.beta]);
+}
+
+auto ForwardScore::score(const LawCandidate& law) -> double {
+  const Assembly fit = assemble(law);
+  if (!is_law(fit, fit.fit(numbers().parts))) {
+    return kNoLaw;
+  }
+  double energy = 0.0;
+  for (Eigen::Index part = numbers().first_judged_part; part < numbers().parts; ++part) {
+    energy += energy_left(fit.grams[static_cast<std::size_t>(part)], fit.fit(part));
+  }
+  const Eigen::Index rows = parts_.back().end - parts_[static_cast<std::size_t>(numbers().first_judged_part)].begin;
+  return rows > 0 && std::isfinite(energy) ? energy / static_cast<double>(rows) : kNoLaw;
+}
+
+auto ForwardScore::losses(const LawCandidate& law) -> Eigen::VectorXd {
+  const Assembly fit = assemble(law);
+  Eigen::VectorXd losses((numbers().parts - numbers().first_judged_part) * numbers().pieces_per_part);
+  Eigen::Index at = 0;
+  for (Eigen::Index part = numbers().first_judged_part; part < numbers().parts; ++part) {
+    const Eigen::VectorXd theta = fit.fit(part);
+    const RowRange& rows = parts_[static_cast<std::size_t>(part)];
+    Eigen::VectorXd error = columns_[kTarget].segment(rows.begin, rows.size());
+    for (std::size_t i = 0; i < fit.columns.size(); ++i) {
+      const auto& column = fit.columns[i];
+      const Eigen::VectorXd& values = column.id == Assembly::kNotKept ? column.own : columns_[column.id];
+      error -= theta[static_cast<Eigen::Index>(i)] * values.segment(rows.begin, rows.size());
+    }
+    for (Eigen::Index piece = 0; piece < numbers().pieces_per_part; ++piece) {
+      const Eigen::Index begin = rows.size() * piece / numbers().pieces_per_part;
+      const Eigen::Index end = rows.size() * (piece + 1) / numbers().pieces_per_part;
+      losses[at++] =
+          end > begin ? error.segment(begin, end - begin).squaredNorm() / static_cast<double>(end - begin) : 0.0;
+    }
+  }
+  return losses;
+}
+
+auto ForwardScore::fitted(const LawCandidate& law) -> FittedCandidate {
+  const Assembly fit = assemble(law);
+  const Eigen::VectorXd theta = fit.fit(numbers().parts);
+  FittedCandidate result{
+      fit.law, Eigen::VectorXd::Zero(fit.coefficients),
+      fit.held.size() > 0 ? Eigen::VectorXd(fit.held * theta[fit.beta])
+                          : Eigen::VectorXd(theta.segment(fit.first_play, fit.plays)),
+      energy_left(fit.sum(0, numbers().parts), theta) / static_cast<double>(std::max<std::size_t>(1, rows_.size())),
+      is_law(fit, theta)};
+  const auto logs = static_cast<double>(data_.logs().size());
+  for (std::size_t i = 0; i < fit.columns.size(); ++i) {
+    const bool is_zero = fit.columns[i].ridge == 0.0 && static_cast<Eigen::Index>(i) != fit.beta;
+    for (const Eigen::Index coefficient : fit.columns[i].coefficients) {
+      result.theta[coefficient] += theta[static_cast<Eigen::Index>(i)] / (is_zero ? logs : 1.0);
+    }
+  }
+  return result;
+}
+
+}  // namespace capstan::tools

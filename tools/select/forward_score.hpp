@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unordered_map>
+
+#include "capstan/tools/select/selection_data.hpp"
+
+namespace capstan::tools {
+
+/// A candidate with its coefficients.
+struct FittedCandidate {
+  LawCandidate law;
+  Eigen::VectorXd theta;         ///< per coefficient of its terms, in their order
+  Eigen::VectorXd play_weights;  ///< coefficients c_i of its plays
+  double mean_square = 0.0;      ///< of what it leaves of the rows it was fitted to
+  bool valid = false;            ///< false: a ratio of nothing, or plays that no input stage can be made of
+};
+
+/// How well laws predict what comes after the rows that they were fitted to. The logs are cut into parts of equal
+/// length; each part of the later half is predicted by the law fitted to the parts before it, of every log alike, so no
+/// row is judged by a law that has seen it. Every log has a zero offset of its own. One score for all laws: the mean
+/// squared error.
+class ForwardScore {
+ public:
+  /// `rows`: coarse rows that may be looked at, in order; those that have not settled are left out.
+  ForwardScore(SelectionData& data, const Blocks& rows);
+
+  /// Mean squared error on unseen parts; infinity if the candidate is no law.
+  auto score(const LawCandidate& law) -> double;
+  /// Mean squared error on each piece of the unseen parts. @pre score() is finite
+  auto losses(const LawCandidate& law) -> Eigen::VectorXd;
+  /// Fitted to all rows.
+  auto fitted(const LawCandidate& law) -> FittedCandidate;
+
+  [[nodiscard]] auto numbers() const -> const DecidingNumbers& { return data_.numbers(); }
+  [[nodiscard]] auto data() const -> SelectionData& { return data_; }
+
+ private:
+  using Products = Eigen::Matrix<double, Eigen::Dynamic, 1>;  ///< one per part
+  struct Assembly;
+
+  auto assemble(const LawCandidate& law) -> Assembly;
+  void add_columns(const TermChoice& choice, const TermChoice* output, Assembly& fit);
+  void add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, Assembly& fit);
+  [[nodiscard]] auto placed(TermChoice choice, const Eigen::VectorXd& h) const -> TermChoice;
+  void multiply(Assembly& fit);
+  /// The motor angle behind the plays of a fit, coarse.
+  auto behind_plays(const LawCandidate& law, const Assembly& fit, const Eigen::VectorXd& theta) -> Eigen::VectorXd;
+  auto ratio_column(const LawCandidate& law) -> Eigen::VectorXd;
+  void hold_plays(const LawCandidate& law, Assembly& fit) const;
+  auto behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd;
+  static auto is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool;
+  auto column_id(const std::string& key, const Eigen::VectorXd& coarse) -> std::size_t;
+  auto offset_ids() -> const std::vector<std::size_t>&;
+  auto products(std::size_t a, std::size_t b) -> const Products&;
+  [[nodiscard]] auto products_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const -> Products;
+  [[nodiscard]] auto taken(const Eigen::VectorXd& coarse) const -> Eigen::VectorXd;
+
+  SelectionData& data_;
+  std::vector<Eigen::Index> rows_;  ///< coarse rows in the order of the parts
+  std::vector<Eigen::Index> log_of_row_;
+  Blocks parts_;                          ///< in taken rows
+  std::vector<Eigen::VectorXd> columns_;  ///< taken rows; [0] is the target
+  std::unordered_map<std::string, std::size_t> ids_;
+  std::unordered_map<std::size_t, Products> products_;
+  std::vector<std::size_t> offsets_;
+};
+
+}  // namespace capstan::tools

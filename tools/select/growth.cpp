@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/growth.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace capstan::tools {
+namespace {
+
+class Grower {
+ public:
+  Grower(ForwardScore& forward, const Vocabulary& vocabulary) : forward_(forward), vocabulary_(vocabulary) {}
+
+  auto run(const LawCandidate& start) -> std::vector<ScoredLaw> {
+    std::vector<ScoredLaw> path = {{start, score(start)}};
+    for (int step = 0; step < numbers().most_steps; ++step) {
+      ScoredLaw next = best_of(additions(path.back().law));
+      if (!(next.score < numbers().worth_a_step * path.back().score)) {
+        break;
+      }
+      path.push_back(settled(std::move(next)));
+    }
+    return path;
+  }
+
+ private:
+  auto score(const LawCandidate& law) -> double {
+    const auto [found, is_new] = known_.try_emplace(key_of(law));
+    if (is_new) {
+      found->second = forward_.score(law);
+    }
+    return found->second;
+  }
+
+  auto best_of(const std::vector<LawCandidate>& laws) -> ScoredLaw {
+    ScoredLaw best{{}, std::numeric_limits<double>::infinity()};
+    for (const auto& law : laws) {
+      if (const double here = score(law); here < best.score) {
+        best = {law, here};
+      }
+    }
+    return best;
+  }
+
+  auto numbers() const -> const DecidingNumbers& { return forward_.numbers(); }
+  auto catalogue() const -> const Catalogue& { return forward_.data().catalogue(); }
+
+  /// A term that sees the rate behind the plays is not judged beside plays: its columns would change with their
+  /// weights.
+  auto sees_plays(const CatalogueTerm& term) const -> bool {
+    return term.reads_input && !term.placed && !vocabulary_.start.has(term.name);
+  }
+
+  auto may_have(const LawCandidate& law, const CatalogueTerm& term) const -> bool {
+    const bool based = term.builds_on.empty() || std::any_of(term.builds_on.begin(), term.builds_on.end(),
+                                                             [&](const auto& name) { return law.has(name); });
+    return based && (law.plays.empty() || !sees_plays(term));
+  }
+
+  auto may_have_plays(const LawCandidate& law) const -> bool {
+    return law.plays.size() < numbers().most_plays &&
+           std::none_of(law.terms.begin(), law.terms.end(),
+                        [&](const auto& choice) { return sees_plays(catalogue().term(choice.term)); });
+  }
+
+  /// Every law with one thing more.
+  auto additions(const LawCandidate& law) const -> std::vector<LawCandidate> {
+    std::vector<LawCandidate> laws;
+    for (std::size_t i = 0; may_have_plays(law) && i < vocabulary_.plays.size(); ++i) {
+      if (std::find(law.plays.begin(), law.plays.end(), vocabulary_.plays[i]) == law.plays.end()) {
+        laws.push_back(with_play(law, vocabulary_.plays[i]));
+      }
+    }
+    for (const auto& grid : vocabulary_.terms) {
+      if (!law.has(grid.term) && may_have(law, catalogue().term(grid.term))) {
+        for (const auto& shapes : grid.settings) {
+          laws.push_back(with_term(catalogue(), law, {grid.term, shapes}));
+        }
+      }
+    }
+    return laws;
+  }
+
+  /// Every law with one thing less.
+  auto reductions(const LawCandidate& law) const -> std::vector<LawCandidate> {
+    std::vector<LawCandidate> laws;
+    for (std::size_t i = 0; i < law.plays.size(); ++i) {
+      laws.push_back(without_play(law, i));
+    }
+    for (const auto& choice : law.terms) {
+      if (!vocabulary_.start.has(choice.term)) {
+        LawCandidate less = without_term(law, choice.term);
+        const bool stands = std::all_of(less.terms.begin(), less.terms.end(),
+                                        [&](const auto& one) { return may_have(less, catalogue().term(one.term)); });
+        if (stands) {
+          laws.push_back(std::move(less));
+        }
+      }
+    }
+    return laws;
+  }
+
+  /// Every law with one setting moved to a neighbour's.
+  auto variations(const LawCandidate& law) const -> std::vector<LawCandidate> {
+    std::vector<LawCandidate> laws;
+    for (std::size_t i = 0; i < law.plays.size(); ++i) {
+      const auto at = std::find(vocabulary_.plays.begin(), vocabulary_.plays.end(), law.plays[i]);
+      for (const std::ptrdiff_t step : {-1, 1}) {
+        const std::ptrdiff_t place = at - vocabulary_.plays.begin() + step;
+        if (at != vocabulary_.plays.end() && place >= 0 && place < std::ssize(vocabulary_.plays)) {
+          const double half_width = vocabulary_.plays[static_cast<std::size_t>(place)];
+          if (std::find(law.plays.begin(), law.plays.end(), half_width) == law.plays.end()) {
+            laws.push_back(with_play(without_play(law, i), half_width));
+          }
+        }
+      }
+    }
+    for (const auto& grid : vocabulary_.terms) {
+      const TermChoice* choice = law.find(grid.term);
+      const auto at = choice == nullptr ? grid.settings.end()
+                                        : std::find(grid.settings.begin(), grid.settings.end(), choice->shapes);
+      for (const std::ptrdiff_t step : {-1, 1}) {
+        const std::ptrdiff_t place = at - grid.settings.begin() + step;
+        if (at != grid.settings.end() && place >= 0 && place < std::ssize(grid.settings)) {
+          laws.push_back(with_term(catalogue(), law, {grid.term, grid.settings[static_cast<std::size_t>(place)]}));
+        }
+      }
+    }
+    return laws;
+  }
+
+  /// The law without what it does as well without, its settings where a neighbour does no better.
+  auto settled(ScoredLaw law) -> ScoredLaw {
+    constexpr int kMostMoves = 40;
+    for (int move = 0; move < kMostMoves; ++move) {
+      ScoredLaw less = best_of(reductions(law.law));
+      if (less.score < numbers().as_good * law.score) {
+        law = std::move(less);
+        continue;
+      }
+      ScoredLaw other = best_of(variations(law.law));
+      if (!(other.score < numbers().worth_a_move * law.score)) {
+        break;
+      }
+      law = std::move(other);
+    }
+    return law;
+  }
+
+  ForwardScore& forward_;
+  const Vocabulary& vocabulary_;
+  std::map<std::string, double> known_;
+};
+
+}  // namespace
+
+auto grow(ForwardScore& forward, const Vocabulary& vocabulary, const LawCandidate& start) -> std::vector<ScoredLaw> {
+  return Grower(forward, vocabulary).run(start);
+}
+
+}  // namespace capstan::tools

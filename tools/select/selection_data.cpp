@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/selection_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace capstan::tools {
+namespace {
+
+/// One sample in the place of several: means, and the direction of most.
+auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> {
+  Sample<double> mean = first[0];
+  Eigen::Index forward = 0;
+  Sample<double> sum{};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    sum.q1 += first[i].q1;
+    sum.dq1 += first[i].dq1;
+    sum.ddq1 += first[i].ddq1;
+    sum.tau += first[i].tau;
+    sum.warmth += first[i].warmth;
+    for (std::size_t other = 0; other < kMostOthers; ++other) {
+      sum.others[other].q1 += first[i].others[other].q1;
+      sum.others[other].tau += first[i].others[other].tau;
+    }
+    forward += first[i].forward ? 1 : 0;
+  }
+  const double share = 1.0 / static_cast<double>(count);
+  mean.q1 = mean.h = share * sum.q1;
+  mean.dq1 = mean.dh = share * sum.dq1;
+  mean.ddq1 = share * sum.ddq1;
+  mean.tau = share * sum.tau;
+  mean.warmth = share * sum.warmth;
+  mean.forward = 2 * forward >= count;
+  for (std::size_t other = 0; other < kMostOthers; ++other) {
+    mean.others[other].q1 = share * sum.others[other].q1;
+    mean.others[other].tau = share * sum.others[other].tau;
+  }
+  return mean;
+}
+
+/// How often a play of some half width turns round, so far as the rows go.
+auto turns(const Eigen::VectorXd& q1, const Blocks& logs, double half_width) -> int {
+  int count = 0;
+  for (const auto& log : logs) {
+    double place = q1[log.begin];
+    int direction = 0;
+    for (Eigen::Index i = log.begin; i < log.end; ++i) {
+      const double next = std::clamp(place, q1[i] - half_width, q1[i] + half_width);
+      const int now = next > place ? 1 : (next < place ? -1 : direction);
+      count += direction != 0 && now != direction ? 1 : 0;
+      direction = now;
+      place = next;
+    }
+  }
+  return count;
+}
+
+/// The causal samples with the joint angle of the cycle before as `q2` has it.
+auto running_on(const Preparation& p, const Eigen::VectorXd& q2) -> LawDesign {
+  if (q2.size() == 0) {
+    return p.causal;
+  }
+  std::vector<Samples> samples = p.causal.samples();
+  Eigen::Index row = 0;
+  for (auto& of_log : samples) {
+    const Eigen::Index first = row;
+    for (auto& sample : of_log) {
+      sample.q2 = q2[std::max(first, row - 1)];
+      ++row;
+    }
+  }
+  return {p.logs, std::move(samples), p.causal.smoothing()};
+}
+
+struct Range {
+  double least = 0.0, most = 0.0;
+  explicit Range(const Eigen::VectorXd& values) : least(values.minCoeff()), most(values.maxCoeff()) {}
+  [[nodiscard]] auto span() const -> double { return most - least; }
+  [[nodiscard]] auto centre() const -> double { return 0.5 * (most + least); }
+};
+
+}  // namespace
+
+auto geometric_grid(double low, double high, std::size_t count) -> std::vector<double> {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    values.push_back(low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(count - 1)));
+  }
+  return values;
+}
+
+SelectionData::SelectionData(const Preparation& p, const Catalogue& catalogue, const DecidingNumbers& numbers,
+                             const Eigen::VectorXd& q2)
+    : p_(p),
+      causal_(running_on(p, q2)),
+      catalogue_(&catalogue),
+      numbers_(numbers),
+      target_(decimated(p.target, p.factor)) {
+  for (const auto& samples : causal_.samples()) {
+    const auto rows = static_cast<Eigen::Index>(samples.size()) / p.factor;
+    logs_.push_back({static_cast<Eigen::Index>(coarse_.size()), static_cast<Eigen::Index>(coarse_.size()) + rows});
+    for (Eigen::Index row = 0; row < rows; ++row) {
+      coarse_.push_back(mean_of(&samples[static_cast<std::size_t>(row * p.factor)], p.factor));
+    }
+  }
+  q1_.resize(rows());
+  std::transform(coarse_.begin(), coarse_.end(), q1_.begin(), [](const auto& sample) { return sample.q1; });
+  measure_ranges();
+  find_settled();
+  find_widths();
+}
+
+void SelectionData::measure_ranges() {
+  const auto signal = [&](auto&& of) {
+    Eigen::VectorXd values(rows());
+    std::transform(coarse_.begin(), coarse_.end(), values.begin(), of);
+    return Range(values);
+  };
+  const Range q1(q1_);
+  const Range tau = signal([](const auto& s) { return s.tau; });
+  ranges_.q1 = q1.span();
+  ranges_.q1_centre = q1.centre();
+  ranges_.tau = tau.span();
+  ranges_.tau_centre = tau.centre();
+  ranges_.period_s = causal_.period_s(0);
+  ranges_.length_s = static_cast<double>(causal_.rows()) * ranges_.period_s;
+  for (std::size_t other = 0; other < kMostOthers; ++other) {
+    const Range range = signal([other](const auto& s) { return s.others[other].q1; });
+    ranges_.others.push_back(range.span());
+    ranges_.others_centre.push_back(range.centre());
+  }
+}
+
+void SelectionData::find_settled() {
+  for (const auto& log : logs_) {
+    const Range whole(q1_.segment(log.begin, log.size()));
+    double least = q1_[log.begin];
+    double most = least;
+    Eigen::Index row = log.begin;
+    for (; row < log.end && most - least < numbers_.settled_share_of_range * whole.span(); ++row) {
+      least = std::min(least, q1_[row]);
+      most = std::max(most, q1_[row]);
+    }
+    const auto latest =
+        log.begin + static_cast<Eigen::Index>(numbers_.most_share_unsettled * static_cast<double>(log.size()));
+    settled_.push_back({std::min(row, latest), log.end});
+  }
+}
+
+void SelectionData::find_widths() {
+  if (ranges_.q1 <= 0.0) {
+    return;
+  }
+  for (const double width :
+       geometric_grid(numbers_.narrowest_play * ranges_.q1, numbers_.widest_play * ranges_.q1, numbers_.play_widths)) {
+    if (turns(q1_, logs_, width) >= numbers_.fewest_turns_of_play) {
+      widths_.push_back(width);
+    }
+  }
+}
+
+auto SelectionData::columns(const TermChoice& choice, const TermChoice* output) -> const Eigen::MatrixXd& {
+  const std::string key = key_of(choice) + (output != nullptr ? "|" + key_of(*output) : "");
+  const auto [found, is_new] = kept_.try_emplace(key);
+  if (is_new) {
+    Eigen::MatrixXd columns = causal_.columns(catalogue_->term(choice.term), choice.shapes);
+    if (output != nullptr) {
+      columns = causal_.apply(catalogue_->term(output->term), output->shapes, columns);
+    }
+    found->second = decimated(columns, p_.factor);
+  }
+  return found->second;
+}
+
+auto SelectionData::columns_at(const TermChoice& choice, const Eigen::VectorXd& h) const -> Eigen::MatrixXd {
+  Samples samples = coarse_;
+  for (Eigen::Index row = 0; row < h.size(); ++row) {
+    samples[static_cast<std::size_t>(row)].h = h[row];
+  }
+  return catalogue_->term(choice.term).columns(samples, p_.coarse_period_s, choice.shapes);
+}
+
+}  // namespace capstan::tools
