@@ -9,7 +9,8 @@ foreach(name drivetrain faults fields plant sensors tendon)
   list(APPEND plant_sources ${PROJECT_SOURCE_DIR}/hal/sim/${name}.cpp)
 endforeach()
 set(cycle_sources)
-foreach(name axis axis_control axis_gate controller force_control law_monitor parameters supervisor trajectory)
+foreach(name loop/axis control/controller control/force_control control/modes control/trajectory estimate/estimator estimate/law_monitor
+    estimate/motor_sensing parameters/parameters safety/gate safety/monitors safety/motor_observer safety/supervisor)
   list(APPEND cycle_sources ${PROJECT_SOURCE_DIR}/firmware/${name}.cpp)
 endforeach()
 
@@ -23,7 +24,7 @@ set(image_definitions CAPSTAN_AXES=${CAPSTAN_AXES} CAPSTAN_CAN_NODE=1 CAPSTAN_IN
 function(capstan_host_program name)
   list(TRANSFORM image_definitions PREPEND -D OUTPUT_VARIABLE definitions)
   add_custom_command(OUTPUT ${name}
-    COMMAND ${CAPSTAN_HOST_CXX} -std=c++20 -O2 -ffp-contract=off ${definitions} -I${PROJECT_SOURCE_DIR} ${ARGN} -o ${name}
+    COMMAND ${CAPSTAN_HOST_CXX} -std=c++20 -O2 -ffp-contract=off ${definitions} -I${CAPSTAN_ALL_ROOTS} ${ARGN} -o ${name}
     DEPENDS ${ARGN} ${headers} COMMENT "Building ${name} for this machine" VERBATIM)
   add_custom_target(${name}_host ALL DEPENDS ${name})
 endfunction()

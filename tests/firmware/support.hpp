@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "firmware/application.hpp"
-#include "firmware/parameters.hpp"
-#include "firmware/shell.hpp"
+#include "capstan/firmware/console/shell.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/firmware/parameters/parameters.hpp"
 
 namespace capstan::test {
 
@@ -176,6 +176,14 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   for (Q24& coefficient : config.law.coefficients) {
     coefficient = Q24::from_raw(coefficient.raw() / 16);  // all together they may not reach 256
   }
+  const auto named = [&config](const char* name, Q24 value) {
+    set_raw_value(config, *find_parameter(name), value.raw());
+  };
+  named("curved_ratio.square", scaled(0.01));  // any numbers would turn the ratio back
+  named("curved_ratio.cube", scaled(0.005));
+  named("curved_ratio.span", scaled(2.0));
+  named("table.low", scaled(-1.0));
+  named("table.high", scaled(1.0));
   config.motor.encoder_sign = seed % 2 == 0 ? 1 : -1;
   config.law.coefficients[0] = scaled(1.1);
   config.limits.motor_min_rad = scaled(-6.0);

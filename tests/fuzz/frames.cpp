@@ -5,11 +5,12 @@
 #include <cstdlib>
 #include <sstream>
 
-#include "tools/telemetry/frame_recorder.hpp"
+#include "capstan/tools/telemetry/frame_recorder.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::ostringstream log;
-  capstan::tools::FrameRecorder recorder(log);
+  const auto sink = capstan::tools::csv_sink(log);
+  capstan::tools::FrameRecorder recorder(*sink);
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   const std::size_t cut = size / 3;
   const std::string text = recorder.feed(bytes.substr(0, cut)) + recorder.feed(bytes.substr(cut));

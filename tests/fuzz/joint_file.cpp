@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace capstan::tools;

@@ -2,8 +2,8 @@
 // Any text as a log file: it is refused with a sentence, or every number of it is finite and its time runs forward.
 #include <cstdlib>
 
-#include "tools/log/axis_log.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/log/axis_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace capstan::tools;

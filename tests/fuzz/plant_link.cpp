@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <vector>
 
-#include "hal/plant_link/plant_link_io.hpp"
+#include "capstan/hal/plant_link/plant_link_io.hpp"
 
 namespace {
 

@@ -3,8 +3,8 @@
 // has torque unless somebody armed it.
 #include <cstdlib>
 
-#include "firmware/shell_input.hpp"
-#include "tests/firmware/support.hpp"
+#include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/tests/firmware/support.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <random>
 
-#include "model/coupled_axes.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/coupled_axes.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan::test {
 

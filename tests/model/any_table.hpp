@@ -3,8 +3,8 @@
 
 #include <rapidcheck.h>
 
-#include "model/preisach.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan::test {
 

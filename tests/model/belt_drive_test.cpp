@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/belt_drive.hpp"
+#include "capstan/model/belt_drive.hpp"
 
 #include <gtest/gtest.h>
 

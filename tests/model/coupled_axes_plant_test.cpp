@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "hal/sim/multi_plant.hpp"
-#include "hal/sim/scenario.hpp"
-#include "model/coupled_axes.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/scenario.hpp"
+#include "capstan/model/coupled_axes.hpp"
 
 namespace capstan {
 namespace {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/coupled_axes.hpp"
+#include "capstan/model/coupled_axes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "tests/model/any_coupling.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/any_coupling.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

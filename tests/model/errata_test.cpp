@@ -5,8 +5,8 @@
 
 #include <numbers>
 
-#include "model/tension_profile.hpp"
-#include "tests/model/integrated_tension.hpp"
+#include "capstan/model/tension_profile.hpp"
+#include "capstan/tests/model/integrated_tension.hpp"
 
 namespace capstan {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/exponential.hpp"
+#include "capstan/model/exponential.hpp"
 
 #include <gtest/gtest.h>
 

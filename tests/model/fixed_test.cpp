@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/fixed.hpp"
+#include "capstan/model/fixed.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 namespace {

@@ -6,13 +6,13 @@
 #include <cstdio>
 #include <random>
 
-#include "model/coupled_axes.hpp"
-#include "model/preisach.hpp"
-#include "model/pull_push.hpp"
-#include "model/tension_state.hpp"
-#include "tests/model/any_coupling.hpp"
-#include "tests/model/relays.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/coupled_axes.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/model/pull_push.hpp"
+#include "capstan/model/tension_state.hpp"
+#include "capstan/tests/model/any_coupling.hpp"
+#include "capstan/tests/model/relays.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

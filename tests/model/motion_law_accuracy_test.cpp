@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Before the templates that are used with it.
-#include "tests/boards/stm32f405/single_precision.hpp"
+#include "capstan/tests/boards/stm32f405/single_precision.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdio>
 
-#include "model/declared_range.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/declared_range.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

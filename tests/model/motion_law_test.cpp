@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/motion_law.hpp"
+#include "capstan/model/motion_law.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "model/declared_range.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/declared_range.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -160,6 +160,7 @@ TYPED_TEST(AnyMotionLaw, ARestartedOneGoesOnBitForBitLikeANewOne) {
       parameters.shapes[next++] = number<TypeParam>(std::max(shape.initial, 0.01));
     }
   };
+  InputTerms::for_each<TypeParam>(add);
   SumTerms::for_each<TypeParam>(add);
   OutputTerms::for_each<TypeParam>(add);
   const RandomMultisine angle(41, 6.0, 0.1, 3.0);

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <random>
 
-#include "model/preisach.hpp"
-#include "tests/model/relays.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/tests/model/relays.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

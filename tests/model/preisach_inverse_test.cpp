@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <random>
 
-#include "model/preisach.hpp"
-#include "tests/model/any_table.hpp"
-#include "tests/model/relays.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/tests/model/any_table.hpp"
+#include "capstan/tests/model/relays.hpp"
 
 namespace capstan {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/preisach.hpp"
+#include "capstan/model/preisach.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/model/any_table.hpp"
-#include "tests/model/relays.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/any_table.hpp"
+#include "capstan/tests/model/relays.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
-#include "hal/sim/plant.hpp"
-#include "model/pull_push.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/model/pull_push.hpp"
 
 namespace capstan {
 namespace {

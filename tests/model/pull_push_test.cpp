@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/pull_push.hpp"
+#include "capstan/model/pull_push.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "tests/model/integrated_tension.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/integrated_tension.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

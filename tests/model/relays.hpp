@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "model/reversal_table.hpp"
+#include "capstan/model/reversal_table.hpp"
 
 namespace capstan::test {
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/reversal_table.hpp"
+#include "capstan/model/reversal_table.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <string>
 
-#include "model/reversal_surface.hpp"
-#include "tests/model/relays.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/reversal_surface.hpp"
+#include "capstan/tests/model/relays.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -103,18 +103,18 @@ TYPED_TEST(Memory, PassesOnWhatIsKnownAndStandsInForWhatIsNot) {
   auto sample = this->conditioner_.update(now);
   EXPECT_EQ(value_of(sample.q2), 0.5);
   EXPECT_EQ(value_of(sample.warmth), 0.0);
-  EXPECT_EQ(value_of(sample.other_q1), 0.0);
+  EXPECT_EQ(value_of(sample.others[0].q1), 0.0);
   now.q2 = number<TypeParam>(-0.25);
   now.temperature = number<TypeParam>(21.5);
-  now.other_q1 = number<TypeParam>(3.0);
-  now.other_tau = number<TypeParam>(-0.125);
-  now.other_forward = false;
+  now.others[0].q1 = number<TypeParam>(3.0);
+  now.others[0].tau = number<TypeParam>(-0.125);
+  now.others[0].forward = false;
   sample = this->conditioner_.update(now);
   EXPECT_EQ(value_of(sample.q2), -0.25);
   EXPECT_EQ(value_of(sample.warmth), -3.5);
-  EXPECT_EQ(value_of(sample.other_q1), 3.0);
-  EXPECT_EQ(value_of(sample.other_tau), -0.125);
-  EXPECT_FALSE(sample.other_forward);
+  EXPECT_EQ(value_of(sample.others[0].q1), 3.0);
+  EXPECT_EQ(value_of(sample.others[0].tau), -0.125);
+  EXPECT_FALSE(sample.others[0].forward);
 }
 
 // The law runs free: what a caller says of q2 must not reach it, and extras must not change a law without their terms.
@@ -133,9 +133,7 @@ TEST(LawInputs, ExtrasDoNotChangeALawThatHasNoTermForThem) {
     const auto b = full.update({.q1 = q1,
                                 .tau = tau,
                                 .q2 = Q24::from_int(99),
-                                .other_q1 = q1,
-                                .other_tau = tau,
-                                .other_forward = false,
+                                .others = {{{q1, tau, false}}},
                                 .temperature = Q24::from_int(60)});
     ASSERT_EQ(a.q2, b.q2);
     ASSERT_EQ(a.saturated, b.saturated);

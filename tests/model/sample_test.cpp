@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/sample.hpp"
+#include "capstan/model/sample.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/stiffness.hpp"
+#include "capstan/model/stiffness.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/model/integrated_tension.hpp"
+#include "capstan/tests/model/integrated_tension.hpp"
 
 namespace capstan {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 #include <string_view>
 
-#include "model/motion_law.hpp"
+#include "capstan/model/motion_law.hpp"
 
 namespace capstan::test {
 
@@ -50,9 +50,12 @@ class LawBuilder {
   }
   auto shape(std::string_view term, std::string_view name, double value) -> LawBuilder& {
     auto shapes = [](const auto& info) { return info.shapes; };
-    std::size_t index = find<SumTerms>(term, name, 0, shapes);
+    std::size_t index = find<InputTerms>(term, name, 0, shapes);
     if (index >= kShapeCount) {
-      index = find<OutputTerms>(term, name, SumTerms::kShapes, shapes);
+      index = find<SumTerms>(term, name, InputTerms::kShapes, shapes);
+    }
+    if (index >= kShapeCount) {
+      index = find<OutputTerms>(term, name, InputTerms::kShapes + SumTerms::kShapes, shapes);
     }
     parameters_.shapes.at(index) = value;
     return *this;

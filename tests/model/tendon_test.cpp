@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/tendon.hpp"
+#include "capstan/model/tendon.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 
-#include "tests/model/integrated_tension.hpp"
+#include "capstan/tests/model/integrated_tension.hpp"
 
 namespace capstan {
 namespace {

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
-#include "model/stiffness.hpp"
-#include "model/tension_profile.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/model/stiffness.hpp"
+#include "capstan/model/tension_profile.hpp"
 
 namespace capstan {
 namespace {

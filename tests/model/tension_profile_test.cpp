@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/tension_profile.hpp"
+#include "capstan/model/tension_profile.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/tension_state.hpp"
+#include "capstan/model/tension_state.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "model/tension_profile.hpp"
-#include "tests/model/integrated_tension.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/tension_profile.hpp"
+#include "capstan/tests/model/integrated_tension.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "model/declared_range.hpp"
-#include "model/effort_catalogue.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/declared_range.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -36,9 +36,9 @@ class Motion {
     Measured<Scalar> m;
     m.q1 = number<Scalar>(kCount * std::round(angle_(motion_time_) / kCount));
     m.tau = number<Scalar>(torque_(time_));
-    m.other_q1 = number<Scalar>(other_angle_(time_));
-    m.other_tau = number<Scalar>(other_torque_(time_));
-    m.other_forward = std::sin(time_) > 0.0;
+    m.others.fill({.q1 = number<Scalar>(other_angle_(time_)),
+                   .tau = number<Scalar>(other_torque_(time_)),
+                   .forward = std::sin(time_) > 0.0});
     m.temperature = number<Scalar>(25.0 + Effect::kWarmthK * std::min(1.0, time_ / 300.0));
     return m;
   }
@@ -163,6 +163,10 @@ TEST(EffortAccuracy, OfEveryTerm) {
   expect_accurate<effort::StribeckFriction>({0.5713}, {1.0713});
   expect_accurate<effort::PlayFriction>({0.4117, 0.3713, 0.2171}, {0.0513});
   expect_accurate<effort::Offset>({-0.4117}, {});
+  // Superlinear only: below 1, a unit of the rate at standstill is worth (6e-8)^p; power_test has the power itself.
+  expect_accurate<effort::PowerLawFriction>({0.4113}, {2.0171, 5.9713});
+  expect_accurate<effort::Spring>({0.8117, -0.2113}, {0.1013, 1.0713});
+  expect_accurate<effort::LoadFriction>({0.3117, 0.2113, 0.1171, -0.0917}, {0.3013, 1.0713});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/wrist_kinematics.hpp"
+#include "capstan/model/wrist_kinematics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tools/support/errors.hpp"
+#include <cmath>
+
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -55,7 +57,8 @@ TEST(AxisLog, SmallJitterIsQuietLargeJitterAndGapsAreTold) {
     std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";
     double time = 0.0;
     for (int i = 0; i < 200; ++i) {
-      text += std::to_string(time) + "," + std::to_string(i % 9) + "," + std::to_string(i % 9) + "\n";
+      const std::string angle = std::to_string(std::sin(0.1 * i));
+      text += std::to_string(time) + "," + angle + "," + angle + "\n";
       time += 0.01 * (1.0 + (i % 2 == 0 ? shake : -shake)) + (i == 100 ? gap : 0.0);
     }
     return read_axis(CsvLog::parse(text, "x.csv"), {}).warnings;
@@ -71,7 +74,8 @@ TEST(AxisLog, AJointSensorSlowerThanTheLogIsTold) {
   auto log_held_for = [](int samples) {
     std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";
     for (int i = 0; i < 400; ++i) {
-      text += std::to_string(0.01 * i) + "," + std::to_string(i % 97) + "," + std::to_string((i / samples) % 89) + "\n";
+      text += std::to_string(0.01 * i) + "," + std::to_string(std::sin(0.07 * i)) + "," +
+              std::to_string(std::sin(0.07 * (i / samples * samples))) + "\n";
     }
     return read_axis(CsvLog::parse(text, "x.csv"), {}).warnings;
   };
@@ -97,12 +101,21 @@ TEST(AxisLog, TheAxisThatPullsIsTheFirstThatMovesOrTheOneAskedFor) {
             std::to_string(i % 3) + "\n";
   }
   const CsvLog csv = CsvLog::parse(text, "x.csv");
-  EXPECT_EQ(read_axis(csv, {}).other->number, 2);
+  EXPECT_EQ(read_axis(csv, {}).others.front().number, 2);
   AxisRequest request;
-  request.other_axis = 4;
-  EXPECT_EQ(read_axis(csv, request).other->number, 4);
-  request.other_axis = 7;
-  EXPECT_THROW(read_axis(csv, request), BadInput);
+  request.other_axes = {4};
+  EXPECT_EQ(read_axis(csv, request).others.front().number, 4);
+  request.other_axes = {4, 2};
+  EXPECT_EQ(read_axis(csv, request).others.at(1).number, 2) << "slots are in the order asked for";
+  request.other_axes = {7};
+  try {
+    read_axis(csv, request);
+    FAIL() << "accepted";
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("coupled to axis 7, and the log has no axis7/q1_rad; record that axis"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/bounded_search.hpp"
+#include "capstan/tools/identify/bounded_search.hpp"
 
 #include <gtest/gtest.h>
 

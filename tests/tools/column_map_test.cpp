@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/column_map.hpp"
+#include "capstan/tools/log/column_map.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tools/support/errors.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -11,19 +11,20 @@ namespace {
 TEST(ColumnMap, AMappingNamesWantedAndSource) {
   const ColumnMapping mapping = parse_mapping("axis0/q1_rad=q1_motor_rad");
   EXPECT_EQ(mapping.wanted, "axis0/q1_rad");
-  EXPECT_EQ(mapping.source, "q1_motor_rad");
-  EXPECT_EQ(mapping.factor, 1.0);
+  EXPECT_EQ(mapping.expression, "q1_motor_rad");
+  EXPECT_FALSE(mapping.scaled());
 }
 
 TEST(ColumnMap, AFactorMayBeNegativeAndSurroundedByBlanks) {
   const ColumnMapping mapping = parse_mapping(" axis0/tau_Nm = current * -0.0369 ");
   EXPECT_EQ(mapping.wanted, "axis0/tau_Nm");
-  EXPECT_EQ(mapping.source, "current");
-  EXPECT_EQ(mapping.factor, -0.0369);
+  ASSERT_TRUE(mapping.scaled());
+  EXPECT_EQ(mapping.scaled()->first, "current");
+  EXPECT_EQ(mapping.scaled()->second, -0.0369);
 }
 
 TEST(ColumnMap, EveryBadMappingIsRefusedWithTheFormExpected) {
-  for (const char* bad : {"axis0/q1_rad", "=x", "axis0/q1_rad=", "a=b*", "a=b*x", "a=b*0", "a=b*nan"}) {
+  for (const char* bad : {"axis0/q1_rad", "=x", "axis0/q1_rad=", "a=b*", "a=b*0", "a=b*nan"}) {
     try {
       parse_mapping(bad);
       FAIL() << bad;

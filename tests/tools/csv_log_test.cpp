@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/log/csv_log.hpp"
+#include "capstan/tools/log/csv_log.hpp"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "model/fixed.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/model/fixed.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

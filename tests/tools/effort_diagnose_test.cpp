@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "tests/tools/synthetic_effort.hpp"
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tests/tools/synthetic_effort.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

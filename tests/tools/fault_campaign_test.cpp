@@ -1,97 +1,105 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/campaign/fault_campaign.hpp"
+#include "capstan/tools/campaign/fault_campaign.hpp"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <iostream>
+#include <cmath>
 #include <set>
-#include <sstream>
+
+#include "capstan/tools/campaign/false_alarms.hpp"
 
 namespace capstan::tools {
 namespace {
 
-auto campaign() -> const std::vector<CampaignRow>& {
-  static const std::vector<CampaignRow> rows = run_fault_campaign();
-  return rows;
+auto hazard_of(const Scene& scene, OneFault fault) -> std::pair<RunResult, Hazard> {
+  const RunResult healthy = run_scene(scene, std::nullopt);
+  RunResult faulty = run_scene(scene, Trouble{fault, std::nullopt, false});
+  const Hazard hazard = hazard_beyond(healthy.course, faulty.course);
+  return {std::move(faulty), hazard};
+}
+auto limits() -> HazardLimits {
+  return hazard_limits(setup_of(Joint::kForceps).config);
 }
 
-auto under_torque(const CampaignRow& row) -> bool {
-  return row.situation == Situation::kHolding || row.situation == Situation::kMoving ||
-         row.situation == Situation::kFollowing || row.situation == Situation::kExperiment;
-}
-
-TEST(FaultCampaign, CoversEveryInputInEveryModeInEverySituationOnce) {
-  std::set<std::tuple<Input, Mode, Situation>> seen;
-  for (const CampaignRow& row : campaign()) {
-    EXPECT_TRUE(seen.emplace(row.input, row.mode, row.situation).second);
+Course course_of(std::initializer_list<double> angles) {
+  Course course;
+  for (const double angle : angles) {
+    sim::Truth truth;
+    truth.q2_rad = angle;
+    course.add(truth, 0.0);
   }
-  EXPECT_EQ(seen.size(), 7U * 8U * 6U);
+  return course;
 }
 
-TEST(FaultCampaign, NothingEndsAnywhereButInANamedSafeState) {
-  std::ostringstream table;
-  print_campaign(table, campaign());
-  for (const CampaignRow& row : campaign()) {
-    EXPECT_TRUE(row.impossible != nullptr || row.outcome != Outcome::kUnsafe)
-        << name(row.input) << ' ' << name(row.mode) << " while " << name(row.situation) << '\n'
-        << table.str();
-  }
+TEST(Hazard, AJointThatStopsEarlyWentNowhereBeyondItsTwin) {
+  EXPECT_EQ(hazard_beyond(course_of({0.0, 0.1, 0.2, 0.3}), course_of({0.0, 0.1, 0.1, 0.1})).travel_rad, 0.0);
 }
 
-TEST(FaultCampaign, WhatIsDetectedUnderTorqueIsLatchedAndOffWithinTwoCycles) {
-  int detected = 0;
-  for (const CampaignRow& row : campaign()) {
-    if (row.impossible == nullptr && under_torque(row) && row.detected_ms > 0) {
-      ++detected;
-      EXPECT_EQ(row.end, State::kFaulted) << name(row.input) << ' ' << name(row.mode);
-      EXPECT_NE(row.fault, Fault::kNone);
-      EXPECT_GE(row.off_after_cycles, 0);
-      EXPECT_LE(row.off_after_cycles, 2);
-    }
-  }
-  EXPECT_GT(detected, 70);
+TEST(Hazard, AJointAheadOfItsTwinOrBehindItsOnsetIsBeyond) {
+  EXPECT_NEAR(hazard_beyond(course_of({0.0, 0.1, 0.2}), course_of({0.0, 0.1, 0.27})).travel_rad, 0.07, 1e-12);
+  EXPECT_NEAR(hazard_beyond(course_of({0.0, 0.1, 0.2}), course_of({0.0, -0.04, 0.0})).travel_rad, 0.04, 1e-12);
 }
 
-TEST(FaultCampaign, EachFaultIsDetectedAsSoonAsTheReadmeSays) {
-  for (const CampaignRow& row : campaign()) {
-    if (row.impossible != nullptr || !under_torque(row) || row.detected_ms < 0) {
-      continue;
-    }
-    const bool from_the_onset = row.mode == Mode::kOff || row.mode == Mode::kNan;
-    SCOPED_TRACE(std::string(name(row.input)) + ' ' + name(row.mode) + " while " + name(row.situation));
-    if (from_the_onset && (row.input == Input::kEncoder || row.input == Input::kCurrent)) {
-      EXPECT_EQ(row.detected_ms, 1);
-    }
-    if (row.input == Input::kEncoder && row.mode == Mode::kGarbage) {
-      EXPECT_EQ(row.detected_ms, 1);
-      EXPECT_EQ(row.fault, Fault::kEncoderJump);
-    }
-    if (row.input == Input::kReference && row.mode == Mode::kOff) {
-      EXPECT_LE(row.detected_ms, 101);
-      EXPECT_EQ(row.fault, Fault::kLinkLost);
-    }
-    if (row.input == Input::kEmergencyStop && row.mode == Mode::kOff) {
-      EXPECT_EQ(row.detected_ms, 1);
-    }
-    if (row.input == Input::kSupply && (from_the_onset || row.mode == Mode::kWrongSign)) {
-      EXPECT_EQ(row.detected_ms, 10);
-      EXPECT_EQ(row.fault, Fault::kSupplyLow);
-    }
-    if (row.input == Input::kCurrent && row.mode == Mode::kGarbage) {
-      EXPECT_LT(row.detected_ms, 150) << "most of what is random differs by more than half an ampere";
+TEST(Hazard, IsUnsafeBeyondAnyOfItsThreeLimits) {
+  EXPECT_LE((Hazard{0.05, 3.0, 0.24}.severity(limits())), 1.0 + 1e-6) << "the limits are rounded to 2^-24";
+  EXPECT_GT((Hazard{0.051, 0.0, 0.0}.severity(limits())), 1.0);
+  EXPECT_GT((Hazard{0.0, 3.01, 0.0}.severity(limits())), 1.0);
+  EXPECT_GT((Hazard{0.0, 0.0, 0.241}.severity(limits())), 1.0);
+}
+
+TEST(FaultCampaign, TheSameRunTwiceIsTheSameCourse) {
+  const Scene scene{Joint::kForceps, Situation::kMoving, 7};
+  EXPECT_EQ(run_scene(scene, std::nullopt).course.angle_rad, run_scene(scene, std::nullopt).course.angle_rad);
+}
+
+TEST(FaultCampaign, WithoutAFaultNothingIsReportedInAnyPhase) {
+  for (const Joint joint : {Joint::kForceps, Joint::kStiff, Joint::kContact}) {
+    for (const Situation situation : kSituations) {
+      if (situation != Situation::kFaulted) {
+        const CampaignRow row = run_without_fault(joint, situation);
+        EXPECT_EQ(row.fault, Fault::kNone) << name(joint) << ' ' << name(situation) << ' ' << info(row.fault).name;
+      }
     }
   }
 }
 
-TEST(FaultCampaign, WithoutAFaultNothingIsReportedAndTheJointIsWhereItShouldBe) {
-  for (const Situation situation :
-       {Situation::kDisarmed, Situation::kHolding, Situation::kMoving, Situation::kFollowing, Situation::kExperiment}) {
-    const CampaignRow row = run_without_fault(situation);
-    EXPECT_EQ(row.outcome, Outcome::kTolerated) << name(situation);
-    EXPECT_EQ(row.fault, Fault::kNone);
-    EXPECT_LT(row.error_rad, 0.25) << "a rigid law on a joint with tendons is off by some degrees";
+TEST(FaultCampaign, AStuckEncoderAtFullSpeedMovesTheJointByLessThanItsLimitInEveryPhase) {
+  for (int phase = 0; phase < kPhases; ++phase) {
+    const auto [run, hazard] = hazard_of({Joint::kForceps, Situation::kFast, phase}, {Input::kEncoder, Mode::kStuck});
+    EXPECT_EQ(run.end, State::kFaulted) << phase;
+    EXPECT_LE(hazard.travel_rad, 0.05) << phase;
+    EXPECT_LE(run.off_after_cycles, 2) << phase;
   }
+}
+
+TEST(FaultCampaign, AWildAmplifierIsOffInTheSecondCycleAndMovesNothing) {
+  for (const Mode mode : {Mode::kGarbage, Mode::kWrongSign}) {
+    const auto [run, hazard] = hazard_of({Joint::kForceps, Situation::kFast, 4}, {Input::kAmplifier, mode});
+    EXPECT_LE(run.detected_ms, 3) << name(mode);
+    EXPECT_LE(hazard.severity(limits()), 1.0) << name(mode);
+  }
+}
+
+TEST(FaultCampaign, ADeadEncoderIsFoundByTheFirstLookBeforeAnythingMoves) {
+  const auto [run, hazard] = hazard_of({Joint::kForceps, Situation::kDisarmed, 0}, {Input::kEncoder, Mode::kStuck});
+  EXPECT_EQ(run.fault, Fault::kEncoderFrozen);
+  EXPECT_LE(run.detected_ms, 101 + 20) << "armed 100 ms after the onset";
+  EXPECT_LT(hazard.travel_rad, 0.005);
+}
+
+TEST(FaultCampaign, TheObserverIsWhatKeepsAWrongSignInTime) {
+  const Scene scene{Joint::kForceps, Situation::kMoving, 7};
+  const auto [run, hazard] = hazard_of(scene, {Input::kEncoder, Mode::kWrongSign});
+  EXPECT_LE(run.detected_ms, 30);
+  EXPECT_LE(hazard.travel_rad, 0.05);
+}
+
+TEST(FalseAlarms, AreTheSameOnAnyNumberOfThreads) {
+  const FalseAlarms one = run_false_alarms(0.2, 1, 1);
+  const FalseAlarms two = run_false_alarms(0.2, 1, 2);
+  EXPECT_EQ(one.stops.size(), two.stops.size());
+  EXPECT_EQ(one.hours, two.hours);
+  EXPECT_GT(one.hours, 0.1);
 }
 
 }  // namespace

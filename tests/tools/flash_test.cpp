@@ -14,8 +14,8 @@
 #include <filesystem>
 #include <thread>
 
-#include "hal/linux/file_descriptor.hpp"
-#include "tools/support/text.hpp"
+#include "capstan/hal/linux/file_descriptor.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

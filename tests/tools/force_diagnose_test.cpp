@@ -8,10 +8,10 @@
 #include <functional>
 #include <numbers>
 
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/force_catalogue.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/random.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/given_motion.hpp"
 
 #include <gtest/gtest.h>
 

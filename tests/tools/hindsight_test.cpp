@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/hindsight.hpp"
+#include "capstan/tools/identify/hindsight.hpp"
 
 #include <gtest/gtest.h>
 

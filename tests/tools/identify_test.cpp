@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/identify.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numbers>
 
-#include "tests/tools/synthetic_joint.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tests/tools/synthetic_joint.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "tools/identify/identify.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/joint_file/joint_file.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -51,13 +51,89 @@ TEST(JointFile, AHeaderThatIsNoKeyIsRefusedWithItsLine) {
 
 TEST(JointFile, TheAxisThatPullsIsKept) {
   JointFile joint = parse_joint_file(kHead + kRatio + "[coupling]\njoint = 2\n", "joint.toml");
-  EXPECT_EQ(joint.coupled_to, 2);
+  EXPECT_EQ(joint.coupled_to, std::vector<int>{2});
   joint = parse_joint_file(joint_file_text(joint), "joint.toml");
-  EXPECT_EQ(joint.coupled_to, 2);
-  for (const char* bad : {"joint = 4", "joint = -1", "joint = 0.5", "axis = 1"}) {
+  EXPECT_EQ(joint.coupled_to, std::vector<int>{2});
+  for (const char* bad : {"joint = 16", "joint = -1", "joint = 0.5", "axis = 1"}) {
     const std::string refusal = refusal_of(kHead + kRatio + "[coupling]\n" + bad + "\n");
     EXPECT_EQ(refusal.rfind("joint.toml:", 0), 0U) << bad << ": " << refusal;
   }
+}
+
+TEST(JointFile, SeveralAxesThatPullKeepTheirOrder) {
+  JointFile joint = parse_joint_file(kHead + kRatio + "[coupling]\njoints = [2, 0, 9]\n", "joint.toml");
+  EXPECT_EQ(joint.coupled_to, (std::vector<int>{2, 0, 9}));
+  joint = parse_joint_file(joint_file_text(joint), "joint.toml");
+  EXPECT_EQ(joint.coupled_to, (std::vector<int>{2, 0, 9}));
+  for (const char* bad : {"joints = [1, 1]", "joints = [0, 1, 2, 3]", "joints = [16]", "joints = [1, -1]"}) {
+    EXPECT_NE(refusal_of(kHead + kRatio + "[coupling]\n" + bad + "\n").find("[coupling] does not name axes; write"),
+              std::string::npos)
+        << bad;
+  }
+  const std::string third =
+      "[terms.coupled_hysteresis_3]\nangle = { value = 0.1, unit = \"1\" }\n"
+      "lost = { value = 0.1, unit = \"1\" }\nhalf_width = { value = 0.1, unit = \"rad\" }\n";
+  EXPECT_NE(refusal_of(kHead + kRatio + third + "[coupling]\njoints = [1, 2]\n").find("reads 3 coupled axes"),
+            std::string::npos);
+}
+
+TEST(JointFile, TheStatusOfALawIsKeptAndAnOldFileIsConfirmed) {
+  EXPECT_EQ(parse_joint_file(kHead + kRatio, "joint.toml").status, LawStatus::kConfirmed);
+  for (const auto status : {LawStatus::kConfirmed, LawStatus::kProvisional, LawStatus::kBase}) {
+    JointFile joint;
+    joint.terms = {"motor_angle"};
+    joint.status = status;
+    EXPECT_EQ(parse_joint_file(joint_file_text(joint), "joint.toml").status, status);
+  }
+  EXPECT_NE(refusal_of("status = \"sure\"\n" + kHead + kRatio).find("joint.toml:1: the status is none that there is; "),
+            std::string::npos);
+}
+
+TEST(JointFile, PlaysThatALawDoesNotHaveNeedNoLines) {
+  const std::string text = kHead + kRatio + "[terms.hysteresis]\nhalf_width_2 = { value = 0.1, unit = \"rad\" }\n" +
+                           "weight_2 = { value = 0.5, unit = \"1\" }\n";
+  JointFile joint = parse_joint_file(text, "joint.toml");
+  const auto written = joint_file_text(joint);
+  EXPECT_EQ(written.find("weight_1"), std::string::npos);
+  EXPECT_NE(written.find("weight_2"), std::string::npos);
+  EXPECT_EQ(parse_joint_file(written, "joint.toml").parameters.shapes, joint.parameters.shapes);
+}
+
+const std::string kTable = "[terms.table]\nsignal = \"torque\"\n";
+
+TEST(JointFile, ATableIsListsOfKnotsAndValues) {
+  const JointFile joint = parse_joint_file(
+      kHead + kRatio + kTable + "knots = [-1, 0.5, 2]\nforward = [0.1, 0, -0.2]\nbackward = [0.3, 0.25, 0.5]\n",
+      "joint.toml");
+  const auto& term = catalogue_term("table");
+  const auto shape = [&](std::size_t i) { return joint.parameters.shapes[term.first_shape + i]; };
+  EXPECT_EQ(shape(0), 1.0);
+  EXPECT_EQ(shape(1), 3.0);
+  EXPECT_EQ(shape(2), -1.0);
+  EXPECT_EQ(shape(3), 2.0);
+  EXPECT_EQ(coefficient_of(joint, "table", 2), -0.2);
+  EXPECT_EQ(coefficient_of(joint, "table", Table<double>::kKnots + 1), 0.25);
+  const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
+  EXPECT_EQ(again.parameters.coefficients, joint.parameters.coefficients);
+  EXPECT_EQ(again.parameters.shapes, joint.parameters.shapes);
+}
+
+TEST(JointFile, ATableThatIsNoneIsRefusedWithTheCure) {
+  const auto refusal = [](const std::string& lines) { return refusal_of(kHead + kRatio + lines); };
+  const std::string two = "forward = [0, 1]\nbackward = [0, 1]\n";
+  const std::string three = "forward = [0, 1, 2]\nbackward = [0, 1, 2]\n";
+  EXPECT_NE(refusal(kTable + "knots = [1, 0.5]\n" + two).find("is not above the one before, 1; put the knots in"),
+            std::string::npos);
+  EXPECT_NE(refusal(kTable + "knots = [0, 1, 1.5]\n" + three).find("is not evenly spaced; interpolate"),
+            std::string::npos);
+  EXPECT_NE(refusal(kTable + "knots = [0, 1, 2]\n" + two).find("give one for each knot"), std::string::npos);
+  EXPECT_NE(refusal(kTable + "knots = [0]\nforward = [0]\nbackward = [0]\n").find("1 knots; give 2 to 17"),
+            std::string::npos);
+  EXPECT_NE(refusal(kTable + "knots = 3\n" + two).find("knots is not a list of numbers; write"), std::string::npos);
+  EXPECT_NE(refusal("[terms.table]\nsignal = \"mood\"\nknots = [0, 1]\n" + two).find("the table's signal is none"),
+            std::string::npos);
+  EXPECT_NE(refusal(kTable + "knots = [0, 1]\nforward = [0, 200]\nbackward = [0, 0]\n").find("out of range"),
+            std::string::npos);
 }
 
 TEST(JointFile, TermsThatAreMissingAreOff) {
@@ -83,9 +159,24 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
           term.shapes[i].minimum + (term.shapes[i].maximum - term.shapes[i].minimum) / 3.0;
     }
   }
+  joint.coupled_to = {1, 2, 3};
+  // A table is lists: what its unused knots have is not kept, nor intervals, and its choices are whole.
+  const auto& table = catalogue_term("table");
+  const auto shape = joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(table.first_shape);
+  shape[0] = 2.0;
+  shape[1] = static_cast<double>(Table<double>::kKnots);
+  shape[3] = shape[2] + 8.0;
+  for (std::size_t i = 0; i < table.coefficients.size(); ++i) {
+    joint.coefficient_ci95[table.first_coefficient + i] = {};
+  }
   joint.parameters.conditioner.direction_threshold_rad = 1.0 / 3000.0;
   joint.steady_torque = SteadyTorque{0.02, -1.0 / 30.0};
-  joint.fit = FitSummary{1.0 / 700.0, 97.0 / 3.0, 32000, {"a \"b\".csv", "c.csv"}};
+  joint.fit = FitSummary{.rmse = 1.0 / 700.0,
+                         .gof_percent = 97.0 / 3.0,
+                         .samples = 32000,
+                         .motor_range = Interval{-1.0 / 3.0, 2.0},
+                         .joint_range = 2.2,
+                         .logs = {"a \"b\".csv", "c.csv"}};
   const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
   EXPECT_EQ(again.parameters.coefficients, joint.parameters.coefficients);
   EXPECT_EQ(again.parameters.shapes, joint.parameters.shapes);
@@ -95,6 +186,8 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(again.steady_torque->backward_nm, joint.steady_torque->backward_nm);
   EXPECT_EQ(again.fit->logs, joint.fit->logs);
   EXPECT_EQ(again.fit->rmse, joint.fit->rmse);
+  EXPECT_EQ(again.fit->motor_range, joint.fit->motor_range);
+  EXPECT_EQ(again.fit->joint_range, joint.fit->joint_range);
 }
 
 TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
@@ -102,7 +195,8 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
     std::string text, expected;
   };
   const std::vector<Case> cases = {
-      {"schema = \"capstan.joint/2\"\n", "joint.toml:1: the schema is not capstan.joint/1"},
+      {"schema = \"capstan.joint/2\"\n", "joint.toml:1: the law is of a newer version, capstan.joint/2, and this "},
+      {"schema = \"capstan.joint/x\"\n", "joint.toml:1: the schema is not capstan.joint/1"},
       {"not toml at all [", "joint.toml:1: this is not TOML"},
       {kHead, "the law has no ratio; write [terms.motor_angle]"},
       {kHead + kRatio + "gamma = 1\n", "joint.toml:7: unknown key gamma in [terms.motor_angle]; known are beta"},
@@ -120,8 +214,8 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
        "joint.toml:6: beta = 200 1 is out of range"},
       {kHead + "[terms.motor_angle]\nbeta = { value = 0.0, unit = \"1\" }\n", "too near zero"},
       {kHead + kRatio + "[terms.tendon_elongation]\ntop = { value = -1, unit = \"rad/Nm\" }\n", "bottom is missing"},
-      {kHead + kRatio + "[terms.pretension_offset]\ncontrast = { value = -0.1, unit = \"rad\" }\n",
-       "joint.toml:8: contrast = -0.1 rad is out of range; it must be from 0 to"},
+      {kHead + kRatio + "[terms.play]\ngain = { value = -0.1, unit = \"1\" }\n",
+       "joint.toml:8: gain = -0.1 1 is out of range; it must be from 0 to"},
       {kHead + kRatio + "[terms.transport_delay]\ndelay = { value = 0.9, unit = \"s\" }\n",
        "joint.toml:8: delay = 0.9 s is out of range; it must be from 0 to 0.06"},
       {kHead + kRatio + "[feedforward]\ntorque_forward = { value = 1, unit = \"Nm\" }\n", "torque_backward is missing"},

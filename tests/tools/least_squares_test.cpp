@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/least_squares.hpp"
 
 #include <gtest/gtest.h>
 

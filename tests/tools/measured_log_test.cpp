@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -62,7 +62,8 @@ TEST_P(KukaAxis, TheJointSensorIsLateAndNothingIsTakenForPlay) {
   for (const auto& effect : d.effects) {
     EXPECT_NE(effect.name, "play");
   }
-  const double delay_s = d.law.parameters.shapes[catalogue_term("transport_delay").first_shape];
+  ASSERT_TRUE(d.found.has_value());
+  const double delay_s = d.found->parameters.shapes[catalogue_term("transport_delay").first_shape];
   EXPECT_GE(delay_s, 0.0027);
   EXPECT_LE(delay_s, 0.0033);
   EXPECT_GT(d.before.rmse, 0.015 * kDegree);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/noise_model.hpp"
+#include "capstan/tools/diagnose/noise_model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/repeats.hpp"
+#include "capstan/tools/diagnose/repeats.hpp"
 
 #include <gtest/gtest.h>
 

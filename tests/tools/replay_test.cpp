@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/replay/replay.hpp"
+#include "capstan/tools/replay/replay.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/tools/synthetic_joint.hpp"
-#include "tools/identify/term_catalogue.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tests/tools/synthetic_joint.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

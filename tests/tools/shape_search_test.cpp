@@ -6,7 +6,7 @@
 #include <memory>
 #include <random>
 
-#include "tools/identify/law_fit.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -174,7 +174,7 @@ TEST(SearchShapes, AGapBehindACoarseEncoderEndsNextToTheBestOfADenseScan) {
   }
   Eigen::MatrixXd columns(kSamples, 3);
   for (Eigen::Index i = 0; i < kSamples; ++i) {
-    samples[static_cast<std::size_t>(i)].q1 = seen(i);
+    samples[static_cast<std::size_t>(i)].q1 = samples[static_cast<std::size_t>(i)].h = seen(i);
     columns.row(i) << seen(i), 1.0, 0.0;
   }
   double least = target.squaredNorm();
@@ -207,7 +207,7 @@ TEST(RefineShapes, ADelayIsFoundFromTheNextSampleButOne) {
   Eigen::VectorXd target(kSamples);
   for (Eigen::Index i = 0; i < kSamples; ++i) {
     seen[i] = 0.3 * std::sin(4.0 * log.time_s[i]) + normal(random);
-    samples[static_cast<std::size_t>(i)].q1 = seen[i];
+    samples[static_cast<std::size_t>(i)].q1 = samples[static_cast<std::size_t>(i)].h = seen[i];
     target[i] = 0.33 * std::sin(4.0 * (log.time_s[i] - 1.4 * kPeriod));
   }
   double least = target.squaredNorm();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/diagnose/split.hpp"
+#include "capstan/tools/diagnose/split.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/support/statistics.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 #include <gtest/gtest.h>
 

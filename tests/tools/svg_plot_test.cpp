@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/report/svg_plot.hpp"
+#include "capstan/tools/report/svg_plot.hpp"
 
 #include <gtest/gtest.h>
 

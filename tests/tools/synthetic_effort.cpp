@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/tools/synthetic_effort.hpp"
+#include "capstan/tests/tools/synthetic_effort.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools::test {
 

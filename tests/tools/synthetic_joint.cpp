@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/tools/synthetic_joint.hpp"
+#include "capstan/tests/tools/synthetic_joint.hpp"
 
 #include <algorithm>
 #include <array>

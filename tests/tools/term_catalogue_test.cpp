@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/identify/term_catalogue.hpp"
+#include "capstan/tools/identify/term_catalogue.hpp"
 
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "tests/tools/synthetic_joint.hpp"
-#include "tools/identify/law_fit.hpp"
+#include "capstan/tests/tools/synthetic_joint.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -47,12 +47,49 @@ TEST(TermCatalogue, ColumnsTimesCoefficientsAreTheLawItself) {
   const std::size_t gravity = catalogue_term("gravity").first_coefficient;
   law.coefficients[gravity] = law.coefficients[gravity + 1] = 0.0;
   law.shapes[catalogue_term("transport_delay").first_shape] = 0.0123;
+  const std::size_t hysteresis = catalogue_term("hysteresis").first_shape;
+  law.shapes[hysteresis + 1] = 0.3;  // two plays in front of the ratio
+  law.shapes[hysteresis + 2] = 0.11;
+  law.shapes[hysteresis + 3] = -0.2;
   form.shapes.assign(law.shapes.begin(), law.shapes.end());
   const LawDesign design(logs, conditioner);
   const Eigen::VectorXd theta =
       Eigen::Map<const Eigen::VectorXd>(law.coefficients.data(), static_cast<Eigen::Index>(law.coefficients.size()));
   const Eigen::VectorXd by_columns = law_columns(design, form) * theta;
   EXPECT_LT((by_columns - simulate(logs, law)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(TermCatalogue, RelationsNameTermsThatThereAre) {
+  for (const Catalogue* catalogue : {&term_catalogue(), &effort_catalogue(AxisKind::kRotary)}) {
+    for (const auto& term : *catalogue) {
+      for (const auto* names : {&term.builds_on, &term.special_cases}) {
+        for (const auto& name : *names) {
+          EXPECT_TRUE(catalogue->has(name)) << term.name << " names " << name;
+          EXPECT_NE(name, term.name);
+        }
+      }
+      for (const auto& name : term.doubles) {
+        EXPECT_TRUE(term_catalogue().has(name) || effort_catalogue(AxisKind::kRotary).has(name)) << name;
+        EXPECT_NE(name, term.name);
+      }
+    }
+  }
+  EXPECT_EQ(catalogue_term("slip_propagation").builds_on, std::vector<std::string>{"tendon_elongation"});
+  EXPECT_EQ(effort_catalogue(AxisKind::kRotary).term("play_friction").special_cases,
+            std::vector<std::string>{"coulomb_friction"});
+  EXPECT_TRUE(contains(catalogue_term("play").shown_by, Motion::kSmall));
+}
+
+TEST(TermCatalogue, AnUnusualSignHasItsReason) {
+  int either = 0;
+  for (const auto& term : term_catalogue()) {
+    for (const auto& c : term.coefficients) {
+      EXPECT_EQ(c.usual == Sign::kAny, *c.unusual_because == '\0') << term.name;
+      EXPECT_TRUE(c.usual == Sign::kAny || c.sign == Sign::kAny) << term.name << ": a hard sign has no unusual one";
+      either += c.usual != Sign::kAny ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(either, 5) << "viscous drag twice, pretension, inertia, the slip front";
 }
 
 TEST(EffortCatalogue, HasEveryNameOfTheContract) {

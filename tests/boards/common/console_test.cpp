@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/console.hpp"
+#include "capstan/boards/common/console.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/file_banks.hpp"
+#include "capstan/boards/common/file_banks.hpp"
 
 #include <gtest/gtest.h>
 

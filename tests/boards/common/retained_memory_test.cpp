@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/retained_memory.hpp"
+#include "capstan/boards/common/retained_memory.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -10,7 +10,7 @@
 #include <fstream>
 #include <thread>
 
-#include "tests/firmware/support.hpp"
+#include "capstan/tests/firmware/support.hpp"
 
 namespace capstan {
 namespace {

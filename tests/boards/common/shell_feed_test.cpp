@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/common/shell_feed.hpp"
+#include "capstan/boards/common/shell_feed.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "boards/common/file_banks.hpp"
-#include "firmware/application.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/firmware/loop/application.hpp"
 
 namespace capstan {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <thread>
 
-#include "boards/common/console.hpp"
+#include "capstan/boards/common/console.hpp"
 
 namespace capstan {
 namespace {

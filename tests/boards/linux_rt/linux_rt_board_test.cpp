@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/linux_rt_board.hpp"
+#include "capstan/boards/linux_rt/linux_rt_board.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "boards/common/file_banks.hpp"
-#include "boards/linux_rt/lined_io.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/linux_rt/lined_io.hpp"
 
 namespace capstan {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/linux_rt/selftest.hpp"
+#include "capstan/boards/linux_rt/selftest.hpp"
 
 #include <gtest/gtest.h>
 

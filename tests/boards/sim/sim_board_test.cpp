@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The plant's faults from the operator's prompt.
-#include "boards/sim/sim_board.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 
-#include "boards/common/file_banks.hpp"
+#include "capstan/boards/common/file_banks.hpp"
 
 namespace capstan {
 namespace {

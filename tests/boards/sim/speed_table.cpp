@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include "boards/common/file_banks.hpp"
-#include "boards/sim/sim_board.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
 
 namespace {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/stm32f405/banks.hpp"
+#include "capstan/boards/stm32f405/banks.hpp"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <vector>
 
-#include "boards/stm32f405/board.hpp"
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f405 {
 namespace {

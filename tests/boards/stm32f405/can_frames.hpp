@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "boards/stm32f405/can_protocol.hpp"
+#include "capstan/boards/stm32f405/can_protocol.hpp"
 
 namespace capstan::stm32f405 {
 

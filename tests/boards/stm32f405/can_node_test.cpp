@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // The firmware behind a CAN controller that behaves as RM0090 says: heartbeat, telemetry, setpoints and a shell.
-#include "boards/stm32f405/can_node.hpp"
+#include "capstan/boards/stm32f405/can_node.hpp"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "boards/stm32f405/can_setpoints.hpp"
-#include "tests/boards/stm32f405/can_frames.hpp"
-#include "tests/firmware/support.hpp"
-#include "tests/hal/stm32f4/fake_can.hpp"
+#include "capstan/boards/stm32f405/can_setpoints.hpp"
+#include "capstan/tests/boards/stm32f405/can_frames.hpp"
+#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/hal/stm32f4/fake_can.hpp"
 
 namespace capstan::stm32f405 {
 namespace {

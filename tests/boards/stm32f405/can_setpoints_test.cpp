@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "boards/stm32f405/can_setpoints.hpp"
+#include "capstan/boards/stm32f405/can_setpoints.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/boards/stm32f405/can_frames.hpp"
+#include "capstan/tests/boards/stm32f405/can_frames.hpp"
 
 namespace capstan::stm32f405 {
 namespace {

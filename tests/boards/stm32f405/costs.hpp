@@ -9,17 +9,17 @@
 #include <limits>
 #include <string_view>
 
-#include "boards/stm32f405/host_sink.hpp"
-#include "firmware/text.hpp"
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/semihosting.hpp"
-#include "hal/stm32f4/tick.hpp"
-#include "model/coupled_axes.hpp"
-#include "model/effort_catalogue.hpp"
-#include "model/motion_law.hpp"
-#include "model/preisach.hpp"
-#include "model/pull_push.hpp"
-#include "model/tension_state.hpp"
+#include "capstan/boards/stm32f405/host_sink.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/semihosting.hpp"
+#include "capstan/hal/stm32f4/tick.hpp"
+#include "capstan/model/coupled_axes.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/model/motion_law.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/model/pull_push.hpp"
+#include "capstan/model/tension_state.hpp"
 
 namespace capstan::costs {
 namespace semihosting = stm32f4::semihosting;
@@ -158,11 +158,12 @@ consteval auto law_parameters() -> LawParameters<Scalar> {
   std::size_t next = 0;
   const auto add = [&]<typename Term>() {
     for (const auto& shape : Term::kInfo.shapes) {
-      parameters.shapes[next++] = ScalarTraits<Scalar>::from(shape.initial);
+      // What may be idle is not: its weight is none of its starting values.
+      const bool idle = shape.idle_without >= 0 && shape.initial == 0.0;
+      parameters.shapes[next++] = ScalarTraits<Scalar>::from(idle ? 0.05 : shape.initial);
     }
   };
-  SumTerms::for_each<Scalar>(add);
-  OutputTerms::for_each<Scalar>(add);
+  for_each_term<Scalar>(add);
   return parameters;
 }
 template <typename Scalar>
@@ -200,7 +201,8 @@ template <typename Scalar, typename Term>
 consteval auto initial_shape() -> std::array<Scalar, kShapesOf<Term>> {
   std::array<Scalar, kShapesOf<Term>> shape{};
   for (std::size_t i = 0; i < shape.size(); ++i) {
-    shape[i] = ScalarTraits<Scalar>::from(Term::kInfo.shapes[i].initial);
+    const ShapeInfo& info = Term::kInfo.shapes[i];
+    shape[i] = ScalarTraits<Scalar>::from(info.idle_without >= 0 && info.initial == 0.0 ? 0.05 : info.initial);
   }
   return shape;
 }
@@ -392,6 +394,7 @@ template <typename Scalar>
   }
   measure_axis<Scalar>(out);
   measure_motion_law<Scalar>(out);
+  measure_terms<Scalar, InputTerms>(out);
   measure_terms<Scalar, SumTerms>(out);
   measure_terms<Scalar, EffortTerms>(out);
   measure_preisach<Scalar, 11>(out, "preisach_11", "preisach_11_inverse");

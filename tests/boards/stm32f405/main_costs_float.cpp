@@ -2,9 +2,9 @@
 // Test image for the emulator: what the same laws and terms would cost in single precision, with the core's FPU on. The
 // product has neither.
 // Before the templates that are used with it.
-#include "tests/boards/stm32f405/single_precision.hpp"
+#include "capstan/tests/boards/stm32f405/single_precision.hpp"
 
-#include "tests/boards/stm32f405/costs.hpp"
+#include "capstan/tests/boards/stm32f405/costs.hpp"
 
 namespace {
 // Not inlined, or the FPU is used to enter the function that switches it on.

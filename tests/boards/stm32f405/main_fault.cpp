@@ -4,12 +4,12 @@
 #include <array>
 #include <string_view>
 
-#include "boards/stm32f405/host_sink.hpp"
-#include "boards/stm32f405/startup.hpp"
-#include "firmware/text.hpp"
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/nvic.hpp"
-#include "hal/stm32f4/semihosting.hpp"
+#include "capstan/boards/stm32f405/host_sink.hpp"
+#include "capstan/boards/stm32f405/startup.hpp"
+#include "capstan/firmware/console/text.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/semihosting.hpp"
 
 namespace {
 

@@ -5,16 +5,16 @@
 #include <array>
 #include <atomic>
 
-#include "boards/stm32f405/banks.hpp"
-#include "boards/stm32f405/board.hpp"
-#include "boards/stm32f405/can_setpoints.hpp"
-#include "boards/stm32f405/host_sink.hpp"
-#include "boards/stm32f405/startup.hpp"
-#include "firmware/application.hpp"
-#include "hal/stm32f4/memory_map.hpp"
-#include "hal/stm32f4/nvic.hpp"
-#include "hal/stm32f4/semihosting.hpp"
-#include "hal/stm32f4/tick.hpp"
+#include "capstan/boards/stm32f405/banks.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/can_setpoints.hpp"
+#include "capstan/boards/stm32f405/host_sink.hpp"
+#include "capstan/boards/stm32f405/startup.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/stm32f4/memory_map.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/semihosting.hpp"
+#include "capstan/hal/stm32f4/tick.hpp"
 
 namespace {
 

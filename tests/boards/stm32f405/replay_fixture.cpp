@@ -14,10 +14,10 @@
 #include <string>
 #include <vector>
 
-#include "boards/stm32f405/board.hpp"
-#include "boards/stm32f405/cycle_replay.hpp"
-#include "hal/sim/plant.hpp"
-#include "hal/sim/sim_io.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/cycle_replay.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
 
 namespace {
 
@@ -107,9 +107,32 @@ auto lively_config(std::size_t axis) -> AxisConfig {
   set("axis_coupling.angle", 0.02);
   set("axis_coupling.top", -0.003);
   set("axis_coupling.bottom", -0.002);
+  set("curved_ratio.square", 0.01);
+  set("curved_ratio.cube", -0.02);
+  set("curved_ratio.centre", 0.1);
+  set("curved_ratio.span", 3.0);
+  for (const std::string slot : {"", "_2", "_3"}) {
+    set(("coupled_hysteresis" + slot + ".angle").c_str(), 0.01);
+    set(("coupled_hysteresis" + slot + ".lost").c_str(), -0.02);
+    set(("coupled_hysteresis" + slot + ".half_width").c_str(), 0.01);
+  }
+  for (int play = 1; play <= 6; ++play) {
+    set(("hysteresis.half_width_" + std::to_string(play)).c_str(), 0.004 * play);
+    set(("hysteresis.weight_" + std::to_string(play)).c_str(), 0.02);
+  }
+  for (int knot = 0; knot < 17; ++knot) {
+    set(("table.forward_" + std::to_string(knot)).c_str(), 0.0001 * (1 + knot % 5));
+    set(("table.backward_" + std::to_string(knot)).c_str(), -0.0001 * (1 + knot % 7));
+  }
+  set("table.knots", 17.0);
+  set("table.signal", static_cast<double>(axis));
+  set("table.low", -1.0);
+  set("table.high", 1.0);
   set("monitor.torque_rms", 0.002);
   give_force_law(config.force, axis);
-  config.coupled_to = static_cast<std::int32_t>((axis + kAxes - 1) % kAxes);
+  for (std::size_t slot = 0; slot < config.coupled_to.size(); ++slot) {
+    config.coupled_to[slot] = static_cast<std::int32_t>((axis + kAxes - 1 - slot) % kAxes);
+  }
   for (const Q24 coefficient : config.law.coefficients) {
     if (coefficient == Q24{}) {
       std::fprintf(stderr, "the catalogue has an effect that this law leaves off; add it to replay_fixture.cpp\n");

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/scalar.hpp"
+#include "capstan/model/scalar.hpp"
 
 namespace capstan {
 // Seen by the templates below only if it comes before them.
@@ -17,10 +17,10 @@ constexpr auto square(float x) -> float {
 }
 }  // namespace capstan
 
-#include "model/cell_scale.hpp"
-#include "model/exponential.hpp"
-#include "model/reciprocal.hpp"
-#include "model/trigonometry.hpp"
+#include "capstan/model/cell_scale.hpp"
+#include "capstan/model/exponential.hpp"
+#include "capstan/model/reciprocal.hpp"
+#include "capstan/model/trigonometry.hpp"
 
 // Single precision for the laws, to compare with and for nothing else: with the same polynomials as fixed point, since
 // the library's functions take longer. Nothing inside saturates or is asked whether it has; what float needs is that
@@ -34,6 +34,7 @@ struct ScalarTraits<float> {
   static constexpr auto fraction(double value) -> float { return static_cast<float>(value); }
   static constexpr auto gain(float numerator, float denominator) -> float { return numerator / denominator; }
   static constexpr auto part(float x, float share) -> float { return x * share; }
+  static constexpr auto share_of(float x) -> float { return x; }
   template <int Bits>
   static constexpr auto shifted_down(float x) -> float {
     return x * (1.0F / static_cast<float>(1 << Bits));
@@ -53,6 +54,9 @@ class SamplePeriod<float> {
   [[nodiscard]] constexpr auto per_millisecond(float change) const -> float { return change * per_millisecond_; }
   [[nodiscard]] constexpr auto filter_gain(float time_constant_s) const -> float {
     return time_constant_s > 0.0F ? seconds_ / (time_constant_s + seconds_) : 1.0F;
+  }
+  [[nodiscard]] constexpr auto time_of(std::int32_t samples) const -> float {
+    return static_cast<float>(samples) * seconds_;
   }
   constexpr void split(float duration_s, std::int32_t& whole, float& fraction) const {
     const float samples = duration_s > 0.0F ? duration_s * rate_hz_ : 0.0F;

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
-#include "boards/stm32f405/board.hpp"
-#include "firmware/cycle.hpp"
-#include "firmware/parameters.hpp"
+#include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/firmware/loop/cycle.hpp"
+#include "capstan/firmware/parameters/parameters.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402/bus_master.hpp"
+#include "capstan/hal/cia402/bus_master.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "tests/hal/cia402/support.hpp"
+#include "capstan/tests/hal/cia402/support.hpp"
 
 namespace capstan::cia402 {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402/drive_setup.hpp"
+#include "capstan/hal/cia402/drive_setup.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/hal/cia402/support.hpp"
+#include "capstan/tests/hal/cia402/support.hpp"
 
 namespace capstan::cia402 {
 namespace {

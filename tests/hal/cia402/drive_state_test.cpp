@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402/drive_state.hpp"
+#include "capstan/hal/cia402/drive_state.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <initializer_list>
 
-#include "hal/cia402/bus_master.hpp"
+#include "capstan/hal/cia402/bus_master.hpp"
 
 namespace capstan::cia402 {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The firmware's whole cycle against simulated drives over a local bus.
-#include "hal/linux/can_joint_io.hpp"
+#include "capstan/hal/linux/can_joint_io.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "tests/hal/cia402_sim/can_rig.hpp"
+#include "capstan/tests/hal/cia402_sim/can_rig.hpp"
 
 namespace capstan {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "tests/firmware/allocation_watch.hpp"
-#include "tests/hal/cia402_sim/can_rig.hpp"
+#include "capstan/tests/firmware/loop/allocation_watch.hpp"
+#include "capstan/tests/hal/cia402_sim/can_rig.hpp"
 
 namespace capstan {
 namespace {

@@ -8,10 +8,10 @@
 #include <sstream>
 #include <thread>
 
-#include "firmware/application.hpp"
-#include "hal/cia402_sim/drive_bus.hpp"
-#include "hal/linux/can_joint_io.hpp"
-#include "tests/firmware/support.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/cia402_sim/drive_bus.hpp"
+#include "capstan/hal/linux/can_joint_io.hpp"
+#include "capstan/tests/firmware/support.hpp"
 
 namespace capstan::test {
 

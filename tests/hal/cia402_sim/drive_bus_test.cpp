@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402_sim/drive_bus.hpp"
+#include "capstan/hal/cia402_sim/drive_bus.hpp"
 
 #include <gtest/gtest.h>
 

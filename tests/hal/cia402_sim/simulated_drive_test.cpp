@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/cia402_sim/simulated_drive.hpp"
+#include "capstan/hal/cia402_sim/simulated_drive.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/hal/cia402/support.hpp"
+#include "capstan/tests/hal/cia402/support.hpp"
 
 namespace capstan::drive_sim {
 namespace {

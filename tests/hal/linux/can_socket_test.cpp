@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/can_socket.hpp"
+#include "capstan/hal/linux/can_socket.hpp"
 
 #include <gtest/gtest.h>
 #include <linux/can.h>
@@ -10,8 +10,8 @@
 #include <future>
 #include <stdexcept>
 
-#include "hal/linux/can_bus.hpp"
-#include "hal/linux/can_link.hpp"
+#include "capstan/hal/linux/can_bus.hpp"
+#include "capstan/hal/linux/can_link.hpp"
 
 namespace capstan {
 namespace {

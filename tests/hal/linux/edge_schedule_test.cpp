@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/edge_schedule.hpp"
+#include "capstan/hal/linux/edge_schedule.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The lines themselves need a chip: tests/boards/linux_rt/can_bench has one.
-#include "hal/linux/gpio_lines.hpp"
+#include "capstan/hal/linux/gpio_lines.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/rt_loop.hpp"
+#include "capstan/hal/linux/rt_loop.hpp"
 
 #include <gtest/gtest.h>
 #include <sched.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/linux/time_histogram.hpp"
+#include "capstan/hal/linux/time_histogram.hpp"
 
 #include <gtest/gtest.h>
 

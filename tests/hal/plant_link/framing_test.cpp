@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "hal/plant_link/frames.hpp"
+#include "capstan/hal/plant_link/frames.hpp"
 
 namespace capstan::plant_link {
 namespace {

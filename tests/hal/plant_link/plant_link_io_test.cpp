@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/plant_link/plant_link_io.hpp"
+#include "capstan/hal/plant_link/plant_link_io.hpp"
 
 #include <gtest/gtest.h>
 
 #include <deque>
 
-#include "hal/plant_link/plant_server.hpp"
+#include "capstan/hal/plant_link/plant_server.hpp"
 
 namespace capstan::plant_link {
 namespace {

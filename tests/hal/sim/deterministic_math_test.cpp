@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "hal/sim/random.hpp"
+#include "capstan/hal/sim/random.hpp"
 
 namespace capstan::sim {
 namespace {

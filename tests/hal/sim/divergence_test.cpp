@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/fields.hpp"
-#include "hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/fields.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
 
 namespace capstan::sim {
 namespace {
@@ -40,6 +40,10 @@ PlantParameters random_plant(Random& random) {
   for (const auto& field : plant_fields()) {
     if (uniform(random) < 0.25)
       p.*field.member = within(random, field.low, field.high);
+  }
+  if (p.stop_low_rad >= p.stop_high_rad) {  // no plant, and refused as such
+    p.stop_low_rad = -3.0;
+    p.stop_high_rad = 3.0;
   }
   p.element_count = 2 + static_cast<int>(uniform(random) * 24.0);
   p.substeps = 1 + static_cast<int>(uniform(random) * 6.0);

@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hal/sim/multi_plant.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

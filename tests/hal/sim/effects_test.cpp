@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "hal/sim/fields.hpp"
-#include "hal/sim/plant.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/fields.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

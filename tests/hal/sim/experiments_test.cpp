@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/experiments.hpp"
+#include "capstan/hal/sim/experiments.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan::sim {
 namespace {

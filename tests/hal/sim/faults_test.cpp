@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
-#include "hal/sim/scenario.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/hal/sim/scenario.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/instrument.hpp"
+#include "capstan/hal/sim/instrument.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/multi_plant.hpp"
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 namespace capstan::sim {
 namespace {

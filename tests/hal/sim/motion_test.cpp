@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/motion.hpp"
+#include "capstan/hal/sim/motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "hal/sim/scenario.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/scenario.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

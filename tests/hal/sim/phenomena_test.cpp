@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "hal/sim/motion.hpp"
-#include "hal/sim/plant.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/motion.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

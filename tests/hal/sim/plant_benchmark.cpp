@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "hal/sim/multi_plant.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
 
 namespace capstan::sim {
 namespace {

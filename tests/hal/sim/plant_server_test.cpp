@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/plant_server.hpp"
+#include "capstan/hal/sim/plant_server.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "hal/plant_link/frames.hpp"
-#include "hal/sim/multi_plant.hpp"
+#include "capstan/hal/plant_link/frames.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/deterministic_math.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/deterministic_math.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {
@@ -358,6 +358,30 @@ TEST(Plant, ImpossibleParametersAreRefusedByName) {
   p = PlantParameters{};
   p.effects.pretension_change_n = -100.0;
   EXPECT_THROW(Plant(p, 1), std::invalid_argument);
+}
+
+TEST(Plant, AnEndStopHoldsTheJointAgainstTheMotorAndPushesOnTheTip) {
+  PlantParameters stopped = quiet();
+  stopped.stop_high_rad = 0.2;
+  stopped.stop_low_rad = -0.2;
+  stopped.stop_stiffness_nm_per_rad = 5.0;
+  Plant with(stopped, 1);
+  Plant without(quiet(), 1);
+  for (int i = 0; i < 500; ++i) {
+    with.step(1.5, true);
+    without.step(1.5, true);
+  }
+  EXPECT_GT(without.truth().q2_rad, 1.0);
+  EXPECT_GT(with.truth().q2_rad, 0.2);
+  EXPECT_LT(with.truth().q2_rad, 0.25);
+  EXPECT_NEAR(with.truth().tip_torque_nm, 5.0 * (with.truth().q2_rad - 0.2), 1e-3);
+}
+
+TEST(Plant, EndStopsInTheWrongOrderAreRefused) {
+  PlantParameters stopped;
+  stopped.stop_low_rad = 1.0;
+  stopped.stop_high_rad = 1.0;
+  EXPECT_THROW(Plant(stopped, 1), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/scenario.hpp"
+#include "capstan/hal/sim/scenario.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "hal/sim/fields.hpp"
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/sim/fields.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 namespace capstan::sim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/sensors.hpp"
+#include "capstan/hal/sim/sensors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
-#include "tests/hal/sim/support.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tests/hal/sim/support.hpp"
 
 namespace capstan::sim {
 namespace {

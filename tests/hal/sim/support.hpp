@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/sim/plant.hpp"
+#include "capstan/hal/sim/plant.hpp"
 
 namespace capstan::sim::test {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/sim/tendon.hpp"
+#include "capstan/hal/sim/tendon.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "hal/sim/random.hpp"
-#include "tests/hal/sim/slow_tendon.hpp"
+#include "capstan/hal/sim/random.hpp"
+#include "capstan/tests/hal/sim/slow_tendon.hpp"
 
 namespace capstan::sim {
 namespace {

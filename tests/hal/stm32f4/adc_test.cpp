@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/stm32f4/adc.hpp"
+#include "capstan/hal/stm32f4/adc.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/hal/stm32f4/fake_analogue.hpp"
+#include "capstan/tests/hal/stm32f4/fake_analogue.hpp"
 
 namespace capstan::stm32f4 {
 namespace {

@@ -2,13 +2,13 @@
 // The small drivers of the core: tick, schedule, interrupt controller, pins, reset cause.
 #include <gtest/gtest.h>
 
-#include "hal/stm32f4/cycle_schedule.hpp"
-#include "hal/stm32f4/gpio.hpp"
-#include "hal/stm32f4/metered_io.hpp"
-#include "hal/stm32f4/nvic.hpp"
-#include "hal/stm32f4/reset_cause.hpp"
-#include "hal/stm32f4/tick.hpp"
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/hal/stm32f4/cycle_schedule.hpp"
+#include "capstan/hal/stm32f4/gpio.hpp"
+#include "capstan/hal/stm32f4/metered_io.hpp"
+#include "capstan/hal/stm32f4/nvic.hpp"
+#include "capstan/hal/stm32f4/reset_cause.hpp"
+#include "capstan/hal/stm32f4/tick.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 namespace {

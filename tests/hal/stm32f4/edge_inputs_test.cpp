@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/stm32f4/edge_inputs.hpp"
+#include "capstan/hal/stm32f4/edge_inputs.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "hal/stm32f4/adc_registers.hpp"
-#include "hal/stm32f4/dma_registers.hpp"
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/hal/stm32f4/adc_registers.hpp"
+#include "capstan/hal/stm32f4/dma_registers.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 

@@ -4,8 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "hal/stm32f4/can.hpp"
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/hal/stm32f4/can.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 

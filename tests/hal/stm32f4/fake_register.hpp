@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "hal/stm32f4/register.hpp"
+#include "capstan/hal/stm32f4/register.hpp"
 
 namespace capstan::stm32f4 {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Encoder timer, analogue converter, set value and the joint I/O made of them, on registers that behave as RM0090 says.
-#include "hal/stm32f4/motor_board_io.hpp"
+#include "capstan/hal/stm32f4/motor_board_io.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/hal/stm32f4/fake_analogue.hpp"
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/tests/hal/stm32f4/fake_analogue.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/stm32f4/ring_buffer.hpp"
+#include "capstan/hal/stm32f4/ring_buffer.hpp"
 
 #include <gtest/gtest.h>
 

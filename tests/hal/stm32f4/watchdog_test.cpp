@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hal/stm32f4/watchdog.hpp"
+#include "capstan/hal/stm32f4/watchdog.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
-#include "tests/hal/stm32f4/fake_register.hpp"
+#include "capstan/tests/hal/stm32f4/fake_register.hpp"
 
 namespace capstan::stm32f4 {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/angle_periodic.hpp"
+#include "capstan/model/terms/angle_periodic.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

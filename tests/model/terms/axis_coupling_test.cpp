@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/axis_coupling.hpp"
+#include "capstan/model/terms/axis_coupling.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "model/terms/tendon_elongation.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/terms/tendon_elongation.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -41,9 +41,7 @@ TYPED_TEST(Coupling, IsTheRowOfTheWristOutsideTheDiagonal) {
     const auto other = pitch.update(number<TypeParam>(q[0]), number<TypeParam>(tau[0]));
     const auto sample = jaw.update({.q1 = number<TypeParam>(q[1]),
                                     .tau = number<TypeParam>(tau[1]),
-                                    .other_q1 = other.q1,
-                                    .other_tau = other.tau,
-                                    .other_forward = other.forward});
+                                    .others = {{{other.q1, other.tau, other.forward}}}});
     opposite += other.forward != sample.forward ? 1 : 0;
     const double switches[4] = {other.forward ? 1.0 : 0.0, other.forward ? 0.0 : 1.0, sample.forward ? 1.0 : 0.0,
                                 sample.forward ? 0.0 : 1.0};

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -17,7 +17,12 @@ template <typename Scalar>
 class Terms : public testing::Test {
  protected:
   static auto sample(bool forward) -> Sample<Scalar> {
-    return {.q1 = number<Scalar>(1.5), .dq1 = number<Scalar>(-2.25), .tau = number<Scalar>(0.375), .forward = forward};
+    Sample<Scalar> sample;
+    sample.q1 = sample.h = number<Scalar>(1.5);
+    sample.dq1 = sample.dh = number<Scalar>(-2.25);
+    sample.tau = number<Scalar>(0.375);
+    sample.forward = forward;
+    return sample;
   }
   template <template <typename> typename Term>
   static auto make() -> Term<Scalar> {
@@ -90,7 +95,7 @@ TEST(Catalogue, EveryNameIsSnakeCaseAndNoneRepeats) {
   OutputTerms::for_each<double>(collect);
   for (std::size_t i = 0; i < names.size(); ++i) {
     EXPECT_FALSE(names[i].empty());
-    EXPECT_EQ(names[i].find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string_view::npos) << names[i];
+    EXPECT_EQ(names[i].find_first_not_of("abcdefghijklmnopqrstuvwxyz_0123456789"), std::string_view::npos) << names[i];
     EXPECT_EQ(std::count(names.begin(), names.end(), names[i]), 1) << names[i];
   }
 }

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/effort_catalogue.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

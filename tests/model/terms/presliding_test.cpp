@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/presliding.hpp"
+#include "capstan/model/terms/presliding.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "model/effort_catalogue.hpp"
-#include "model/motion_law.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/effort_catalogue.hpp"
+#include "capstan/model/motion_law.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
@@ -34,13 +34,15 @@ auto next_after(Q24 before) -> Q24 {
   return Q24::from_raw(next_after(before.raw()));
 }
 
+auto next_after(const OtherMotor<Q24>& before) -> OtherMotor<Q24> {
+  return {.q1 = next_after(before.q1), .tau = next_after(before.tau), .forward = *rc::gen::arbitrary<bool>()};
+}
+
 auto next_after(const Measured<Q24>& before) -> Measured<Q24> {
   return {.q1 = next_after(before.q1),
           .tau = next_after(before.tau),
           .q2 = next_after(before.q2),
-          .other_q1 = next_after(before.other_q1),
-          .other_tau = next_after(before.other_tau),
-          .other_forward = *rc::gen::arbitrary<bool>(),
+          .others = {next_after(before.others[0]), next_after(before.others[1]), next_after(before.others[2])},
           .temperature = next_after(before.temperature)};
 }
 
@@ -78,12 +80,15 @@ void verify_one() {
 RC_GTEST_PROP(TermsThatStayInRange, NeverMeetAnEndOfItUnlessTheSampleDid, ()) {
   SumTerms::for_each<Q24>([]<typename Term>() { verify_one<Term>(); });
   EffortTerms::for_each<Q24>([]<typename Term>() { verify_one<Term>(); });
+  MachineEffortTerms::for_each<Q24>([]<typename Term>() { verify_one<Term>(); });
+  CouplingEffortTerms::for_each<Q24>([]<typename Term>() { verify_one<Term>(); });
+  GearTerms::for_each<Q24>([]<typename Term>() { verify_one<Term>(); });
 }
 
 TEST(TermsThatStayInRange, AreMostOfThem) {
   int staying = 0;
   SumTerms::for_each<Q24>([&staying]<typename Term>() { staying += stays_in_range<Term>() ? 1 : 0; });
-  EXPECT_EQ(staying, 10) << "or the law asks about more than it need";
+  EXPECT_EQ(staying, 11) << "or the law asks about more than it need";
 }
 
 // All effects at once beside double, with torques up to the end of the range: until the first flag the two agree.
@@ -100,8 +105,7 @@ RC_GTEST_PROP(MotionLawSaturation, IsFlaggedInTheCycleInWhichSomethingIsCut, ())
       parameters.shapes[next++] = value;
     }
   };
-  SumTerms::for_each<Q24>(add);
-  OutputTerms::for_each<Q24>(add);
+  for_each_term<Q24>(add);
   for (std::size_t k = 0; k < kCoefficientCount; ++k) {
     exact.coefficients[k] = parameters.coefficients[k].to_double();
   }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/reversal_memory.hpp"
+#include "capstan/model/terms/reversal_memory.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "model/terms/pretension_offset.hpp"
-#include "model/terms/tendon_elongation.hpp"
-#include "tests/model/support.hpp"
+#include "capstan/model/terms/pretension_offset.hpp"
+#include "capstan/model/terms/tendon_elongation.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/stiffness_hardening.hpp"
+#include "capstan/model/terms/stiffness_hardening.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

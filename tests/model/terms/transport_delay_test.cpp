@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model/terms/transport_delay.hpp"
+#include "capstan/model/terms/transport_delay.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/model/support.hpp"
+#include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {

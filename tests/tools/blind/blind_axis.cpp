@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/tools/blind/blind_axis.hpp"
+#include "capstan/tests/tools/blind/blind_axis.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <map>
 #include <numbers>
 
-#include "tests/tools/blind/blind_world.hpp"
+#include "capstan/tests/tools/blind/blind_world.hpp"
 
 namespace capstan::tools::blind {
 namespace {
@@ -263,9 +263,10 @@ auto blind_axis(const Case& c) -> BlindAxis {
   log.tau_nm = Eigen::VectorXd::Zero(rows);
   log.effort = seen(efforts.sum) + blind.noise;
   log.temperature_c = seen(axis.w.temperature).unaryExpr([&draw](double t) { return t + 0.05 * draw.normal(); });
-  log.other = OtherAxis{1, seen(axis.w.other_q).unaryExpr(to_step), seen(axis.w.other_tau)};
-  log.side = {
-      {"temperature_C", log.temperature_c}, {"axis1/q1_rad", log.other->q1_rad}, {"axis1/tau_Nm", log.other->tau_nm}};
+  log.others = {OtherAxis{1, seen(axis.w.other_q).unaryExpr(to_step), seen(axis.w.other_tau)}};
+  log.side = {{"temperature_C", log.temperature_c},
+              {"axis1/q1_rad", log.others[0].q1_rad},
+              {"axis1/tau_Nm", log.others[0].tau_nm}};
   return blind;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tests/tools/blind/blind_joint.hpp"
+#include "capstan/tests/tools/blind/blind_joint.hpp"
 
 namespace capstan::tools::blind {
 

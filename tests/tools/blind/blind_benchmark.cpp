@@ -9,12 +9,12 @@
 #include <random>
 #include <thread>
 
-#include "tests/tools/blind/blind_axis.hpp"
-#include "tests/tools/blind/blind_joint.hpp"
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/given_motion.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tests/tools/blind/blind_axis.hpp"
+#include "capstan/tests/tools/blind/blind_joint.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::blind {
 namespace {

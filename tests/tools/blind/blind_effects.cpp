@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/tools/blind/blind_effects.hpp"
+#include "capstan/tests/tools/blind/blind_effects.hpp"
 
 #include <algorithm>
 #include <array>

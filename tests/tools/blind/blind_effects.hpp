@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "tests/tools/blind/blind_world.hpp"
+#include "capstan/tests/tools/blind/blind_world.hpp"
 
 namespace capstan::tools::blind {
 

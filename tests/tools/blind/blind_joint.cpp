@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tests/tools/blind/blind_joint.hpp"
+#include "capstan/tests/tools/blind/blind_joint.hpp"
 
 #include <array>
 #include <cmath>
 #include <numbers>
 
-#include "tests/tools/blind/blind_effects.hpp"
-#include "tests/tools/blind/blind_world.hpp"
+#include "capstan/tests/tools/blind/blind_effects.hpp"
+#include "capstan/tests/tools/blind/blind_world.hpp"
 
 namespace capstan::tools::blind {
 namespace {
@@ -79,7 +79,7 @@ auto record(const World& w, const Signal& joint, const Sensors& sensors, Draw& d
     log.temperature_c[i] = w.temperature[at] + 0.05 * draw.normal();
   }
   log.side = {{"temperature_C", log.temperature_c}, {"axis1/q1_rad", other.q1_rad}, {"axis1/tau_Nm", other.tau_nm}};
-  log.other = std::move(other);
+  log.others = {std::move(other)};
   return log;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/log/axis_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools::blind {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "tests/tools/blind/blind_joint.hpp"
+#include "capstan/tests/tools/blind/blind_joint.hpp"
 
 namespace capstan::tools::blind {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/sim/plant.hpp"
-#include "tools/identify/force_fit.hpp"
-#include "tools/support/random.hpp"
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools::test {
 

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <sstream>
 
-#include "boards/common/file_banks.hpp"
-#include "tools/apply/model_lines.hpp"
-#include "tools/diagnose/diagnosis.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/run/run.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/apply/plausible_law.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/run/run.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -51,9 +52,9 @@ TEST(Circle, IdentifiedLawHalvesAndBetterTheErrorOfTheRatioAloneOnUnseenMotion) 
 TEST(Circle, TheAxisThatPullsIsSetOnTheBoard) {
   JointFile joint;
   const std::size_t alone = model_lines(joint, 1).size();
-  joint.coupled_to = 2;
+  joint.coupled_to = {2};
   const auto lines = model_lines(joint, 1);
-  EXPECT_EQ(lines.size(), alone + 1);
+  EXPECT_EQ(lines.size(), alone) << "every slot is set, also those that no joint has";
   EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint1.axis_coupling.joint 2"), lines.end());
 }
 
@@ -121,12 +122,52 @@ TEST(RunScenario, SensorThatGivesNoNumberEndsTheRunWithCauseAndCure) {
   EXPECT_LT(summary.seconds, 2.1);
 }
 
+/// A law with the ranges of its logs: the motor from -1 to 2 rad, the joint 3 rad in all.
+auto law_with_ranges() -> JointFile {
+  JointFile joint;
+  joint.fit = FitSummary{.rmse = 0.01, .motor_range = Interval{-1.0, 2.0}, .joint_range = 3.0, .logs = {}};
+  return joint;
+}
+auto coefficient(JointFile& joint, const std::string& term, std::size_t i = 0) -> double& {
+  return joint.parameters.coefficients[catalogue_term(term).first_coefficient + i];
+}
+
+TEST(PlausibleLaw, IsOneThatFollowsItsMotorAsFarAsItsLogsDid) {
+  JointFile joint = law_with_ranges();
+  EXPECT_EQ(implausible(joint), "");
+  coefficient(joint, "motor_angle") = -1.0;
+  EXPECT_EQ(implausible(joint), "") << "a crossed transmission is one";
+  coefficient(joint, "motor_angle") = 9.0;
+  EXPECT_EQ(implausible(joint), "") << "nine times as far is still taken";
+  coefficient(joint, "motor_angle") = 11.0;
+  EXPECT_NE(implausible(joint).find("the joint would go 33 rad, and in the logs it went 3"), std::string::npos)
+      << implausible(joint);
+}
+
+TEST(PlausibleLaw, IsNoneThatRunsAgainstItsMotor) {
+  JointFile joint = law_with_ranges();
+  const auto& table = catalogue_term("table");
+  joint.parameters.shapes[table.first_shape + 1] = 3.0;
+  joint.parameters.shapes[table.first_shape + 2] = -1.0;
+  joint.parameters.shapes[table.first_shape + 3] = 2.0;
+  for (const std::size_t direction : {0U, 33U}) {
+    coefficient(joint, "table", direction) = 1.3;  // falls by 2.6 while the ratio rises by 1.5, then rises again
+    coefficient(joint, "table", direction + 1) = -1.3;
+  }
+  EXPECT_NE(implausible(joint).find("the joint would run against its motor for 1.1 rad"), std::string::npos)
+      << implausible(joint);
+  coefficient(joint, "table", 0) = coefficient(joint, "table", 33) = 0.2;
+  coefficient(joint, "table", 1) = coefficient(joint, "table", 34) = -0.2;
+  EXPECT_EQ(implausible(joint), "");
+}
+
 TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
   constexpr std::size_t kConditionerTorqueAndMonitor = 5;
-  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + 2);
+  constexpr std::size_t kCouplingAndStatus = kMostOthers + 1;
+  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kCouplingAndStatus + 2);
   EXPECT_EQ(lines.front(), "begin");
   EXPECT_EQ(lines.back(), "commit");
   EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint0.control.torque_backward -0.08000000 Nm"), lines.end());

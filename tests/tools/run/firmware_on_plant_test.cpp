@@ -7,15 +7,15 @@
 #include <numbers>
 #include <sstream>
 
-#include "boards/common/file_banks.hpp"
-#include "boards/sim/sim_board.hpp"
-#include "tests/firmware/support.hpp"
-#include "tests/tools/run/recipe_log.hpp"
-#include "tools/apply/force_lines.hpp"
-#include "tools/apply/model_lines.hpp"
-#include "tools/identify/force_section.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/run/run.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
+#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/recipe_log.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/run/run.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -28,7 +28,7 @@ const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
 auto wrist_law(const std::string& log, int axis, const std::string& model) -> JointFile {
   LawForm form;
   form.terms = terms_of_model(model);
-  return identify({read_axis(CsvLog::parse(log, "run.csv"), {.axis = axis, .needs_torque = true, .other_axis = 0})},
+  return identify({read_axis(CsvLog::parse(log, "run.csv"), {.axis = axis, .needs_torque = true, .other_axes = {0}})},
                   form)
       .joint;
 }

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/sim/sim_io.hpp"
-#include "tests/firmware/support.hpp"
-#include "tests/tools/run/recipe_log.hpp"
-#include "tools/apply/force_lines.hpp"
-#include "tools/identify/force_section.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
+#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/recipe_log.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
+#include "capstan/tools/identify/force_section.hpp"
 
 namespace capstan::tools {
 namespace {

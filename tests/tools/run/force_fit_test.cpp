@@ -6,14 +6,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/model/relays.hpp"
-#include "tests/model/support.hpp"
-#include "tests/tools/run/by_hand.hpp"
-#include "tests/tools/run/recipe_log.hpp"
-#include "tools/identify/force_section.hpp"
-#include "tools/joint_file/joint_file.hpp"
-#include "tools/support/errors.hpp"
-#include "tools/support/random.hpp"
+#include "capstan/tests/model/relays.hpp"
+#include "capstan/tests/model/support.hpp"
+#include "capstan/tests/tools/run/by_hand.hpp"
+#include "capstan/tests/tools/run/recipe_log.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
 namespace {

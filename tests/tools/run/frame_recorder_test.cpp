@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Binary telemetry from the firmware's shell to the host's log, over lines that lose and damage bytes.
-#include "tools/telemetry/frame_recorder.hpp"
+#include "capstan/tools/telemetry/frame_recorder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 #include <sstream>
 
-#include "tests/firmware/support.hpp"
-#include "tools/log/csv_log.hpp"
+#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tools/log/csv_log.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -70,7 +70,8 @@ TEST(Frames, EveryValueArrivesExactlyAndTheTextBetweenThemStaysWhole) {
     const std::string bytes =
         session(bench, "frames " + std::to_string(every) + " joint0.q2 joint0.reference machine.state", cycles, truth);
     std::ostringstream log;
-    FrameRecorder recorder(log);
+    const auto log_sink = csv_sink(log);
+    FrameRecorder recorder(*log_sink);
     const std::string text = recorder.feed(bytes);
     EXPECT_NEAR(static_cast<double>(recorder.rows()), cycles / every, 1.0);
     EXPECT_EQ(recorder.lost() + recorder.damaged() + recorder.foreign(), 0U);
@@ -91,11 +92,13 @@ TEST(Frames, HoweverTheBytesAreCutIntoPiecesTheResultIsTheSame) {
   Truth truth;
   const std::string bytes = session(bench, "frames 3 joint0.q2 joint0.reference machine.state", 2000, truth);
   std::ostringstream whole;
-  FrameRecorder at_once(whole);
+  const auto whole_sink = csv_sink(whole);
+  FrameRecorder at_once(*whole_sink);
   const std::string text = at_once.feed(bytes);
   std::mt19937 random(2);
   std::ostringstream log;
-  FrameRecorder recorder(log);
+  const auto log_sink = csv_sink(log);
+  FrameRecorder recorder(*log_sink);
   std::string pieces;
   for (std::size_t at = 0; at < bytes.size();) {
     const std::size_t count = std::min<std::size_t>(1 + random() % 40, bytes.size() - at);
@@ -124,7 +127,8 @@ TEST(Frames, DamagedAndLostBytesCostFramesButNeverGiveAWrongRow) {
       }
     }
     std::ostringstream log;
-    FrameRecorder recorder(log);
+    const auto log_sink = csv_sink(log);
+    FrameRecorder recorder(*log_sink);
     static_cast<void>(recorder.feed(damaged));
     EXPECT_EQ(wrong_rows(log.str(), truth), 0) << rate;
     EXPECT_GT(static_cast<double>(recorder.rows()), 4000.0 - 4.0 * damages) << damages << " damages";
@@ -137,7 +141,8 @@ TEST(Frames, WhoComesLateIsToldTheSchemaWithinASecond) {
   Truth truth;
   const std::string bytes = session(bench, "frames 10 joint0.q2 joint0.reference machine.state", 3000, truth);
   std::ostringstream log;
-  FrameRecorder recorder(log);
+  const auto log_sink = csv_sink(log);
+  FrameRecorder recorder(*log_sink);
   static_cast<void>(recorder.feed(std::string_view(bytes).substr(300)));
   EXPECT_GT(recorder.rows(), 190U);
   EXPECT_EQ(wrong_rows(log.str(), truth), 0);
@@ -150,7 +155,8 @@ TEST(Frames, OtherSignalsAndATimeThatRunsBackwardAreNoRowsOfThisLog) {
   const std::string bytes = session(first, "frames 10 joint0.q2 joint0.reference machine.state", 1000, truth);
   const std::string others = session(second, "frames 10 joint1.q2", 500, truth);
   std::ostringstream log;
-  FrameRecorder recorder(log);
+  const auto log_sink = csv_sink(log);
+  FrameRecorder recorder(*log_sink);
   static_cast<void>(recorder.feed(bytes));
   const auto rows = recorder.rows();
   static_cast<void>(recorder.feed(others));

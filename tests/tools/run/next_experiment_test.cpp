@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motion that a diagnosis asks for next is a scenario that the simulated joint carries out.
-#include "tools/diagnose/next_experiment.hpp"
+#include "capstan/tools/diagnose/next_experiment.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 #include <sstream>
 
-#include "boards/common/file_banks.hpp"
-#include "tools/log/csv_log.hpp"
-#include "tools/run/run.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/run/run.hpp"
 
 namespace capstan::tools {
 namespace {

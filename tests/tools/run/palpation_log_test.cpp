@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Palpation from the firmware's command to the map: the board presses, its log goes through the host's command.
-#include "tools/identify/palpation_log.hpp"
+#include "capstan/tools/identify/palpation_log.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 
-#include "boards/common/file_banks.hpp"
-#include "boards/sim/sim_board.hpp"
-#include "tests/tools/run/by_hand.hpp"
-#include "tools/identify/force_section.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
+#include "capstan/tests/tools/run/by_hand.hpp"
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the tip touches, against the simulated instrument's environment.
-#include "tools/identify/palpation.hpp"
+#include "capstan/tools/identify/palpation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/tools/run/by_hand.hpp"
-#include "tests/tools/run/recipe_log.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/tests/tools/run/by_hand.hpp"
+#include "capstan/tests/tools/run/recipe_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -4,9 +4,9 @@
 #include <sstream>
 #include <string>
 
-#include "boards/common/file_banks.hpp"
-#include "tools/identify/force_fit.hpp"
-#include "tools/run/run.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/run/run.hpp"
 
 namespace capstan::tools::test {
 

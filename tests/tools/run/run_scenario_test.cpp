@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a run records: every axis of the instrument, what the laboratory sees, and runs on the bench.
-#include "tools/run/run.hpp"
+#include "capstan/tools/run/run.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <sstream>
 
-#include "boards/common/file_banks.hpp"
-#include "hal/sim/multi_plant.hpp"
-#include "tools/identify/identify.hpp"
-#include "tools/log/csv_log.hpp"
-#include "tools/support/errors.hpp"
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {

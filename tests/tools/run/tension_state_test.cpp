@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Free tip, locked tip and everything between: the tension state beside the laws that are made for either end, each
 // fitted to the very environment it is tried in; the tension state is identified once, with the tip locked.
-#include "model/tension_state.hpp"
+#include "capstan/model/tension_state.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdio>
 
-#include "tests/model/support.hpp"
-#include "tests/tools/run/by_hand.hpp"
-#include "tools/support/statistics.hpp"
+#include "capstan/tests/model/support.hpp"
+#include "capstan/tests/tools/run/by_hand.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/thesis/thesis.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "tools/thesis/laws.hpp"
-#include "tools/thesis/rig.hpp"
+#include "capstan/tools/thesis/laws.hpp"
+#include "capstan/tools/thesis/rig.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/tools/synthetic_effort.hpp"
-#include "tests/tools/synthetic_joint.hpp"
+#include "capstan/tests/tools/synthetic_effort.hpp"
+#include "capstan/tests/tools/synthetic_joint.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/gate.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+
+#include "capstan/tests/firmware/loop/axis_bench.hpp"
+
+namespace capstan {
+namespace {
+
+using namespace test;
+
+auto config_without_rate_limit() -> AxisConfig {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
+  return config;
+}
+
+TEST(Gate, WithoutPermissionThereIsNoTorqueWhateverIsAskedFor) {
+  AxisBench axis(AxisConfig{});
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(axis.gated(0.0, 0.0, 1.0, false), 0.0);
+  }
+}
+
+TEST(Gate, PermissionGoneTheTorqueIsGoneAtOnceAndComesBackFromZero) {
+  AxisBench axis(AxisConfig{});
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(axis.gated(0.0, 0.0, 2.0));
+  }
+  EXPECT_EQ(axis.gated(0.0, 0.0, 2.0, false), 0.0);
+  EXPECT_NEAR(axis.gated(0.0, 0.0, 2.0), 0.5, 1e-5);
+}
+
+TEST(Gate, CurrentStopsAtItsPeakInBothDirectionsAndNamesTheLimit) {
+  AxisBench axis(config_without_rate_limit());
+  EXPECT_NEAR(axis.gated(0.0, 0.0, 2.9), 2.9, 1e-5);
+  EXPECT_FALSE(has(axis.telemetry().limits, Limit::kCurrent));
+  EXPECT_EQ(axis.gated(0.0, 0.0, 50.0), 3.0);
+  EXPECT_TRUE(has(axis.telemetry().limits, Limit::kCurrent));
+  EXPECT_EQ(axis.gated(0.0, 0.0, -1000.0), -3.0);
+}
+
+TEST(Gate, CurrentRisesNoFasterThanItsRate) {
+  AxisBench axis(AxisConfig{});
+  for (int i = 1; i <= 5; ++i) {
+    EXPECT_NEAR(axis.gated(0.0, 0.0, 2.2), std::min(0.5 * i, 2.2), 1e-5);
+    EXPECT_EQ(has(axis.telemetry().limits, Limit::kRate), i < 5);
+  }
+  EXPECT_NEAR(axis.gated(0.0, 0.0, -2.2), 1.7, 1e-5);
+}
+
+TEST(Gate, AtTheEndOfTheTendonsTravelThereIsOnlyTorqueInwards) {
+  for (const double side : {1.0, -1.0}) {
+    AxisBench axis(config_without_rate_limit());
+    EXPECT_EQ(axis.gated(side * 6.001, 0.0, side * 2.0), 0.0);
+    EXPECT_TRUE(has(axis.telemetry().limits, Limit::kMotorTravel));
+    EXPECT_NEAR(axis.gated(side * 6.001, 0.0, side * -2.0), side * -2.0, 1e-5);
+    EXPECT_FALSE(has(axis.telemetry().limits, Limit::kMotorTravel));
+    EXPECT_NEAR(axis.gated(side * 5.99, 0.0, side * 2.0), side * 2.0, 1e-5);
+  }
+}
+
+TEST(Gate, ASlowRateNeverDelaysTheEndOfTravel) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = q(0.01);
+  AxisBench axis(config);
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(axis.gated(5.9, 0.0, 2.0));
+  }
+  EXPECT_NEAR(axis.telemetry().drive_a.to_double(), 2.0, 1e-4);
+  EXPECT_EQ(axis.gated(6.01, 0.0, 2.0), 0.0) << "it still pulled outwards";
+  EXPECT_LE(axis.gated(6.01, 0.0, -2.0), 0.0);
+}
+
+RC_GTEST_PROP(Gate, NeverPullsOutwardsBeyondTheTravel, ()) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_raw(*rc::gen::inRange(2000, 1 << 26));
+  AxisBench axis(config);
+  for (int i = 0; i < 200; ++i) {
+    const double q1 = 6.0 + (*rc::gen::inRange(-100, 101)) * 1e-3;
+    const double current = axis.gated(q1, 0.0, (*rc::gen::inRange(-500, 501)) * 0.01);
+    RC_ASSERT(axis.telemetry().q1_rad < config.limits.motor_max_rad || current <= 0.0);
+    RC_ASSERT(std::fabs(current) <= 3.0);
+  }
+}
+
+/// Cycles until the gate gives less than the peak, with a measured current; -1 if it does not within `most`.
+auto cycles_to_heat(AxisBench& axis, double measured_a, int most) -> int {
+  for (int i = 0; i < most; ++i) {
+    static_cast<void>(axis.gated(0.0, measured_a, 3.0));
+    if (has(axis.telemetry().limits, Limit::kThermal)) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+TEST(GateThermal, TwiceTheContinuousCurrentIsAllowedForAsLongAsTheWindingStandsIt) {
+  AxisBench axis(config_without_rate_limit());
+  // heat = 4 (1 - exp(-t / 10 s)) reaches 1 after 10 s ln(4/3).
+  EXPECT_NEAR(cycles_to_heat(axis, 3.0, 10'000), 10'000.0 * std::log(4.0 / 3.0), 10.0);
+  EXPECT_EQ(axis.telemetry().drive_a, q(1.5));
+}
+
+TEST(GateThermal, TheContinuousCurrentIsAllowedForEver) {
+  AxisBench axis(config_without_rate_limit());
+  EXPECT_EQ(cycles_to_heat(axis, 1.49, 200'000), -1);
+}
+
+TEST(GateThermal, TheReductionIsNotDelayedByTheRateLimit) {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = q(0.001);
+  AxisBench axis(config);
+  for (int i = 0; i < 2860; ++i) {
+    static_cast<void>(axis.gated(0.0, 3.0, 3.0));
+  }
+  ASSERT_GT(axis.telemetry().drive_a, q(2.8));
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 100), 0);
+  EXPECT_EQ(axis.telemetry().drive_a, q(1.5));
+}
+
+TEST(GateThermal, AHotWindingStaysLimitedAtItsContinuousCurrentWithoutChatter) {
+  AxisBench axis(config_without_rate_limit());
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 10'000), 0);
+  for (int i = 0; i < 60'000; ++i) {
+    const double noise = i % 2 == 0 ? 0.02 : -0.03;
+    ASSERT_EQ(axis.gated(0.0, 1.5 + noise, 3.0), 1.5) << "cycle " << i;
+  }
+}
+
+TEST(GateThermal, APauseBringsThePeakCurrentBackAndDisarmingDoesNotForgetTheHeat) {
+  AxisBench axis(config_without_rate_limit());
+  ASSERT_GE(cycles_to_heat(axis, 3.0, 10'000), 0);
+  for (int i = 0; i < 900; ++i) {
+    static_cast<void>(axis.gated(0.0, 0.0, 0.0, false));
+  }
+  EXPECT_EQ(axis.gated(0.0, 0.0, 3.0), 1.5) << "still hot after 0.9 s";
+  // From 1 to 0.9 in 10 s ln(1/0.9) = 1.05 s.
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(axis.gated(0.0, 0.0, 0.0, false));
+  }
+  EXPECT_NEAR(axis.gated(0.0, 0.0, 2.9), 2.9, 1e-5);
+}
+
+}  // namespace
+}  // namespace capstan

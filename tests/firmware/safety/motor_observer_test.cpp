@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/safety/motor_observer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "capstan/firmware/parameters/parameters.hpp"
+
+namespace capstan {
+namespace {
+
+// A motor of 0.02 g m2 with 0.1 Nm/A and 40960 counts a turn, whose friction holds 3 mNm.
+auto commissioned_config() -> AxisConfig {
+  AxisConfig config;
+  config.observer = {Q24::from_double(0.02), Q24::from_double(0.003), Q24::from_double(0.003)};
+  return config;
+}
+
+/// The observer fed with counts and currents as they come.
+struct Rig {
+  explicit Rig(const AxisConfig& config = commissioned_config()) : observer(config) {
+    observer.rt_arm();
+    for (int i = 0; i < 12; ++i) {
+      static_cast<void>(observer.rt_look());  // over
+    }
+    MotorState motor;
+    motor.counts = counts;
+    static_cast<void>(observer.rt_step(motor, Q24{}, false));  // before there was torque
+    step(0, 0.0);
+  }
+  /// @param measured_a  unless given what was wanted
+  auto step(int moved, double wanted_a, double measured_a = NAN) -> FaultSet {
+    counts += moved;
+    MotorState motor;
+    motor.counts = counts;
+    motor.current_a = Q24::from_double(std::isnan(measured_a) ? wanted_a : measured_a);
+    return observer.rt_step(motor, Q24::from_double(wanted_a), true);
+  }
+  auto steps(int cycles, int moved, double wanted_a) -> FaultSet {
+    FaultSet faults = 0;
+    for (int i = 0; i < cycles; ++i) {
+      faults |= step(moved, wanted_a);
+    }
+    return faults;
+  }
+  /// Gets to a steady speed with little torque, so that the envelope of the torque is narrow again.
+  void run_at(int counts_per_cycle) {
+    for (int v = 0; v <= counts_per_cycle; ++v) {
+      static_cast<void>(step(v, 0.05));
+    }
+    EXPECT_EQ(steps(200, counts_per_cycle, 0.05), 0U);
+  }
+  MotorObserver observer;
+  std::int64_t counts = 1000;
+};
+
+TEST(MotorObserver, ASteadyMotionAndANoisyCurrentAreNoFault) {
+  Rig rig;
+  rig.run_at(10);
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_EQ(rig.step(10 + i % 2, 0.05, 0.05 + 0.006 * (i % 3 - 1)), 0U);
+  }
+}
+
+TEST(MotorObserver, AnEncoderThatStopsAtSpeedIsFrozenInThatVeryCycle) {
+  Rig rig;
+  rig.run_at(10);
+  EXPECT_EQ(rig.step(0, 0.05), bit(Fault::kEncoderFrozen));
+}
+
+TEST(MotorObserver, HalfOfTheSpeedAndTheOtherSignAreAMotionThatNoTorqueMade) {
+  Rig half;
+  half.run_at(12);
+  EXPECT_EQ(half.step(6, 0.05), bit(Fault::kEncoderMotion));
+  Rig reversed;
+  reversed.run_at(12);
+  EXPECT_EQ(reversed.step(-12, 0.05), bit(Fault::kEncoderMotion));
+}
+
+TEST(MotorObserver, WhatTheTorqueExplainsIsNoFault) {
+  Rig rig;
+  rig.run_at(10);
+  // Each 50 mA less are 5 mNm: 250 rad/s2, 1.6 counts less in every cycle from then on.
+  EXPECT_EQ(rig.step(10, 0.0), 0U);
+  EXPECT_EQ(rig.step(8, -0.05), 0U);
+  EXPECT_EQ(rig.step(5, -0.10), 0U);
+}
+
+TEST(MotorObserver, ABlowThatSpeedsTheMotorUpIsSaidAndIsNoFault) {
+  Rig rig;
+  rig.run_at(4);
+  EXPECT_FALSE(rig.observer.blow());
+  EXPECT_EQ(rig.step(14, 0.05), 0U);
+  EXPECT_TRUE(rig.observer.blow());
+}
+
+TEST(MotorObserver, TorqueBeyondWhatFrictionHoldsHasToBeAnsweredByACount) {
+  Rig rig;
+  FaultSet faults = 0;
+  double wanted = 0.0;
+  for (int i = 0; i < 100 && faults == 0; ++i) {
+    wanted += 0.01;
+    faults = rig.step(0, wanted);
+  }
+  EXPECT_EQ(faults, bit(Fault::kEncoderFrozen));
+  EXPECT_GT(wanted, 0.06) << "the motor's own friction, both ways";
+  EXPECT_LT(wanted, 0.16);
+}
+
+TEST(MotorObserver, WithACountNowAndThenTorqueMayRise) {
+  Rig rig;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(rig.step(i % 4 == 0 ? 1 : 0, 0.01 * i), 0U) << i;
+  }
+}
+
+TEST(MotorObserver, AnEncoderThatGoesBackWhileTorqueRisesCountsTheWrongWay) {
+  Rig rig;
+  static_cast<void>(rig.step(1, 0.0));
+  FaultSet faults = 0;
+  for (int i = 0; i < 40 && faults == 0; ++i) {
+    faults = rig.step(-1, 0.01 * i);
+  }
+  EXPECT_EQ(faults, bit(Fault::kEncoderMotion));
+}
+
+TEST(MotorObserver, ACurrentThatNobodyWantedIsAMismatchInTheFirstCycle) {
+  Rig rig;
+  EXPECT_EQ(rig.step(0, 0.1, 1.5), bit(Fault::kCurrentMismatch));
+  Rig small;
+  FaultSet faults = 0;
+  int cycles = 0;
+  for (; cycles < 100 && faults == 0; ++cycles) {
+    faults = small.step(0, 0.05, 0.05 + 0.03);
+  }
+  EXPECT_EQ(faults, bit(Fault::kCurrentMismatch)) << "30 mA are ten times the noise";
+  EXPECT_GT(cycles, 1);
+}
+
+TEST(MotorObserver, ALagOfTheAmplifierBetweenTwoWishesIsNone) {
+  Rig rig;
+  for (int i = 0; i < 100; ++i) {
+    const double before = 0.05 * ((i + 3) % 4 / 2);
+    const double now = 0.05 * (i % 4 / 2);
+    EXPECT_EQ(rig.step(i % 2, now, 0.5 * (before + now)), 0U);
+  }
+}
+
+TEST(MotorObserver, LooksOnceAfterArmingAndOnceWhenAMotionStops) {
+  MotorObserver observer(commissioned_config());
+  observer.rt_arm();
+  double largest = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    largest = std::max(largest, std::fabs(observer.rt_look().to_double()));
+  }
+  EXPECT_GT(largest, 2.0 * 0.03) << "more than the friction holds, both ways";
+  EXPECT_LT(largest, 0.3) << "far less than a joint needs to move";
+  EXPECT_EQ(observer.rt_look(), Q24{});
+  Rig rig;
+  rig.run_at(3);
+  int looked = 0;
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(rig.step(0, 0.05));
+    const Q24 look = rig.observer.rt_look();
+    looked += look != Q24{} ? 1 : 0;
+    EXPECT_LE(look, Q24{}) << "against the motion only";
+  }
+  EXPECT_EQ(looked, 11);
+}
+
+TEST(MotorObserver, WithoutCommissionedValuesItSaysNothingAndLimitsNothing) {
+  Rig rig{AxisConfig{}};
+  EXPECT_EQ(rig.step(0, 0.1, 1.5), 0U);
+  EXPECT_EQ(rig.step(50, 0.1), 0U);
+  EXPECT_EQ(rig.step(0, 3.0), 0U);
+  EXPECT_EQ(rig.observer.rt_look(), Q24{});
+  EXPECT_EQ(MotorObserver::slew_limit(AxisConfig{}), Q24::max());
+}
+
+TEST(MotorObserver, TwoCyclesAtTheSlewLimitGiveLessThanHalfOfTheSpeedLimit) {
+  const AxisConfig config = commissioned_config();
+  const double step_nm = MotorObserver::slew_limit(config).to_double() * 0.1;
+  const double acceleration = step_nm / 2e-5;  // after one cycle, twice that after two
+  const double speed = acceleration * 1e-3 + 2 * acceleration * 1e-3;
+  EXPECT_LE(speed, 0.5 * config.limits.joint_speed_rad_s.to_double());
+}
+
+TEST(MotorObserver, ImpossibleValuesAreRefusedWithTheCure) {
+  AxisConfig config = commissioned_config();
+  EXPECT_EQ(check(config), nullptr);
+  EXPECT_EQ(check(AxisConfig{}), nullptr);
+  config.observer.coulomb_nm = Q24{};
+  ASSERT_NE(check(config), nullptr);
+  EXPECT_NE(std::string(check(config)).find("observer.coulomb"), std::string::npos);
+  config = commissioned_config();
+  config.observer.noise_a = Q24{};
+  EXPECT_NE(check(config), nullptr);
+  config = commissioned_config();
+  config.observer.inertia_gm2 = Q24::from_double(-0.02);
+  EXPECT_NE(check(config), nullptr);
+}
+
+TEST(MotorObserver, ExtremeValuesSaturate) {
+  for (const double inertia : {1e-6, 100.0}) {
+    AxisConfig config = commissioned_config();
+    config.observer.inertia_gm2 = Q24::from_double(inertia);
+    config.motor.torque_per_current_nm_per_a = Q24::from_raw(1);
+    config.motor.encoder_counts_per_turn = 1 << 24;
+    Rig rig(config);
+    static_cast<void>(rig.step(1 << 30, 127.0, -127.0));
+    static_cast<void>(rig.step(-(1 << 30), -127.0, 127.0));
+    EXPECT_GT(MotorObserver::slew_limit(config), Q24{});
+  }
+}
+
+}  // namespace
+}  // namespace capstan

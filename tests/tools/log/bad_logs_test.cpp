@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// The table of files as people have them: each is read, or refused with its true cause and the command that cures it.
+#include <gtest/gtest.h>
+
+#include "capstan/tools/log/compression.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using std::string_literals::operator""s;
+
+struct FileCase {
+  const char* name;
+  std::string bytes;
+  const char* expected;  ///< a refusal's words, or those of the note; empty: read without a note
+};
+
+void PrintTo(const FileCase& file, std::ostream* out) {
+  *out << file.name;
+}
+
+auto utf16(const std::string& ascii, bool big_endian, bool mark) -> std::string {
+  std::string bytes = mark ? (big_endian ? "\xFE\xFF" : "\xFF\xFE") : "";
+  for (const char c : ascii) {
+    bytes += big_endian ? "\0"s + c : c + "\0"s;
+  }
+  return bytes;
+}
+
+const std::string kPlain = "time_s,axis0/q1_rad\n0,1.5\n0.01,-2\n0.02,3\n";
+const std::string kGzip =
+    "\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x2B\xC9\xCC\x4D\x8D\x2F\xD6\x49\xE4\x32\xD0\x31\xE4\x32\xD4\x31\xE2\x02"
+    "\x00\x60\x55\xA7\xAA\x11\x00\x00\x00"s;  // "time_s,a\n0,1\n1,2\n"
+
+class ReadableLog : public testing::TestWithParam<FileCase> {};
+
+TEST_P(ReadableLog, HasTheSameNumbersAndSaysWhatWasDone) {
+  const CsvLog log = CsvLog::parse(GetParam().bytes, "x.csv");
+  EXPECT_EQ(log.time(), Eigen::Vector3d(0.0, 0.01, 0.02));
+  EXPECT_EQ(log.column("axis0/q1_rad"), Eigen::Vector3d(1.5, -2.0, 3.0));
+  std::string notes;
+  for (const auto& note : log.warnings()) {
+    notes += note + "\n";
+  }
+  const std::string expected = GetParam().expected;
+  EXPECT_NE(notes.find(expected), std::string::npos) << notes;
+  EXPECT_EQ(notes.empty(), expected.empty()) << notes;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Logs, ReadableLog,
+    testing::Values(
+        FileCase{"by the contract", kPlain, ""},
+        FileCase{"semicolons", "time_s;axis0/q1_rad\n0;1.5\n0.01;-2\n0.02;3\n", "semicolons"},
+        FileCase{"semicolons and decimal commas", "time_s;axis0/q1_rad\n0;1,5\n0,01;-2\n0,02;3,0\n", "decimal commas"},
+        FileCase{"tabs", "time_s\taxis0/q1_rad\n0\t1.5\n0.01\t-2\n0.02\t3\n", "tabs"},
+        FileCase{"blanks", "time_s   axis0/q1_rad\n0  1.5\n0.01 -2\n  0.02   3\n", "blanks"},
+        FileCase{"names with blanks between wide blanks", "Time [s]   axis0/q1 [rad]\n0  1.5\n0.01  -2\n0.02   3\n",
+                 "blanks"},
+        FileCase{"quotes", "\"time_s\",\"axis0/q1_rad\"\n\"0\",\"1.5\"\n\"0.01\",\"-2\"\n\"0.02\",\"3\"\n", ""},
+        FileCase{"quotes with decimal commas",
+                 "time_s,axis0/q1_rad\n\"0\",\"1,5\"\n\"0,01\",\"-2\"\n\"0,02\",\"3,0\"\n", "decimal commas"},
+        FileCase{"a doubled quote in an unused cell",
+                 "time_s,axis0/q1_rad,remark\n0,1.5,\"a \"\"b\"\", c\"\n0.01,-2,\n0.02,3,\n", ""},
+        FileCase{"a row of units", "time_s,axis0/q1_rad\ns,rad\n0,1.5\n0.01,-2\n0.02,3\n", "units in line 2"},
+        FileCase{"a preamble", "Device: motor 7\nDate;2026\n\ntime_s;axis0/q1_rad\n0;1.5\n0.01;-2\n0.02;3\n",
+                 "column names in line 4"},
+        FileCase{"names in a remark, as numpy.savetxt has them", "# time_s axis0/q1_rad\n0 1.5\n0.01 -2\n0.02 3\n",
+                 "blanks"},
+        FileCase{"a separator at each line's end", "time_s,axis0/q1_rad,\n0,1.5,\n0.01,-2,\n0.02,3,\n", ""},
+        FileCase{"units in brackets", "Time [s],axis0/q1 [rad]\n0,1.5\n0.01,-2\n0.02,3\n",
+                 "Time [s] is read as time_s"},
+        FileCase{"milliseconds", "Time (ms),axis0/q1_rad\n0,1.5\n10,-2\n20,3\n",
+                 "Time (ms) is read as time_s (times 0.001)"},
+        FileCase{"times with dates",
+                 "time_s,axis0/q1_rad\n2026-11-22T23:59:59.990Z,1.5\n2026-11-23T00:00:00.000Z,-2\n2026-11-23 "
+                 "00:00:00.010,3\n",
+                 ""},
+        FileCase{"times of day past midnight", "time_s,axis0/q1_rad\n23:59:59.99,1.5\n00:00:00.00,-2\n00:00:00.01,3\n",
+                 ""},
+        FileCase{"times with dots and offsets",
+                 "time_s;axis0/q1_rad\n22.11.2026 05:00:00,00+02:00;1.5\n22.11.2026 03:00:00,01;-2\n22.11.2026 "
+                 "03:00:00,02;3\n",
+                 "semicolons"},
+        FileCase{"UTF-16 with a mark", utf16(kPlain, false, true), ""},
+        FileCase{"UTF-16 big endian", utf16(kPlain, true, true), ""},
+        FileCase{"UTF-16 without a mark", utf16(kPlain, false, false), ""},
+        FileCase{"Latin-1", "time_s,axis0/q1_rad,\xE4\n0,1.5,0\n0.01,-2,0\n0.02,3,0\n", "Latin-1"},
+        FileCase{"carriage returns alone", "time_s,axis0/q1_rad\r0,1.5\r0.01,-2\r0.02,3\r", ""},
+        FileCase{"Zstandard", packed(Codec::kZstd, kPlain), ""}, FileCase{"LZ4", packed(Codec::kLz4, kPlain), ""},
+        FileCase{"two packed pieces",
+                 packed(Codec::kZstd, kPlain.substr(0, 25)) + packed(Codec::kZstd, kPlain.substr(25)), ""}));
+
+TEST(Logs, GzipIsUnpacked) {
+  EXPECT_EQ(CsvLog::parse(kGzip, "x.csv.gz").column("a"), Eigen::Vector2d(1.0, 2.0));
+}
+
+TEST(Logs, DegreesInAHeaderAreReadAsRadians) {
+  const CsvLog log = CsvLog::parse("time_s,axis0/q1 [deg]\n0,180\n1,-90\n", "x.csv");
+  EXPECT_NEAR(log.column("axis0/q1_rad")[0], 3.14159265358979, 1e-12);
+  ASSERT_EQ(log.warnings().size(), 1U);
+  EXPECT_NE(log.warnings()[0].find("axis0/q1 [deg] is read as axis0/q1_rad (times 0.0174533)"), std::string::npos);
+}
+
+TEST(Logs, WhatTwoColumnsCouldBeIsNotGuessed) {
+  const CsvLog log = CsvLog::parse("time_s,axis0/q1 [deg],axis0/q1 [mrad]\n0,180,1\n1,-90,2\n", "x.csv");
+  EXPECT_THROW(static_cast<void>(log.column("axis0/q1_rad")), BadInput);
+}
+
+class RefusedLog : public testing::TestWithParam<FileCase> {};
+
+TEST_P(RefusedLog, NamesTheCauseAndTheCure) {
+  try {
+    const CsvLog log = CsvLog::parse(GetParam().bytes, "x.csv");
+    static_cast<void>(log.time());
+    static_cast<void>(log.column("axis0/q1_rad"));
+    FAIL() << "was read";
+  } catch (const BadInput& refusal) {
+    const std::string message = refusal.what();
+    EXPECT_NE(message.find(GetParam().expected), std::string::npos) << message;
+    EXPECT_TRUE(message.starts_with("x.csv:")) << message;
+    EXPECT_NE(message.find("; "), std::string::npos) << "no cure: " << message;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Logs, RefusedLog,
+    testing::Values(
+        FileCase{"empty", "", "no data rows"},
+        FileCase{"decimal commas between commas", "time_s,axis0/q1_rad\n0,00,1,5\n0,01,2,5\n0,02,3,5\n",
+                 "`sed -E 2',$ s/"},
+        FileCase{"thousands", "time_s;axis0/q1_rad\n0;1.234,5\n1;2.234,5\n", "`tr -d . < x.csv > log.csv`"},
+        FileCase{"both points and commas", "time_s;axis0/q1_rad\n0.00;1,5\n0.01;2,5\n0.02;3,5\n",
+                 "`tr , . < x.csv > log.csv`"},
+        FileCase{"an open quote", "time_s,axis0/q1_rad\n0,\"1\n1,2\n", "x.csv:2: a quote is opened"},
+        FileCase{"no names", "0;1\n1;2\n", "put the column names there"},
+        FileCase{"dates with slashes", "time_s,axis0/q1_rad\n11/22/2026 05:00:00,1\n11/22/2026 05:00:01,2\n",
+                 "'11/22/2026 05:00:00'"},
+        FileCase{"a broken time of day", "time_s,axis0/q1_rad\n05:00:00.0,1\n05:00:00.1,2\nlater,2\n5:0,2\n",
+                 "x.csv:4: column time_s holds 'later'"},
+        FileCase{"a zip archive", "PK\x03\x04 and so on", "`unzip x.csv`"},
+        FileCase{"bzip2", "BZh91AY", "`bunzip2 -k x.csv`"},
+        FileCase{"xz",
+                 "\xFD"
+                 "7zXZ\0"s,
+                 "`xz -dk x.csv`"},
+        FileCase{"HDF5", "\x89HDF\r\n", "pandas.read_hdf('x.csv')"},
+        FileCase{"MATLAB", "MATLAB 5.0 MAT-file", "`writetable(T, 'log.csv')`"},
+        FileCase{"a ROS 1 bag", "#ROSBAG V2.0\n", "`rostopic echo -b x.csv"},
+        FileCase{"a ROS 2 bag", "SQLite format 3\0"s, "is a database, as ROS 2 bags"},
+        FileCase{"binary", "time_s,a\n\x01\0\x02"s, "the file is binary"},
+        FileCase{"JSON", "  {\"time_s\": [0, 1]}\n", "the file is JSON"},
+        FileCase{"a web page", "<html><body>404</body></html>\n", "XML or HTML"},
+        FileCase{"gzip that ends early", kGzip.substr(0, 24), "`gzip -dc x.csv > log.csv`"},
+        FileCase{"gzip that is damaged", kGzip.substr(0, 20) + "\xFF\xFF\xFF" + kGzip.substr(23), "it is damaged"},
+        FileCase{"Zstandard that ends early", packed(Codec::kZstd, kPlain).substr(0, 20), "it ends in the middle"},
+        FileCase{"LZ4 that ends early", packed(Codec::kLz4, kPlain).substr(0, 20), "it ends in the middle"}));
+
+/// Between two texts, each time they occur.
+auto all_between(const std::string& text, const std::string& open, const std::string& close)
+    -> std::vector<std::string> {
+  std::vector<std::string> found;
+  for (auto at = text.find(open); at != std::string::npos; at = text.find(open, at)) {
+    at += open.size();
+    found.push_back(text.substr(at, text.find(close, at) - at));
+  }
+  return found;
+}
+
+TEST(Logs, TheExamplesOfTheManualWork) {
+  const std::string page = read_text_file(std::string(CAPSTAN_SOURCE_DIR) + "/docs/logs.md");
+  const std::string log =
+      "stamp;motor;camera;current;left;right;i_a;i_b;Elbow angle "
+      "[deg];Zeit\n0;1;2;3;4;5;6;7;8;9\n1;1;2;3;4;5;6;7;8;9\n";
+  const auto examples = all_between(page, "--map \"", "\"");
+  EXPECT_GE(examples.size(), 5U);
+  for (const auto& example : examples) {
+    const auto mapping = parse_mapping(example);
+    const CsvLog csv = CsvLog::parse(log, "x.csv", {mapping});
+    EXPECT_TRUE(csv.column(mapping.wanted).allFinite()) << example;
+  }
+  for (const auto& time : all_between(page, "times such as `", "`")) {
+    const CsvLog csv = CsvLog::parse("time_s;a\n" + time + ";1\n", "x.csv");
+    EXPECT_EQ(csv.time()[0], 0.0) << time;
+  }
+}
+
+TEST(Compression, WhatUnpacksToMoreThanIsAllowedIsRefusedNotStored) {
+  const std::string zeros(1000000, '0');
+  for (const Codec codec : {Codec::kZstd, Codec::kLz4}) {
+    const std::string small = packed(codec, zeros);
+    EXPECT_LT(small.size(), 10000U);
+    EXPECT_EQ(unpacked(codec, small), zeros);
+    EXPECT_THROW(unpacked(codec, small, 999999), Unpackable);
+  }
+}
+
+}  // namespace
+}  // namespace capstan::tools

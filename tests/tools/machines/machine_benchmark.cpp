@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the diagnosis makes of measured machines, beside plain fits on the same rows: see tools/machine_benchmark.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <limits>
+#include <map>
+
+#include "capstan/tests/tools/machines/plain_fits.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/preparation.hpp"
+#include "capstan/tools/select/choice.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools::machines {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+/// A measured joint angle.
+struct Joint {
+  std::string name, machine;  ///< machine: logs of one are left out together
+  AxisLog log;
+};
+
+auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
+  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
+  return log;
+}
+
+auto joints_in(const std::string& folder) -> std::vector<Joint> {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".csv") {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Joint> joints;
+  for (const auto& file : files) {
+    const CsvLog csv = CsvLog::read(file.string());
+    for (int axis = 0; axis < kMostAxes; ++axis) {
+      if (csv.has(axis_column(axis, "q1_rad")) && csv.has(axis_column(axis, "q2_rad"))) {
+        AxisRequest request;
+        request.axis = axis;
+        const std::string stem = file.stem().string();
+        joints.push_back({stem + (axis > 0 ? ":" + std::to_string(axis) : ""), stem.substr(0, stem.find('_')),
+                          read_axis(csv, request)});
+      }
+    }
+  }
+  return joints;
+}
+
+/// rms in degrees on the rows from `begin` to `end`.
+auto error_on(const Eigen::VectorXd& estimate, const AxisLog& log, Eigen::Index begin, Eigen::Index end) -> double {
+  return kDegrees * rms((log.q2_rad - estimate).segment(begin, end - begin));
+}
+
+struct PlainResult {
+  std::string name;
+  double affine = 0.0, simple = 0.0;
+};
+
+/// The plain fit that does best on the last quarter of A, fitted to the first three; then fitted to all of A.
+auto plain_result(const AxisLog& log, Eigen::Index rows, Eigen::Index end) -> PlainResult {
+  constexpr double kInner = 0.75;
+  const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
+  const auto fits = plain_angle_fits(log);
+  double least = std::numeric_limits<double>::infinity();
+  const PlainFit* best = nullptr;
+  for (const auto& fit : fits) {
+    if (const double error = error_on(fit.estimate(inner), log, inner, rows); error < least) {
+      least = error;
+      best = &fit;
+    }
+  }
+  return {best->name, error_on(fits.front().estimate(rows), log, rows, end),
+          error_on(best->estimate(rows), log, rows, end)};
+}
+
+auto error_of(const JointFile& law, const AxisLog& log, Eigen::Index rows, Eigen::Index end) -> double {
+  return error_on(simulate({log}, motion_parameters(law)), log, rows, end);
+}
+
+/// The scoreboard: one line per joint. True if it meets what is wanted.
+auto scoreboard(const std::vector<Joint>& joints, double share) -> bool {
+  std::vector<double> ratios;
+  int improvable = 0;
+  int improved = 0;
+  int wrong = 0;
+  for (const auto& joint : joints) {
+    const Eigen::Index end = joint.log.samples();
+    const auto rows = static_cast<Eigen::Index>(share * static_cast<double>(end));
+    const PlainResult plain = plain_result(joint.log, rows, end);
+    const Diagnosis d = diagnose({first_rows(joint.log, rows)}, {});
+    const double ours = d.law.terms.empty() ? plain.affine : error_of(d.law, joint.log, rows, end);
+    std::string names;
+    for (const auto& effect : d.effects) {
+      names += (names.empty() ? "" : "+") + effect.name;
+    }
+    ratios.push_back(ours / plain.simple);
+    improvable += plain.simple < 0.8 * plain.affine ? 1 : 0;
+    improved += plain.simple < 0.8 * plain.affine && ours < 0.8 * plain.affine ? 1 : 0;
+    wrong += d.verdict == Verdict::kNothingMissing && ours > 1.5 * plain.simple ? 1 : 0;
+    std::printf("%-18s plain %8.3f  simple %8.3f (%-21s) capstan %8.3f deg  ratio %5.2f  %-12s %-20s %s\n",
+                joint.name.c_str(), plain.affine, plain.simple, plain.name.c_str(), ours, ratios.back(),
+                word_of(d.law.status), verdict_word(d.verdict), names.c_str());
+    std::fflush(stdout);
+  }
+  const Eigen::VectorXd all = Eigen::Map<Eigen::VectorXd>(ratios.data(), std::ssize(ratios));
+  const double within = (all.array() <= 1.1).cast<double>().mean();
+  std::printf(
+      "%zu joints: capstan over simple median %.2f, at most 1.10 in %.0f %%; of %d that plain fits improve, "
+      "improved %d; nothing_missing said wrongly %d\n",
+      ratios.size(), median(all), 100.0 * within, improvable, improved, wrong);
+  return within >= 0.9 && wrong == 0;
+}
+
+struct Variant {
+  std::string name;
+  DecidingNumbers numbers;
+};
+
+auto variants() -> std::vector<Variant> {
+  std::vector<Variant> all = {{"as chosen", {}}};
+  const auto add = [&](const char* name, auto change) {
+    all.push_back({name, {}});
+    change(all.back().numbers);
+  };
+  add("6 parts", [](auto& n) { n.parts = 6, n.first_judged_part = 3; });
+  add("16 parts", [](auto& n) { n.parts = 16, n.first_judged_part = 8; });
+  add("no settling", [](auto& n) { n.most_share_unsettled = 0.0; });
+  add("any play", [](auto& n) { n.fewest_turns_of_play = 0; });
+  add("2 turns", [](auto& n) { n.fewest_turns_of_play = 2; });
+  add("base if in set", [](auto& n) { n.worth_a_law = 1e9; });
+  add("base at 1.05", [](auto& n) { n.worth_a_law = 1.05; });
+  add("step 0.99", [](auto& n) { n.worth_a_step = 0.99; });
+  add("step 0.94", [](auto& n) { n.worth_a_step = 0.94; });
+  add("step 0.90", [](auto& n) { n.worth_a_step = 0.90; });
+  add("ridge 1e-4", [](auto& n) { n.ridge = 1e-4; });
+  add("2 plays", [](auto& n) { n.most_plays = 2; });
+  return all;
+}
+
+/// The law alone, chosen by given numbers, on B. The found law takes no part: these numbers decide what is grown.
+auto error_by(const DecidingNumbers& numbers, const Preparation& p, const JointFile& base, const AxisLog& log,
+              Eigen::Index rows, Eigen::Index end) -> double {
+  const LawChoice choice = choose_law(p, base, std::nullopt, numbers);
+  if (std::getenv("CAPSTAN_SHOW_LAWS") != nullptr) {
+    std::printf(" [%s]", joined(choice.law.terms, " ").c_str());
+  }
+  return error_of(choice.law, log, rows, end);
+}
+
+/// Ratio to the simple fit, by joint and cut (rows) and by variant (columns).
+struct VariantTable {
+  std::vector<std::string> rows, machines;
+  Eigen::MatrixXd ratios;
+};
+
+auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>& all) -> VariantTable {
+  constexpr double kCuts[][2] = {{0.6, 1.0}, {0.45, 0.75}};
+  VariantTable table;
+  table.ratios.resize(0, static_cast<Eigen::Index>(all.size()));
+  for (const auto& joint : joints) {
+    for (const auto& cut : kCuts) {
+      const auto rows = static_cast<Eigen::Index>(cut[0] * static_cast<double>(joint.log.samples()));
+      const auto end = static_cast<Eigen::Index>(cut[1] * static_cast<double>(joint.log.samples()));
+      const AxisLog seen = first_rows(joint.log, rows);
+      const PlainResult plain = plain_result(joint.log, rows, end);
+      const LawForm form = form_of_model(seen.has_torque ? kDefaultModel : "kinematic", {seen});
+      const Preparation p = prepare({seen}, form);
+      const JointFile base = causal_law(p, form);
+      table.rows.push_back(joint.name + (cut[1] < 1.0 ? " (45 %)" : ""));
+      table.machines.push_back(joint.machine);
+      table.ratios.conservativeResize(table.ratios.rows() + 1, Eigen::NoChange);
+      std::printf("%-24s", table.rows.back().c_str());
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const double ratio = error_by(all[i].numbers, p, base, joint.log, rows, end) / plain.simple;
+        table.ratios(table.ratios.rows() - 1, static_cast<Eigen::Index>(i)) = ratio;
+        std::printf(" %6.2f", ratio);
+        std::fflush(stdout);
+      }
+      std::printf("\n");
+    }
+  }
+  return table;
+}
+
+/// Every machine with the numbers that serve the others best (geometric mean of the ratios).
+void leave_one_out(const VariantTable& table, const std::vector<Variant>& all) {
+  std::printf("\nleave one machine out: numbers chosen on the others, ratio on this one\n");
+  std::map<std::string, Eigen::Index> chosen;
+  std::vector<double> ratios;
+  for (std::size_t row = 0; row < table.rows.size(); ++row) {
+    const std::string& machine = table.machines[row];
+    if (!chosen.contains(machine)) {
+      Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(table.ratios.cols());
+      for (std::size_t other = 0; other < table.rows.size(); ++other) {
+        if (table.machines[other] != machine) {
+          sum += table.ratios.row(static_cast<Eigen::Index>(other)).array().log().matrix();
+        }
+      }
+      sum.minCoeff(&chosen[machine]);
+    }
+    const Eigen::Index variant = chosen[machine];
+    ratios.push_back(table.ratios(static_cast<Eigen::Index>(row), variant));
+    std::printf("%-24s %-12s %5.2f\n", table.rows[row].c_str(), all[static_cast<std::size_t>(variant)].name.c_str(),
+                ratios.back());
+  }
+  const Eigen::VectorXd values = Eigen::Map<Eigen::VectorXd>(ratios.data(), std::ssize(ratios));
+  std::printf("median %.2f, at most 1.10 in %.0f %%\n", median(values),
+              100.0 * (values.array() <= 1.1).cast<double>().mean());
+}
+
+void leave_one_out(const std::vector<Joint>& joints) {
+  const auto all = variants();
+  std::printf("capstan over simple, law alone\n%-24s", "");
+  for (const auto& variant : all) {
+    std::printf(" %s |", variant.name.c_str());
+  }
+  std::printf("\n");
+  leave_one_out(variant_table(joints, all), all);
+}
+
+}  // namespace
+}  // namespace capstan::tools::machines
+
+int main(int argc, char** argv) {
+  using namespace capstan::tools;
+  CLI::App app("What the diagnosis makes of measured joint angles, beside plain fits on the same rows.");
+  std::string folder;
+  double share = 0.6;
+  bool leave_out = false;
+  app.add_option("folder", folder, "logs by the contract")->required()->check(CLI::ExistingDirectory);
+  app.add_option("--share", share, "share of the rows, the first, that the diagnosis and the fits are given")
+      ->capture_default_str()
+      ->check(CLI::Range(0.2, 0.9));
+  app.add_flag("--leave-one-out", leave_out, "other values of the deciding numbers, chosen without the machine judged");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const auto joints = machines::joints_in(folder);
+    if (leave_out) {
+      machines::leave_one_out(joints);
+      return 0;
+    }
+    return machines::scoreboard(joints, share) ? 0 : 1;
+  } catch (const BadInput& error) {
+    std::cerr << "machine_benchmark: " << error.what() << "\n";
+    return 2;
+  }
+}

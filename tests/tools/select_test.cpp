@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/select/choice.hpp"
+#include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// A play operator of the test's own.
+auto play(const Eigen::VectorXd& q, double half_width) -> Eigen::VectorXd {
+  Eigen::VectorXd place(q.size());
+  double p = q[0];
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    p = std::clamp(p, q[i] - half_width, q[i] + half_width);
+    place[i] = p;
+  }
+  return place;
+}
+
+struct Made {
+  Eigen::Index rows = 1600;
+  double period_s = 0.02;
+  double noise = 0.002;
+  double angle_unit = 1.0, joint_unit = 1.0, time_unit = 1.0;
+  bool sheath = true;  ///< two plays and a curve behind them; else the ratio alone
+};
+
+/// A sheath by hand: h = 0.5 q + 0.3 play(q, 0.1) + 0.2 play(q, 0.4), q2 = 0.8 h + 0.1 h^2, and white noise.
+auto made_log(const Made& made) -> AxisLog {
+  AxisLog log;
+  log.name = "made.csv";
+  log.target = "axis0/q2_rad";
+  log.period_s = made.period_s * made.time_unit;
+  log.time_s.resize(made.rows);
+  Eigen::VectorXd q(made.rows);
+  for (Eigen::Index i = 0; i < made.rows; ++i) {
+    const double t = made.period_s * static_cast<double>(i);
+    log.time_s[i] = t * made.time_unit;
+    q[i] = 0.7 * std::sin(1.3 * t) + 0.4 * std::sin(3.1 * t);
+  }
+  const Eigen::VectorXd h = made.sheath ? Eigen::VectorXd(0.5 * q + 0.3 * play(q, 0.1) + 0.2 * play(q, 0.4)) : q;
+  Random random(11);
+  log.q2_rad.resize(made.rows);
+  for (Eigen::Index i = 0; i < made.rows; ++i) {
+    const double curve = made.sheath ? 0.1 * h[i] * h[i] : 0.0;
+    log.q2_rad[i] = made.joint_unit * (0.8 * h[i] + curve + made.noise * random.normal());
+  }
+  log.q1_rad = made.angle_unit * q;
+  log.tau_nm = Eigen::VectorXd::Zero(made.rows);
+  return log;
+}
+
+struct Chosen {
+  explicit Chosen(const AxisLog& log)
+      : p(prepare({log}, form_of_model("kinematic", {log}))),
+        base(causal_law(p, form_of_model("kinematic", {log}))),
+        choice(choose_law(p, base, std::nullopt)) {}
+  Preparation p;
+  JointFile base;
+  LawChoice choice;
+};
+
+TEST(Select, ASheathWithACurveBehindItIsLearnedDownToItsNoise) {
+  const Made made;
+  const Chosen chosen(made_log(made));
+  EXPECT_EQ(chosen.choice.status, LawStatus::kProvisional);
+  const double left = report_error(chosen.p, estimates(chosen.p.logs, chosen.p.causal, chosen.choice.learned)).rmse;
+  const double before = report_error(chosen.p, estimates(chosen.p.logs, chosen.p.causal, chosen.base)).rmse;
+  EXPECT_LT(left, 2.0 * made.noise);
+  EXPECT_GT(before, 20.0 * made.noise);
+  EXPECT_EQ(chosen.choice.halves_agree, 2);
+}
+
+TEST(Select, WhereTheBaseLawIsTheTruthItIsDelivered) {
+  Made made;
+  made.sheath = false;
+  const Chosen chosen(made_log(made));
+  EXPECT_EQ(chosen.choice.status, LawStatus::kBase)
+      << described(chosen.choice.selection.laws[chosen.choice.selection.best].law);
+}
+
+TEST(Select, AScaleOfAngleJointOrTimeChangesTheLawByThatScaleAlone) {
+  const Chosen plain{made_log({})};
+  const auto error_of = [](const Chosen& chosen) {
+    return rms(chosen.p.target - estimates(chosen.p.logs, chosen.p.causal, chosen.choice.law));
+  };
+  for (const double scale : {0.05, 20.0}) {
+    Made angle;
+    angle.angle_unit = scale;
+    Made joint;
+    joint.joint_unit = scale;
+    Made time;
+    time.time_unit = scale;
+    for (const auto& [made, unit] : {std::pair(angle, 1.0), std::pair(joint, scale), std::pair(time, 1.0)}) {
+      const Chosen scaled(made_log(made));
+      EXPECT_EQ(scaled.choice.status, plain.choice.status) << scale;
+      EXPECT_NEAR(error_of(scaled) / unit, error_of(plain), 0.2 * error_of(plain)) << scale;
+    }
+  }
+}
+
+TEST(Select, RowsBeforeTheMotorHasCoveredItsRangeTakeNoPart) {
+  const AxisLog log = made_log({});
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  const SelectionData data(p, *form.catalogue);
+  const RowRange settled = data.settled().front();
+  const auto seen = data.q1().head(settled.begin);
+  const double range = data.q1().maxCoeff() - data.q1().minCoeff();
+  EXPECT_GE(seen.maxCoeff() - seen.minCoeff(), 0.9 * range);
+  EXPECT_LE(settled.begin, data.rows() / 4);
+  EXPECT_EQ(settled.end, data.rows());
+}
+
+TEST(Select, OnlyPlaysThatTheMotionTurnsRoundAreTried) {
+  const AxisLog log = made_log({});
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  const SelectionData data(p, *form.catalogue);
+  ASSERT_FALSE(data.play_widths().empty());
+  EXPECT_LE(data.play_widths().back(), 0.5 * (log.q1_rad.maxCoeff() - log.q1_rad.minCoeff()));
+}
+
+TEST(Select, TheScoreOfTheTrueLawIsTheNoiseAndThatOfTheRatioAloneIsNot) {
+  const Made made;
+  const AxisLog log = made_log(made);
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  SelectionData data(p, *form.catalogue);
+  ForwardScore forward(data, data.logs());
+  const LawCandidate ratio = candidate_of(form);
+  LawCandidate truth = with_play(with_play(ratio, 0.1), 0.4);
+  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
+  EXPECT_NEAR(std::sqrt(forward.score(truth)), made.noise, 0.1 * made.noise);
+  EXPECT_GT(std::sqrt(forward.score(ratio)), 20.0 * made.noise);
+  const Eigen::VectorXd losses = forward.losses(truth);
+  EXPECT_NEAR(losses.mean(), forward.score(truth), 0.05 * forward.score(truth));
+}
+
+TEST(Select, AFittedCandidateHasTheWeightsOfItsPlays) {
+  const AxisLog log = made_log({});
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  SelectionData data(p, *form.catalogue);
+  LawCandidate truth = with_play(with_play(candidate_of(form), 0.1), 0.4);
+  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
+  const JointFile joint = joint_of(data, data.logs(), truth, p.conditioner);
+  const std::size_t first = form.catalogue->term("hysteresis").first_shape;
+  EXPECT_DOUBLE_EQ(joint.parameters.shapes[first], 0.1);
+  EXPECT_NEAR(joint.parameters.shapes[first + 1], 0.3, 0.02);
+  EXPECT_DOUBLE_EQ(joint.parameters.shapes[first + 2], 0.4);
+  EXPECT_NEAR(joint.parameters.shapes[first + 3], 0.2, 0.02);
+  EXPECT_TRUE(joint.has("hysteresis"));
+}
+
+TEST(Select, TwoLogsWithZerosOfTheirOwnGiveOneLaw) {
+  AxisLog second = made_log({});
+  second.q2_rad.array() += 0.3;
+  const std::vector<AxisLog> logs = {made_log({}), second};
+  const LawForm form = form_of_model("kinematic", logs);
+  const Preparation p = prepare(logs, form);
+  SelectionData data(p, *form.catalogue);
+  ForwardScore forward(data, data.logs());
+  LawCandidate truth = with_play(with_play(candidate_of(form), 0.1), 0.4);
+  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
+  EXPECT_LT(std::sqrt(forward.score(truth)), 1.2 * Made{}.noise);
+}
+
+TEST(Select, AShortLogWithTwoLoopsIsDiagnosed) {
+  Made made;
+  made.rows = 310;
+  made.period_s = 0.04;
+  const Diagnosis d = diagnose({made_log(made)}, {});
+  EXPECT_NE(d.verdict, Verdict::kDataUnfit) << d.reason;
+  EXPECT_LT(d.after.rmse, 0.5 * d.before.rmse);
+}
+
+}  // namespace
+}  // namespace capstan::tools
