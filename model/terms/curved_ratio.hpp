@@ -72,7 +72,8 @@ class CurvedRatio {
 
 /// beta h + c2 phi2 + c3 phi3 = y, turned round. Everything is counted in spans, so that the three coefficients are of
 /// the size of beta: outside the span the curve is straight, inside it is a cubic that rises, where a few of Newton's
-/// steps from where the motor was end within the last place; a step that leaves what is known halves it instead. @pre `follows_everywhere`; if not, the result is bounded.
+/// steps from where the motor was end within the last place; a step that leaves what is known halves it instead. @pre
+/// `follows_everywhere`; if not, the result is bounded.
 template <typename Scalar>
 class CurveInverse {
  public:
@@ -105,8 +106,8 @@ class CurveInverse {
       return centre_ - span_ - span_ * ((low_ - wanted) * per_low_);
     }
     Scalar u = clamp((near - centre_) * per_span_, -kOne, kOne);
-    Scalar least = -kOne;  // where the answer lies: the curve rises
-    Scalar most = kOne;
+    Scalar least = -kOne - kOne;  // where the curve was seen below and above what is wanted
+    Scalar most = kOne + kOne;
     for (int step = 0; step < kSteps; ++step) {
       const auto share = Traits::share_of(u);
       const Scalar left =
@@ -115,9 +116,10 @@ class CurveInverse {
         break;
       }
       (left < Scalar{} ? most : least) = u;
-      const Scalar next = u + rough_quotient(left, steep(slope(u)));
+      const Scalar next = clamp(u + rough_quotient(left, steep(slope(u))), -kOne, kOne);
       // Where the curve is flat at both ends, Newton's steps would go to and fro between them for ever.
-      u = next < least || most < next ? Traits::template shifted_down<1>(least + most) : next;
+      const bool known = next != u && (next <= least || most <= next);
+      u = known ? Traits::template shifted_down<1>(least + most) : next;
     }
     return centre_ + span_ * u;
   }

@@ -62,10 +62,8 @@ auto contains(const EffectPair& pair, std::size_t family) -> bool {
   return pair.family[0] == family || pair.family[1] == family;
 }
 
-/// Whether one names the other among its doubles; what follows a colon explains.
 auto names_as_double(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
-  const std::string doubles = a.confusable_with.substr(0, a.confusable_with.find(':'));
-  return doubles.find(b.name) != std::string::npos;
+  return std::find(a.doubles.begin(), a.doubles.end(), b.name) != a.doubles.end();
 }
 
 /// Effects that pass for each other alone bend, as a pair, into almost anything of their kind; and one that waits comes

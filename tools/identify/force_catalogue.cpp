@@ -46,6 +46,7 @@ auto pull_push_term() -> CatalogueTerm {
   term.equation = "r2/r1 times the torque at the output, held through phase I";
   term.source = "(2.16) to (2.21)";
   term.confusable_with = "coulomb_friction where no tendon goes slack";
+  term.doubles.emplace_back("coulomb_friction");
   term.exciting_motion = kForceMotion;
   term.coefficients = {{"ratio", "1", Sign::kNonNegative, "output radius over input radius"}};
   term.shapes = {{"eta_top", "1", 0.0, 3.0, 0.5, "friction-bending number of the top tendon"},
@@ -72,6 +73,7 @@ auto preisach_term() -> CatalogueTerm {
   term.equation = "f- + sum of relays, their weights spread evenly over each cell of the grid";
   term.source = "(4.4), (4.5)";
   term.confusable_with = "coulomb_friction, offset: both are in its span";
+  term.doubles = {"coulomb_friction", "offset"};
   term.exciting_motion = "first-order reversals: up to each level of torque in turn, and down to the lowest";
   term.coefficients.push_back({"saturation_low", "Nm", Sign::kAny, "output at the lower end of the grid"});
   for (const auto& name : kNames) {

@@ -116,15 +116,16 @@ auto lively_config(std::size_t axis) -> AxisConfig {
     set(("coupled_hysteresis" + slot + ".lost").c_str(), -0.02);
     set(("coupled_hysteresis" + slot + ".half_width").c_str(), 0.01);
   }
+  constexpr int kKnots = static_cast<int>(Table<Q24>::kKnots);
   for (int play = 1; play <= 6; ++play) {
     set(("hysteresis.half_width_" + std::to_string(play)).c_str(), 0.004 * play);
     set(("hysteresis.weight_" + std::to_string(play)).c_str(), 0.02);
   }
-  for (int knot = 0; knot < 17; ++knot) {
+  for (int knot = 0; knot < kKnots; ++knot) {
     set(("table.forward_" + std::to_string(knot)).c_str(), 0.0001 * (1 + knot % 5));
     set(("table.backward_" + std::to_string(knot)).c_str(), -0.0001 * (1 + knot % 7));
   }
-  set("table.knots", 17.0);
+  set("table.knots", kKnots);
   set("table.signal", static_cast<double>(axis));
   set("table.low", -1.0);
   set("table.high", 1.0);

@@ -113,7 +113,7 @@ RC_GTEST_PROP(CurvedRatio, IsTurnedRoundFromAnywhereInAFewCycles, ()) {
 
 // Flat at both ends and steep between: Newton's step from one end goes past the other, and back.
 TEST(CurvedRatio, IsTurnedRoundFromTheFarEndOfAnS) {
-  const Joint s{.beta = 1.0, .centre = 0.0, .span = 1.0, .c2 = 0.0, .c3 = -0.26};
+  const Joint s{1.0, 0.0, -0.26, 0.0, 1.0};  // beta, c2, c3, centre, span
   double near = 1.0;
   for (int cycle = 0; cycle < 3; ++cycle) {
     near = inverse_of<double>(s)(s.angle(0.01), near);
