@@ -128,6 +128,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, Dia
   d.base.status = LawStatus::kBase;
   d.traces.before = estimates(p.logs, p.causal, d.base);
   d.before = report_error(p, d.traces.before);
+  d.noise_floor = std::hypot(d.noise_floor, noise_of_running(p, search.law));
   d.found = found_law(p, search, base, d);
   const LawChoice choice = chosen_law(p, d);
   d.law = choice.law;

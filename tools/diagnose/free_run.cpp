@@ -35,7 +35,10 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
   return {error, 100.0 * error / rms(measured), goodness_of_fit_percent(measured, estimated)};
 }
 
-auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
+namespace {
+
+/// rms over the rows set aside where the running direction switch agrees with hindsight.
+auto rms_of_known_direction(const Preparation& p, const Eigen::VectorXd& error) -> double {
   std::vector<bool> known;
   for (std::size_t log = 0; log < p.logs.size(); ++log) {
     const Samples& running = p.causal.samples()[log];
@@ -47,12 +50,24 @@ auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estim
   for (const auto& rows : refined(p.split, p.factor).of(Role::kReport)) {
     for (Eigen::Index i = rows.begin; i < rows.end; ++i) {
       if (known[static_cast<std::size_t>(i)]) {
-        squares += (p.target[i] - estimate[i]) * (p.target[i] - estimate[i]);
+        squares += error[i] * error[i];
         ++count;
       }
     }
   }
   return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
+}
+
+}  // namespace
+
+auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
+  return rms_of_known_direction(p, p.target - estimate);
+}
+
+auto noise_of_running(const Preparation& p, const LawForm& form) -> double {
+  const Eigen::MatrixXd running = law_columns(p.causal, form);
+  const LinearFit fit = fit_columns(running, p.target, refined(p.split, p.factor).learned(), law_signs(form));
+  return rms_of_known_direction(p, (running - law_columns(p.hindsight, form)) * fit.theta);
 }
 
 namespace {

@@ -77,12 +77,12 @@ auto largest_hidden_share(const Preparation& p, const Diagnosis& d) -> double {
   return d.detectable.empty() || size <= 0.0 ? 1.0 : largest / size;
 }
 
-/// Whether the base law errs well above the noise, and most of that where the running switch does not know the
-/// direction.
-auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d) -> bool {
+/// Whether most of what an estimate errs above the noise lies where the running switch does not know the direction.
+auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d, const Eigen::VectorXd& estimate) -> bool {
   constexpr double kMost = 0.5;
-  const double known = error_of_known_direction(p, d.traces.before);
-  const double all = d.before.rmse * d.before.rmse;
+  const double known = error_of_known_direction(p, estimate);
+  const double error = report_error(p, estimate).rmse;
+  const double all = error * error;
   const double above_noise = all - d.noise_floor * d.noise_floor;
   return all - known * known > kMost * above_noise;
 }
@@ -98,7 +98,7 @@ void check_completeness(const Preparation& p, Diagnosis& d) {
   // What a grid of relays rounds off repeats and is no effect, so a force law is not held to the floor.
   const bool held_to_floor = d.base.catalogue->target() != TargetKind::kForce;
   if (held_to_floor && d.before.rmse > kAboveFloor * d.noise_floor) {
-    if (late_direction_weighs_most(p, d)) {
+    if (late_direction_weighs_most(p, d, d.traces.before)) {
       d.warnings.push_back(kLateDirection);
     } else {
       refuse_completeness("The law leaves " + rounded(d.before.rmse / d.noise_floor, 2) +
@@ -191,7 +191,9 @@ void reconcile(const Preparation& p, const Search& search, const LawChoice& choi
     for (std::size_t i = 1; i < search.effects.size(); ++i) {
       d.reason += " and " + search.effects[i].name;
     }
-    if (more_than_named) {
+    if (d.found && late_direction_weighs_most(p, d, estimates(p.logs, p.causal, *d.found))) {
+      d.reason += "; " + std::string(kLateDirection) + ".";
+    } else if (more_than_named) {
       d.verdict = Verdict::kEffectPlusUnlisted;
       d.reason += "; a law with more than that predicts unseen rows better for certain.";
     } else {

@@ -54,7 +54,7 @@ class Chooser {
   auto delivered(const Selection& selection) const -> std::size_t {
     const double best = selection.laws[selection.best].score;
     const auto& found = selection.laws[std::min(kFoundPlace, selection.laws.size() - 1)];
-    if (found_ && found.in_set && found.score <= data_.numbers().worth_a_name * best) {
+    if (found_ && found.score <= data_.numbers().worth_a_name * best) {
       return kFoundPlace;
     }
     const JudgedLaw& base = selection.laws[kBasePlace];

@@ -18,8 +18,8 @@ struct LawChoice {
 };
 
 /// Chooses among the base law, the law with the effects that were found, if any, and those that are grown from the
-/// log's vocabulary. The found law where it may be the best and costs next to nothing; else the base law where it may
-/// be; else what errs least. Base and found law come with shapes that were refined already.
+/// log's vocabulary. The found law where it costs next to nothing; else the base law where it may be the best; else
+/// what errs least. Base and found law come with shapes that were refined already.
 auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
                 const DecidingNumbers& numbers = {}) -> LawChoice;
 

@@ -39,8 +39,8 @@ struct DecidingNumbers {
 
   /// Parts of a log in time. A law is judged on each part of the later half, fitted to all parts before it: it will be
   /// used after the log, too.
-  Eigen::Index parts = 10;
-  Eigen::Index first_judged_part = 5;
+  Eigen::Index parts = 16;
+  Eigen::Index first_judged_part = 8;
   /// Pieces of each judged part, and how many of them in a row are resampled together.
   Eigen::Index pieces_per_part = 8;
   Eigen::Index run = 3;
@@ -58,8 +58,8 @@ struct DecidingNumbers {
   /// Level at which a law leaves the model confidence set.
   double confidence_level = 0.1;
   int resamplings = 500;
-  /// The named law is delivered where it is in the confidence set and errs by this factor more at most, in the mean
-  /// square: a name is worth 2.5 % of the error.
+  /// The named law is delivered where it errs by this factor more at most, in the mean square: a name is worth 2.5 % of
+  /// the error. The confidence set is not asked: with one law in ten it leaves out the right one.
   double worth_a_name = 1.05;
   /// The base law stays where it is in the set and errs by this factor more at most. A short log leaves much in the
   /// set: one that errs ten times as much is no answer, even where chance might have it.
