@@ -116,6 +116,7 @@ auto DriveLink::rt_sense(Time now, bool answer_due) -> AxisSensed {
   const bool complete = fresh_[0] && (fresh_[1] || setting_.maps.status[1].count == 0);
   fresh_.fill(false);  // one half of this cycle and one of the next are no whole
   AxisSensed sensed;
+  sensed.follows = rt_follows();
   if (contradicted_) {
     contradicted_ = false;
     cycles_of_doubt_ = kCyclesOfCalm;
@@ -136,7 +137,12 @@ auto DriveLink::rt_sense(Time now, bool answer_due) -> AxisSensed {
   sensed.current_a = Q24::from_wide(scaled / kPermilleMaPerA);
   sensed.encoder = Quality::kOk;
   sensed.current = Quality::kOk;
+  sensed.follows = rt_follows();
   return sensed;
+}
+
+auto DriveLink::rt_follows() const -> bool {
+  return state_ == DriveState::kOperationEnabled && (!setting_.asks_mode || mode_ == Mode::kRight);
 }
 
 auto DriveLink::rt_rest() -> Command {

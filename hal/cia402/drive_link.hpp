@@ -68,6 +68,7 @@ class DriveLink {
   auto rt_gives_torque() -> bool;
   void rt_drop(Anomaly why);
   auto rt_rest() -> Command;
+  [[nodiscard]] auto rt_follows() const -> bool;
   [[nodiscard]] auto rt_value(const Object& object) const -> std::uint32_t;
 
   enum class Mode : std::uint8_t { kUnknown, kToAsk, kAsked, kRight };

@@ -2,8 +2,6 @@
 #include "capstan/hal/cia402/drive_setup.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace capstan::cia402 {
 namespace {
@@ -14,20 +12,6 @@ using Meaning = SetupStep::Meaning;
 
 constexpr std::uint32_t kMostRatedMa = 127'000;  // what the firmware's numbers hold
 constexpr std::size_t kFewestObjects = 2;        // that a drive's message has to carry
-
-auto hex(std::uint32_t value, int digits) -> std::string {
-  std::array<char, 16> text{};
-  static_cast<void>(std::snprintf(text.data(), text.size(), "%0*X", digits, value));
-  return text.data();
-}
-
-auto value_text(std::uint32_t value) -> std::string {
-  return std::to_string(value) + " (" + hex(value, 4) + "h)";
-}
-
-auto object_text(const Object& object) -> std::string {
-  return "object " + hex(object.index, 4) + ':' + hex(object.subindex, 2) + ", " + object.name;
-}
 
 auto is_absent(std::uint32_t abort_code) -> bool {
   constexpr std::uint32_t kNoObject = 0x06020000;
@@ -162,7 +146,7 @@ void DriveSetup::finish_reading(bool aborted) {
   const std::vector<std::uint32_t>& values = step().action == Action::kDisable ? candidates_ : step().values;
   const bool right = !values.empty() && (present_ & step().mask) == (values[0] & step().mask);
   if (step().action == Action::kRead && !step().values.empty() && step().rank(present_) == step().values.size()) {
-    lack("has " + value_text(present_) + " in");
+    lack("has " + step().text(present_) + " in");
   } else if (right || step().action == Action::kRead) {
     settle(0);
   } else {
@@ -181,18 +165,18 @@ void DriveSetup::try_value() {
     return;
   }
   const std::string why = refusal_ == 0 ? "" : std::string(" (") + abort_text(refusal_) + ')';
-  lack("keeps " + value_text(present_) + why + " in");
+  lack("keeps " + step().text(present_) + why + " in");
 }
 
 // The object has a value that will do.
 void DriveSetup::settle(std::size_t rank) {
   const bool said = *step().lost != '\0' && rank < step().values.size();
   if (step().action == Action::kWrite && rank > 0 && said) {
-    note("has " + value_text(present_) + ", not " + value_text(step().values[0]) + ", in " +
+    note("has " + step().text(present_) + ", not " + step().text(step().values[0]) + ", in " +
          object_text(step().object) + "; " + step().lost);
   } else if (step().need == Need::kIfThere && step().action == Action::kWrite && found_ != present_) {
-    note("had " + value_text(found_) + " stored in " + object_text(step().object) + ", and has " +
-         value_text(present_) + " now");
+    note("had " + step().text(found_) + " stored in " + object_text(step().object) + ", and has " +
+         step().text(present_) + " now");
   }
   learn();
   if (phase_ == Phase::kConfiguring) {

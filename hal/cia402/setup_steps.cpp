@@ -2,6 +2,8 @@
 #include "capstan/hal/cia402/setup_steps.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 namespace capstan::cia402 {
 namespace {
@@ -13,6 +15,12 @@ using Meaning = SetupStep::Meaning;
 constexpr std::size_t kPdosOfMostDrives = 4;
 constexpr const char* kOtherDrive = "use a drive for this profile and mode";
 constexpr const char* kOtherMapping = "use a drive whose messages can be mapped, or leave out --pdo packed";
+
+auto hex(std::uint32_t value, int digits) -> std::string {
+  std::array<char, 16> text{};
+  static_cast<void>(std::snprintf(text.data(), text.size(), "%0*X", digits, value));
+  return text.data();
+}
 
 auto heartbeat_of_master(std::uint32_t time_ms) -> std::uint32_t {
   return std::uint32_t{kMasterNode} << 16U | time_ms;
@@ -47,7 +55,8 @@ void add_reactions(std::vector<SetupStep>& steps) {
                    .need = Need::kOnLoss,
                    .values = {heartbeat_of_master(best_ms), heartbeat_of_master(100), heartbeat_of_master(150),
                               heartbeat_of_master(200)},
-                   .lost = "its torque goes later when this firmware is gone"});
+                   .meaning = Meaning::kConsumerTime,
+                   .lost = "its torque goes that much later when this firmware is gone"});
   steps.push_back({.object = {0x1017, 0, 2, "producer heartbeat time"},
                    .values = {static_cast<std::uint32_t>(kHeartbeatPeriod.count()), 50, 80},
                    .lost = "fewer of its heartbeats may be missed",
@@ -147,6 +156,16 @@ void apply_profile(std::vector<SetupStep>& steps, const DriveProfile& profile) {
 }
 
 }  // namespace
+
+auto object_text(const Object& object) -> std::string {
+  return "object " + hex(object.index, 4) + ':' + hex(object.subindex, 2) + ", " + object.name;
+}
+
+auto SetupStep::text(std::uint32_t value) const -> std::string {
+  constexpr std::uint32_t kTime = 0xFFFF;  // below the node's number
+  return meaning == Meaning::kConsumerTime ? std::to_string(value & kTime) + " ms"
+                                           : std::to_string(value) + " (" + hex(value, 4) + "h)";
+}
 
 auto SetupStep::rank(std::uint32_t value) const -> std::size_t {
   const auto found =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "capstan/hal/cia402/drive_profile.hpp"
@@ -28,6 +29,7 @@ struct SetupStep {
     kProduct,
     kRatedCurrent,
     kTorqueLimit,
+    kConsumerTime,
     kMode,
     kStatusMapping,
   };
@@ -42,7 +44,12 @@ struct SetupStep {
 
   /// Place of the first acceptable value that this is; values.size() if it is none.
   [[nodiscard]] auto rank(std::uint32_t value) const -> std::size_t;
+  /// A value as it is said.
+  [[nodiscard]] auto text(std::uint32_t value) const -> std::string;
 };
+
+/// "object 6007:00, abort connection option code".
+auto object_text(const Object& object) -> std::string;
 
 /// That it is a drive, and whose.
 auto identity_steps() -> std::vector<SetupStep>;

@@ -56,6 +56,16 @@ TEST(DriveLink, GoesToTorqueStepByStepAndGivesNoneBefore) {
   EXPECT_EQ(rig.cycle(kEnabled, amperes(-100)).torque_permille, -32767) << "the same either way";
 }
 
+TEST(DriveLink, SaysWhenTheDriveFollowsItsSetValue) {
+  Rig rig;
+  for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn}) {
+    static_cast<void>(rig.cycle(low_byte, amperes(1)));
+    EXPECT_FALSE(rig.sensed.follows);
+  }
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 500);
+  EXPECT_TRUE(rig.sensed.follows) << "in the cycle whose command is the first with torque";
+}
+
 TEST(DriveLink, WithoutEnableItIsVoltageOffInTheSameCycle) {
   Rig rig;
   rig.enable();
@@ -282,8 +292,10 @@ TEST(DriveLink, ADriveThatShowsItsModeWhenEnabledGetsTorqueAfterIt) {
   EXPECT_TRUE(rig.drive.rt_asks_mode());
   EXPECT_FALSE(rig.drive.rt_asks_mode()) << "once";
   EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 0) << "no answer yet";
+  EXPECT_FALSE(rig.sensed.follows);
   rig.drive.rt_mode(mode(10));
   EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 500);
+  EXPECT_TRUE(rig.sensed.follows);
   EXPECT_FALSE(rig.drive.rt_asks_mode());
   static_cast<void>(rig.cycle(kEnabled, amperes(0, false)));
   for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn, kEnabled}) {

@@ -136,7 +136,7 @@ INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Accepted,
                                          Case{kConstantPeriod, "keeps 2 (0002h) (the object can only be read)"},
                                          Case{kQuickStop2Or6, "has 2 (0002h), not 0 (0000h), in object 605A:00"},
                                          Case{kFaultReaction2, "has 2 (0002h), not 0 (0000h), in object 605E:00"},
-                                         Case{kHeartbeat100, "its torque goes later when this firmware is gone"},
+                                         Case{kHeartbeat100, "has 100 ms, not 90 ms, in object 1016:01"},
                                          Case{kTwoObjects, "takes 2 objects in a message"}, Case{kSegmentedSdo, ""},
                                          Case{kSlowSdo, ""}, Case{kSlowBoot, ""},
                                          Case{kModeWhenEnabled, "shows mode 0 in object 6061:00"},
@@ -284,6 +284,53 @@ TEST(DrivePeculiarity, AStatusThatIs20MsOldIsRefusedWhenArming) {
   EXPECT_EQ(most, 0.0);
   EXPECT_EQ(rig.count(Anomaly::kAnswersLate), 1U);
   EXPECT_FALSE(rig.drive(0).enabled());
+}
+
+/// The motor observer's values for the axis behind the drives.
+void commission(test::CanRig& rig) {
+  const sim::PlantParameters plant;
+  const std::span<AxisConfig> staged = rig.application().staging(&rig);
+  for (AxisConfig& axis : staged) {
+    axis.observer = {.inertia_gm2 = Q24::from_double(1000.0 * plant.motor_inertia_kgm2),
+                     .coulomb_nm = Q24::from_double(0.0043),
+                     .noise_a = Q24::from_double(std::hypot(plant.current_noise_a, plant.current_offset_a))};
+  }
+  ASSERT_TRUE(rig.application().configure(staged, Rights::kMaintenance).taken());
+  rig.application().end_staging(&rig);
+  rig.cycles(5);
+}
+
+// That positions are fresh no message can prove: the motor observer does it when torque comes, where it is
+// commissioned.
+
+TEST(DrivePeculiarity, PositionsThatAre20MsOldAreFoundWhenArmingByTheObserver) {
+  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kOldPositions));
+  commission(rig);
+  rig.cycles(30);
+  rig.application().post({.kind = Request::Kind::kArm});
+  double most = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    rig.cycle();
+    most = std::max(most, std::abs(rig.drive(0).truth().q2_rad));
+  }
+  EXPECT_EQ(rig.state(), State::kFaulted);
+  EXPECT_EQ(rig.fault(), Fault::kEncoderFrozen) << info(rig.fault()).name;
+  EXPECT_LT(most, 0.01);
+}
+
+TEST(DrivePeculiarity, TheObserverLetsADriveComeToTorqueAndMove) {
+  for (const Peculiarity peculiarity : {kNo605A, kTwoObjects, kModeWhenEnabled}) {
+    test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(peculiarity));
+    commission(rig);
+    rig.arm();
+    rig.application().post({.kind = Request::Kind::kMove,
+                            .axis = 0,
+                            .position_rad = Q24::from_double(0.4),
+                            .speed_rad_s = Q24::from_int(1)});
+    rig.cycles(1500);
+    EXPECT_EQ(rig.state(), State::kHolding) << info(rig.fault()).name;
+    EXPECT_NEAR(rig.drive(0).truth().q2_rad, 0.4, 0.1);
+  }
 }
 
 TEST(DrivePeculiarity, NamesAreReadAndOthersRefusedWithTheList) {
