@@ -14,7 +14,7 @@ namespace capstan {
 auto parse_can_bus(const std::string& text) -> CanBusSetup;
 /// "separate" or "packed".
 auto parse_pdo_layout(const std::string& text) -> cia402::PdoLayout;
-/// A drive profile's file, see hal/cia402/README.md.
+/// A drive profile's file, see docs/cia402_drives.md.
 auto read_drive_profile(const std::string& file) -> cia402::DriveProfile;
 /// "/dev/gpiochip0:estop=3,enable=4,brake=!5,watchdog=6"; ! inverts.
 auto parse_gpio(const std::string& text) -> GpioSetup;

@@ -139,7 +139,7 @@ void apply(const Line& line, DriveProfile& profile) {
     profile.required.push_back(line.values(true));
   } else if (!apply_identity(line, profile)) {
     line.refuse("has the key '" + std::string(line.key()) + "' or a value that are not known",
-                "hal/cia402/README.md lists them");
+                "docs/cia402_drives.md lists them");
   }
 }
 

@@ -129,7 +129,8 @@ void DriveSetup::finish_request() {
 }
 
 void DriveSetup::finish_reading(bool aborted) {
-  if (aborted && is_absent(refusal_) && step().need == Need::kIfThere) {
+  const bool may_lack = step().need == Need::kIfThere || step().need == Need::kOnLossIfThere;
+  if (aborted && is_absent(refusal_) && may_lack) {
     finish_step();
     return;
   }
@@ -244,6 +245,7 @@ void DriveSetup::lack(const std::string& what) {
       note(sentence + "; " + (spare ? "a message that nobody needs stays on the bus" : step().lost));
       break;
     case Need::kOnLoss:
+    case Need::kOnLossIfThere:
       doubt_ = doubt_.empty() ? sentence : doubt_;
       break;
   }

@@ -57,6 +57,10 @@ void add_reactions(std::vector<SetupStep>& steps) {
                               heartbeat_of_master(200)},
                    .meaning = Meaning::kConsumerTime,
                    .lost = "its torque goes that much later when this firmware is gone"});
+  steps.push_back({.object = {0x1029, 1, 1, "error behaviour"},
+                   .need = Need::kOnLossIfThere,
+                   .values = {0, 2},  // pre-operational, stopped; 1 would be no change
+                   .lost = "it stops instead of becoming pre-operational when this firmware is gone"});
   steps.push_back({.object = {0x1017, 0, 2, "producer heartbeat time"},
                    .values = {static_cast<std::uint32_t>(kHeartbeatPeriod.count()), 50, 80},
                    .lost = "fewer of its heartbeats may be missed",
@@ -198,6 +202,10 @@ auto setup_steps(const DriveMaps& maps, const DriveProfile& profile) -> std::vec
                                    .values = {0x200},
                                    .mask = 0x200,
                                    .cure = kOtherDrive}};
+  steps.push_back({.object = object::kControlword,
+                   .need = Need::kOptional,
+                   .values = {controlword::kDisableVoltage},
+                   .lost = "that its voltage is off while it is set up is not certain"});
   if (!profile.rated_current_ma) {
     steps.push_back({.object = profile.rated_current.value_or(Object{0x6075, 0, 4, "motor rated current"}),
                      .action = Action::kRead,

@@ -18,10 +18,11 @@ struct SetupStep {
   };
   /// What becomes of a drive that lacks the object or takes none of the values.
   enum class Need : std::uint8_t {
-    kRequired,  ///< it is refused
-    kIfThere,   ///< it is refused, but not for lacking the object: without it there is nothing that could be wrong
-    kOptional,  ///< what is lost is said
-    kOnLoss,    ///< that its torque goes when this firmware is gone has to be proved in another way
+    kRequired,       ///< it is refused
+    kIfThere,        ///< it is refused, but not for lacking the object: without it there is nothing that could be wrong
+    kOptional,       ///< what is lost is said
+    kOnLoss,         ///< that its torque goes when this firmware is gone has to be proved in another way
+    kOnLossIfThere,  ///< the same, but not for lacking the object
   };
   enum class Meaning : std::uint8_t {
     kNothing,

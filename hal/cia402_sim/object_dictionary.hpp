@@ -33,6 +33,8 @@ class ObjectDictionary {
     entries_.at({index, 0}).allowed = std::move(values);
   }
   void set_least_heartbeat(std::uint32_t time_ms) { least_heartbeat_ms_ = time_ms; }
+  /// 1029:01, which a drive need not have.
+  void store_error_behaviour(std::uint32_t value, bool for_good) { entries_[{0x1029, 1}] = {1, !for_good, value, {}}; }
   void set_most_mapped(std::uint8_t objects);
   /// The mode display (6061) follows writes to 6060 by itself.
   void set_mode_follows(bool follows) { mode_follows_ = follows; }

@@ -13,8 +13,9 @@ constexpr std::array kNames = {
     "old-positions", "old-status",        "factory-pdos",   "no-6007",           "goes-on",       "no-605a",
     "no-605e",       "no-60c2",           "no-6061",        "no-1016",           "no-6075",       "no-607e",
     "constant",      "constant-period",   "quick-stop-2-6", "fault-reaction-2",  "heartbeat-100", "two-objects",
-    "segmented-sdo", "slow-sdo",          "slow-boot",      "mode-when-enabled", "wrong-mode"};
-static_assert(kNames.size() == static_cast<std::size_t>(Peculiarity::kWrongMode) + 1);
+    "segmented-sdo", "slow-sdo",          "slow-boot",      "mode-when-enabled", "wrong-mode",    "stays",
+    "stays-for-good"};
+static_assert(kNames.size() == static_cast<std::size_t>(Peculiarity::kStaysForGood) + 1);
 
 void switch_on_pdos(ObjectDictionary& objects, std::uint8_t node) {
   constexpr std::uint32_t kNoRemote = 0x40000000;
@@ -61,6 +62,9 @@ void apply_stored(Peculiarity peculiarity, ObjectDictionary& objects) {
       objects.fix(0x60C2, 1);
       objects.fix(0x60C2, 2);
       return;
+    case Peculiarity::kStays:
+    case Peculiarity::kStaysForGood:
+      return objects.store_error_behaviour(1, peculiarity == Peculiarity::kStaysForGood);
     case Peculiarity::kConstantOptions:
       return make_constant(objects);
     case Peculiarity::kQuickStop2Or6:

@@ -41,6 +41,8 @@ enum class Peculiarity : std::uint8_t {
   kSlowBoot,         ///< boot-up comes 4 s after reset
   kModeWhenEnabled,  ///< 6061 follows 6060 only when enabled
   kWrongMode,        ///< and is another mode then
+  kStays,            ///< 1029:01 is stored with 1: without its master the drive stays operational, and goes on
+  kStaysForGood,     ///< and can not be written
 };
 using Peculiarities = std::set<Peculiarity>;
 

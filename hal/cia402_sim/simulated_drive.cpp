@@ -163,7 +163,8 @@ void SimulatedDrive::tick(Time now, std::vector<Frame>& out) {
   const auto patience = std::chrono::milliseconds(value_or(0x1016, 1, 0) & 0xFFFFU);
   if (last_master_ && patience.count() != 0 && now - *last_master_ > patience) {
     last_master_.reset();
-    if (operational()) {
+    const bool stays = value_or(0x1029, 1, 0) == 1;
+    if (operational() && !stays) {
       leave_operational(Nmt::kPreOperational);
       out.push_back(emergency(node_, kMissedHeartbeat, 0x11));
     }

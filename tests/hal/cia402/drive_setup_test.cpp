@@ -66,9 +66,9 @@ struct Drive {
   /// Bytes of an object, from CiA 301 and 402.
   static auto size(const Key& key) -> std::size_t {
     static const std::map<unsigned, std::size_t> kSizes = {
-        {0x1000, 4}, {0x6502, 4}, {0x6075, 4}, {0x1016, 4}, {0x1017, 2}, {0x6007, 2},
-        {0x605A, 2}, {0x605E, 2}, {0x6060, 1}, {0x6061, 1}, {0x60C2, 1}, {0x1018, 4},
-        {0x607E, 1}, {0x60B2, 2}, {0x6072, 2}, {0x6073, 2}, {0x60E0, 2}, {0x60E1, 2}};
+        {0x1000, 4}, {0x6502, 4}, {0x6075, 4}, {0x1016, 4}, {0x1017, 2}, {0x6007, 2}, {0x605A, 2},
+        {0x605E, 2}, {0x6060, 1}, {0x6061, 1}, {0x60C2, 1}, {0x1018, 4}, {0x607E, 1}, {0x60B2, 2},
+        {0x6072, 2}, {0x6073, 2}, {0x60E0, 2}, {0x60E1, 2}, {0x6040, 2}, {0x1029, 1}};
     if (const auto found = kSizes.find(key.first); found != kSizes.end()) {
       return found->second;
     }
@@ -173,6 +173,14 @@ TEST(DriveSetup, ADriveThatKeepsAnotherValueOfAnObjectThatSafetyNeedsIsRefusedBy
     rig.drive.stubborn[key] = 0x77;
     rig.expect_refusal(named);
   }
+}
+
+TEST(DriveSetup, ADriveThatWasLeftEnabledLosesItsVoltageBeforeAnythingElseIsWritten) {
+  Rig rig;
+  rig.drive.memory[Key(0x6040, 0)] = 0x0F;
+  rig.run();
+  ASSERT_FALSE(rig.drive.writes.empty());
+  EXPECT_EQ(rig.drive.writes[0], std::pair(Key(0x6040, 0), 0U));
 }
 
 TEST(DriveSetup, AnObjectThatHasTheWantedValueIsNotWritten) {

@@ -174,12 +174,18 @@ TEST(DrivePeculiarity, SlowDrivesTakeTheirTime) {
 // That torque goes when the firmware is gone.
 
 TEST(DrivePeculiarity, ADriveThatGoesOnWithoutItsMasterIsRefusedUnlessAWatchdogLineEndsIt) {
-  for (const Peculiarity peculiarity : {kGoesOn, kNo1016}) {
+  for (const Peculiarity peculiarity : {kGoesOn, kNo1016, kStaysForGood}) {
     EXPECT_TRUE(Bench({peculiarity}).refused("it stayed on when heartbeats stayed out; wire a watchdog line"));
     const Bench watched({peculiarity}, {.watchdog = true});
     EXPECT_TRUE(watched.done()) << watched.setup.problem();
     EXPECT_TRUE(watched.said("the watchdog line alone takes its torque away"));
   }
+}
+
+TEST(DrivePeculiarity, AStoredErrorBehaviourThatKeepsADriveOperationalIsWritten) {
+  Bench bench({kStays});
+  ASSERT_TRUE(bench.done()) << bench.setup.problem();
+  EXPECT_EQ(bench.drive.objects().get(0x1029, 1), 0U);
 }
 
 TEST(DrivePeculiarity, ATrialEnablesNothingAndLeavesTheVoltageOff) {
