@@ -106,6 +106,10 @@ void apply_absent(Peculiarity peculiarity, ObjectDictionary& objects) {
 
 }  // namespace
 
+auto name(Peculiarity peculiarity) -> const char* {
+  return kNames[static_cast<std::size_t>(peculiarity)];
+}
+
 auto peculiarity_names() -> std::string {
   std::string list;
   for (const char* name : kNames) {

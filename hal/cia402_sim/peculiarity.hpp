@@ -49,6 +49,7 @@ using Peculiarities = std::set<Peculiarity>;
 /// Throws std::runtime_error with "sentence; cure".
 auto parse_peculiarity(const std::string& text) -> Peculiarity;
 auto peculiarity_names() -> std::string;
+auto name(Peculiarity peculiarity) -> const char*;
 
 /// What a drive with these is born with.
 auto dictionary_of(const Peculiarities& peculiarities, std::uint8_t node) -> ObjectDictionary;

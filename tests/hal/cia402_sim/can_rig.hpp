@@ -46,6 +46,11 @@ class CanRig {
     around ? around(tick) : tick();
     serve();
   }
+  /// A millisecond in which the firmware does not run.
+  void silent_cycle() {
+    ++time_ms;
+    send(drives_.tick(test_clock()));
+  }
   void cycles(int count) {
     for (int i = 0; i < count; ++i) {
       cycle();

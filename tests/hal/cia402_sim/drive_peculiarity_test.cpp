@@ -20,6 +20,13 @@ using cia402::ms;
 using drive_sim::Peculiarity;
 using enum drive_sim::Peculiarity;
 
+/// For the names of tests.
+auto test_name(Peculiarity peculiarity) -> std::string {
+  std::string text = drive_sim::name(peculiarity);
+  std::replace(text.begin(), text.end(), '-', '_');
+  return text;
+}
+
 /// One drive, node 1, and its set-up; every millisecond both have their turn.
 struct Bench {
   explicit Bench(const drive_sim::Peculiarities& peculiarities, cia402::SetupTask task = {})
@@ -140,7 +147,8 @@ INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Accepted,
                                          Case{kTwoObjects, "takes 2 objects in a message"}, Case{kSegmentedSdo, ""},
                                          Case{kSlowSdo, ""}, Case{kSlowBoot, ""},
                                          Case{kModeWhenEnabled, "shows mode 0 in object 6061:00"},
-                                         Case{kNo6007, "tried at this start"}));
+                                         Case{kNo6007, "tried at this start"}),
+                         [](const testing::TestParamInfo<Case>& test) { return test_name(test.param.peculiarity); });
 
 TEST(DrivePeculiarity, TheTimeOfAConsumerThatTakesNoneBelow100MsIs100Ms) {
   Bench bench({kHeartbeat100});
@@ -245,7 +253,26 @@ TEST_P(Moves, TheJointAsAnyOther) {
 
 INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Moves,
                          testing::Values(kReversed, kTorqueOffset, kTwoObjects, kModeWhenEnabled, kFactoryPdos,
-                                         kNo6007));
+                                         kNo6007),
+                         [](const testing::TestParamInfo<Peculiarity>& test) { return test_name(test.param); });
+
+class Silence : public testing::TestWithParam<Peculiarity> {};
+
+TEST_P(Silence, OfTheFirmwareEndsTheTorque) {
+  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(GetParam()));
+  rig.arm();
+  int after_ms = 0;
+  for (; rig.drive(0).enabled() && after_ms < 1000; ++after_ms) {
+    rig.silent_cycle();
+  }
+  EXPECT_LE(after_ms, 102) << "at once where 90 ms are taken, else after 100 ms";
+  EXPECT_FALSE(rig.drive(0).enabled());
+}
+
+INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Silence,
+                         testing::Values(kNo6007, kConstantOptions, kHeartbeat100, kQuickStop2Or6, kFaultReaction2,
+                                         kStays, kTwoObjects),
+                         [](const testing::TestParamInfo<Peculiarity>& test) { return test_name(test.param); });
 
 TEST(DrivePeculiarity, AStoredLimitOfTorqueIsNeverExceeded) {
   test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kMaxTorque));
