@@ -255,7 +255,7 @@ void DriveSetup::lack(const std::string& what) {
 // Two messages for what does not fit into one.
 void DriveSetup::replan() {
   note("takes " + std::to_string(kFewestObjects) +
-       " objects in a message, so its status comes in two; the bus has less " + "room for others");
+       " objects in a message, so its status comes in two; the bus has less room for others");
   profile_.objects_per_message = kFewestObjects;
   setting_.maps = drive_maps(task_.layout, task_.node, task_.place, task_.drives, profile_.objects_per_message);
   steps_.resize(first_own_step_);

@@ -50,7 +50,7 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
     {Anomaly::kNotEnabled, "not_enabled", "the drive did not give torque within 200 ms",
      "check its enable input (STO) and supply, then 'disarm' and 'arm'"},
     {Anomaly::kAnswersLate, "answers_late",
-     "the drive followed no controlword within 10 cycles, so its positions may be as old",
+     "the drive followed no controlword within 10 ms, or answer_ms of its profile, so its positions may be as old",
      "switch off filters and delays of its messages; if only its state machine is that slow, say so with answer_ms in "
      "a "
      "drive profile"},
