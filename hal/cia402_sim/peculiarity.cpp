@@ -130,10 +130,12 @@ auto dictionary_of(const Peculiarities& peculiarities, std::uint8_t node) -> Obj
   ObjectDictionary objects;
   for (const Peculiarity peculiarity : peculiarities) {
     apply_stored(peculiarity, objects);
-    apply_absent(peculiarity, objects);
     if (peculiarity == Peculiarity::kFactoryPdos) {
       switch_on_pdos(objects, node);
     }
+  }
+  for (const Peculiarity peculiarity : peculiarities) {
+    apply_absent(peculiarity, objects);
   }
   return objects;
 }

@@ -313,7 +313,8 @@ void SimulatedDrive::sample() {
   const double permille = plant_.readings().current_a * 1e6 / value_or(0x6075, 0, kRatedMa);
   objects_.set(0x6077, static_cast<std::uint16_t>(
                            static_cast<std::int16_t>(std::lround(std::clamp(permille, -32768.0, 32767.0)))));
-  if (has(Peculiarity::kModeWhenEnabled) || has(Peculiarity::kWrongMode)) {
+  const bool shown = objects_.find(0x6061, 0) != nullptr;
+  if (shown && (has(Peculiarity::kModeWhenEnabled) || has(Peculiarity::kWrongMode))) {
     constexpr std::uint32_t kPositionMode = 8;
     objects_.set(0x6061, !enabled() ? 0 : has(Peculiarity::kWrongMode) ? kPositionMode : objects_.get(0x6060));
   }

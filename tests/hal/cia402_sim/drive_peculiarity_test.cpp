@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "capstan/hal/cia402/drive_setup.hpp"
-#include "capstan/hal/cia402_sim/peculiarity.hpp"
+#include "capstan/hal/cia402_sim/simulated_drive.hpp"
 #include "capstan/tests/hal/cia402/support.hpp"
-#include "capstan/tests/hal/cia402_sim/can_rig.hpp"
+#include "capstan/tests/hal/cia402_sim/peculiar_name.hpp"
 
 namespace capstan {
 namespace {
@@ -19,13 +18,6 @@ using cia402::Frame;
 using cia402::ms;
 using drive_sim::Peculiarity;
 using enum drive_sim::Peculiarity;
-
-/// For the names of tests.
-auto test_name(Peculiarity peculiarity) -> std::string {
-  std::string text = drive_sim::name(peculiarity);
-  std::replace(text.begin(), text.end(), '-', '_');
-  return text;
-}
 
 /// One drive, node 1, and its set-up; every millisecond both have their turn.
 struct Bench {
@@ -136,19 +128,18 @@ TEST_P(Accepted, AndWhatIsLostIsSaid) {
   EXPECT_FALSE(bench.enabled) << "no set-up gives torque";
 }
 
-INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Accepted,
-                         testing::Values(Case{kNo605A, "lacks object 605A:00"}, Case{kNo605E, "lacks object 605E:00"},
-                                         Case{kNo60C2, "lacks object 60C2:01"}, Case{kNo6061, "lacks object 6061:00"},
-                                         Case{kNo607E, ""}, Case{kConstantOptions, ""},
-                                         Case{kConstantPeriod, "keeps 2 (0002h) (the object can only be read)"},
-                                         Case{kQuickStop2Or6, "has 2 (0002h), not 0 (0000h), in object 605A:00"},
-                                         Case{kFaultReaction2, "has 2 (0002h), not 0 (0000h), in object 605E:00"},
-                                         Case{kHeartbeat100, "has 100 ms, not 90 ms, in object 1016:01"},
-                                         Case{kTwoObjects, "takes 2 objects in a message"}, Case{kSegmentedSdo, ""},
-                                         Case{kSlowSdo, ""}, Case{kSlowBoot, ""},
-                                         Case{kModeWhenEnabled, "shows mode 0 in object 6061:00"},
-                                         Case{kNo6007, "tried at this start"}),
-                         [](const testing::TestParamInfo<Case>& test) { return test_name(test.param.peculiarity); });
+INSTANTIATE_TEST_SUITE_P(
+    DrivePeculiarity, Accepted,
+    testing::Values(Case{kNo605A, "lacks object 605A:00"}, Case{kNo605E, "lacks object 605E:00"},
+                    Case{kNo60C2, "lacks object 60C2:01"}, Case{kNo6061, "lacks object 6061:00"}, Case{kNo607E, ""},
+                    Case{kConstantOptions, ""}, Case{kConstantPeriod, "keeps 2 (0002h) (the object can only be read)"},
+                    Case{kQuickStop2Or6, "has 2 (0002h), not 0 (0000h), in object 605A:00"},
+                    Case{kFaultReaction2, "has 2 (0002h), not 0 (0000h), in object 605E:00"},
+                    Case{kHeartbeat100, "has 100 ms, not 90 ms, in object 1016:01"},
+                    Case{kTwoObjects, "takes 2 objects in a message"}, Case{kSegmentedSdo, ""}, Case{kSlowSdo, ""},
+                    Case{kSlowBoot, ""}, Case{kModeWhenEnabled, "shows mode 0 in object 6061:00"},
+                    Case{kNo6007, "tried at this start"}),
+    [](const testing::TestParamInfo<Case>& test) { return test::test_name(test.param.peculiarity); });
 
 TEST(DrivePeculiarity, TheTimeOfAConsumerThatTakesNoneBelow100MsIs100Ms) {
   Bench bench({kHeartbeat100});
@@ -216,6 +207,40 @@ TEST(DrivePeculiarity, AProfileMaySayThatADriveStops) {
   EXPECT_TRUE(bench.said("known from its profile alone"));
 }
 
+/// What must be so in a drive that is going to be enabled.
+void expect_safe(Bench& bench) {
+  const auto value = [&bench](std::uint16_t index, std::uint8_t subindex, std::uint32_t otherwise) {
+    const auto* const entry = bench.drive.objects().find(index, subindex);
+    return entry == nullptr ? otherwise : entry->value;
+  };
+  EXPECT_EQ(value(0x607E, 0, 0), 0U);
+  EXPECT_EQ(value(0x60B2, 0, 0), 0U);
+  EXPECT_EQ(value(0x1029, 1, 0), 0U);
+  EXPECT_NE(value(0x6007, 0, 1), 0U);
+  EXPECT_GT(value(0x1016, 1, 0) & 0xFFFFU, 0U);
+  EXPECT_LE(bench.setup.setting().max_torque_permille, static_cast<int>(value(0x6072, 0, 0)));
+}
+
+TEST(DrivePeculiarity, AnyTwoTogetherEndInASafeDriveOrInASentence) {
+  int set_up = 0;
+  for (int first = 0; first <= static_cast<int>(kStaysForGood); ++first) {
+    for (int second = 0; second < first; ++second) {
+      const auto one = static_cast<Peculiarity>(first);
+      const auto other = static_cast<Peculiarity>(second);
+      SCOPED_TRACE(std::string(drive_sim::name(one)) + " and " + drive_sim::name(other));
+      Bench bench({one, other});
+      EXPECT_FALSE(bench.enabled);
+      if (bench.done()) {
+        ++set_up;
+        expect_safe(bench);
+      } else {
+        EXPECT_TRUE(bench.refused("Drive 1 "));
+      }
+    }
+  }
+  EXPECT_GT(set_up, 200) << "most of the 465 are legal";
+}
+
 // The rated current.
 
 TEST(DrivePeculiarity, WithoutARatedCurrentItTakesAProfile) {
@@ -226,144 +251,6 @@ TEST(DrivePeculiarity, WithoutARatedCurrentItTakesAProfile) {
   EXPECT_TRUE(bench.done()) << bench.setup.problem();
   EXPECT_EQ(bench.setup.setting().rated_current_ma, 1500);
   EXPECT_TRUE(bench.said("is treated as mine"));
-}
-
-// In the cycle.
-
-auto peculiar(Peculiarity peculiarity) -> test::CanRig::Peculiar {
-  return {{std::uint8_t{1}, {peculiarity}}};
-}
-
-class Moves : public testing::TestWithParam<Peculiarity> {};
-
-TEST_P(Moves, TheJointAsAnyOther) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(GetParam()));
-  rig.arm();
-  rig.application().post({.kind = Request::Kind::kMove,
-                          .axis = 0,
-                          .position_rad = Q24::from_double(0.3),
-                          .speed_rad_s = Q24::from_int(1)});
-  rig.cycles(1000);
-  EXPECT_EQ(rig.state(), State::kHolding) << info(rig.fault()).name << rig.said();
-  EXPECT_NEAR(rig.drive(0).truth().q2_rad, 0.3, 0.1);
-  for (std::size_t i = 0; i < cia402::kAnomalies; ++i) {
-    EXPECT_EQ(rig.count(static_cast<Anomaly>(i)), 0U) << cia402::info(static_cast<Anomaly>(i)).name;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Moves,
-                         testing::Values(kReversed, kTorqueOffset, kTwoObjects, kModeWhenEnabled, kFactoryPdos,
-                                         kNo6007),
-                         [](const testing::TestParamInfo<Peculiarity>& test) { return test_name(test.param); });
-
-class Silence : public testing::TestWithParam<Peculiarity> {};
-
-TEST_P(Silence, OfTheFirmwareEndsTheTorque) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(GetParam()));
-  rig.arm();
-  int after_ms = 0;
-  for (; rig.drive(0).enabled() && after_ms < 1000; ++after_ms) {
-    rig.silent_cycle();
-  }
-  EXPECT_LE(after_ms, 102) << "at once where 90 ms are taken, else after 100 ms";
-  EXPECT_FALSE(rig.drive(0).enabled());
-}
-
-INSTANTIATE_TEST_SUITE_P(DrivePeculiarity, Silence,
-                         testing::Values(kNo6007, kConstantOptions, kHeartbeat100, kQuickStop2Or6, kFaultReaction2,
-                                         kStays, kTwoObjects),
-                         [](const testing::TestParamInfo<Peculiarity>& test) { return test_name(test.param); });
-
-TEST(DrivePeculiarity, AStoredLimitOfTorqueIsNeverExceeded) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kMaxTorque));
-  rig.arm();
-  rig.application().post({.kind = Request::Kind::kMove,
-                          .axis = 0,
-                          .position_rad = Q24::from_double(0.4),
-                          .speed_rad_s = Q24::from_int(2)});
-  int most = 0;
-  for (int i = 0; i < 500; ++i) {
-    rig.cycle();
-    most = std::max(most, std::abs(static_cast<std::int16_t>(rig.drive(0).objects().get(0x6071))));
-  }
-  EXPECT_LE(most, 50);
-  EXPECT_GT(most, 40) << "and it was asked for";
-}
-
-TEST(DrivePeculiarity, AModeThatTurnsOutWrongWhenEnabledGetsNoTorque) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kWrongMode));
-  rig.cycles(3);
-  rig.application().post({.kind = Request::Kind::kArm});
-  double most = 0.0;
-  for (int i = 0; i < 50; ++i) {
-    rig.cycle();
-    most = std::max(most, std::abs(rig.drive(0).current_a()));
-  }
-  EXPECT_EQ(most, 0.0);
-  EXPECT_EQ(rig.count(Anomaly::kWrongMode), 1U);
-  EXPECT_FALSE(rig.drive(0).enabled());
-  EXPECT_FALSE(rig.drive(1).enabled());
-}
-
-TEST(DrivePeculiarity, AStatusThatIs20MsOldIsRefusedWhenArming) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kOldStatus));
-  rig.cycles(30);
-  rig.application().post({.kind = Request::Kind::kArm});
-  double most = 0.0;
-  for (int i = 0; i < 150; ++i) {
-    rig.cycle();
-    most = std::max(most, std::abs(rig.drive(0).current_a()));
-  }
-  EXPECT_EQ(most, 0.0);
-  EXPECT_EQ(rig.count(Anomaly::kAnswersLate), 1U);
-  EXPECT_FALSE(rig.drive(0).enabled());
-}
-
-/// The motor observer's values for the axis behind the drives.
-void commission(test::CanRig& rig) {
-  const sim::PlantParameters plant;
-  const std::span<AxisConfig> staged = rig.application().staging(&rig);
-  for (AxisConfig& axis : staged) {
-    axis.observer = {.inertia_gm2 = Q24::from_double(1000.0 * plant.motor_inertia_kgm2),
-                     .coulomb_nm = Q24::from_double(0.0043),
-                     .noise_a = Q24::from_double(std::hypot(plant.current_noise_a, plant.current_offset_a))};
-  }
-  ASSERT_TRUE(rig.application().configure(staged, Rights::kMaintenance).taken());
-  rig.application().end_staging(&rig);
-  rig.cycles(5);
-}
-
-// That positions are fresh no message can prove: the motor observer does it when torque comes, where it is
-// commissioned.
-
-TEST(DrivePeculiarity, PositionsThatAre20MsOldAreFoundWhenArmingByTheObserver) {
-  test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(kOldPositions));
-  commission(rig);
-  rig.cycles(30);
-  rig.application().post({.kind = Request::Kind::kArm});
-  double most = 0.0;
-  for (int i = 0; i < 200; ++i) {
-    rig.cycle();
-    most = std::max(most, std::abs(rig.drive(0).truth().q2_rad));
-  }
-  EXPECT_EQ(rig.state(), State::kFaulted);
-  EXPECT_EQ(rig.fault(), Fault::kEncoderFrozen) << info(rig.fault()).name;
-  EXPECT_LT(most, 0.01);
-}
-
-TEST(DrivePeculiarity, TheObserverLetsADriveComeToTorqueAndMove) {
-  for (const Peculiarity peculiarity : {kNo605A, kTwoObjects, kModeWhenEnabled}) {
-    test::CanRig rig({}, cia402::PdoLayout::kSeparate, peculiar(peculiarity));
-    commission(rig);
-    rig.arm();
-    rig.application().post({.kind = Request::Kind::kMove,
-                            .axis = 0,
-                            .position_rad = Q24::from_double(0.4),
-                            .speed_rad_s = Q24::from_int(1)});
-    rig.cycles(1500);
-    EXPECT_EQ(rig.state(), State::kHolding) << info(rig.fault()).name;
-    EXPECT_NEAR(rig.drive(0).truth().q2_rad, 0.4, 0.1);
-  }
 }
 
 TEST(DrivePeculiarity, NamesAreReadAndOthersRefusedWithTheList) {
