@@ -30,6 +30,7 @@ struct AxisSensed {
   Quality joint = Quality::kMissing;   ///< no joint needs one: missing is no fault
   Q24 supply_v{};                      ///< of the joint's amplifier, V, where it is measured
   Quality supply = Quality::kMissing;  ///< missing is a fault only where limits.supply_min is set
+  bool follows = true;  ///< the amplifier follows its set value; false: enabled, but still on its way to torque
 };
 
 /// Everything the firmware knows about the world in one cycle.

@@ -28,6 +28,8 @@ auto detail_text(Anomaly anomaly, std::uint32_t detail) -> std::string {
     case Anomaly::kDriveFault:
     case Anomaly::kDroppedOut:
     case Anomaly::kNotEnabled:
+    case Anomaly::kAnswersLate:
+    case Anomaly::kModeUnknown:
       return "statusword " + hex(detail);
     case Anomaly::kUnknownId:
     case Anomaly::kRemoteFrame:
@@ -36,8 +38,8 @@ auto detail_text(Anomaly anomaly, std::uint32_t detail) -> std::string {
     case Anomaly::kNotOperational:
     case Anomaly::kHeartbeatState:
       return "state " + std::to_string(detail);
-    case Anomaly::kSdoAborted:
-      return cia402::abort_text(detail);
+    case Anomaly::kWrongMode:
+      return "mode " + std::to_string(detail);
     case Anomaly::kSdoOtherObject:
     case Anomaly::kSdoSize:
     case Anomaly::kSdoTimeout:

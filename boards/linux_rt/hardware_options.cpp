@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -76,6 +78,15 @@ auto parse_pdo_layout(const std::string& text) -> cia402::PdoLayout {
     refuse(quoted(text) + " is no way to send set values", "write --pdo separate or --pdo packed");
   }
   return text == "packed" ? cia402::PdoLayout::kPacked : cia402::PdoLayout::kSeparate;
+}
+
+auto read_drive_profile(const std::string& file) -> cia402::DriveProfile {
+  std::ifstream in(file);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in) {
+    refuse("The drive profile " + file + " can not be read", "give a text file, as in hal/cia402/profiles");
+  }
+  return cia402::parse_profile(text, file);
 }
 
 auto parse_gpio(const std::string& text) -> GpioSetup {

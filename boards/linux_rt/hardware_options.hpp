@@ -14,6 +14,8 @@ namespace capstan {
 auto parse_can_bus(const std::string& text) -> CanBusSetup;
 /// "separate" or "packed".
 auto parse_pdo_layout(const std::string& text) -> cia402::PdoLayout;
+/// A drive profile's file, see docs/cia402_drives.md.
+auto read_drive_profile(const std::string& file) -> cia402::DriveProfile;
 /// "/dev/gpiochip0:estop=3,enable=4,brake=!5,watchdog=6"; ! inverts.
 auto parse_gpio(const std::string& text) -> GpioSetup;
 /// What no single option can say: at most two buses and four drives, no interface or node twice.

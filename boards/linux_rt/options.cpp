@@ -23,6 +23,7 @@ enum Code : int {
   kFor,
   kCan,
   kPdo,
+  kProfile,
   kFd,
   kGpio,
   kSelftest,
@@ -30,7 +31,7 @@ enum Code : int {
   kVersion
 };
 
-constexpr std::array<option, 14> kOptions{{{"console", required_argument, nullptr, kConsole},
+constexpr std::array<option, 15> kOptions{{{"console", required_argument, nullptr, kConsole},
                                            {"storage", required_argument, nullptr, kStorage},
                                            {"cpu", required_argument, nullptr, kCpu},
                                            {"priority", required_argument, nullptr, kPriority},
@@ -38,6 +39,7 @@ constexpr std::array<option, 14> kOptions{{{"console", required_argument, nullpt
                                            {"for", required_argument, nullptr, kFor},
                                            {"can", required_argument, nullptr, kCan},
                                            {"pdo", required_argument, nullptr, kPdo},
+                                           {"profile", required_argument, nullptr, kProfile},
                                            {"fd", no_argument, nullptr, kFd},
                                            {"gpio", required_argument, nullptr, kGpio},
                                            {"selftest", no_argument, nullptr, kSelftest},
@@ -89,6 +91,9 @@ void apply(int code, BoardOptions& options) {
     case kPdo:
       options.can.layout = parse_pdo_layout(optarg);
       break;
+    case kProfile:
+      options.can.profiles.push_back(read_drive_profile(optarg));
+      break;
     case kFd:
       options.can.fd = true;
       break;
@@ -138,6 +143,7 @@ auto parse_options(std::span<char* const> arguments) -> BoardOptions {
     throw std::runtime_error(quoted(words[static_cast<std::size_t>(optind)]) +
                              " is not an option; --help lists all of them");
   }
+  options.can.watchdog = options.gpio.watchdog.has_value();
   check(options.can);
   if (options.action == BoardOptions::Action::kSelftest && !options.can.buses.empty()) {
     throw std::runtime_error("--selftest moves a joint by itself, so only the simulated one; leave out --can");
@@ -155,6 +161,8 @@ Without --can the joint is the simulated plant inside this program, in lock-step
                     capstan_drives listens; up to four on up to two buses (repeat it), joint0 is the first
   --pdo separate|packed
                     a message with set values for each drive (separate), or one for all drives of a bus
+  --profile FILE    what drives on these buses do otherwise than the standard says (repeatable; for some makers' drives
+                    the program knows it, see hal/cia402/profiles)
   --fd              set values in CAN FD frames
   --gpio CHIP:DUTY=LINE[,...]
                     lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:

@@ -64,6 +64,7 @@ auto MotorSensing::rt_step(const AxisConfig& config, const AxisSensed& sensed) -
   }
   const Q24 least_v = config.limits.supply_min_v;
   state_.supply_low = least_v > Q24{} && (sensed.supply != Quality::kOk || sensed.supply_v < least_v);
+  state_.follows = sensed.follows;
   state_.has_joint = sensed.joint == Quality::kOk;
   state_.joint_rad = sensed.joint_rad;
   return state_;

@@ -17,6 +17,7 @@ struct MotorState {
   std::int64_t counts = 0;  ///< of the encoder, unwrapped
   FaultSet faults = 0;      ///< of the sensors, now
   bool has_joint = false;   ///< a joint sensor gave a value in this cycle
+  bool follows = true;      ///< the amplifier follows its set value, once enabled
   bool supply_low = false;  ///< below limits.supply_min in this cycle, or not measured though it is watched
 };
 

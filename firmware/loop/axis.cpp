@@ -95,7 +95,7 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
   }
   FaultSet faults = motor.faults | estimate.faults | gate_.faults() |
                     monitors_.rt_watch_power(config_.limits, motor, gate_.drive_a()) |
-                    observer_.rt_step(motor, gate_.drive_a(), energised);
+                    observer_.rt_step(motor, gate_.drive_a(), energised && motor.follows);
   if (energised) {
     faults |= monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(), modes_.rt_took_begin()) |
               (modes_.rt_stream_lost() ? bit(Fault::kLinkLost) : 0);
@@ -111,11 +111,20 @@ void Axis::rt_arm(const JointEstimate& estimate) {
 
 auto Axis::rt_reference(const MotorState& motor, const JointEstimate& estimate, bool energised)
     -> const JointReference& {
+  if (energised && !motor.follows) {
+    modes_.rt_arm(estimate);  // it stands where it is until there is torque
+  }
   return energised ? modes_.rt_step(view(motor, estimate)) : modes_.rt_idle(motor);
 }
 
 auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive {
   const bool driven = energised && fitted();
+  if (driven && !motor.follows) {
+    observer_.rt_arm();
+    AxisDrive waiting = gate_.rt_step(config_.limits, motor, Q24{}, false);
+    waiting.enabled = true;
+    return waiting;
+  }
   const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
   return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven);
 }

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "capstan/hal/cia402/pdo_map.hpp"
 
@@ -52,19 +53,32 @@ struct BusBudget {
   }
 };
 
-/// Of `drives` drives in this layout, from their mapping: every set value, every status and the SYNC.
-constexpr auto bus_budget(PdoLayout layout, std::size_t drives, const BitRates& rates) -> BusBudget {
+/// Of the drives of one bus with these messages: every set value, every status and the SYNC.
+constexpr auto bus_budget(PdoLayout layout, std::span<const DriveMaps> drives, const BitRates& rates) -> BusBudget {
   const bool fd = rates.data_bit_s != 0;
   BusBudget budget;
   budget.add(0, false, rates);
-  for (std::size_t place = 0; place < drives; ++place) {
-    const DriveMaps maps = drive_maps(layout, static_cast<std::uint8_t>(place + 1), place, drives);
+  for (std::size_t place = 0; place < drives.size(); ++place) {
     if (layout == PdoLayout::kSeparate || place == 0) {
-      budget.add(maps.torque.bytes(), fd, rates);
+      budget.add(drives[place].torque.bytes(), fd, rates);
     }
-    budget.add(maps.status.bytes(), fd, rates);
+    for (const PdoMap& status : drives[place].status) {
+      if (status.count != 0) {
+        budget.add(status.bytes(), fd, rates);
+      }
+    }
   }
   return budget;
+}
+
+/// Of `drives` (1 to 4) drives that send their status in one message each.
+constexpr auto bus_budget(PdoLayout layout, std::size_t drives, const BitRates& rates) -> BusBudget {
+  constexpr std::size_t kMostDrives = 4;
+  std::array<DriveMaps, kMostDrives> maps{};
+  for (std::size_t place = 0; place < drives; ++place) {
+    maps[place] = drive_maps(layout, static_cast<std::uint8_t>(place + 1), place, drives);
+  }
+  return bus_budget(layout, std::span(maps).first(drives), rates);
 }
 
 }  // namespace capstan::cia402

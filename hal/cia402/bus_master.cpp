@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capstan/hal/cia402/sdo_client.hpp"
+
 namespace capstan::cia402 {
 namespace {
 
@@ -72,6 +74,13 @@ void BusMaster::rt_dispatch(const Frame& frame, Time at) {
     case cob::kTpdo1:
       drives_[place].rt_status(frame, at, sync_at_);
       break;
+    case cob::kTpdo2:
+      if (drives_[place].setting().maps.status[1].count == 0) {
+        journal_.note(Anomaly::kUnknownId, Journal::kBus, frame.id);
+      } else {
+        drives_[place].rt_status(frame, at, sync_at_, 1);
+      }
+      break;
     case cob::kHeartbeat:
       drives_[place].rt_heartbeat(frame, at);
       break;
@@ -79,7 +88,7 @@ void BusMaster::rt_dispatch(const Frame& frame, Time at) {
       drives_[place].rt_emergency(frame);
       break;
     case cob::kSdoAnswer:
-      journal_.note(Anomaly::kSdoUnexpected, place + 1);
+      drives_[place].rt_mode(frame);
       break;
     default:
       journal_.note(Anomaly::kUnknownId, Journal::kBus, frame.id);
@@ -120,6 +129,11 @@ auto BusMaster::rt_messages(bool torque, Time now) -> Outbox {
     rt_separate(commands, out);
   } else {
     rt_packed(commands, out);
+  }
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (torque && drives_[i].rt_asks_mode()) {
+      out.add(SdoClient::read_request(drives_[i].setting().node, object::kModeDisplay));
+    }
   }
   constexpr Time kHalfCycle = std::chrono::microseconds(500);
   if (heartbeat_at_ == Time{} || now - heartbeat_at_ > kHeartbeatPeriod - kHalfCycle) {
@@ -181,9 +195,15 @@ auto wanted_ids(std::span<const DriveSetting> drives, std::span<std::uint32_t> i
   std::size_t count = 0;
   ids[count++] = cob::kSync;
   for (const DriveSetting& drive : drives) {
-    ids[count++] = drive.maps.status.id;
+    ids[count++] = drive.maps.status[0].id;
     ids[count++] = cob::kHeartbeat + drive.node;
     ids[count++] = cob::kEmergency + drive.node;
+    if (drive.maps.status[1].count != 0) {
+      ids[count++] = drive.maps.status[1].id;
+    }
+    if (drive.asks_mode) {
+      ids[count++] = cob::kSdoAnswer + drive.node;
+    }
   }
   return count;
 }

@@ -30,7 +30,7 @@ class BusMaster {
 
   /// Messages of one cycle, in order.
   struct Outbox {
-    std::array<Frame, 2 * kMostDrives + 2> frames{};
+    std::array<Frame, 3 * kMostDrives + 2> frames{};
     std::size_t count = 0;
     void add(const Frame& frame) { frames[count++] = frame; }
   };
@@ -92,6 +92,6 @@ class BusMaster {
 /// Identifiers that BusMaster needs from the bus; all others may be filtered out before.
 /// @returns how many there are
 auto wanted_ids(std::span<const DriveSetting> drives, std::span<std::uint32_t> ids) -> std::size_t;
-inline constexpr std::size_t kMostWantedIds = 1 + 3 * BusMaster::kMostDrives;
+inline constexpr std::size_t kMostWantedIds = 1 + 5 * BusMaster::kMostDrives;
 
 }  // namespace capstan::cia402

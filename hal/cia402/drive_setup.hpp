@@ -2,75 +2,102 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "capstan/hal/cia402/drive_link.hpp"
-#include "capstan/hal/cia402/sdo_client.hpp"
+#include "capstan/hal/cia402/loss_trial.hpp"
+#include "capstan/hal/cia402/setup_steps.hpp"
 
 namespace capstan::cia402 {
 
-/// One thing to be made sure of in a drive's object dictionary.
-struct SetupStep {
-  enum class Action : std::uint8_t {
-    kExpect,      ///< must be so
-    kLearn,       ///< the rated current
-    kWrite,       ///< written, then read back: a drive that keeps another value is refused
-    kWriteIfAny,  ///< the same if the drive has the object at all
-  };
-  Action action = Action::kWrite;
-  Object object;
-  std::uint32_t value = 0;
-  std::uint32_t mask = 0xFFFFFFFF;  ///< bits that are compared
+/// Where a drive stands, and what is known besides it.
+struct SetupTask {
+  std::uint8_t node = 0;
+  PdoLayout layout = PdoLayout::kSeparate;
+  std::size_t place = 0;  ///< of this drive among the `drives` of its bus, from 0
+  std::size_t drives = 1;
+  bool watchdog = false;                        ///< a line outside the bus takes torque away when this firmware stops
+  std::span<const DriveProfile> profiles = {};  ///< the first that fits is used; they outlive the set-up
 };
 
-/// Everything a drive needs before it may be enabled: that it is one with the mode we use, what it does when it loses
-/// us (1016, 6007, 605A, 605E: torque off), the mode, and which objects travel in its messages.
-auto setup_steps(const DriveMaps& maps) -> std::vector<SetupStep>;
-
-/// Takes one drive from whatever state to operational, over its SDO. For the time before the cycle: it allocates. No
-/// clock, no socket: frames and moments are handed in.
+/// Takes one drive from whatever state to operational, over its SDO: what it has is used, what is lost is said, and
+/// only what safety needs is refused. For the time before the cycle: it allocates. No clock, no socket: frames and
+/// moments are handed in.
 class DriveSetup {
  public:
-  enum class Phase : std::uint8_t { kRestarting, kConfiguring, kStarting, kDone, kFailed };
+  enum class Phase : std::uint8_t { kRestarting, kConfiguring, kTrying, kReady, kStarting, kDone, kFailed };
 
   /// @param source  the drive's number in the journal, from 1
-  DriveSetup(std::uint8_t node, const DriveMaps& maps, Journal& journal, std::size_t source);
+  DriveSetup(const SetupTask& task, Journal& journal, std::size_t source);
 
   /// What to send now, if anything; call it at least every 10 ms.
   auto next(Time now) -> std::optional<Frame>;
   /// Any frame from the bus.
   void receive(const Frame& frame);
+  /// Makes it operational. Not before all drives of its bus are ready: a trial with one would stop the others.
+  /// @pre phase() is kReady
+  void start();
 
   [[nodiscard]] auto phase() const -> Phase { return phase_; }
   /// "sentence; cure", once failed.
   [[nodiscard]] auto problem() const -> const std::string& { return problem_; }
+  /// Sentences: what was found otherwise than wanted, and what is lost by it.
+  [[nodiscard]] auto notes() const -> const std::vector<std::string>& { return notes_; }
   /// Once done.
-  [[nodiscard]] auto setting() const -> DriveSetting { return {node_, rated_current_ma_, maps_}; }
+  [[nodiscard]] auto setting() const -> const DriveSetting& { return setting_; }
 
  private:
-  static constexpr std::chrono::seconds kPatience{3};  ///< with a drive that starts
+  enum class Stage : std::uint8_t { kReading, kWriting, kReadingBack };
   /// After a boot-up, in case it was the one of switching on and that of our reset is still to come.
   static constexpr std::chrono::milliseconds kSettling{50};
+  static constexpr std::chrono::seconds kBootPatience{10};  ///< drives with a large memory to look through take 4 s
+  static constexpr std::chrono::seconds kStartPatience{3};
 
-  auto begin(Time now) -> Frame;
+  auto next_restarting(Time now) -> std::optional<Frame>;
   auto next_request(Time now) -> std::optional<Frame>;
+  auto next_trial(Time now) -> std::optional<Frame>;
+  auto next_starting(Time now) -> std::optional<Frame>;
+  auto begin(Time now) -> Frame;
   void finish_request();
-  void check(std::uint32_t value);
+  void finish_reading(bool aborted);
+  void try_value();
+  void settle(std::size_t rank);
+  void lack(const std::string& what);
+  void learn();
+  void learn_limit();
+  void finish_step();
+  void use_profile();
+  void replan();
+  void end_configuring();
+  void enter(Phase phase);
+  void note(const std::string& what);
   void fail(const std::string& problem);
-  void fail_object(const Object& object, const std::string& what, const std::string& cure);
+  [[nodiscard]] auto step() const -> const SetupStep& { return steps_[step_]; }
 
-  std::uint8_t node_;
-  DriveMaps maps_;
+  SetupTask task_;
+  DriveProfile profile_;
   std::vector<SetupStep> steps_;
   SdoClient sdo_;
+  std::optional<LossTrial> trial_;
+  DriveSetting setting_;
   Phase phase_ = Phase::kRestarting;
   std::size_t step_ = 0;
-  bool reading_back_ = false;
+  std::size_t first_own_step_ = 0;  // behind the identity's
+  Stage stage_ = Stage::kReading;
+  std::vector<std::uint32_t> candidates_;  // of this step
+  std::size_t candidate_ = 0;
+  std::uint32_t found_ = 0;    // what the object had before
+  std::uint32_t present_ = 0;  // what it has
+  std::uint32_t refusal_ = 0;  // the last abort code of this step
+  std::optional<std::uint32_t> vendor_;
+  std::optional<std::uint32_t> product_;
+  std::string doubt_;          // why its torque might stay when this firmware is gone
   std::optional<Time> since_;  // of the phase
   bool booted_ = false;
+  bool operational_ = false;
   std::optional<Time> ready_;
-  std::int32_t rated_current_ma_ = 0;
+  std::vector<std::string> notes_;
   std::string problem_;
 };
 

@@ -46,6 +46,7 @@ inline constexpr std::uint32_t kSync = 0x080;
 inline constexpr std::uint32_t kEmergency = 0x080;
 inline constexpr std::uint32_t kTpdo1 = 0x180;
 inline constexpr std::uint32_t kRpdo1 = 0x200;  ///< with node 0, which no drive has: the RPDO that all drives share
+inline constexpr std::uint32_t kTpdo2 = 0x280;
 inline constexpr std::uint32_t kRpdo2 = 0x300;
 inline constexpr std::uint32_t kSdoAnswer = 0x580;
 inline constexpr std::uint32_t kSdoRequest = 0x600;

@@ -41,7 +41,6 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
      "find out who else configures this drive and end it"},
     {Anomaly::kSdoCommand, "sdo_command", "an answer is of a kind that was not asked for", kFirmware},
     {Anomaly::kSdoSize, "sdo_size", "an object has another size than the standard gives it", kFirmware},
-    {Anomaly::kSdoAborted, "sdo_aborted", "the drive refused a request", kFirmware},
     {Anomaly::kSdoTimeout, "sdo_timeout", "the drive did not answer a request in time",
      "check its supply, node number, bit rate and cable"},
     {Anomaly::kDriveFault, "drive_fault", "the drive is in fault",
@@ -50,6 +49,15 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
      "check its enable input (STO), supply and limits, then 'disarm' and 'arm'"},
     {Anomaly::kNotEnabled, "not_enabled", "the drive did not give torque within 200 ms",
      "check its enable input (STO) and supply, then 'disarm' and 'arm'"},
+    {Anomaly::kAnswersLate, "answers_late",
+     "the drive followed no controlword within 10 ms, or answer_ms of its profile, so its positions may be as old",
+     "switch off filters and delays of its messages; if only its state machine is that slow, say so with answer_ms in "
+     "a "
+     "drive profile"},
+    {Anomaly::kWrongMode, "wrong_mode", "the drive, once enabled, was in another mode than cyclic synchronous torque",
+     "set mode of operation 10 with the maker's tool, then 'reboot'"},
+    {Anomaly::kModeUnknown, "mode_unknown", "the drive did not say in which mode it was enabled, so it got no torque",
+     "check the bus's load, then 'disarm' and 'arm'"},
     {Anomaly::kUnknownId, "unknown_id", "a message came that is nobody's here", kForeign},
     {Anomaly::kRemoteFrame, "remote_frame", "somebody asked for a message by a remote frame, which is not answered",
      kForeign},

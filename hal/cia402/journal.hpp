@@ -29,12 +29,14 @@ enum class Anomaly : std::uint8_t {
   kSdoOtherObject,
   kSdoCommand,
   kSdoSize,
-  kSdoAborted,
   kSdoTimeout,
   // the drive itself
   kDriveFault,
   kDroppedOut,
   kNotEnabled,
+  kAnswersLate,
+  kWrongMode,
+  kModeUnknown,
   // the bus
   kUnknownId,
   kRemoteFrame,

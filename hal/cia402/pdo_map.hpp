@@ -25,11 +25,15 @@ struct Object {
 namespace object {
 inline constexpr Object kControlword{0x6040, 0, 2, "controlword"};
 inline constexpr Object kStatusword{0x6041, 0, 2, "statusword"};
+inline constexpr Object kModeDisplay{0x6061, 0, 1, "mode of operation display"};
 inline constexpr Object kPosition{0x6064, 0, 4, "position actual value"};
 inline constexpr Object kTargetTorque{0x6071, 0, 2, "target torque"};
 inline constexpr Object kTorque{0x6077, 0, 2, "torque actual value"};
 inline constexpr Object kSkip16{0x0003, 0, 2, "16 bits that are another drive's"};  ///< CiA 301's dummy INTEGER16
 }  // namespace object
+
+/// Object 6060: cyclic synchronous torque.
+inline constexpr std::uint32_t kTorqueMode = 10;
 
 /// Objects that travel together in one frame, one after the other without gaps.
 struct PdoMap {
@@ -74,14 +78,19 @@ enum class PdoLayout : std::uint8_t {
   kPacked,    ///< one RPDO with all torques, of which each drive takes its own; controlwords go when they change
 };
 
+/// What a drive sends after SYNC: statusword, position and torque, in this order, in one message or in two.
+inline constexpr std::size_t kMostStatusParts = 2;
+
 struct DriveMaps {
-  PdoMap torque;       ///< RPDO 1
-  PdoMap controlword;  ///< RPDO 2, without objects where RPDO 1 carries the controlword
-  PdoMap status;       ///< TPDO 1
+  PdoMap torque;                                ///< RPDO 1
+  PdoMap controlword;                           ///< RPDO 2, without objects where RPDO 1 carries the controlword
+  std::array<PdoMap, kMostStatusParts> status;  ///< TPDO 1 and 2, the second without objects where it is not needed
 };
 
-/// @param place  of this drive among the `drives` (1 to 4) of its bus, from 0
-constexpr auto drive_maps(PdoLayout layout, std::uint8_t node, std::size_t place, std::size_t drives) -> DriveMaps {
+/// @param place      of this drive among the `drives` (1 to 4) of its bus, from 0
+/// @param most_sent  objects that the drive takes in one of its own messages, at least 2
+constexpr auto drive_maps(PdoLayout layout, std::uint8_t node, std::size_t place, std::size_t drives,
+                          std::size_t most_sent = PdoMap::kMostObjects) -> DriveMaps {
   DriveMaps maps;
   if (layout == PdoLayout::kSeparate) {
     maps.torque.id = cob::kRpdo1 + node;
@@ -96,10 +105,12 @@ constexpr auto drive_maps(PdoLayout layout, std::uint8_t node, std::size_t place
     maps.controlword.transmission = PdoMap::kAtOnce;
     maps.controlword.add(object::kControlword);
   }
-  maps.status.id = cob::kTpdo1 + node;
-  maps.status.add(object::kStatusword);
-  maps.status.add(object::kPosition);
-  maps.status.add(object::kTorque);
+  maps.status[0].id = cob::kTpdo1 + node;
+  maps.status[1].id = cob::kTpdo2 + node;
+  std::size_t sent = 0;
+  for (const Object& object : {object::kStatusword, object::kPosition, object::kTorque}) {
+    maps.status[sent++ / most_sent].add(object);
+  }
   return maps;
 }
 

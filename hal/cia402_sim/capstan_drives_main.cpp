@@ -7,6 +7,7 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -34,6 +35,11 @@ constexpr const char* kUsage =
     "  --at S:KIND:NODE  S seconds after the first torque that node does something wrong (repeatable); kinds:\n"
     "                    ";
 
+constexpr const char* kUsagePeculiar =
+    "\n"
+    "  --with NAME:NODE  that drive is peculiar, as drives on sale are (repeatable); names:\n"
+    "                    ";
+
 constexpr const char* kUsageEnd =
     "\n"
     "  --for SECONDS     ends then, otherwise by Ctrl-C, SIGTERM or when the firmware closes unix:PATH\n"
@@ -51,6 +57,7 @@ struct Options {
   std::string bus;
   std::vector<std::uint8_t> nodes;
   std::vector<capstan::drive_sim::Incident> incidents;
+  std::map<std::uint8_t, capstan::drive_sim::Peculiarities> peculiarities;
   std::vector<std::string> others;
   std::optional<std::uint32_t> bit_s;
   double seconds = 0.0;
@@ -91,6 +98,11 @@ auto options_of(int count, char** words) -> Options {
       options.nodes = nodes_of(word, value);
     } else if (word == "--at") {
       options.incidents.push_back(capstan::drive_sim::parse_incident(value));
+    } else if (word == "--with") {
+      const std::size_t colon = std::min(value.find(':'), value.size());
+      const auto node = static_cast<std::uint8_t>(
+          number(word, std::string_view(value).substr(std::min(colon + 1, value.size())), 1, 126));
+      options.peculiarities[node].insert(capstan::drive_sim::parse_peculiarity(value.substr(0, colon)));
     } else if (word == "--up") {
       options.others.push_back(value);
     } else if (word == "--bit-rate") {
@@ -144,7 +156,7 @@ void run(const Options& options) {
   // Drives answer at once whatever else the machine does; below the firmware and the interrupts of the controllers.
   const sched_param priority{.sched_priority = 40};
   static_cast<void>(sched_setscheduler(0, SCHED_FIFO, &priority));
-  capstan::drive_sim::DriveBus bus(options.nodes, options.incidents, std::cout);
+  capstan::drive_sim::DriveBus bus(options.nodes, options.incidents, std::cout, options.peculiarities);
   const auto start = capstan::monotonic_now();
   auto next_tick = start;
   bool there = true;
@@ -169,7 +181,8 @@ void run(const Options& options) {
 
 auto main(int count, char** words) -> int {
   if (count == 2 && std::string(words[1]) == "--help") {
-    std::cout << kUsage << capstan::drive_sim::incident_kinds() << kUsageEnd;
+    std::cout << kUsage << capstan::drive_sim::incident_kinds() << kUsagePeculiar
+              << capstan::drive_sim::peculiarity_names() << kUsageEnd;
     return 0;
   }
   for (const int signal_number : {SIGINT, SIGTERM}) {

@@ -59,10 +59,13 @@ auto parse_incident(const std::string& text) -> Incident {
   return incident;
 }
 
-DriveBus::DriveBus(std::span<const std::uint8_t> nodes, std::vector<Incident> incidents, std::ostream& out)
+DriveBus::DriveBus(std::span<const std::uint8_t> nodes, std::vector<Incident> incidents, std::ostream& out,
+                   const std::map<std::uint8_t, Peculiarities>& peculiarities)
     : enabled_(nodes.size()), waiting_(std::move(incidents)), out_(out) {
   for (const std::uint8_t node : nodes) {
-    drives_.emplace_back(node, sim::PlantParameters{}, node);
+    const auto found = peculiarities.find(node);
+    drives_.emplace_back(node, sim::PlantParameters{}, node,
+                         found == peculiarities.end() ? Peculiarities{} : found->second);
   }
 }
 

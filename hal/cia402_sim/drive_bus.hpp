@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <ostream>
 #include <span>
 #include <string>
@@ -41,7 +42,8 @@ auto incident_kinds() -> std::string;
 class DriveBus {
  public:
   /// @param out  gets one line for each change of a drive's torque; outlives this object
-  DriveBus(std::span<const std::uint8_t> nodes, std::vector<Incident> incidents, std::ostream& out);
+  DriveBus(std::span<const std::uint8_t> nodes, std::vector<Incident> incidents, std::ostream& out,
+           const std::map<std::uint8_t, Peculiarities>& peculiarities = {});
 
   /// A frame from the bus. @returns what the drives send for it
   auto receive(const Frame& frame, Time now) -> std::vector<Frame>;

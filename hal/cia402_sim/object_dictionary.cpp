@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/hal/cia402_sim/object_dictionary.hpp"
 
+#include <algorithm>
+
 namespace capstan::drive_sim {
 namespace {
 
@@ -21,10 +23,13 @@ constexpr std::uint32_t kMostBits = 64;
 ObjectDictionary::ObjectDictionary() {
   const auto add = [this](std::uint16_t index, std::uint8_t subindex, std::uint8_t bytes, bool writable,
                           std::uint32_t value) {
-    entries_[{index, subindex}] = {bytes, writable, value};
+    entries_[{index, subindex}] = {bytes, writable, value, {}};
   };
   add(0x1000, 0, 4, false, 0x00020192);
   add(0x1001, 0, 1, false, 0);
+  add(0x1018, 0, 1, false, 2);
+  add(0x1018, 1, 4, false, 0);
+  add(0x1018, 2, 4, false, 402);
   add(0x1016, 0, 1, false, 1);
   add(0x1016, 1, 4, true, 0);
   add(0x1017, 0, 2, true, 0);
@@ -49,8 +54,11 @@ ObjectDictionary::ObjectDictionary() {
   add(0x6061, 0, 1, false, 0);
   add(0x6064, 0, 4, false, 0);
   add(0x6071, 0, 2, true, 0);
+  add(0x6072, 0, 2, true, 3000);
   add(0x6075, 0, 4, true, 1500);
   add(0x6077, 0, 2, false, 0);
+  add(0x607E, 0, 1, true, 0);
+  add(0x60B2, 0, 2, true, 0);
   add(0x60C2, 1, 1, true, 1);
   add(0x60C2, 2, 1, true, 0xFD);
   add(0x6502, 0, 4, false, 0x200);
@@ -67,6 +75,41 @@ auto ObjectDictionary::get(std::uint16_t index, std::uint8_t subindex) const -> 
 
 void ObjectDictionary::set(std::uint16_t index, std::uint32_t value, std::uint8_t subindex) {
   entries_.at({index, subindex}).value = value;
+}
+
+void ObjectDictionary::remove(std::uint16_t index) {
+  std::erase_if(entries_, [index](const auto& entry) { return entry.first.first == index; });
+}
+
+void ObjectDictionary::set_most_mapped(std::uint8_t objects) {
+  most_mapped_ = objects;
+  std::erase_if(entries_, [objects](const auto& entry) {
+    const std::uint16_t list = entry.first.first & 0xFF00U;
+    return (list == 0x1600 || list == 0x1A00) && entry.first.second > objects;
+  });
+}
+
+// CiA 301 7.5.2.35: bits 0 to 29 change only while the PDO is not valid, and some identifiers (7.3.5) are not for PDOs.
+auto ObjectDictionary::refused_by_id_rules(std::uint16_t index, std::uint8_t subindex, std::uint32_t value) const
+    -> bool {
+  constexpr std::uint32_t kFixed = 0x3FFFFFFF;
+  const std::uint16_t list = index & 0xFF00U;
+  if (subindex != 1 || (list != 0x1400 && list != 0x1800)) {
+    return false;
+  }
+  const std::uint32_t id = value & 0x7FFU;
+  const auto within = [id](std::uint32_t first, std::uint32_t last) { return id >= first && id <= last; };
+  const bool restricted = within(0x000, 0x07F) || within(0x101, 0x180) || within(0x581, 0x5FF) ||
+                          within(0x601, 0x67F) || within(0x6E0, 0x6FF) || within(0x701, 0x7FF);
+  const std::uint32_t present = get(index, 1);
+  return restricted || ((present & kNotValid) == 0 && (value & kFixed) != (present & kFixed));
+}
+
+auto ObjectDictionary::is_within_range(const Entry& entry, std::uint16_t index, std::uint32_t value) const -> bool {
+  const std::uint32_t time_ms = value & 0xFFFFU;
+  const bool too_short = index == 0x1016 && time_ms != 0 && time_ms < least_heartbeat_ms_;
+  return !too_short &&
+         (entry.allowed.empty() || std::find(entry.allowed.begin(), entry.allowed.end(), value) != entry.allowed.end());
 }
 
 // CiA 301 7.5.2.36: a mapping changes only while the PDO is not valid and nothing is mapped.
@@ -88,10 +131,10 @@ auto ObjectDictionary::refused_by_pdo_rules(std::uint16_t index, std::uint8_t su
                                                                                  : std::optional(kNotMappable);
   }
   std::uint32_t bits = 0;
-  for (std::uint8_t i = 1; i <= kMostMapped && i <= value; ++i) {
+  for (std::uint8_t i = 1; i <= most_mapped_ && i <= value; ++i) {
     bits += get(index, i) & 0xFFU;
   }
-  if (value > kMostMapped) {
+  if (value > most_mapped_) {
     return kOutOfRange;
   }
   return bits > kMostBits ? std::optional(kMappedTooLong) : std::nullopt;
@@ -110,6 +153,9 @@ auto ObjectDictionary::write(std::uint16_t index, std::uint8_t subindex, std::ui
   if (entry.bytes != bytes) {
     return kWrongLength;
   }
+  if (refused_by_id_rules(index, subindex, value) || !is_within_range(entry, index, value)) {
+    return kOutOfRange;
+  }
   if (const auto refused = refused_by_pdo_rules(index, subindex, value)) {
     return refused;
   }
@@ -118,7 +164,9 @@ auto ObjectDictionary::write(std::uint16_t index, std::uint8_t subindex, std::ui
     if (!known) {
       return kOutOfRange;
     }
-    set(0x6061, value);
+    if (mode_follows_ && find(0x6061, 0) != nullptr) {
+      set(0x6061, value);
+    }
   }
   entry.value = value;
   return std::nullopt;

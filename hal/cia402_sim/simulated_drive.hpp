@@ -2,11 +2,12 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <optional>
 #include <vector>
 
 #include "capstan/hal/cia402/frame.hpp"
-#include "capstan/hal/cia402_sim/object_dictionary.hpp"
+#include "capstan/hal/cia402_sim/peculiarity.hpp"
 #include "capstan/hal/sim/plant.hpp"
 
 namespace capstan::drive_sim {
@@ -19,7 +20,8 @@ using cia402::Time;
 /// 1 ms. Without SYNC the axis stands still and only network timing goes on.
 class SimulatedDrive {
  public:
-  SimulatedDrive(std::uint8_t node, const sim::PlantParameters& axis, std::uint64_t seed);
+  SimulatedDrive(std::uint8_t node, const sim::PlantParameters& axis, std::uint64_t seed,
+                 Peculiarities peculiarities = {});
 
   /// A frame from the bus. Answers are appended to `out`.
   void receive(const Frame& frame, Time now, std::vector<Frame>& out);
@@ -52,8 +54,14 @@ class SimulatedDrive {
   };
 
   void receive_nmt(const Frame& frame);
-  void receive_sdo(const Frame& frame, std::vector<Frame>& out);
+  void receive_sdo(const Frame& frame, Time now, std::vector<Frame>& out);
   auto answer_sdo(const Frame& request, Frame& answer) -> std::optional<std::uint32_t>;
+  auto answer_read(std::uint16_t index, std::uint8_t subindex, Frame& answer) -> std::optional<std::uint32_t>;
+  auto answer_write(const Frame& request, Frame& answer) -> std::optional<std::uint32_t>;
+  void sample();
+  [[nodiscard]] auto has(Peculiarity peculiarity) const -> bool { return peculiarities_.contains(peculiarity); }
+  [[nodiscard]] auto value_or(std::uint16_t index, std::uint8_t subindex, std::uint32_t otherwise) const
+      -> std::uint32_t;
   void receive_rpdo(std::size_t number, const Frame& frame, std::vector<Frame>& out);
   void receive_sync(std::vector<Frame>& out);
   void unpack(std::size_t number, const Frame& frame);
@@ -62,7 +70,17 @@ class SimulatedDrive {
   void obey_controlword();
   auto mapped_bytes(std::uint16_t index) const -> std::size_t;
 
+  struct Sample {
+    std::uint32_t statusword = 0;
+    std::uint32_t position = 0;
+  };
+  struct Answer {
+    Time due{};
+    Frame frame;
+  };
+
   std::uint8_t node_;
+  Peculiarities peculiarities_;
   ObjectDictionary objects_;
   sim::Plant plant_;
   Nmt nmt_ = Nmt::kStarting;
@@ -71,6 +89,11 @@ class SimulatedDrive {
   std::array<std::optional<Frame>, 4> latched_;  // RPDOs that wait for SYNC
   std::optional<Time> next_heartbeat_;
   std::optional<Time> last_master_;
+  std::optional<Time> boots_at_;
+  std::deque<Sample> samples_;         // the last ones, for who sends old ones
+  std::deque<Answer> answers_;         // that take their time
+  std::optional<std::uint32_t> rest_;  // of an answer in segments
+  std::uint8_t rest_bytes_ = 0;
 };
 
 }  // namespace capstan::drive_sim

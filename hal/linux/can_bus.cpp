@@ -33,7 +33,9 @@ auto rates_of(const CanBusSetup& bus, const CanSetup& setup) -> cia402::BitRates
 }
 
 auto checked_socket(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out) -> CanSocket {
-  out << budget_line(bus, setup, rates_of(bus, setup)) << '\n';
+  const cia402::BitRates rates = rates_of(bus, setup);
+  const cia402::BusBudget budget = cia402::bus_budget(setup.layout, bus.nodes.size(), rates);
+  out << budget_line(bus.name, bus.nodes.size(), budget, rates) << '\n';
   return CanSocket::open(bus.name, setup.fd, true);
 }
 
@@ -47,9 +49,10 @@ auto ends_set_up(cia402::Anomaly event) -> bool {
          event == cia402::Anomaly::kSendFailed || event == cia402::Anomaly::kSendQueueFull;
 }
 
-auto set_up(CanSocket& socket, const std::string& bus, DriveSetup& drive) -> cia402::DriveSetting {
+/// Until the drive has come to this phase.
+void lead(CanSocket& socket, const std::string& bus, DriveSetup& drive, DriveSetup::Phase phase) {
   constexpr std::chrono::milliseconds kLookAround{2};
-  while (drive.phase() != DriveSetup::Phase::kDone) {
+  while (drive.phase() != phase) {
     if (const auto request = drive.next(socket.now())) {
       if (const auto problem = socket.rt_send(*request)) {
         refuse(bus, *problem);
@@ -67,16 +70,44 @@ auto set_up(CanSocket& socket, const std::string& bus, DriveSetup& drive) -> cia
       }
     }
   }
-  return drive.setting();
 }
 
-auto set_up_all(CanSocket& socket, const CanBusSetup& bus, cia402::PdoLayout layout, cia402::Journal& journal)
-    -> std::vector<cia402::DriveSetting> {
+/// Drives that need more messages than were planned for need more of the bus.
+void check_budget(std::span<const cia402::DriveSetting> settings, const CanBusSetup& bus, const CanSetup& setup,
+                  std::ostream& out) {
+  std::vector<cia402::DriveMaps> maps;
+  for (const cia402::DriveSetting& setting : settings) {
+    maps.push_back(setting.maps);
+  }
+  const cia402::BitRates rates = rates_of(bus, setup);
+  const cia402::BusBudget budget = cia402::bus_budget(setup.layout, maps, rates);
+  if (budget.frames != cia402::bus_budget(setup.layout, maps.size(), rates).frames) {
+    out << budget_line(bus.name, maps.size(), budget, rates) << '\n';
+  }
+}
+
+auto set_up_all(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup, cia402::Journal& journal,
+                std::ostream& out) -> std::vector<cia402::DriveSetting> {
+  std::vector<std::unique_ptr<DriveSetup>> drives;
   std::vector<cia402::DriveSetting> settings;
   for (std::size_t place = 0; place < bus.nodes.size(); ++place) {
-    const cia402::DriveMaps maps = cia402::drive_maps(layout, bus.nodes[place], place, bus.nodes.size());
-    DriveSetup drive(bus.nodes[place], maps, journal, place + 1);
-    settings.push_back(set_up(socket, bus.name, drive));
+    const cia402::SetupTask task{.node = bus.nodes[place],
+                                 .layout = setup.layout,
+                                 .place = place,
+                                 .drives = bus.nodes.size(),
+                                 .watchdog = setup.watchdog,
+                                 .profiles = setup.profiles};
+    drives.push_back(std::make_unique<DriveSetup>(task, journal, place + 1));
+    lead(socket, bus.name, *drives.back(), DriveSetup::Phase::kReady);
+    for (const std::string& note : drives.back()->notes()) {
+      out << bus.name << ": " << note << '\n';
+    }
+    settings.push_back(drives.back()->setting());
+  }
+  check_budget(settings, bus, setup, out);
+  for (const auto& drive : drives) {
+    drive->start();
+    lead(socket, bus.name, *drive, DriveSetup::Phase::kDone);
   }
   std::array<std::uint32_t, cia402::kMostWantedIds> ids{};
   socket.filter(std::span(ids).first(cia402::wanted_ids(settings, ids)));
@@ -87,11 +118,11 @@ auto set_up_all(CanSocket& socket, const CanBusSetup& bus, cia402::PdoLayout lay
 
 }  // namespace
 
-auto budget_line(const CanBusSetup& bus, const CanSetup& setup, const cia402::BitRates& rates) -> std::string {
-  const cia402::BusBudget budget = cia402::bus_budget(setup.layout, bus.nodes.size(), rates);
+auto budget_line(const std::string& bus, std::size_t drives, const cia402::BusBudget& budget,
+                 const cia402::BitRates& rates) -> std::string {
   const auto us = [](std::uint64_t time_ns) { return std::to_string((time_ns + 999) / 1000) + " us"; };
   const std::uint64_t percent = (budget.with_retransmission_ns() * 100 + budget.kCycleNs - 1) / budget.kCycleNs;
-  const std::string line = bus.name + ": " + std::to_string(bus.nodes.size()) + " drives at " +
+  const std::string line = bus + ": " + std::to_string(drives) + " drives at " +
                            std::to_string(rates.nominal_bit_s / 1000) + " kbit/s" +
                            (rates.data_bit_s != 0 ? " and " + std::to_string(rates.data_bit_s / 1000) : "") + ", " +
                            std::to_string(budget.frames) + " messages a cycle, at most " + us(budget.cyclic_ns) + ", " +
@@ -106,13 +137,13 @@ auto budget_line(const CanBusSetup& bus, const CanSetup& setup, const cia402::Bi
 }
 
 CanBus::CanBus(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out)
-    : CanBus(checked_socket(bus, setup, out), bus, setup) {}
+    : CanBus(checked_socket(bus, setup, out), bus, setup, out) {}
 
-CanBus::CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup)
+CanBus::CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup, std::ostream& out)
     : name_(bus.name),
       socket_(std::move(socket)),
       journal_(std::make_unique<cia402::Journal>()),
-      settings_(set_up_all(socket_, bus, setup.layout, *journal_)),
+      settings_(set_up_all(socket_, bus, setup, *journal_, out)),
       master_(settings_, {.layout = setup.layout, .fd = setup.fd, .confirms = socket_.confirms()}, *journal_) {}
 
 CanBus::~CanBus() {

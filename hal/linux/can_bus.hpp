@@ -8,6 +8,7 @@
 
 #include "capstan/hal/cia402/bus_budget.hpp"
 #include "capstan/hal/cia402/bus_master.hpp"
+#include "capstan/hal/cia402/drive_profile.hpp"
 #include "capstan/hal/linux/can_socket.hpp"
 
 namespace capstan {
@@ -22,17 +23,20 @@ struct CanSetup {
   std::vector<CanBusSetup> buses;
   cia402::PdoLayout layout = cia402::PdoLayout::kSeparate;
   bool fd = false;
+  bool watchdog = false;                         ///< a line outside the bus takes torque away when this program stops
+  std::vector<cia402::DriveProfile> profiles{};  ///< before those that are known
 };
 
 /// Socket, protocol and journal of one bus whose drives are set up. Its rt_ functions belong to the cycle, the journal
 /// may be read by anybody.
 class CanBus {
  public:
-  /// Checks the interface and the bus budget, which it prints, sets up every drive, and leaves them operational and
-  /// without torque. Takes about a second. Throws std::runtime_error with "sentence; cure" if any drive is not fit.
+  /// Checks the interface and the bus budget, which it prints, sets up every drive, says what it found there, and
+  /// leaves them operational and without torque. Takes about a second, with slow drives up to a minute. Throws
+  /// std::runtime_error with "sentence; cure" if any drive is not fit.
   CanBus(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out);
   /// The same on a socket that is there already.
-  CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup);
+  CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup, std::ostream& out);
   CanBus(const CanBus&) = delete;
   auto operator=(const CanBus&) -> CanBus& = delete;
   /// Takes the drives out of operation.
@@ -59,6 +63,8 @@ class CanBus {
 };
 
 /// One line: what a cycle asks of the bus and what it may. Throws std::runtime_error with the cure if it does not fit.
-auto budget_line(const CanBusSetup& bus, const CanSetup& setup, const cia402::BitRates& rates) -> std::string;
+/// @param budget  what the drives need
+auto budget_line(const std::string& bus, std::size_t drives, const cia402::BusBudget& budget,
+                 const cia402::BitRates& rates) -> std::string;
 
 }  // namespace capstan

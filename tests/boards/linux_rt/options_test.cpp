@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -49,6 +50,19 @@ TEST(BoardOptions, EveryOptionReachesItsField) {
   EXPECT_EQ(options.rt.cpu, 1);
   EXPECT_EQ(options.rt.priority, 42);
   EXPECT_TRUE(options.rt.insist);
+}
+
+TEST(BoardOptions, DriveProfilesAreReadInTheirOrderAndAWatchdogLineIsKnownToTheSetUp) {
+  const std::string file = testing::TempDir() + "mine.profile";
+  std::ofstream(file) << "name = mine\nnode = 3\nrated_current_ma = 1200\n";
+  const BoardOptions options = parse({"--can", "can0:3", "--profile", file, "--gpio", "/dev/gpiochip2:watchdog=4"});
+  ASSERT_EQ(options.can.profiles.size(), 1U);
+  EXPECT_EQ(options.can.profiles[0].rated_current_ma, 1200U);
+  EXPECT_TRUE(options.can.watchdog);
+  EXPECT_FALSE(parse({"--can", "can0:3", "--gpio", "/dev/gpiochip2:enable=4"}).can.watchdog);
+  EXPECT_NE(refusal({"--profile", "/nowhere/x.profile"}).find("can not be read; "), std::string::npos);
+  std::ofstream(file) << "colour = green\n";
+  EXPECT_NE(refusal({"--profile", file}).find("line 1 has the key 'colour'"), std::string::npos);
 }
 
 TEST(BoardOptions, HardwareIsReadAsItIsWritten) {

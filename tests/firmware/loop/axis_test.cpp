@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/tests/firmware/loop/axis_bench.hpp"
@@ -42,6 +43,29 @@ TEST(AxisConfiguration, NewGainsLeaveTheLawsMemoryAlone) {
     untouched.estimate(sensed);
     ASSERT_EQ(changed.telemetry().q2_rad, untouched.telemetry().q2_rad) << "cycle " << i;
   }
+}
+
+TEST(AxisArming, AnAmplifierOnItsWayToTorqueGetsNoneAndIsNotJudged) {
+  AxisConfig config;
+  config.observer = {.inertia_gm2 = q(0.01), .coulomb_nm = q(0.004), .noise_a = q(0.004)};
+  AxisBench axis(config);
+  arm_at_rest(axis);
+  AxisSensed sensed;
+  for (int i = 0; i < 200; ++i) {
+    sensed = sensed_at(0.0015 * std::min(i, 100), 0.0);  // it is pushed meanwhile
+    sensed.follows = false;
+    axis.estimate(sensed);
+    ASSERT_EQ(axis.faults(true), 0U) << "cycle " << i;
+    static_cast<void>(axis.control());
+    const AxisDrive drive = axis.drive(q(0.05), true);
+    EXPECT_TRUE(drive.enabled) << "or it would never come to torque";
+    EXPECT_EQ(drive.current_a, Q24{});
+  }
+  sensed.follows = true;
+  axis.estimate(sensed);
+  EXPECT_EQ(axis.faults(true), 0U);
+  EXPECT_NEAR(axis.control().to_double(), 0.0, 1e-6) << "it stands where it is now, not where it was armed";
+  EXPECT_NE(axis.drive(Q24{}, true).current_a, Q24{}) << "the observer's first look begins with the torque";
 }
 
 TEST(AxisCommands, AMoveOutsideTheLimitsOrWithoutSpeedChangesNothing) {

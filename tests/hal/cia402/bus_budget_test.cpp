@@ -63,11 +63,11 @@ TEST(PdoMap, WordsAreIndexSubindexAndBits) {
   EXPECT_EQ(separate.torque.word(1), 0x60710010U);
   EXPECT_EQ(separate.torque.bytes(), 4);
   EXPECT_EQ(separate.controlword.count, 0);
-  EXPECT_EQ(separate.status.id, 0x183U);
-  EXPECT_EQ(separate.status.word(0), 0x60410010U);
-  EXPECT_EQ(separate.status.word(1), 0x60640020U);
-  EXPECT_EQ(separate.status.word(2), 0x60770010U);
-  EXPECT_EQ(separate.status.bytes(), 8);
+  EXPECT_EQ(separate.status[0].id, 0x183U);
+  EXPECT_EQ(separate.status[0].word(0), 0x60410010U);
+  EXPECT_EQ(separate.status[0].word(1), 0x60640020U);
+  EXPECT_EQ(separate.status[0].word(2), 0x60770010U);
+  EXPECT_EQ(separate.status[0].bytes(), 8);
 }
 
 TEST(PdoMap, InAPackedMessageEachDriveSkipsWhatIsNotItsOwn) {
@@ -81,6 +81,16 @@ TEST(PdoMap, InAPackedMessageEachDriveSkipsWhatIsNotItsOwn) {
   EXPECT_EQ(packed.controlword.id, 0x303U);
   EXPECT_EQ(packed.controlword.word(0), 0x60400010U);
   EXPECT_EQ(packed.controlword.transmission, 255);
+}
+
+TEST(BusBudget, AStatusInTwoMessagesCostsASecondFrame) {
+  std::array<DriveMaps, 2> maps = {drive_maps(PdoLayout::kSeparate, 1, 0, 2),
+                                   drive_maps(PdoLayout::kSeparate, 9, 1, 2, 2)};
+  EXPECT_EQ(maps[1].status[0].bytes(), 6);
+  EXPECT_EQ(maps[1].status[1].id, 0x289U);
+  EXPECT_EQ(maps[1].status[1].word(0), 0x60770010U);
+  // SYNC 55, set values 2 x 95, status 135, 115 and 75 bits
+  EXPECT_EQ(bus_budget(PdoLayout::kSeparate, maps, kClassical).cyclic_ns, 570'000U);
 }
 
 }  // namespace

@@ -18,7 +18,9 @@ auto settings(PdoLayout layout) -> std::vector<DriveSetting> {
 
 /// A bus with nodes 1 and 9.
 struct Rig {
-  explicit Rig(BusMaster::Options options = {}) : drives(settings(options.layout)), bus(drives, options, journal) {}
+  explicit Rig(BusMaster::Options options = {}) : Rig(options, settings(options.layout)) {}
+  Rig(BusMaster::Options options, std::vector<DriveSetting> these)
+      : drives(std::move(these)), bus(drives, options, journal) {}
   std::vector<DriveSetting> drives;
   Journal journal;
   BusMaster bus;
@@ -253,6 +255,38 @@ TEST(BusMaster, NoMessagesWhateverTheySayBringTorqueThatIsNotWanted) {
       rig.bus.rt_sync_sent(rig.now);
     }
   }
+}
+
+TEST(BusMaster, ADriveThatShowsItsModeWhenEnabledIsAskedOnceBetweenSetValuesAndSync) {
+  std::vector<DriveSetting> drives = {setting(1, 0, 2), setting(9, 1, 2)};
+  drives[1].asks_mode = true;
+  Rig rig({}, drives);
+  rig.wanted = {amperes(0.5), amperes(-1)};
+  for (const int state : {kSwitchOnDisabled, kReady, kSwitchedOn}) {
+    static_cast<void>(rig.cycle(state, state));
+  }
+  EXPECT_EQ(rig.cycle(kEnabled, kEnabled),
+            (std::vector<Frame>{frame(0x201, {0x0F, 0x00, 0xFA, 0x00}), frame(0x209, {0x0F, 0x00, 0x00, 0x00}),
+                                frame(0x609, {0x40, 0x61, 0x60, 0x00, 0, 0, 0, 0}), frame(0x080, {})}));
+  EXPECT_EQ(rig.cycle(kEnabled, kEnabled).size(), 3U) << "one question";
+  rig.arrives(frame(0x589, {0x4F, 0x61, 0x60, 0x00, 0x0A, 0, 0, 0}));
+  EXPECT_EQ(rig.cycle(kEnabled, kEnabled)[1], frame(0x209, {0x0F, 0x00, 0x0C, 0xFE}));
+}
+
+TEST(BusMaster, TheSecondHalfOfAStatusReachesItsDrive) {
+  std::vector<DriveSetting> drives = {setting(1, 0, 2), setting(9, 1, 2)};
+  drives[1].maps = drive_maps(PdoLayout::kSeparate, 9, 1, 2, 2);
+  Rig rig({}, drives);
+  rig.arrives(status(kReady, 1));
+  rig.arrives(frame(0x189, {kReady, 0x02, 0x03, 0x02, 0x01, 0x00}));
+  rig.arrives(frame(0x289, {0x9C, 0xFF}));
+  rig.bus.rt_sense(rig.now, rig.axes);
+  EXPECT_EQ(rig.axes[1].encoder_counts, 0x00010203);
+  EXPECT_NEAR(rig.axes[1].current_a.to_double(), -0.2, 1e-6);
+  std::array<std::uint32_t, kMostWantedIds> ids{};
+  const std::size_t count = wanted_ids(drives, ids);
+  EXPECT_NE(std::find(ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(count), 0x289U),
+            ids.begin() + static_cast<std::ptrdiff_t>(count));
 }
 
 TEST(BusMaster, AsksForItsOwnMessagesOnly) {

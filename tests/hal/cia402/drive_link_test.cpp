@@ -9,8 +9,9 @@ namespace capstan::cia402 {
 namespace {
 
 struct Rig {
+  explicit Rig(const DriveSetting& of = setting()) : drive(of, journal, 1) {}
   Journal journal;
-  DriveLink drive{setting(), journal, 1};
+  DriveLink drive;
   Time now = ms(1000);
 
   /// One cycle: SYNC, this statusword's low byte in answer, then the command.
@@ -52,7 +53,17 @@ TEST(DriveLink, GoesToTorqueStepByStepAndGivesNoneBefore) {
   EXPECT_EQ(on.torque_permille, 500) << "1 A of 2 A";
   EXPECT_EQ(rig.cycle(kEnabled, amperes(-0.5)).torque_permille, -250);
   EXPECT_EQ(rig.cycle(kEnabled, amperes(100)).torque_permille, 32767) << "saturates, never wraps";
-  EXPECT_EQ(rig.cycle(kEnabled, amperes(-100)).torque_permille, -32768);
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(-100)).torque_permille, -32767) << "the same either way";
+}
+
+TEST(DriveLink, SaysWhenTheDriveFollowsItsSetValue) {
+  Rig rig;
+  for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn}) {
+    static_cast<void>(rig.cycle(low_byte, amperes(1)));
+    EXPECT_FALSE(rig.sensed.follows);
+  }
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 500);
+  EXPECT_TRUE(rig.sensed.follows) << "in the cycle whose command is the first with torque";
 }
 
 TEST(DriveLink, WithoutEnableItIsVoltageOffInTheSameCycle) {
@@ -221,6 +232,133 @@ TEST(DriveLink, AFaultIsResetByAnEdgeOnceTheTorqueIsGivenUp) {
   EXPECT_FALSE(rig.drive.rt_sound());
   EXPECT_EQ(rig.cycle(kSwitchOnDisabled, amperes(0, false)).controlword, 0x00);
   EXPECT_TRUE(rig.drive.rt_sound());
+}
+
+/// Node 1, whose status comes in two messages.
+auto split_setting() -> DriveSetting {
+  DriveSetting split = setting();
+  split.maps = drive_maps(PdoLayout::kSeparate, 1, 0, 1, 2);
+  return split;
+}
+
+TEST(DriveLink, AStatusInTwoMessagesIsOneOnlyWhenBothHaveCome) {
+  Journal journal;
+  DriveLink drive(split_setting(), journal, 1);
+  const Frame first = frame(0x181, {kReady, 0x02, 0x03, 0x02, 0x01, 0x00});
+  const Frame second = frame(0x281, {0x9C, 0xFF});
+  drive.rt_status(second, ms(1), ms(0), 1);
+  drive.rt_status(first, ms(1), ms(0), 0);
+  const AxisSensed whole = drive.rt_sense(ms(1), true);
+  EXPECT_EQ(whole.encoder_counts, 0x00010203);
+  EXPECT_NEAR(whole.current_a.to_double(), -0.2, 1e-6);
+  EXPECT_EQ(drive.state(), DriveState::kReadyToSwitchOn);
+  drive.rt_status(first, ms(2), ms(1), 0);
+  EXPECT_EQ(drive.rt_sense(ms(2), true).encoder, Quality::kMissing);
+  drive.rt_status(second, ms(3), ms(2), 1);
+  EXPECT_EQ(drive.rt_sense(ms(3), true).current, Quality::kMissing) << "halves of two cycles are no whole";
+  EXPECT_EQ(journal.count(Anomaly::kStatusMissing, 1), 2U);
+  drive.rt_status(frame(0x281, {0x9C, 0xFF, 0}), ms(4), ms(3), 1);
+  EXPECT_EQ(journal.count(Anomaly::kStatusLength, 1), 1U);
+}
+
+TEST(DriveLink, TorqueStaysWithinTheLimitThatIsStoredInTheDrive) {
+  DriveSetting limited = setting();
+  limited.max_torque_permille = 50;
+  Rig rig(limited);
+  rig.enable();
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(0.05)).torque_permille, 25);
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 50);
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(-1)).torque_permille, -50);
+}
+
+/// Answers to the question for object 6061.
+auto mode(int shown) -> Frame {
+  return frame(0x581, {0x4F, 0x61, 0x60, 0x00, shown, 0, 0, 0});
+}
+
+auto asking_setting() -> DriveSetting {
+  DriveSetting asking = setting();
+  asking.asks_mode = true;
+  return asking;
+}
+
+struct AskingRig : Rig {
+  AskingRig() : Rig(asking_setting()) { enable(); }
+};
+
+TEST(DriveLink, ADriveThatShowsItsModeWhenEnabledGetsTorqueAfterIt) {
+  AskingRig rig;
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 0);
+  EXPECT_TRUE(rig.drive.rt_asks_mode());
+  EXPECT_FALSE(rig.drive.rt_asks_mode()) << "once";
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 0) << "no answer yet";
+  EXPECT_FALSE(rig.sensed.follows);
+  rig.drive.rt_mode(mode(10));
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 500);
+  EXPECT_TRUE(rig.sensed.follows);
+  EXPECT_FALSE(rig.drive.rt_asks_mode());
+  static_cast<void>(rig.cycle(kEnabled, amperes(0, false)));
+  for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn, kEnabled}) {
+    EXPECT_EQ(rig.cycle(low_byte, amperes(1)).torque_permille, 0) << "each time it is enabled";
+  }
+  EXPECT_TRUE(rig.drive.rt_asks_mode());
+}
+
+TEST(DriveLink, ADriveThatIsEnabledInAnotherModeIsLost) {
+  AskingRig rig;
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(rig.drive.rt_sound());
+    EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 0);
+    EXPECT_TRUE(rig.drive.rt_asks_mode());
+    rig.drive.rt_mode(mode(8));
+  }
+  EXPECT_FALSE(rig.drive.rt_sound());
+  EXPECT_EQ(rig.count(Anomaly::kWrongMode), 1U);
+  EXPECT_EQ(rig.journal.detail(Anomaly::kWrongMode, 1), 8U);
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).controlword, 0x00);
+}
+
+TEST(DriveLink, ADriveThatDoesNotSayItsModeGetsNoTorque) {
+  AskingRig rig;
+  for (int i = 0; i < 1201; ++i) {
+    EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 0);
+    static_cast<void>(rig.drive.rt_asks_mode());
+  }
+  EXPECT_EQ(rig.count(Anomaly::kModeUnknown), 1U);
+  EXPECT_FALSE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, AnAnswerAboutTheModeThatNobodyAskedForIsCountedOnly) {
+  Rig rig;
+  rig.enable();
+  rig.drive.rt_mode(mode(8));
+  EXPECT_EQ(rig.count(Anomaly::kSdoUnexpected), 1U);
+  EXPECT_TRUE(rig.drive.rt_sound());
+}
+
+TEST(DriveLink, ADriveThatFollowsEachControlwordAfterMoreThan10CyclesIsNotEnabled) {
+  for (const int cycles : {10, 11}) {
+    Rig rig;
+    static_cast<void>(rig.cycle(kSwitchOnDisabled, {}));
+    for (const int low_byte : {kSwitchOnDisabled, kReady, kSwitchedOn}) {
+      for (int i = 0; i < cycles; ++i) {
+        static_cast<void>(rig.cycle(low_byte, amperes(1)));
+      }
+    }
+    EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, cycles == 10 ? 500 : 0);
+    EXPECT_EQ(rig.count(Anomaly::kAnswersLate), cycles == 10 ? 0U : 1U);
+  }
+}
+
+TEST(DriveLink, OneFastAnswerIsEnough) {
+  Rig rig;
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, {}));
+  static_cast<void>(rig.cycle(kSwitchOnDisabled, amperes(1)));
+  for (int i = 0; i < 100; ++i) {
+    static_cast<void>(rig.cycle(kReady, amperes(1)));  // its power stage takes its time
+  }
+  static_cast<void>(rig.cycle(kSwitchedOn, amperes(1)));
+  EXPECT_EQ(rig.cycle(kEnabled, amperes(1)).torque_permille, 500);
 }
 
 }  // namespace

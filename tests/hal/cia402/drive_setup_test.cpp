@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 #include <utility>
@@ -18,7 +19,9 @@ using Key = std::pair<unsigned, unsigned>;  // index, subindex
 /// The least that stands in for a drive: remembers what is written and gives it back, as bytes on the bus.
 struct Drive {
   explicit Drive(std::uint8_t node) : node(node) {
-    memory = {{{0x1000, 0}, 0x00020192}, {{0x6502, 0}, 0x00000200}, {{0x6075, 0}, 3500}, {{0x6061, 0}, 10}};
+    memory = {{{0x1000, 0}, 0x00020192}, {{0x6502, 0}, 0x00000200}, {{0x6075, 0}, 3500},      {{0x6061, 0}, 10},
+              {{0x6072, 0}, 1000},       {{0x605A, 0}, 2},          {{0x605E, 0}, 2},         {{0x1A00, 0}, 2},
+              {{0x1800, 1}, 0x40000283}, {{0x1401, 1}, 0x303},      {{0x1803, 1}, 0x80000000}};
   }
   std::uint8_t node;
   std::map<Key, std::uint32_t> memory;
@@ -62,9 +65,10 @@ struct Drive {
 
   /// Bytes of an object, from CiA 301 and 402.
   static auto size(const Key& key) -> std::size_t {
-    static const std::map<unsigned, std::size_t> kSizes = {{0x1000, 4}, {0x6502, 4}, {0x6075, 4}, {0x1016, 4},
-                                                           {0x1017, 2}, {0x6007, 2}, {0x605A, 2}, {0x605E, 2},
-                                                           {0x6060, 1}, {0x6061, 1}, {0x60C2, 1}};
+    static const std::map<unsigned, std::size_t> kSizes = {
+        {0x1000, 4}, {0x6502, 4}, {0x6075, 4}, {0x1016, 4}, {0x1017, 2}, {0x6007, 2}, {0x605A, 2},
+        {0x605E, 2}, {0x6060, 1}, {0x6061, 1}, {0x60C2, 1}, {0x1018, 4}, {0x607E, 1}, {0x60B2, 2},
+        {0x6072, 2}, {0x6073, 2}, {0x60E0, 2}, {0x60E1, 2}, {0x6040, 2}, {0x1029, 1}};
     if (const auto found = kSizes.find(key.first); found != kSizes.end()) {
       return found->second;
     }
@@ -74,14 +78,18 @@ struct Drive {
 };
 
 struct Rig {
-  explicit Rig(PdoLayout layout = PdoLayout::kSeparate) : setup(3, drive_maps(layout, 3, 1, 2), journal, 2) {}
+  explicit Rig(PdoLayout layout = PdoLayout::kSeparate)
+      : setup({.node = 3, .layout = layout, .place = 1, .drives = 2}, journal, 2) {}
   Journal journal;
   DriveSetup setup;
   Drive drive{3};
 
   void run(const std::function<void(DriveSetup&, const Frame&)>& disturb = {}) {
     Time now = ms(100);
-    for (int i = 0; i < 10'000 && setup.phase() < DriveSetup::Phase::kDone; ++i, now += ms(1)) {
+    for (int i = 0; i < 20'000 && setup.phase() < DriveSetup::Phase::kDone; ++i, now += ms(1)) {
+      if (setup.phase() == DriveSetup::Phase::kReady) {
+        setup.start();
+      }
       if (const std::optional<Frame> request = setup.next(now)) {
         if (disturb) {
           disturb(setup, *request);
@@ -91,6 +99,10 @@ struct Rig {
         }
       }
     }
+  }
+  [[nodiscard]] auto said(const std::string& part) const -> bool {
+    return std::any_of(setup.notes().begin(), setup.notes().end(),
+                       [&part](const std::string& note) { return note.find(part) != std::string::npos; });
   }
   void expect_refusal(const std::string& named) {
     run();
@@ -130,12 +142,13 @@ TEST(DriveSetup, MapsInTheOrderThatTheStandardAsksFor) {
     }
   }
   const std::vector<std::pair<Key, std::uint32_t>> expected = {
-      {{0x1800, 1}, 0xC0000183}, {{0x1A00, 0}, 0}, {{0x1A00, 1}, 0x60410010}, {{0x1A00, 2}, 0x60640020},
+      {{0x1800, 1}, 0xC0000283}, {{0x1A00, 0}, 0}, {{0x1A00, 1}, 0x60410010}, {{0x1A00, 2}, 0x60640020},
       {{0x1A00, 3}, 0x60770010}, {{0x1A00, 0}, 3}, {{0x1800, 2}, 1},          {{0x1800, 1}, 0x40000183}};
   EXPECT_EQ(status, expected);
   for (const unsigned other : {0x1401U, 0x1402U, 0x1403U, 0x1801U, 0x1802U, 0x1803U}) {
-    EXPECT_EQ(rig.drive.memory[Key(other, 1)], 0x80000000U) << "what else the drive sends or takes is switched off";
+    EXPECT_EQ(rig.drive.memory[Key(other, 1)] >> 31U, 1U) << "what else the drive sends or takes is switched off";
   }
+  EXPECT_EQ(rig.drive.memory[Key(0x1401, 1)], 0x80000303U) << "and nothing but bit 31 changes by that";
 }
 
 TEST(DriveSetup, PackedLayoutHasAnRpdoForTheControlword) {
@@ -150,16 +163,33 @@ TEST(DriveSetup, PackedLayoutHasAnRpdoForTheControlword) {
   EXPECT_EQ(rig.drive.memory[Key(0x1601, 1)], 0x60400010U);
 }
 
-TEST(DriveSetup, ADriveThatKeepsAnotherValueOfAnyObjectIsRefusedByName) {
+TEST(DriveSetup, ADriveThatKeepsAnotherValueOfAnObjectThatSafetyNeedsIsRefusedByName) {
   const std::vector<std::pair<Key, std::string>> cases = {
-      {{0x1016, 1}, "1016:01, consumer heartbeat time"},  {{0x6007, 0}, "6007:00, abort connection option code"},
-      {{0x605A, 0}, "605A:00, quick stop option code"},   {{0x605E, 0}, "605E:00, fault reaction option code"},
-      {{0x6060, 0}, "6060:00, mode of operation"},        {{0x1A00, 2}, "1A00:02, mapped object"},
-      {{0x1600, 0}, "1600:00, number of mapped objects"}, {{0x1800, 1}, "1800:01, PDO identifier"}};
+      {{0x607E, 0}, "607E:00, polarity"},          {{0x60B2, 0}, "60B2:00, torque offset"},
+      {{0x6060, 0}, "6060:00, mode of operation"}, {{0x1A00, 2}, "1A00:02, mapped object"},
+      {{0x1800, 1}, "1800:01, PDO identifier"},    {{0x1600, 0}, "1600:00, number of mapped objects"}};
   for (const auto& [key, named] : cases) {
     Rig rig;
     rig.drive.stubborn[key] = 0x77;
     rig.expect_refusal(named);
+  }
+}
+
+TEST(DriveSetup, ADriveThatWasLeftEnabledLosesItsVoltageBeforeAnythingElseIsWritten) {
+  Rig rig;
+  rig.drive.memory[Key(0x6040, 0)] = 0x0F;
+  rig.run();
+  ASSERT_FALSE(rig.drive.writes.empty());
+  EXPECT_EQ(rig.drive.writes[0], std::pair(Key(0x6040, 0), 0U));
+}
+
+TEST(DriveSetup, AnObjectThatHasTheWantedValueIsNotWritten) {
+  Rig rig;
+  rig.drive.memory[Key(0x605E, 0)] = 0;
+  rig.run();
+  for (const auto& write : rig.drive.writes) {
+    EXPECT_NE(write.first, Key(0x605E, 0));
+    EXPECT_NE(write.first, Key(0x607E, 0));
   }
 }
 
@@ -176,7 +206,7 @@ TEST(DriveSetup, WhatIsNoTorqueDriveIsRefused) {
                                                                 {{0x6502, 0}, 0x1FF, "supported modes"},
                                                                 {{0x6075, 0}, 0, "motor rated current"},
                                                                 {{0x6075, 0}, 200'000, "motor rated current"},
-                                                                {{0x6061, 0}, 8, "mode of operation display"}}) {
+                                                                {{0x6060, 0}, 8, "mode of operation"}}) {
     Rig rig;
     rig.drive.stubborn[key] = value;
     rig.expect_refusal(named);
@@ -185,15 +215,29 @@ TEST(DriveSetup, WhatIsNoTorqueDriveIsRefused) {
 
 TEST(DriveSetup, AnAbortIsExplainedAndAnAbsentSparePdoIsNot) {
   Rig refused;
-  refused.drive.aborts[Key(0x6007, 0)] = 0x06010002;
-  refused.expect_refusal("the object can only be read");
+  refused.drive.aborts[Key(0x607E, 0)] = 0x06010001;
+  refused.expect_refusal("the object can only be written");
   Rig absent;
   absent.drive.aborts = {{{0x1403, 1}, 0x06020000}, {{0x1803, 1}, 0x06090011}};
   absent.run();
   EXPECT_EQ(absent.setup.phase(), DriveSetup::Phase::kDone) << absent.setup.problem();
-  Rig busy;
-  busy.drive.aborts[Key(0x1403, 1)] = 0x08000022;
-  busy.expect_refusal("not in this state of the drive");
+}
+
+TEST(DriveSetup, ASparePdoThatCanNotBeSwitchedOffIsSaidAndNotRefused) {
+  Rig rig;
+  rig.drive.stubborn[Key(0x1802, 1)] = 0x383;
+  rig.run();
+  EXPECT_EQ(rig.setup.phase(), DriveSetup::Phase::kDone) << rig.setup.problem();
+  EXPECT_TRUE(rig.said("1802:01, PDO identifier")) << "a message that nobody needs stays on the bus";
+}
+
+TEST(DriveSetup, TheSmallestStoredLimitOfTorqueIsKept) {
+  Rig rig;
+  rig.drive.memory[Key(0x6073, 0)] = 800;
+  rig.drive.memory[Key(0x60E1, 0)] = 70;
+  rig.run();
+  EXPECT_EQ(rig.setup.setting().max_torque_permille, 70);
+  EXPECT_TRUE(rig.said("never asked for more than 245 mA")) << "70 thousandths of 3500 mA";
 }
 
 TEST(DriveSetup, SilenceAtAnyPointIsASentence) {

@@ -28,9 +28,11 @@ inline auto test_clock() -> Time {
 /// Two drives, set up; the firmware on one end of the bus, they on the other, in lock-step: time here is a number.
 class CanRig {
  public:
+  using Peculiar = std::map<std::uint8_t, drive_sim::Peculiarities>;  // of a node
+
   explicit CanRig(const std::vector<std::string>& incidents = {},
-                  cia402::PdoLayout layout = cia402::PdoLayout::kSeparate)
-      : CanRig(CanSocket::pair(test_clock), incidents, layout) {}
+                  cia402::PdoLayout layout = cia402::PdoLayout::kSeparate, const Peculiar& peculiar = {})
+      : CanRig(CanSocket::pair(test_clock), incidents, layout, peculiar) {}
 
   /// @param before  called before the firmware's tick  @param around  calls the tick it is given
   void cycle(const std::function<void()>& before = {},
@@ -43,6 +45,11 @@ class CanRig {
     const std::function<void()> tick = [this] { application_.rt_tick(); };
     around ? around(tick) : tick();
     serve();
+  }
+  /// A millisecond in which the firmware does not run.
+  void silent_cycle() {
+    ++time_ms;
+    send(drives_.tick(test_clock()));
   }
   void cycles(int count) {
     for (int i = 0; i < count; ++i) {
@@ -69,12 +76,15 @@ class CanRig {
   [[nodiscard]] auto count(Anomaly anomaly) const -> std::uint32_t { return bus_->journal().count(anomaly); }
   auto drive(std::size_t i) -> drive_sim::SimulatedDrive& { return drives_.drives()[i]; }
   auto io() -> CanJointIo<2>& { return io_; }
+  /// What the set-up found.
+  [[nodiscard]] auto said() const -> std::string { return said_.str(); }
   auto application() -> Application<CanJointIo<2>>& { return application_; }
 
  private:
-  CanRig(std::pair<CanSocket, CanSocket> ends, const std::vector<std::string>& incidents, cia402::PdoLayout layout)
+  CanRig(std::pair<CanSocket, CanSocket> ends, const std::vector<std::string>& incidents, cia402::PdoLayout layout,
+         const Peculiar& peculiar)
       : far_(std::move(ends.second)),
-        drives_(kNodes, parsed(incidents), record_),
+        drives_(kNodes, parsed(incidents), record_, peculiar),
         io_(set_up(std::move(ends.first), layout)) {}
 
   static auto parsed(const std::vector<std::string>& incidents) -> std::vector<drive_sim::Incident> {
@@ -95,10 +105,18 @@ class CanRig {
       }
     });
     CanJointIo<2>::Buses buses;
-    const CanSetup setup{.buses = {{"local", {1, 2}}}, .layout = layout};
-    buses.push_back(std::make_unique<CanBus>(std::move(near), setup.buses[0], setup));
+    const CanSetup setup{.buses = {{"unix:local", {1, 2}}}, .layout = layout};
+    std::string problem;
+    try {
+      buses.push_back(std::make_unique<CanBus>(std::move(near), setup.buses[0], setup, said_));
+    } catch (const std::runtime_error& refusal) {
+      problem = refusal.what();
+    }
     done = true;
     others.join();
+    if (!problem.empty()) {
+      throw std::runtime_error(problem);
+    }
     bus_ = buses[0].get();
     return buses;
   }
@@ -112,6 +130,7 @@ class CanRig {
 
   static constexpr std::array<std::uint8_t, 2> kNodes = {1, 2};
   std::ostringstream record_;
+  std::ostringstream said_;
   CanSocket far_;
   drive_sim::DriveBus drives_;
   CanBus* bus_ = nullptr;

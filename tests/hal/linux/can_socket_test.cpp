@@ -157,19 +157,18 @@ TEST(CanLink, WhatTorqueMayNotDependOnIsRefusedWithTheCommandThatCuresIt) {
 
 TEST(CanBus, TheBudgetIsALineAndWhatDoesNotFitIsRefusedWithTheCures) {
   const cia402::BitRates rates{1'000'000, 0};
-  const CanSetup setup;
+  const cia402::BitRates slow{250'000, 0};
+  constexpr auto kSeparate = cia402::PdoLayout::kSeparate;
   EXPECT_EQ(
-      budget_line({"can0", {1, 2}}, setup, rates),
+      budget_line("can0", 2, bus_budget(kSeparate, 2, rates), rates),
       "can0: 2 drives at 1000 kbit/s, 5 messages a cycle, at most 515 us, 681 us with one of them again: 69 % of a "
       "cycle, of 80 % that are allowed");
-  const std::string refusal = sentence([&] { static_cast<void>(budget_line({"can0", {1, 2, 3, 4}}, setup, rates)); });
+  const std::string refusal =
+      sentence([&] { static_cast<void>(budget_line("can0", 4, bus_budget(kSeparate, 4, rates), rates)); });
   for (const char* part : {"1141 us", "115 %", "--can can1", "--pdo packed", "--fd", "bit rate"}) {
     EXPECT_NE(refusal.find(part), std::string::npos) << refusal;
   }
-  EXPECT_NE(sentence([&] {
-              static_cast<void>(budget_line({"can0", {1}}, setup, {250'000, 0}));
-            }),
-            "")
+  EXPECT_NE(sentence([&] { static_cast<void>(budget_line("can0", 1, bus_budget(kSeparate, 1, slow), slow)); }), "")
       << "one drive at 250 kbit/s: 4 x 285 us";
 }
 
