@@ -69,7 +69,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->add_option("--model", options->model,
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
                    "pull_push, preisach; of an effort: "
-                   "rigid_dynamics; or a joint file, whose law is fitted anew")
+                   "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");

@@ -55,9 +55,6 @@ auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estim
   return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0;
 }
 
-namespace {
-
-/// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs. @pre there are rows
 auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) -> Interval {
   constexpr int kResamplings = 1000;
@@ -83,8 +80,6 @@ auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eig
   }
   return {quantile(ratios, 0.025), quantile(ratios, 0.975)};
 }
-
-}  // namespace
 
 auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {
   return ratio_interval(p.target, refined(p.split, p.factor).of(Role::kReport), before, after);
