@@ -10,6 +10,7 @@
 #include "capstan/tools/capstan/identify_force.hpp"
 #include "capstan/tools/capstan/options.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -53,7 +54,11 @@ auto run_identify(const IdentifyOptions& options) -> int {
                   (options.output.empty() ? "" : " (" + options.output + " was not written)"));
   }
   if (!options.output.empty()) {
-    write_joint_file(options.output, result.joint);
+    if (logs.front().motion_alone()) {
+      write_effort_file(options.output, runnable_law(result.joint, logs));
+    } else {
+      write_joint_file(options.output, result.joint);
+    }
     std::cerr << "wrote " << options.output << "\n";
   }
   return kExitDone;

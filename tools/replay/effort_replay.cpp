@@ -82,6 +82,18 @@ auto run_board_effort(const AxisLog& log, const BoardEffortLaw& law, Arithmetic 
       log, to_fixed(law), [](double x) { return Q24::from_double(x); }, [](Q24 x) { return x.to_double(); });
 }
 
+namespace {
+
+auto law_in_fixed_point(const EffortLaw& law, const std::string& name) -> BoardEffortLaw {
+  try {
+    return board_effort_law(law, name);
+  } catch (const BadInput& reason) {
+    throw Refusal(std::string(reason.what()) + "; to run it over a log all the same, add --arithmetic double");
+  }
+}
+
+}  // namespace
+
 auto estimate_column(const std::string& target) -> std::string {
   return sibling(target, "est");
 }
@@ -93,7 +105,7 @@ auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> std::st
 
 auto replay_board_effort(const CsvLog& csv, int axis, const EffortLaw& law, const std::string& name)
     -> BoardEffortReplay {
-  const BoardEffortLaw board = board_effort_law(law, name);
+  const BoardEffortLaw board = law_in_fixed_point(law, name);
   const AxisLog log = effort_log(csv, axis, law);
   BoardEffortReplay replay{run_board_effort(log, board, Arithmetic::kFixed), {}, log};
   replay.text = csv.text_with({estimate_column(log.target), sibling(log.target, "dist")},

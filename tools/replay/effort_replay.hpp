@@ -31,7 +31,8 @@ struct BoardEffortReplay {
   std::string text;  ///< the log with law and disturbance appended
   AxisLog log;
 };
-/// The same in fixed point for a whole log file. Throws BadInput as board_effort_law. @param name  of the law's file
+/// The same in fixed point for a whole log file. Throws Refusal where no board runs the law.
+/// @param name  of the law's file
 auto replay_board_effort(const CsvLog& csv, int axis, const EffortLaw& law, const std::string& name)
     -> BoardEffortReplay;
 
