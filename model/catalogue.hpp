@@ -58,6 +58,9 @@ inline constexpr std::size_t kCoefficientCount = SumTerms::kCoefficients;
 /// Of the input terms, then the sum's, then the output terms.
 inline constexpr std::size_t kShapeCount = InputTerms::kShapes + SumTerms::kShapes + OutputTerms::kShapes;
 
+/// Of any law that runs on a board: what its numbers hold, with room for a sum.
+inline constexpr double kCoefficientLimit = 100.0;
+
 /// Visits every term of the chain in the order of its flat lists of shapes and coefficients.
 template <typename Scalar, typename Visit>
 constexpr void for_each_term(Visit&& visit) {

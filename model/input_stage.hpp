@@ -8,8 +8,8 @@
 namespace capstan {
 
 /// Builds the terms of a list, each from its slice of the flat shapes.
-template <typename List, std::size_t FirstShape, typename Scalar>
-constexpr auto make_terms(SamplePeriod<Scalar> dt, const std::array<Scalar, kShapeCount>& shapes) {
+template <typename List, std::size_t FirstShape, typename Scalar, std::size_t Shapes>
+constexpr auto make_terms(SamplePeriod<Scalar> dt, const std::array<Scalar, Shapes>& shapes) {
   std::size_t next = FirstShape;
   auto make_one = [&]<typename Term>(std::type_identity<Term>) {
     std::array<Scalar, kShapesOf<Term>> shape{};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instantiates every law for the number formats in use, so that a mistake shows when the library is built.
 #include "capstan/model/coupled_axes.hpp"
+#include "capstan/model/disturbance.hpp"
 #include "capstan/model/effort_catalogue.hpp"
 #include "capstan/model/force_law.hpp"
 #include "capstan/model/motion_law.hpp"
@@ -19,6 +20,7 @@ constexpr auto all_sum_terms_meet_the_concept() -> bool {
   EffortTerms::for_each<Scalar>(meets);
   InputTerms::for_each<Scalar>([&ok]<typename Term>() { ok = ok && InputTerm<Term, Scalar>; });
   MachineEffortTerms::for_each<Scalar>(meets);
+  TorqueTerms::for_each<Scalar>(meets);
   CouplingEffortTerms::for_each<Scalar>(meets);
   GearTerms::for_each<Scalar>(meets);
   OutputTerms::for_each<Scalar>([&ok]<typename Term>() { ok = ok && OutputTerm<Term, Scalar>; });
@@ -33,6 +35,10 @@ template class SampleConditioner<double>;
 template class SampleConditioner<Q24>;
 template class MotionLaw<double>;
 template class MotionLaw<Q24>;
+template class TorqueLaw<double>;
+template class TorqueLaw<Q24>;
+template class Disturbance<double>;
+template class Disturbance<Q24>;
 template class effort::Inertia<double>;
 template class effort::Inertia<Q24>;
 template class effort::ViscousFriction<double>;

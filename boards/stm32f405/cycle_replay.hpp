@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kReplayMagic = 0x32505243;  // "CRP2"
 template <std::size_t Axes>
 inline constexpr std::size_t kInputSize = 5 + 30 * Axes;
 template <std::size_t Axes>
-inline constexpr std::size_t kOutputSize = 6 + 35 * Axes;
+inline constexpr std::size_t kOutputSize = 6 + 43 * Axes;
 
 enum class ReplayResult : std::uint8_t { kOk = 0, kBadHeader = 10, kTruncated = 11, kWriteFailed = 12 };
 
@@ -132,7 +132,7 @@ void encode(const Drive<Axes>& drive, const CycleState<Axes>& state, std::span<s
     out.u8(drive.axis[i].enabled ? 1 : 0);
     out.u8(axis.limits);
     for (const Q24 value : {axis.q1_rad, axis.tau_nm, axis.q2_rad, axis.q2_reported_rad, axis.q2_reference_rad,
-                            axis.joint_torque_nm, axis.misfit}) {
+                            axis.joint_torque_nm, axis.law_torque_nm, axis.disturbance_nm, axis.misfit}) {
       out.q24(value);
     }
     out.u8(axis.estimate_valid ? 1 : 0);

@@ -3,19 +3,23 @@
 #include <algorithm>
 
 #include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/parameters/effort_rows.hpp"
 
 namespace capstan {
 namespace {
 
 /// Walks the catalogue in its order and prints the terms that are on, with their equations and parameters.
+/// @tparam Torque  it is the effort law: its terms may come several times, and what multiplies them are torques
+template <bool Torque>
 class LawPrinter {
  public:
-  LawPrinter(Print& out, const LawParameters<Q24>& law) : out_(out), law_(law) {}
+  LawPrinter(Print& out, std::span<const Q24> coefficients, std::span<const Q24> shapes)
+      : out_(out), coefficients_(coefficients), shapes_(shapes) {}
 
   template <typename Term>
   void operator()() {
-    const auto coefficients = std::span(law_.coefficients).subspan(coefficient_, kCoefficientsOf<Term>);
-    const auto shapes = std::span(law_.shapes).subspan(shape_, kShapesOf<Term>);
+    const auto coefficients = coefficients_.subspan(coefficient_, kCoefficientsOf<Term>);
+    const auto shapes = shapes_.subspan(shape_, kShapesOf<Term>);
     coefficient_ += coefficients.size();
     shape_ += shapes.size();
     const auto on = [](Q24 value) { return value != Q24{}; };
@@ -31,13 +35,14 @@ class LawPrinter {
       ++off_;
       return;
     }
-    out_ << "  " << Term::kInfo.name << ": " << Term::kInfo.equation << " " << Term::kInfo.source << "\r\n";
+    out_ << "  " << name_of<Term>() << ": " << Term::kInfo.equation << " " << Term::kInfo.source << "\r\n";
     for (std::size_t i = 0; i < coefficients.size(); ++i) {
       if (one_at_a_time<Term>() && !on(coefficients[i])) {
         continue;  // of a table's knots those in use
       }
-      print(Term::kInfo.coefficients[i].name, coefficients[i], Term::kInfo.coefficients[i].unit,
-            Term::kInfo.coefficients[i].doc);
+      const CoefficientInfo& declared = Term::kInfo.coefficients[i];
+      const CoefficientInfo info = Torque ? of_torque(declared) : declared;
+      print(info.name, coefficients[i], info.unit, info.doc);
     }
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (!works(i)) {
@@ -49,6 +54,14 @@ class LawPrinter {
   [[nodiscard]] auto off() const -> std::uint32_t { return off_; }
 
  private:
+  template <typename Term>
+  static auto name_of() -> const char* {
+    if constexpr (Torque) {
+      return kEffortGroup<Term>.data();
+    } else {
+      return Term::kInfo.name;
+    }
+  }
   void print(const char* name, Q24 value, const char* unit, const char* doc) {
     out_ << "    " << name << ' ' << value;
     if (std::string_view(unit) != "1") {
@@ -58,11 +71,25 @@ class LawPrinter {
   }
 
   Print& out_;
-  const LawParameters<Q24>& law_;
+  std::span<const Q24> coefficients_, shapes_;
   std::size_t coefficient_ = 0;
   std::size_t shape_ = 0;
   std::uint32_t off_ = 0;
 };
+
+void print_effort_law(Print& out, const EffortConfig& effort) {
+  if (!is_on(effort.law)) {
+    out << "  no effort law: the feedforward is that of a steady motion, and there is no disturbance signal\r\n";
+    return;
+  }
+  const std::int32_t delay = MotionWindow<Q24>::delay_of(SamplePeriod<Q24>(kCycleRateHz), effort.view.window_s);
+  out << "  motor torque by the motion is the sum of\r\n";
+  LawPrinter<true> printer(out, effort.law.coefficients, effort.law.shapes);
+  TorqueTerms::for_each<Q24>(printer);
+  out << "    it " << (effort.feedforward != 0 ? "is" : "is not")
+      << " the feedforward (effort.feedforward); the disturbance is " << static_cast<std::uint32_t>(delay)
+      << " ms old and takes as long to show 63 % of a step\r\n";
+}
 
 void print_force_law(Print& out, const ForceConfig& force) {
   switch (static_cast<ForceLawKind>(force.law)) {
@@ -87,17 +114,29 @@ void print_force_law(Print& out, const ForceConfig& force) {
 
 }  // namespace
 
-void print_law_status(Print& out, const AxisConfig& config) {
-  switch (static_cast<LawStatus>(config.law_status)) {
+namespace {
+
+void print_status_of(Print& out, const char* law, std::int32_t status) {
+  switch (static_cast<LawStatus>(status)) {
     case LawStatus::kProvisional:
-      out << "  the law is provisional: it lowers the error on data it has not seen, and what it is made of is not "
+      out << "  the " << law
+          << " is provisional: it lowers the error on data it has not seen, and what it is made of is not "
              "certain; a longer or richer log may tell\r\n";
       break;
     case LawStatus::kBase:
-      out << "  the law is the base law: nothing was found in the log that lowers its error\r\n";
+      out << "  the " << law << " is the base law: nothing was found in the log that lowers its error\r\n";
       break;
     case LawStatus::kConfirmed:
       break;
+  }
+}
+
+}  // namespace
+
+void print_law_status(Print& out, const AxisConfig& config) {
+  print_status_of(out, "law", config.law_status);
+  if (is_on(config.effort.law)) {
+    print_status_of(out, "effort law", config.effort.status);
   }
 }
 
@@ -112,10 +151,12 @@ void ShellCommands::model(Shell& shell, std::string_view arguments) {
   for (std::size_t axis = one ? only : 0; axis < (one ? only + 1 : shell.machine_.axes()); ++axis) {
     shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << " joint angle q2 is the sum of\r\n";
     print_law_status(shell.out_, shell.machine_.config()[axis]);
-    LawPrinter printer(shell.out_, shell.machine_.config()[axis].law);
+    const LawParameters<Q24>& law = shell.machine_.config()[axis].law;
+    LawPrinter<false> printer(shell.out_, law.coefficients, law.shapes);
     for_each_term<Q24>(printer);
     shell.out_ << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
                << ".TERM.NAME' changes one while disarmed\r\n";
+    print_effort_law(shell.out_, shell.machine_.config()[axis].effort);
     print_force_law(shell.out_, shell.machine_.config()[axis].force);
   }
   shell.ok();

@@ -40,6 +40,13 @@ void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& forc
   }
 }
 
+void print_disturbance(Print& out, const AxisTelemetry& joint, const EffortConfig& effort) {
+  if (!is_on(effort.law)) {
+    return;
+  }
+  out << " disturbance " << joint.disturbance_nm << " Nm" << (joint.disturbance_known ? "" : " (not known yet)");
+}
+
 void print_thermometer(Print& out, const MachineTelemetry& now) {
   if (ScalarTraits<Q24>::is_missing(now.temperature_c)) {
     out << "thermometer none: thermal_drift knows no temperature\r\n";
@@ -81,6 +88,7 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
     if (joint.mode == ControlMode::kMotor) {
       out << " motor reference " << joint.q1_reference_rad << " rad";
     }
+    print_disturbance(out, joint, shell.machine_.config()[axis].effort);
     print_force(out, joint, shell.machine_.config()[axis].force);
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {

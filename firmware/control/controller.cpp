@@ -28,8 +28,8 @@ void Controller::rt_configure(const ControlConfig& gains) {
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
 }
 
-auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm)
-    -> Q24 {
+auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm,
+                          const TorqueLaw<Q24>* effort) -> Q24 {
   reference_.restart();
   reference_.update(q2_rad, Q24{});
   branch_ = kHalf;
@@ -39,16 +39,33 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
   integral_ = rest.q1 - pull_extreme_;
+  const Q24 feedforward = rt_feedforward(gains, effort, rest, rest.warmth);
   if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
-    integral_ += (*kept_nm - mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_)) * per_stiffness_;
+    integral_ += (*kept_nm - feedforward) * per_stiffness_;
   }
   motor_reference_ = pull_extreme_ + integral_;
-  return rt_servo(gains, law.sample(), Q24{});
+  return rt_servo(gains, law.sample(), Q24{}, feedforward);
 }
 
-auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24 {
-  return mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_) +
-         gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) + gains.damping_nms_per_rad * (rate - motor.dq1);
+auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
+                                Q24 warmth) const -> Q24 {
+  if (effort == nullptr) {
+    return mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
+  }
+  Sample<Q24> taken = motion;
+  taken.q2 = taken.q1;  // the effort law's weight turns with the motor
+  taken.warmth = warmth;
+  const Q24 shared = effort->either_way(taken);
+  taken.forward = false;
+  const Q24 backward = effort->one_way(taken);
+  taken.forward = true;
+  return shared + mix(backward, effort->one_way(taken), branch_);
+}
+
+auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate, Q24 feedforward) const
+    -> Q24 {
+  return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) +
+         gains.damping_nms_per_rad * (rate - motor.dq1);
 }
 
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) -> Q24 {
@@ -101,7 +118,8 @@ auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> 
   return gains.kp * error + integral_ - gains.kd_s * kPeriod.rate_of(movement);
 }
 
-auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24 {
+auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference,
+                                 const TorqueLaw<Q24>* effort) -> Q24 {
   const Sample<Q24>& reference = reference_.update(q1_reference, Q24{});
   if (reference.dq1 != Q24{}) {
     rt_cross_over(reference.forward);
@@ -111,10 +129,11 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
   const Q24 error = q1_reference - law.sample().q1;
   integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
   motor_reference_ = q1_reference + integral_;
-  return rt_servo(gains, law.sample(), reference.dq1);
+  return rt_servo(gains, law.sample(), reference.dq1, rt_feedforward(gains, effort, reference, law.sample().warmth));
 }
 
-auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24 {
+auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2,
+                           const TorqueLaw<Q24>* effort) -> Q24 {
   const ControlConfig& gains = config.control;
   // Where the transmission is crossed (beta < 0) the motor runs against the joint, and so must every correction.
   const bool crossed = law.beta() < Q24{};
@@ -138,7 +157,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
     rt_follow_pull(asked + law.per_beta(branches_apart_ * off) - ways_apart_ * off);
   }
   motor_reference_ = asked + correction;
-  return rt_servo(gains, law.sample(), motion.dq1);
+  return rt_servo(gains, law.sample(), motion.dq1, rt_feedforward(gains, effort, motion, motion.warmth));
 }
 
 }  // namespace capstan

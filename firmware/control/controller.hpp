@@ -12,10 +12,12 @@ namespace capstan {
 ///   q1* = invert(q2*) + PID(q2* - q2)      the inverse law is the feedforward, the PID corrects what it leaves; it
 ///   changes sign
 ///                                          with beta, so that it pulls the joint back on a crossed transmission too
-///   tau = tau*(direction) + stiffness (q1* - q1) + damping (q1*' - q1')
-/// At a reversal of the reference the feedforward passes from one branch of the law to the other within reversal_time,
-/// so it crosses the hysteresis at once but does not kick. Where another axis pulls at the joint, the motor turns round
-/// with what that asks of it, reference or no reference: then the direction is that of the inverse itself.
+///   tau = tau* + stiffness (q1* - q1) + damping (q1*' - q1')
+/// tau* is the effort law's torque for the reference's motion where the joint has one, else that of a steady motion in
+/// its direction. At a reversal of the reference the feedforward passes from one branch of the law to the other within
+/// reversal_time, so it crosses the hysteresis at once but does not kick. Where another axis pulls at the joint, the
+/// motor turns round with what that asks of it, reference or no reference: then the direction is that of the inverse
+/// itself.
 class Controller {
  public:
   explicit Controller(const ControlConfig& gains);
@@ -24,13 +26,15 @@ class Controller {
   /// Takes over without a jump, in place of rt_update in that cycle: the reference is the present estimate, and the
   /// motor is asked to stay where it is. What an update would turn the law round for is what the start does, so a cycle
   /// in which control changes hands costs no more than another.
-  /// @param kept_nm  torque to begin with, which the motor has, N m; none: that of a steady motion, whichever way
+  /// @param kept_nm  torque to begin with, which the motor has, N m; none: that of the feedforward, whichever way
+  /// @param effort   law of the feedforward; nullptr: the torque of a steady motion
   /// @returns motor-side torque, N m
-  auto rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm = {})
-      -> Q24;
+  auto rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm = {},
+                const TorqueLaw<Q24>* effort = nullptr) -> Q24;
   /// @param q2_reference  wanted joint angle, rad   @param q2  estimated joint angle, rad   @returns motor-side torque,
   /// N m
-  auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2) -> Q24;
+  auto rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2,
+                 const TorqueLaw<Q24>* effort = nullptr) -> Q24;
   /// From now on rt_update_motor is called instead; the torque stays if its first reference is motor_reference().
   void rt_start_motor() {
     reference_.restart();
@@ -38,7 +42,8 @@ class Controller {
   }
   /// The servo, its feedforward and the integral, here of the motor's error: the motor follows q1_reference, rad,
   /// whatever the joint makes of it.
-  auto rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference) -> Q24;
+  auto rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference,
+                       const TorqueLaw<Q24>* effort = nullptr) -> Q24;
   /// Where the servo holds the motor, rad.
   [[nodiscard]] auto motor_reference() const -> Q24 { return motor_reference_; }
 
@@ -47,8 +52,13 @@ class Controller {
   /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it.
   [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion)
       -> Q24;
-  /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s.
-  [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate) const -> Q24;
+  /// The torque that a motion takes, on the branch that the feedforward is on. @param warmth  as in a sample
+  [[nodiscard]] auto rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
+                                    Q24 warmth) const -> Q24;
+  /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s, beside that of
+  /// the feedforward.
+  [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate, Q24 feedforward) const
+      -> Q24;
   void rt_cross_over(bool forward);
   /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
   /// asks would turn the motor back where the hysteresis has the other sign.

@@ -172,7 +172,7 @@ void Modes::rt_hold_here(const JointEstimate& estimate, Start start) {
 auto Modes::rt_take_over(const JointView& joint) -> Q24 {
   const std::optional<Q24> kept_nm = start_ == Start::kKeepsTorque ? std::optional(joint.drive_nm) : std::nullopt;
   start_ = Start::kNone;
-  return controller_.rt_start(joint.config.control, joint.law, joint.estimate.q2_rad, kept_nm);
+  return controller_.rt_start(joint.config.control, joint.law, joint.estimate.q2_rad, kept_nm, joint.effort);
 }
 
 void Modes::rt_rest() {
@@ -230,10 +230,10 @@ auto Modes::rt_torque(const JointView& joint) -> Q24 {
   if (in_motor()) {
     reference_.q2_rad = joint.estimate.q2_rad;
     reference_.q1_rad = trajectory_.rt_step(motor_acceleration(joint));
-    return controller_.rt_update_motor(joint.config.control, joint.law, reference_.q1_rad);
+    return controller_.rt_update_motor(joint.config.control, joint.law, reference_.q1_rad, joint.effort);
   }
   reference_.q2_rad = rt_next_position(joint.config.limits);
-  return controller_.rt_update(joint.config, joint.law, reference_.q2_rad, joint.estimate.q2_rad);
+  return controller_.rt_update(joint.config, joint.law, reference_.q2_rad, joint.estimate.q2_rad, joint.effort);
 }
 
 auto Modes::rt_step(const JointView& joint) -> const JointReference& {

@@ -74,7 +74,8 @@ struct JointView {
   const MotionLaw<Q24>& law;
   const MotorState& motor;
   const JointEstimate& estimate;
-  Q24 drive_nm;  ///< torque that the motor was told in the last cycle
+  Q24 drive_nm;                            ///< torque that the motor was told in the last cycle
+  const TorqueLaw<Q24>* effort = nullptr;  ///< for feedforward; nullptr: that of a steady motion
 };
 
 /// Ways of control of one joint: takes commands, goes from one to the other without a jump of torque, and says what is

@@ -17,6 +17,11 @@ auto same_force_law(const ForceConfig& a, const ForceConfig& b) -> bool {
          a.grid.forces == b.grid.forces;
 }
 
+auto same_effort_law(const EffortConfig& a, const EffortConfig& b) -> bool {
+  return a.law.coefficients == b.law.coefficients && a.law.shapes == b.law.shapes &&
+         a.view.window_s == b.view.window_s && a.view.standstill_rad_s == b.view.standstill_rad_s;
+}
+
 auto same_monitor(const AxisConfig& a, const AxisConfig& b) -> bool {
   return a.monitor.joint_rms_rad == b.monitor.joint_rms_rad && a.monitor.torque_rms_nm == b.monitor.torque_rms_nm &&
          a.monitor.excess == b.monitor.excess && a.monitor.settle_rad == b.monitor.settle_rad &&
@@ -33,12 +38,19 @@ auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
 }  // namespace
 
 Axis::Axis(const AxisConfig& config)
-    : config_(config), sensing_(config.motor), estimator_(config), modes_(config_), gate_(config), observer_(config) {}
+    : config_(config),
+      sensing_(config.motor),
+      estimator_(config),
+      effort_(config.effort),
+      modes_(config_),
+      gate_(config),
+      observer_(config) {}
 
 void Axis::rt_configure(const AxisConfig& config) {
   const bool new_scale = !same_scale(config.motor, config_.motor);
   const bool new_law = new_scale || !same_law(config.law, config_.law);
   const bool new_force = new_scale || !same_force_law(config.force, config_.force);
+  const bool new_effort = new_scale || !same_effort_law(config.effort, config_.effort);
   const bool new_monitor = new_law || !same_monitor(config, config_);
   config_ = config;
   sensing_.rt_configure(config_.motor);
@@ -51,6 +63,9 @@ void Axis::rt_configure(const AxisConfig& config) {
   if (new_force) {
     modes_.rt_make_force_law(config_.force);
   }
+  if (new_effort) {
+    effort_.rt_make_law(config_.effort);
+  }
   if (new_monitor) {
     estimator_.rt_make_monitor(config_.monitor);
     telemetry_.misfit = Q24{};
@@ -61,6 +76,7 @@ void Axis::rt_configure(const AxisConfig& config) {
 void Axis::rt_zero(Q24 q1_rad) {
   sensing_.rt_zero(q1_rad);
   estimator_.rt_forget();
+  effort_.rt_forget();
 }
 
 auto Axis::rt_sense(const AxisSensed& sensed) -> MotorState {
@@ -69,6 +85,7 @@ auto Axis::rt_sense(const AxisSensed& sensed) -> MotorState {
   }
   sensing_.rt_absent();
   estimator_.rt_absent();
+  effort_.rt_absent();
   return {};
 }
 
@@ -77,6 +94,7 @@ auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 te
     return {};
   }
   const JointEstimate& estimate = estimator_.rt_step(config_, motor, others, temperature_c);
+  effort_.rt_step(motor, temperature_c);
   modes_.rt_observe(gate_.drive_a() * config_.motor.torque_per_current_nm_per_a, estimate.valid);
   return estimate;
 }
@@ -151,6 +169,9 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
     telemetry_.joint_torque_known = force.known;
     telemetry_.joint_torque_phase = force.phase;
   }
+  telemetry_.law_torque_nm = effort_.estimate().law_nm;
+  telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
+  telemetry_.disturbance_known = effort_.estimate().known;
   telemetry_.misfit = estimator_.monitor().level();
   telemetry_.warnings = estimator_.monitor().warnings();
 }

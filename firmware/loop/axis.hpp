@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capstan/firmware/estimate/effort_stage.hpp"
 #include "capstan/firmware/safety/gate.hpp"
 #include "capstan/firmware/safety/monitors.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
@@ -57,12 +58,18 @@ class Axis {
 
  private:
   [[nodiscard]] auto view(const MotorState& motor, const JointEstimate& estimate) const -> JointView {
-    return {config_, estimator_.law(), motor, estimate, gate_.drive_a() * config_.motor.torque_per_current_nm_per_a};
+    return {config_,
+            estimator_.law(),
+            motor,
+            estimate,
+            gate_.drive_a() * config_.motor.torque_per_current_nm_per_a,
+            effort_.feedforward(config_.effort)};
   }
 
   AxisConfig config_;
   MotorSensing sensing_;
   Estimator estimator_;
+  EffortStage effort_;
   Modes modes_;
   Monitors monitors_;
   Gate gate_;

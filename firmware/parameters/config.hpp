@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "capstan/model/disturbance.hpp"
 #include "capstan/model/force_law.hpp"
 #include "capstan/model/motion_law.hpp"
 
@@ -108,6 +109,15 @@ struct ObserverConfig {
   Q24 noise_a{};      ///< of the measured current about the wanted one, offset included
 };
 
+/// The motor torque that a motion takes: what `capstan diagnose --target axis0/tau_Nm` finds. Without coefficients
+/// there is no such law.
+struct EffortConfig {
+  TorqueLawParameters<Q24> law;
+  MotionView<Q24> view;
+  std::int32_t feedforward = 1;  ///< 1: position control adds the law's torque for the reference's motion
+  std::int32_t status = 0;       ///< a LawStatus
+};
+
 /// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.
 struct AxisConfig {
   MotorConfig motor;
@@ -117,6 +127,7 @@ struct AxisConfig {
   ForceConfig force;
   MonitorConfig monitor;
   ObserverConfig observer;
+  EffortConfig effort;
   /// Joints whose motors pull at this one, by the slots of the law's coupling; -1: none.
   std::array<std::int32_t, kMostOthers> coupled_to = {-1, -1, -1};
   std::int32_t law_status = 0;  ///< a LawStatus: what `apply` knows of the law and the shell says

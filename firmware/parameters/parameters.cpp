@@ -6,32 +6,12 @@
 #include <cstring>
 
 #include "capstan/firmware/control/trajectory.hpp"
+#include "capstan/firmware/parameters/effort_rows.hpp"
 #include "capstan/firmware/parameters/name_hash.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
 namespace {
-
-constexpr auto real(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
-                    double minimum, double maximum, ParameterChange change = ParameterChange::kDisarmed)
-    -> ParameterInfo {
-  return {group,
-          name,
-          unit,
-          doc,
-          ParameterType::kReal,
-          change,
-          static_cast<std::uint16_t>(offset),
-          Q24::from_double(minimum).raw(),
-          Q24::from_double(maximum).raw()};
-}
-
-constexpr auto integer(const char* group, const char* name, const char* unit, const char* doc, std::size_t offset,
-                       std::int32_t minimum, std::int32_t maximum, ParameterChange change = ParameterChange::kDisarmed)
-    -> ParameterInfo {
-  return {group,   name,   unit, doc, ParameterType::kInteger, change, static_cast<std::uint16_t>(offset),
-          minimum, maximum};
-}
 
 constexpr auto kTunable = ParameterChange::kAnyTime;
 constexpr auto kSafety = ParameterChange::kMaintenance;
@@ -162,8 +142,6 @@ constexpr std::array kFixedParameters = {
                   ForceConfig::kLevels},
 };
 
-constexpr double kCoefficientLimit = 100.0;
-
 /// "input_3", "force_10_7": the grid's rows have numbers instead of names.
 struct GridName {
   std::array<char, 12> text{};
@@ -206,7 +184,8 @@ constexpr auto make_grid_names() {
 constexpr std::array<GridName, kGridRows> kGridNames = make_grid_names();
 
 constexpr std::size_t kLawAt = kFixedParameters.size() + kGridRows;
-constexpr std::size_t kCount = kLawAt + kCoefficientCount + kShapeCount;
+constexpr std::size_t kEffortAt = kLawAt + kCoefficientCount + kShapeCount;
+constexpr std::size_t kCount = kEffortAt + kEffortRows;
 static_assert(kCount <= kMostParameters);
 
 constexpr void add_grid_rows(std::array<ParameterInfo, kCount>& table) {
@@ -251,12 +230,11 @@ class LawRows {
 
 constexpr auto make_table() -> std::array<ParameterInfo, kCount> {
   std::array<ParameterInfo, kCount> table{};
-  for (std::size_t i = 0; i < kFixedParameters.size(); ++i) {
-    table[i] = kFixedParameters[i];
-  }
+  std::copy(kFixedParameters.begin(), kFixedParameters.end(), table.begin());
   add_grid_rows(table);
   LawRows rows(table);
   for_each_term<Q24>(rows);
+  std::copy(kEffortTable.begin(), kEffortTable.end(), table.begin() + kEffortAt);
   return table;
 }
 
@@ -365,6 +343,11 @@ auto check_law(const LawParameters<Q24>& law) -> const char* {
 auto check(const AxisConfig& config) -> const char* {
   if (const char* fault = check_law(config.law); fault != nullptr) {
     return fault;
+  }
+  if (!fits(config.effort.law)) {
+    return "the effort law's coefficients add up to 256 or more, which its numbers do not hold; look for one that is "
+           "far "
+           "too large";
   }
   if (config.motor.encoder_sign == 0) {
     return "motor.encoder_sign is 0; set it to 1 or -1";

@@ -32,7 +32,7 @@ struct ParameterInfo {
 };
 
 /// There are never more.
-inline constexpr std::size_t kMostParameters = 320;
+inline constexpr std::size_t kMostParameters = 384;
 
 /// Every parameter of a joint, grouped; the law's come from the catalogue.
 auto parameters() -> std::span<const ParameterInfo>;

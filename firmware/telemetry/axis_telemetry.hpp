@@ -19,10 +19,13 @@ struct AxisTelemetry {
   Q24 drive_a;                    ///< commanded
   Q24 joint_torque_nm;            ///< by the force law, 0 without one
   Q24 joint_torque_reference_nm;  ///< wanted, in force control
+  Q24 law_torque_nm;              ///< by the effort law for the motion a quarter of its window ago, 0 without one
+  Q24 disturbance_nm;             ///< measured torque of that instant less the law's, filtered; 0 while not known
   Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
   FaultSet faults = 0;            ///< present now
   LimitSet limits = 0;
   bool estimate_valid = false;
+  bool disturbance_known = false;
   bool joint_torque_known = false;  ///< the force law's past no longer matters
   ForcePhase joint_torque_phase = ForcePhase::kUnknown;
   WarningSet warnings = 0;

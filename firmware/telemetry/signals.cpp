@@ -13,7 +13,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 18> kJointSignals = {
+constexpr std::array<SignalInfo, 20> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -27,6 +27,10 @@ constexpr std::array<SignalInfo, 18> kJointSignals = {
     real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law", offsetof(AxisTelemetry, joint_torque_nm)),
     real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
          offsetof(AxisTelemetry, joint_torque_reference_nm)),
+    real("law_torque", "tau_est_Nm", "Nm", "motor torque by the effort law, of effort.window / 4 ago",
+         offsetof(AxisTelemetry, law_torque_nm)),
+    real("disturbance", "tau_dist_Nm", "Nm", "measured torque less the effort law's, as late: contact, collision",
+         offsetof(AxisTelemetry, disturbance_nm)),
     real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
          offsetof(AxisTelemetry, misfit)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,

@@ -176,6 +176,9 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   for (Q24& coefficient : config.law.coefficients) {
     coefficient = Q24::from_raw(coefficient.raw() / 16);  // all together they may not reach 256
   }
+  for (Q24& coefficient : config.effort.law.coefficients) {
+    coefficient = Q24::from_raw(coefficient.raw() / 16);
+  }
   const auto named = [&config](const char* name, Q24 value) {
     set_raw_value(config, *find_parameter(name), value.raw());
   };

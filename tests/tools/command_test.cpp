@@ -226,7 +226,11 @@ TEST_F(Command, AForceIsIdentifiedAndDiagnosedFromTheMotionOfALinearAxis) {
   EXPECT_TRUE(exists("report/index.html"));
   const Outcome replayed = run("replay " + log + "--model \"" + path("axis.toml") + "\" -o \"" + path("o.csv") + "\"");
   EXPECT_EQ(replayed.status, 1);
+  EXPECT_NE(replayed.output.find("linear axis"), std::string::npos) << replayed.output;
   EXPECT_NE(replayed.output.find("add --arithmetic double"), std::string::npos) << replayed.output;
+  const Outcome in_double = run("replay " + log + "--map axis0/tau_Nm=push_N --arithmetic double --model \"" +
+                                path("axis.toml") + "\" -o \"" + path("o.csv") + "\"");
+  EXPECT_EQ(in_double.status, 0) << in_double.output;
   const Outcome current = run("diagnose " + log + "--target axis0/current_A");
   EXPECT_EQ(current.status, 1);
   EXPECT_NE(current.output.find("*FACTOR"), std::string::npos) << current.output;

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "capstan/tests/tools/synthetic_effort.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -158,6 +161,74 @@ TEST(DiagnoseEffort, BasesOfTheOtherFamilyAreBadInput) {
   DiagnoseOptions options;
   options.base_model = "pseudo_kinematic";
   EXPECT_THROW(diagnose({test::synthetic_effort_log({})}, options), BadInput);
+}
+
+auto error_over(const EffortLaw& law, const AxisLog& log) -> double {
+  return rms(EffortDesign({log}, law.view).seen(log.effort) - run_effort_law({log}, law));
+}
+
+TEST(DeliveredEffortLaw, OfWhatHasNoNameIsOneLawInFileJsonAndErrors) {
+  EffortRequest request;
+  request.truth = EffortTruth::kHardSpring;
+  const AxisLog log = test::synthetic_effort_log(request);
+  DiagnoseOptions options;
+  options.test_logs = {log};
+  const Diagnosis d = diagnose({log}, options);
+  ASSERT_TRUE(d.effort_law.has_value());
+  EXPECT_EQ(d.law.status, LawStatus::kProvisional);
+  EXPECT_EQ(d.effort_law->status, "provisional");
+  EXPECT_EQ(d.effort_law->joint.terms, d.law.terms);
+  EXPECT_EQ(d.effort_law->joint.parameters.coefficients, d.law.parameters.coefficients);
+  EXPECT_EQ(d.base.terms, (std::vector<std::string>{"inertia", "viscous_friction"}));
+  EXPECT_LT(d.after.rmse, 0.8 * d.before.rmse);
+  EXPECT_LT(d.ratio_ci95[1], 1.0);
+  ASSERT_TRUE(d.unnamed.has_value());
+  EXPECT_NEAR(error_over(*d.effort_law, log), d.after.rmse, 0.5 * d.after.rmse);
+  ASSERT_EQ(d.tested.size(), 1U);
+  EXPECT_NEAR(d.tested[0].after.rmse, error_over(*d.effort_law, log), 1e-9);
+  const auto json = nlohmann::json::parse(diagnosis_json(d));
+  EXPECT_EQ(json["law"]["status"], "provisional");
+  EXPECT_EQ(json["law"]["terms"].get<std::vector<std::string>>(), d.law.terms);
+  EXPECT_EQ(json["after"]["rmse"].get<double>(), d.after.rmse);
+  EXPECT_EQ(json["before"]["rmse"].get<double>(), d.before.rmse);
+}
+
+TEST(DeliveredEffortLaw, OfNamedEffectsIsTheNamedLawInAFormThatRuns) {
+  for (const EffortTruth truth : {EffortTruth::kCoulomb, EffortTruth::kDelay}) {
+    EffortRequest request;
+    request.truth = truth;
+    const AxisLog log = test::synthetic_effort_log(request);
+    const Diagnosis d = diagnose({log}, {});
+    ASSERT_EQ(d.verdict, Verdict::kEffect) << d.reason;
+    ASSERT_TRUE(d.effort_law.has_value());
+    EXPECT_TRUE(d.effort_law->joint.has(d.effects.front().name));
+    EXPECT_EQ(d.effort_law->joint.terms.size(), d.law.terms.size());
+    EXPECT_LT(error_over(*d.effort_law, log), 0.5 * d.before.rmse);
+    const EffortLaw read = parse_effort_file(effort_file_text(*d.effort_law), "law.toml");
+    EXPECT_NEAR(error_over(read, log), error_over(*d.effort_law, log), 1e-6);
+  }
+}
+
+TEST(DeliveredEffortLaw, WithoutMotionOrWithAFewRowsThereIsNone) {
+  AxisLog log = test::synthetic_effort_log({});
+  EXPECT_TRUE(can_select_effort_law({log}));
+  AxisLog still = log;
+  still.q1_rad.setConstant(0.3);
+  EXPECT_FALSE(can_select_effort_law({still}));
+  for_each_signal(
+      log, [](Eigen::VectorXd& signal) { signal.conservativeResize(std::min<Eigen::Index>(signal.size(), 100)); });
+  EXPECT_FALSE(can_select_effort_law({log}));
+}
+
+TEST(DiagnoseEffort, InertiaAloneIsABaseToo) {
+  const std::vector<AxisLog> logs = {test::synthetic_effort_log({})};
+  EXPECT_EQ(form_of_model("inertia", logs).terms, (std::vector<std::string>{"inertia"}));
+  DiagnoseOptions options;
+  options.base_model = "inertia";
+  const Diagnosis d = diagnose(logs, options);
+  EXPECT_EQ(d.base.terms, (std::vector<std::string>{"inertia"}));
+  EXPECT_EQ(names_of(d), (std::vector<std::string>{"viscous_friction"})) << d.reason;
+  EXPECT_LT(d.after.rmse, 0.5 * d.before.rmse);
 }
 
 TEST(IdentifyEffort, RecoversInertiaAndDragWithUnits) {

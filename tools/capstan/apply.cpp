@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/apply/effort_lines.hpp"
 #include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/apply/model_lines.hpp"
 #include "capstan/tools/apply/plausible_law.hpp"
@@ -11,6 +12,7 @@
 
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -63,9 +65,12 @@ auto checked(const JointFile& joint, const ApplyOptions& options) -> const Joint
   return joint;
 }
 
-/// The motion law, the force law, or both: what the file has.
+/// The motion law, the force law, or both; or the effort law: what the file has.
 auto lines_of(const ApplyOptions& options) -> std::vector<std::string> {
   const std::string text = read_text_file(options.model);
+  if (text.find(kEffortSchema) != std::string::npos) {
+    return effort_lines(parse_effort_file(text, options.model), options.model, options.axis);
+  }
   std::vector<std::string> force = force_lines(text, options.model, options.axis);
   const bool only_force = !force.empty() && text.find("[terms") == std::string::npos;
   std::vector<std::string> lines =

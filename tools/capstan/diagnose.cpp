@@ -51,22 +51,6 @@ void print_diagnosis(const Diagnosis& d) {
   }
 }
 
-/// A law of an effort, or of the torque behind a gear unless its hysteresis was asked for.
-auto delivers_effort_law(const std::string& base, const std::vector<AxisLog>& logs) -> bool {
-  return logs.front().effort.size() > 0 && base != "preisach";
-}
-
-/// The law that predicts an effort best is delivered whether its parts have names or not.
-void write_grown_law(const std::string& path, const std::vector<AxisLog>& logs) {
-  const EffortSelection selection = select_effort_law(logs);
-  write_effort_file(path, selection.law);
-  const auto percent = [&](double error) { return rounded(100.0 * error / selection.target_rms, 3) + " %"; };
-  std::cout << "law: " << selection.law.status << ", " << joined(selection.law.joint.terms) << "\n  error on the last "
-            << "fifth, which chose and fitted nothing: " << percent(selection.before) << " of the target before, "
-            << percent(selection.after) << " after\n";
-  std::cerr << "wrote " << path << "\n";
-}
-
 auto run_diagnose(const CommandOptions& options) -> int {
   AxisRequest request;
   request_target(options.target, options.base, request);
@@ -91,8 +75,9 @@ auto run_diagnose(const CommandOptions& options) -> int {
   }
   Diagnosis diagnosis = diagnose(logs, wanted);
   print_diagnosis(diagnosis);
-  if (!options.output.empty() && delivers_effort_law(options.base, logs)) {
-    write_grown_law(options.output, logs);
+  if (!options.output.empty() && diagnosis.effort_law) {
+    write_effort_file(options.output, *diagnosis.effort_law);
+    std::cerr << "wrote " << options.output << " (" << diagnosis.effort_law->status << " law)\n";
     diagnosis.law_file = options.output;
   } else if (!options.output.empty() && !diagnosis.law.terms.empty()) {
     write_joint_file(options.output, diagnosis.law);
@@ -119,10 +104,11 @@ void add_diagnose(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
   options->logs.add_to(*command, true);
-  command->add_option("--base", options->base,
-                      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), "
-                      "rigid_dynamics (default where the target is an effort), or pull_push or preisach (joint torque "
-                      "from motor torque); or a joint file, whose law is fitted anew");
+  command->add_option(
+      "--base", options->base,
+      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), "
+      "rigid_dynamics (default where the target is an effort) or inertia, pull_push or preisach (joint torque "
+      "from motor torque); or a joint file, whose law is fitted anew");
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");

@@ -10,6 +10,7 @@
 #include "capstan/tools/capstan/identify_force.hpp"
 #include "capstan/tools/capstan/options.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -53,7 +54,11 @@ auto run_identify(const IdentifyOptions& options) -> int {
                   (options.output.empty() ? "" : " (" + options.output + " was not written)"));
   }
   if (!options.output.empty()) {
-    write_joint_file(options.output, result.joint);
+    if (logs.front().motion_alone()) {
+      write_effort_file(options.output, runnable_law(result.joint, logs));
+    } else {
+      write_joint_file(options.output, result.joint);
+    }
     std::cerr << "wrote " << options.output << "\n";
   }
   return kExitDone;
@@ -69,7 +74,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->add_option("--model", options->model,
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
                    "pull_push, preisach; of an effort: "
-                   "rigid_dynamics; or a joint file, whose law is fitted anew")
+                   "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");

@@ -125,7 +125,8 @@ void request_target(const std::string& target, const std::string& model, AxisReq
   }
   request.target = target;
   request.force = is_force_model(model);
-  request.effort = !request.force && (is_effort_column(target) || (model == kEffortModel && !target.ends_with("_rad")));
+  request.effort =
+      !request.force && (is_effort_column(target) || (is_effort_model(model) && !target.ends_with("_rad")));
 }
 
 }  // namespace capstan::tools

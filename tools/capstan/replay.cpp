@@ -22,14 +22,34 @@ struct ReplayOptions {
   std::string output;
 };
 
-/// A law of an effort explains one column by the motion, in double.
-auto run_effort_replay(const ReplayOptions& options) -> int {
-  if (options.arithmetic == "fixed") {
-    throw Refusal(options.model + " is a law of an effort, which is replayed from the whole motion of a log; add " +
-                  "--arithmetic double");
+void refuse_saturated(Eigen::Index samples, const std::string& model) {
+  if (samples > 0) {
+    throw Refusal(std::to_string(samples) + " samples met the end of the range of numbers (+-128); " +
+                  "check the units of the log and of " + model);
   }
+}
+
+/// A law of an effort as a board runs it: causal, in fixed point.
+auto run_board_replay(const ReplayOptions& options, const CsvLog& csv, const EffortLaw& law) -> int {
+  const BoardEffortReplay replayed = replay_board_effort(csv, options.logs.axis, law, options.model);
+  write_text_file(options.output, replayed.text);
+  const Eigen::Index inner = replayed.log.samples() - 2 * replayed.effort.delay;
+  std::cout << "replayed " << replayed.log.samples() << " samples in fixed arithmetic, wrote " << options.output
+            << "\n  error (RMSE) against " << replayed.log.target << " "
+            << rounded(rms((replayed.log.effort - replayed.effort.law).segment(replayed.effort.delay, inner)))
+            << " Nm, sample by sample; disturbance (RMS) " << rounded(rms(replayed.effort.disturbance)) << " Nm, "
+            << replayed.effort.delay << " ms late\n";
+  refuse_saturated(replayed.effort.saturated, options.model);
+  return kExitDone;
+}
+
+/// A law of an effort explains one column by the motion: in double by that of the whole log.
+auto run_effort_replay(const ReplayOptions& options) -> int {
   const EffortLaw law = read_effort_file(options.model);
   const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
+  if (options.arithmetic == "fixed") {
+    return run_board_replay(options, csv, law);
+  }
   write_text_file(options.output, replay_effort(csv, options.logs.axis, law));
   std::cout << "replayed " << csv.time().size() << " samples in double arithmetic, wrote " << options.output << "\n";
   return kExitDone;
@@ -63,10 +83,7 @@ auto run_replay(const ReplayOptions& options) -> int {
     std::cout << "  error (RMSE) against " << log.target << " " << rounded(rms(log.q2_rad - replayed.reported))
               << " rad\n";
   }
-  if (replayed.saturated > 0) {
-    throw Refusal(std::to_string(replayed.saturated) + " samples met the end of the range of numbers (+-128); " +
-                  "check the units of the log and of " + options.model);
-  }
+  refuse_saturated(replayed.saturated, options.model);
   return kExitDone;
 }
 

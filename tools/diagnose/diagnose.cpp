@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
@@ -194,9 +195,8 @@ void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& o
   }
 }
 
-}  // namespace
-
-auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
+/// What the base law lacks, by name where it has one, and the law that is delivered.
+auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   Diagnosis d;
   describe_logs(recorded, options, d);
   const Catalogue& catalogue =
@@ -224,6 +224,17 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
     return d;
   }
   examine(p, *base, options, d);
+  return d;
+}
+
+}  // namespace
+
+auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
+  Diagnosis d = diagnosed(recorded, options);
+  if (has_effort_law(recorded, d)) {
+    options.progress("choosing the law of the effort");
+    deliver_effort_law(recorded, options, d);
+  }
   return d;
 }
 

@@ -9,6 +9,7 @@
 #include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/log/axis_log.hpp"
+#include "capstan/tools/select/effort_law.hpp"
 
 namespace capstan::tools {
 
@@ -103,9 +104,10 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
-  JointFile base, law;               ///< the law before, and with the effects; equal if none was added
-  std::optional<JointFile> found;    ///< the law with the effects that were found; it need not be the one delivered
-  std::vector<AddedEffect> effects;  ///< in the order added
+  JointFile base, law;                  ///< the law before, and with the effects; equal if none was added
+  std::optional<EffortLaw> effort_law;  ///< of an effort: `law` with what it takes to run it
+  std::optional<JointFile> found;       ///< the law with the effects that were found; it need not be the one delivered
+  std::vector<AddedEffect> effects;     ///< in the order added
   std::vector<std::string> undetermined;  ///< parameters of `law` that these logs can not determine
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;

@@ -70,9 +70,6 @@ auto noise_of_running(const Preparation& p, const LawForm& form) -> double {
   return rms_of_known_direction(p, (running - law_columns(p.hindsight, form)) * fit.theta);
 }
 
-namespace {
-
-/// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs. @pre there are rows
 auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) -> Interval {
   constexpr int kResamplings = 1000;
@@ -98,8 +95,6 @@ auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eig
   }
   return {quantile(ratios, 0.025), quantile(ratios, 0.975)};
 }
-
-}  // namespace
 
 auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval {
   return ratio_interval(p.target, refined(p.split, p.factor).of(Role::kReport), before, after);

@@ -74,18 +74,25 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == kEffortModel) {
     return {"inertia", "viscous_friction"};
   }
+  if (model == kInertiaModel) {
+    return {"inertia"};
+  }
   if (is_force_model(model)) {
     return {model};
   }
   throw BadInput(
       "there is no model " + model +
-      "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, rigid_dynamics, pull_push " +
-      "and preisach");
+      "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, rigid_dynamics, inertia, " +
+      "pull_push and preisach");
+}
+
+auto is_effort_model(const std::string& model) -> bool {
+  return model == kEffortModel || model == kInertiaModel;
 }
 
 auto catalogue_of_model(const std::string& model, const std::vector<AxisLog>& logs) -> const Catalogue& {
   const bool of_motion = logs.front().motion_alone();
-  if (of_motion != (model == kEffortModel) && !is_force_model(model)) {
+  if (of_motion != is_effort_model(model) && !is_force_model(model)) {
     throw BadInput(of_motion ? "the model " + model + " explains a joint angle, and the target " + logs.front().target +
                                    " is an effort; choose " + kEffortModel
                              : "the model " + model + " explains an effort, and the target " + logs.front().target +

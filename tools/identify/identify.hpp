@@ -12,8 +12,10 @@ namespace capstan::tools {
 /// BadInput for one that nobody has.
 auto terms_of_model(const std::string& model) -> std::vector<std::string>;
 inline constexpr const char* kDefaultModel = "pseudo_kinematic";
-/// The base law of an effort: q1'' and q1'.
+/// The base law of an effort: q1'' and q1'; and q1'' alone.
 inline constexpr const char* kEffortModel = "rigid_dynamics";
+inline constexpr const char* kInertiaModel = "inertia";
+auto is_effort_model(const std::string& model) -> bool;
 
 /// The catalogue that a model's laws are made of, for these logs. Throws BadInput where the model explains an effort
 /// and the logs have a joint angle as target, or the other way round.

@@ -104,7 +104,8 @@ auto catalogue_for(const EffortReader& reader, const toml::table& law) -> const 
   if (family != kEffortFamily && family != kGearFamily) {
     reader.fail(law, family + " is no family of laws; write effort or gear");
   }
-  const bool linear = reader.word(law, "target").ends_with("_N");
+  const auto speed = law["standstill"]["unit"].value<std::string>();  // the target may be a mapped column of any name
+  const bool linear = reader.word(law, "target").ends_with("_N") || speed == "m/s";
   return family == kGearFamily ? gear_law_catalogue()
                                : effort_law_catalogue(linear ? AxisKind::kLinear : AxisKind::kRotary);
 }

@@ -356,7 +356,7 @@ auto parse_ascii(const std::string& text, const std::string& name) -> JointFile 
   const auto schema = root["schema"].value<std::string>();
   if (schema == kEffortSchema) {
     throw BadInput(place(name, 1) +
-                   "this is a law of an effort, and boards run laws of the joint angle; make one with " +
+                   "this is a law of an effort, and one of the joint angle is wanted here; make it with " +
                    "capstan identify --model pseudo_kinematic");
   }
   if (is_newer(schema)) {

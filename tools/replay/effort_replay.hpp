@@ -2,6 +2,8 @@
 #pragma once
 
 #include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/replay/board_effort_law.hpp"
+#include "capstan/tools/replay/replay.hpp"
 #include "capstan/tools/select/effort_law.hpp"
 
 namespace capstan::tools {
@@ -12,5 +14,26 @@ auto estimate_column(const std::string& target) -> std::string;
 /// Runs an effort's law over a log, the motion being given, and returns the log with the estimate appended.
 /// @param axis  the log's axis; the law's own, with another number, is meant
 auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> std::string;
+
+/// What a board says of a log, row by row.
+struct BoardEffort {
+  Eigen::VectorXd law;          ///< the law's torque of the row, which the board has `delay` rows later
+  Eigen::VectorXd disturbance;  ///< as the board says it in this row; 0 until its window is full
+  Eigen::Index saturated = 0;   ///< rows in which a number met the end of the range of numbers
+  Eigen::Index delay = 0;
+};
+
+/// The firmware's law over a log, causal: in double at any rate, in fixed point at 1 kHz. Throws Refusal.
+auto run_board_effort(const AxisLog& log, const BoardEffortLaw& law, Arithmetic arithmetic) -> BoardEffort;
+
+struct BoardEffortReplay {
+  BoardEffort effort;
+  std::string text;  ///< the log with law and disturbance appended
+  AxisLog log;
+};
+/// The same in fixed point for a whole log file. Throws Refusal where no board runs the law.
+/// @param name  of the law's file
+auto replay_board_effort(const CsvLog& csv, int axis, const EffortLaw& law, const std::string& name)
+    -> BoardEffortReplay;
 
 }  // namespace capstan::tools

@@ -209,7 +209,7 @@ auto what_would_change(const Diagnosis& d) -> std::string {
             "\">" + kNextExperiment + "</a></li>\n";
   }
   for (const auto& effect : d.effects) {
-    const CatalogueTerm& term = d.law.catalogue->term(effect.name);
+    const CatalogueTerm& term = (d.found ? *d.found : d.law).catalogue->term(effect.name);
     item(effect.name + " (" + term.equation + ") is easily taken for " + term.confusable_with +
          "; a log of this motion tells them apart: " + term.exciting_motion + ".");
   }

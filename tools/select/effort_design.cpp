@@ -162,6 +162,18 @@ auto EffortDesign::columns(const CatalogueTerm& term, const Shapes& shapes, Eige
   return result;
 }
 
+auto EffortDesign::passed_through(const CatalogueTerm& term, const Shapes& shapes, const Eigen::VectorXd& signal) const
+    -> Eigen::VectorXd {
+  Eigen::VectorXd result(signal.size());
+  Eigen::Index row = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    const auto rows = static_cast<Eigen::Index>(samples_[i].size());
+    result.segment(row, rows) = term.apply(signal.segment(row, rows), periods_[i], shapes);
+    row += rows;
+  }
+  return result;
+}
+
 auto EffortDesign::seen(const Eigen::VectorXd& signal, Eigen::Index step) const -> Eigen::VectorXd {
   std::vector<double> kept;
   Eigen::Index row = 0;

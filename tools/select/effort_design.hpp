@@ -41,6 +41,9 @@ class EffortDesign {
   /// One column per coefficient of a term, seen as the effort is, every `step`-th sample of each log.
   [[nodiscard]] auto columns(const CatalogueTerm& term, const Shapes& shapes, Eigen::Index step = 1) const
       -> Eigen::MatrixXd;
+  /// A signal of all logs, log by log, through a term that acts on it.
+  [[nodiscard]] auto passed_through(const CatalogueTerm& term, const Shapes& shapes,
+                                    const Eigen::VectorXd& signal) const -> Eigen::VectorXd;
   /// A signal of all logs as law and effort are compared: through the same cubic, where the view says so.
   [[nodiscard]] auto seen(const Eigen::VectorXd& signal, Eigen::Index step = 1) const -> Eigen::VectorXd;
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "capstan/tools/identify/identify.hpp"
@@ -25,12 +26,16 @@ struct Choice {
 /// The law's effort.
 auto sum_of_terms(const EffortDesign& design, const JointFile& joint) -> Eigen::VectorXd {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(design.rows());
-  for (const auto& term : *joint.catalogue) {
+  for (const auto& term : *joint.catalogue) {  // output terms come last
     if (!joint.has(term.name)) {
       continue;
     }
     const auto first = joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape);
     const Shapes shapes(first, first + static_cast<std::ptrdiff_t>(term.shapes.size()));
+    if (term.acts_on_output) {
+      sum = design.passed_through(term, shapes, sum);
+      continue;
+    }
     const Eigen::MatrixXd columns = design.columns(term, shapes);
     for (Eigen::Index i = 0; i < columns.cols(); ++i) {
       sum += joint.parameters.coefficients[term.first_coefficient + static_cast<std::size_t>(i)] * columns.col(i);
@@ -122,6 +127,25 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   return best;
 }
 
+/// The window through which a law that is given errs least against what was logged. Fast motion asks for a short one, a
+/// coarse encoder for a long one.
+auto best_window(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
+  const Eigen::VectorXd target = stacked_target(logs);
+  double best = law.view.window_s;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double share : {1.0, 0.5, 0.25, 0.125}) {
+    EffortLaw trial = law;
+    trial.view.window_s = share * law.view.window_s;
+    const EffortDesign design(logs, trial.view);
+    const double error = rms(target - sum_of_terms(design, trial.joint));
+    if (error < lowest) {
+      lowest = error;
+      best = trial.view.window_s;
+    }
+  }
+  return best;
+}
+
 /// A law without terms for these logs.
 auto frame_for(const std::vector<AxisLog>& logs) -> EffortLaw {
   const bool gear = !logs.front().motion_alone();
@@ -148,7 +172,23 @@ auto new_effects(const EffortLaw& law, const EffortLaw& base, const GrownLaw& gr
 
 }  // namespace
 
-auto select_effort_law(const std::vector<AxisLog>& logs) -> EffortSelection {
+auto can_select_effort_law(const std::vector<AxisLog>& logs) -> bool {
+  constexpr Eigen::Index kFewestRows = 240;  // twenty a block of time
+  Eigen::Index rows = 0;
+  bool moves = false;
+  bool changes = false;
+  for (const auto& log : logs) {
+    rows += log.samples();
+    moves = moves || log.q1_rad.maxCoeff() > log.q1_rad.minCoeff();
+    changes = changes || log.effort.maxCoeff() > log.effort.minCoeff();
+    if (log.samples() < kFewestRows / 12) {
+      return false;  // of a log that a window hardly fits into
+    }
+  }
+  return rows >= kFewestRows && moves && changes;
+}
+
+auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSelection {
   const EffortLaw frame = frame_for(logs);
   const EffortDesign design(logs, frame.view);
   const Eigen::VectorXd target = stacked_target(logs);
@@ -156,29 +196,65 @@ auto select_effort_law(const std::vector<AxisLog>& logs) -> EffortSelection {
   const bool gear = frame.of_gear();
   const AxisKind axis = logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
   const auto parts = gear ? gear_parts(ranges) : effort_parts(ranges, design.axes(), axis);
-  const Choice choice{logs, design, target, parts, gear ? kGearBaseParts : kRigidParts, frame};
+  const Choice choice{logs, design, target, parts, gear ? kGearBaseParts : (bare ? 1 : kRigidParts), frame};
+  GrownLaw start;
+  start.law = {{0, 0}};
+  if (gear || !bare) {
+    start.law.push_back({1, 0});
+  }
   EffortSelection result;
   const auto choose_on = [&](double share) {
     const PartProducts products(design, target, share, *frame.joint.catalogue, parts);
+    result.start = in_numbers(choice, products, start);
     result.base = in_numbers(choice, products, grown_base(products, choice.base));
     result.grown = grow_law(products, choice.base);
     result.law = in_numbers(choice, products, result.grown);
   };
   constexpr double kLearned = 0.8;
   choose_on(kLearned);
-  const Eigen::VectorXd measured = design.seen(target);
-  const Eigen::Index unseen =
-      measured.size() - static_cast<Eigen::Index>(kLearned * static_cast<double>(measured.size()));
-  const auto error = [&](const EffortLaw& law) {
-    return rms((measured - sum_of_terms(design, law.joint)).tail(unseen));
-  };
-  result.before = error(result.base);
-  result.after = error(result.law);
-  result.target_rms = rms(measured.tail(unseen));
+  result.measured = design.seen(target);
+  result.by_start = sum_of_terms(design, result.start.joint);
+  result.by_law = sum_of_terms(design, result.law.joint);
+  result.first_unseen = static_cast<Eigen::Index>(kLearned * static_cast<double>(result.measured.size()));
+  const Eigen::Index unseen = result.measured.size() - result.first_unseen;
+  result.before = rms((result.measured - sum_of_terms(design, result.base.joint)).tail(unseen));
+  result.after = rms((result.measured - result.by_law).tail(unseen));
+  result.target_rms = rms(result.measured.tail(unseen));
   choose_on(1.0);
   result.effects = new_effects(result.law, result.base, result.grown);
-  result.law.status = result.effects.empty() ? "base" : "provisional";
+  set_status(result.effects.empty() ? LawStatus::kBase : LawStatus::kProvisional, result.law);
+  set_status(LawStatus::kBase, result.base);
+  set_status(LawStatus::kBase, result.start);
   return result;
+}
+
+void set_status(LawStatus status, EffortLaw& law) {
+  law.joint.status = status;
+  law.status = word_of(status);
+}
+
+auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw {
+  EffortLaw runnable = frame_for(logs);
+  JointFile& joint = runnable.joint;
+  for (const auto& term : *joint.catalogue) {
+    if (!law.has(term.name)) {
+      continue;
+    }
+    joint.terms.push_back(term.name);
+    const CatalogueTerm& from = law.catalogue->term(term.name);
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      joint.parameters.coefficients[term.first_coefficient + i] =
+          law.parameters.coefficients[from.first_coefficient + i];
+      joint.coefficient_ci95[term.first_coefficient + i] = law.coefficient_ci95[from.first_coefficient + i];
+    }
+    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+      joint.parameters.shapes[term.first_shape + i] = law.parameters.shapes[from.first_shape + i];
+    }
+  }
+  joint.fit = law.fit;
+  set_status(law.status, runnable);
+  runnable.view.window_s = best_window(logs, runnable);
+  return runnable;
 }
 
 auto run_effort_law(const std::vector<AxisLog>& logs, const EffortLaw& law) -> Eigen::VectorXd {

@@ -18,15 +18,31 @@ struct EffortLaw {
 /// What was chosen, and how it fares.
 struct EffortSelection {
   EffortLaw law, base;
+  EffortLaw start;                   ///< the base law by its name: inertia and drag, inertia alone, or gain and offset
   std::vector<std::string> effects;  ///< names by the contract, in the order they came
   GrownLaw grown;                    ///< on all rows
   double before = 0.0, after = 0.0;  ///< rms error of base and law on the last fifth, both chosen and fitted without it
   double target_rms = 0.0;           ///< there
+  /// All rows of all logs: the target as it is seen, and what start and law, chosen and fitted without the last fifth,
+  /// say of it.
+  Eigen::VectorXd measured, by_start, by_law;
+  Eigen::Index first_unseen = 0;
 };
 
+/// Whether there is enough to choose a law by: rows, motion and a target that changes.
+auto can_select_effort_law(const std::vector<AxisLog>& logs) -> bool;
+
 /// Chooses the law of the logs' effort (or joint torque, where the motor's is an input) that predicts unseen rows best,
-/// from rigid dynamics (from a gain) on. It is always found: where nothing lowers the error it is the base.
-auto select_effort_law(const std::vector<AxisLog>& logs) -> EffortSelection;
+/// from rigid dynamics (from a gain) on, of which what does not lower the error stays out. It is always found: where
+/// nothing lowers the error it is the base.
+/// @param bare  from inertia alone on
+/// @pre can_select_effort_law()
+auto select_effort_law(const std::vector<AxisLog>& logs, bool bare = false) -> EffortSelection;
+
+void set_status(LawStatus status, EffortLaw& law);
+
+/// A law of the same effort that was fitted elsewhere, its terms by their names, to be run over logs like these.
+auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw;
 
 /// The law's effort over all logs, one below the other, seen as it was when it was fitted.
 auto run_effort_law(const std::vector<AxisLog>& logs, const EffortLaw& law) -> Eigen::VectorXd;

@@ -34,6 +34,10 @@ class PlayFriction {
 
   constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : half_width_(shape[0]), per_half_width_(shape[0]), bristle_(shape[0] * kHalf) {}
+  constexpr void restart() {
+    started_ = false;
+    bristle_state_ = {};
+  }
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 3> {
     if (!started_) {
       started_ = true;

@@ -19,6 +19,7 @@ class ViscousFriction {
       .shapes = {},
       .relations = {.doubles = {"coulomb_friction", "offset"}, .shown_by = Motion::kSpeeds},
   };
+  static constexpr bool kSettlesAlike = true;
 
   constexpr ViscousFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }

@@ -384,26 +384,6 @@ void measure_axis(Print& out) {
       });
 }
 
-/// Every law and term in one number format; does not return.
-template <typename Scalar>
-[[noreturn]] void measure_everything() {
-  stm32f405::HostSink sink;
-  Print out(sink);
-  if (!tick.start(kCoreHz, 1000)) {
-    stm32f4::semihosting::exit(21);
-  }
-  measure_axis<Scalar>(out);
-  measure_motion_law<Scalar>(out);
-  measure_terms<Scalar, InputTerms>(out);
-  measure_terms<Scalar, SumTerms>(out);
-  measure_terms<Scalar, EffortTerms>(out);
-  measure_preisach<Scalar, 11>(out, "preisach_11", "preisach_11_inverse");
-  measure_preisach<Scalar, 41>(out, "preisach_41", "preisach_41_inverse");
-  measure_force_laws<Scalar>(out);
-  measure_coupled_axes<Scalar>(out);
-  stm32f4::semihosting::exit(0);
-}
-
 }  // namespace capstan::costs
 
 extern "C" {

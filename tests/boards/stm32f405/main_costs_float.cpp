@@ -4,7 +4,7 @@
 // Before the templates that are used with it.
 #include "capstan/tests/boards/stm32f405/single_precision.hpp"
 
-#include "capstan/tests/boards/stm32f405/costs.hpp"
+#include "capstan/tests/boards/stm32f405/all_costs.hpp"
 
 namespace {
 // Not inlined, or the FPU is used to enter the function that switches it on.

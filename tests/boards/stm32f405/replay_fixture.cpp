@@ -67,6 +67,42 @@ void give_force_law(ForceConfig& force, std::size_t axis) {
   }
 }
 
+/// Every effect of an effort, of the size that this plant's motor has them. On every second axis they are the
+/// feedforward too.
+template <typename Set>
+void give_effort_law(std::size_t axis, Set&& set) {
+  set("effort_inertia.inertia", 0.02);
+  set("effort_viscous_friction.drag", 0.002);
+  set("effort_coulomb_friction.level", 0.01);
+  set("effort_friction_asymmetry.level", 0.002);
+  set("effort_stribeck_friction.excess", 0.003);
+  set("effort_stribeck_friction.speed", 0.2);
+  set("effort_play_friction.slider", 0.005);
+  set("effort_play_friction.half_width", 0.05);
+  set("effort_play_friction_2.bristle", 0.004);
+  set("effort_play_friction_2.half_width", 0.3);
+  set("effort_offset.offset", 0.001 * static_cast<double>(axis));
+  set("effort_gravity.sine", 0.004);
+  set("effort_angle_periodic.sine", 0.002);
+  set("effort_angle_periodic.order", 5.0);
+  set("effort_angle_periodic_2.cosine", 0.001);
+  set("effort_angle_periodic_2.order", 12.0);
+  set("effort_angle_periodic_3.cosine", 0.001);
+  set("effort_angle_periodic_3.order", 30.0);
+  set("effort_thermal_drift.warm_up", 0.003);
+  set("effort_thermal_drift.time", 1.0);
+  set("effort_power_law_friction.level", 0.004);
+  set("effort_power_law_friction.exponent", 0.4);
+  set("effort_power_law_friction.speed", 2.0);
+  set("effort_spring.linear", 0.01);
+  set("effort_spring.cubic", 0.002);
+  set("effort_spring.span", 1.0);
+  set("effort_load_friction.spring", 0.002);
+  set("effort_load_friction.span", 1.0);
+  set("effort_load_friction_2.weight_driven", 0.002);
+  set("effort.window", 0.04 + 0.02 * static_cast<double>(axis));
+}
+
 /// A law with every effect of the catalogue on, a little different for each axis; each feels the one before it.
 auto lively_config(std::size_t axis) -> AxisConfig {
   AxisConfig config;
@@ -78,6 +114,7 @@ auto lively_config(std::size_t axis) -> AxisConfig {
     }
     set_raw_value(config, *parameter, Q24::from_double(value).raw());
   };
+  give_effort_law(axis, set);
   set("motor_angle.beta", 0.97 + 0.02 * static_cast<double>(axis));
   set("joint_offset.offset", 0.012);
   set("tendon_elongation.top", -0.11);
@@ -142,6 +179,7 @@ auto lively_config(std::size_t axis) -> AxisConfig {
   }
   set("control.torque_forward", 0.05);
   set("control.torque_backward", -0.04);
+  config.effort.feedforward = axis % 2 == 0 ? 1 : 0;
   return config;
 }
 

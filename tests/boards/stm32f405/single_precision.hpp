@@ -149,6 +149,22 @@ inline auto share_gone_of(float x) -> float {
 }
 }  // namespace detail
 
+/// The series of power.hpp, for 0 <= x <= 2 and p <= 4.
+inline auto power(float x, float p) -> float {
+  if (x <= 0.0F) {
+    return 0.0F;
+  }
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  const float m = std::bit_cast<float>((bits & 0x007F'FFFFU) | 0x3F80'0000U);
+  const float s = (m - 1.41421356F) / (m + 1.41421356F);
+  const float square = s * s;
+  const float series = s * (1.0F + square * (1.0F / 3.0F + square * (0.2F + square * (1.0F / 7.0F))));
+  const float log =
+      (static_cast<float>(static_cast<std::int32_t>(bits >> 23U) - 127) + 0.5F) * 0.693147181F + 2.0F * series;
+  const float rest = 2.772588722F - p * log;  // e^-rest is a sixteenth
+  return rest < 22.0F ? 16.0F * (1.0F - detail::share_gone_of(rest > 0.0F ? rest : 0.0F)) : 0.0F;
+}
+
 inline auto share_gone(float a, float b) -> float {
   const float x = abs(a) / b;
   return x < 22.0F ? detail::share_gone_of(x) : 1.0F;

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 
+#include "capstan/tests/tools/machines/board_efforts.hpp"
 #include "capstan/tests/tools/machines/plain_fits.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
@@ -245,8 +246,14 @@ int main(int argc, char** argv) {
       ->capture_default_str()
       ->check(CLI::Range(0.2, 0.9));
   app.add_flag("--leave-one-out", leave_out, "other values of the deciding numbers, chosen without the machine judged");
+  bool efforts = false;
+  app.add_flag("--board-efforts", efforts, "laws of efforts instead, in hindsight and as a board runs them");
   CLI11_PARSE(app, argc, argv);
   try {
+    if (efforts) {
+      machines::board_efforts(folder, share);
+      return 0;
+    }
     const auto joints = machines::joints_in(folder);
     if (leave_out) {
       machines::leave_one_out(joints);

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "capstan/firmware/parameters/parameter_rows.hpp"
+
+namespace capstan {
+
+/// The group of a term's parameters: "effort_coulomb_friction". Motion laws have terms of the same names.
+template <typename Term>
+inline constexpr std::array<char, 40> kEffortGroup = placed_name<Term>("effort_");
+
+inline constexpr std::size_t kEffortRows = 4 + TorqueTerms::kCoefficients + TorqueTerms::kShapes;
+
+/// The rows of the effort law, its terms from the catalogue.
+constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
+  constexpr std::size_t kEffort = offsetof(AxisConfig, effort);
+  constexpr std::size_t kView = kEffort + offsetof(EffortConfig, view);
+  std::array<ParameterInfo, kEffortRows> table = {
+      real("effort", "window", "s",
+           "of motion that the effort law is seen through; the disturbance is a quarter of it late",
+           kView + offsetof(MotionView<Q24>, window_s), 0.016, 0.12),
+      real("effort", "standstill", "rad/s", "speed below which the effort law keeps its direction",
+           kView + offsetof(MotionView<Q24>, standstill_rad_s), 0.0, 10.0),
+      integer("effort", "feedforward", "1",
+              "1: position control adds the effort law's torque in place of control.torque_forward and torque_backward",
+              kEffort + offsetof(EffortConfig, feedforward), 0, 1),
+      integer("effort", "status", "1", "how sure the effort law is: 0 confirmed, 1 provisional, 2 base",
+              kEffort + offsetof(EffortConfig, status), 0, 2),
+  };
+  constexpr std::size_t kLaw = kEffort + offsetof(EffortConfig, law);
+  std::size_t next = 4;
+  std::size_t coefficient = kLaw + offsetof(TorqueLawParameters<Q24>, coefficients);
+  std::size_t shape = kLaw + offsetof(TorqueLawParameters<Q24>, shapes);
+  TorqueTerms::for_each<Q24>([&]<typename Term>() {
+    for (const CoefficientInfo& declared : Term::kInfo.coefficients) {
+      const CoefficientInfo c = of_torque(declared);
+      table[next++] =
+          real(kEffortGroup<Term>.data(), c.name, c.unit, c.doc, coefficient, -kCoefficientLimit, kCoefficientLimit);
+      coefficient += sizeof(Q24);
+    }
+    for (const ShapeInfo& s : Term::kInfo.shapes) {
+      table[next++] =
+          real(kEffortGroup<Term>.data(), s.name, s.unit, s.doc, shape, std::min(0.0, s.minimum), s.maximum);
+      shape += sizeof(Q24);
+    }
+  });
+  return table;
+}
+inline constexpr std::array<ParameterInfo, kEffortRows> kEffortTable = make_effort_table();
+
+}  // namespace capstan
