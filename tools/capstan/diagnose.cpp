@@ -51,22 +51,40 @@ void print_diagnosis(const Diagnosis& d) {
   }
 }
 
+/// A law's coefficients belong to the joints that it names, in its order.
+void couple_as(const JointFile& base, const std::string& file, LogOptions& logs) {
+  if (base.coupled_to.empty()) {
+    return;
+  }
+  if (!logs.coupled_to.empty() && logs.coupled_to != base.coupled_to) {
+    std::vector<std::string> axes;
+    for (const int axis : base.coupled_to) {
+      axes.push_back(std::to_string(axis));
+    }
+    throw BadInput("the law of " + file + " is coupled to axis " + joined(axes) + "; leave --coupled-to out");
+  }
+  logs.coupled_to = base.coupled_to;
+}
+
 auto run_diagnose(const CommandOptions& options) -> int {
   AxisRequest request;
   request_target(options.target, options.base, request);
   DiagnoseOptions wanted;
+  LogOptions logs_read = options.logs;
   if (options.base.ends_with(".toml")) {
-    wanted.base_law = form_of(read_joint_file(options.base));
+    const JointFile base = read_joint_file(options.base);
+    wanted.base_law = form_of(base);
+    couple_as(base, options.base, logs_read);
     if (request.effort || request.force) {
       throw BadInput("the law of " + options.base + " explains a joint angle, and " + options.target +
                      " is an effort; leave --target out, or choose --base rigid_dynamics, pull_push or preisach");
     }
   }
   request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") : options.base == kDefaultModel;
-  const auto logs = options.logs.read(request);
+  const auto logs = logs_read.read(request);
   wanted.base_model = options.base;
   if (!options.tests.empty()) {
-    LogOptions tests = options.logs;
+    LogOptions tests = logs_read;
     tests.files = options.tests;
     wanted.test_logs = tests.read(request);
   }

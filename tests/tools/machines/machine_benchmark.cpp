@@ -137,7 +137,7 @@ auto variants() -> std::vector<Variant> {
     change(all.back().numbers);
   };
   add("6 parts", [](auto& n) { n.parts = 6, n.first_judged_part = 3; });
-  add("16 parts", [](auto& n) { n.parts = 16, n.first_judged_part = 8; });
+  add("10 parts", [](auto& n) { n.parts = 10, n.first_judged_part = 5; });
   add("no settling", [](auto& n) { n.most_share_unsettled = 0.0; });
   add("any play", [](auto& n) { n.fewest_turns_of_play = 0; });
   add("2 turns", [](auto& n) { n.fewest_turns_of_play = 2; });
@@ -168,7 +168,7 @@ struct VariantTable {
 };
 
 auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>& all) -> VariantTable {
-  constexpr double kCuts[][2] = {{0.6, 1.0}, {0.45, 0.75}};
+  constexpr double kCuts[][2] = {{0.6, 1.0}, {0.45, 0.75}, {0.75, 1.0}};
   VariantTable table;
   table.ratios.resize(0, static_cast<Eigen::Index>(all.size()));
   for (const auto& joint : joints) {
@@ -180,7 +180,7 @@ auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>&
       const LawForm form = form_of_model(seen.has_torque ? kDefaultModel : "kinematic", {seen});
       const Preparation p = prepare({seen}, form);
       const JointFile base = causal_law(p, form);
-      table.rows.push_back(joint.name + (cut[1] < 1.0 ? " (45 %)" : ""));
+      table.rows.push_back(joint.name + " (" + std::to_string(std::lround(100.0 * cut[0])) + " %)");
       table.machines.push_back(joint.machine);
       table.ratios.conservativeResize(table.ratios.rows() + 1, Eigen::NoChange);
       std::printf("%-24s", table.rows.back().c_str());
