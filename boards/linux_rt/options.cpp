@@ -25,12 +25,13 @@ enum Code : int {
   kPdo,
   kFd,
   kGpio,
+  kSimulatedDrives,
   kSelftest,
   kHelp,
   kVersion
 };
 
-constexpr std::array<option, 14> kOptions{{{"console", required_argument, nullptr, kConsole},
+constexpr std::array<option, 15> kOptions{{{"console", required_argument, nullptr, kConsole},
                                            {"storage", required_argument, nullptr, kStorage},
                                            {"cpu", required_argument, nullptr, kCpu},
                                            {"priority", required_argument, nullptr, kPriority},
@@ -40,6 +41,7 @@ constexpr std::array<option, 14> kOptions{{{"console", required_argument, nullpt
                                            {"pdo", required_argument, nullptr, kPdo},
                                            {"fd", no_argument, nullptr, kFd},
                                            {"gpio", required_argument, nullptr, kGpio},
+                                           {"simulated-drives", no_argument, nullptr, kSimulatedDrives},
                                            {"selftest", no_argument, nullptr, kSelftest},
                                            {"help", no_argument, nullptr, kHelp},
                                            {"version", no_argument, nullptr, kVersion},
@@ -94,6 +96,9 @@ void apply(int code, BoardOptions& options) {
       break;
     case kGpio:
       options.gpio = parse_gpio(optarg);
+      break;
+    case kSimulatedDrives:
+      options.simulated_drives = true;
       break;
     case kSelftest:
       options.action = BoardOptions::Action::kSelftest;
@@ -159,6 +164,8 @@ Without --can the joint is the simulated plant inside this program, in lock-step
   --gpio CHIP:DUTY=LINE[,...]
                     lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:
                     open), watchdog (square wave while the cycle runs); ! before a number inverts it
+  --simulated-drives
+                    what is on the buses is capstan_drives: torque without commissioned motor observers
 
   --console stdio|pty|tcp:PORT|serial:PATH
                     where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1
