@@ -36,6 +36,13 @@ class LinuxRtBoard final : public Board {
   [[nodiscard]] auto reboot_wanted() const -> bool { return reboot_wanted_; }
 
   [[nodiscard]] auto name() const -> const char* override { return "linux_rt"; }
+  /// @param simulated  the drives are programs   @param means  what the board has beside taking torque away
+  void describe(bool simulated, StopMeans means) {
+    simulated_drives_ = simulated;
+    means_ = means;
+  }
+  [[nodiscard]] auto simulated() const -> bool override { return simulated_drives_ || joints_->simulated(); }
+  [[nodiscard]] auto stop_means() const -> StopMeans override { return means_; }
   void print_timing(Print& out) const override;
   void reboot() override { reboot_wanted_ = true; }
 
@@ -64,6 +71,8 @@ class LinuxRtBoard final : public Board {
   std::exception_ptr problem_;
   std::atomic<bool> running_ = false;
   bool reboot_wanted_ = false;
+  bool simulated_drives_ = false;
+  StopMeans means_;
   Published<Timing> timing_;
   std::thread thread_;
 };

@@ -121,6 +121,7 @@ auto run(const BoardOptions& options) -> int {
   const auto retained = retained_memory(options);
   for (bool again = true; again;) {
     capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, retained->words()));
+    board.describe(options.simulated_drives, {.brake = options.gpio.brake.has_value()});
     board.start();
     serve(board, console, options, *retained);
     const capstan::RtReport report = board.stop();

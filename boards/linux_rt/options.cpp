@@ -26,6 +26,7 @@ enum Code : int {
   kProfile,
   kFd,
   kGpio,
+  kSimulatedDrives,
   kSelftest,
   kHelp,
   kVersion
@@ -42,6 +43,7 @@ constexpr std::array<option, 15> kOptions{{{"console", required_argument, nullpt
                                            {"profile", required_argument, nullptr, kProfile},
                                            {"fd", no_argument, nullptr, kFd},
                                            {"gpio", required_argument, nullptr, kGpio},
+                                           {"simulated-drives", no_argument, nullptr, kSimulatedDrives},
                                            {"selftest", no_argument, nullptr, kSelftest},
                                            {"help", no_argument, nullptr, kHelp},
                                            {"version", no_argument, nullptr, kVersion},
@@ -99,6 +101,9 @@ void apply(int code, BoardOptions& options) {
       break;
     case kGpio:
       options.gpio = parse_gpio(optarg);
+      break;
+    case kSimulatedDrives:
+      options.simulated_drives = true;
       break;
     case kSelftest:
       options.action = BoardOptions::Action::kSelftest;
@@ -167,6 +172,8 @@ Without --can the joint is the simulated plant inside this program, in lock-step
   --gpio CHIP:DUTY=LINE[,...]
                     lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:
                     open), watchdog (square wave while the cycle runs); ! before a number inverts it
+  --simulated-drives
+                    what is on the buses is capstan_drives: torque without commissioned motor observers
 
   --console stdio|pty|tcp:PORT|serial:PATH
                     where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1

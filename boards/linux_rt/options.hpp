@@ -19,8 +19,9 @@ struct BoardOptions {
   std::string storage;            ///< empty: parameters are forgotten at the end
   std::optional<double> seconds;  ///< none: until told to stop
   RtOptions rt;
-  CanSetup can;    ///< without buses the joint is simulated
-  GpioSetup gpio;  ///< without a chip there are no lines
+  CanSetup can;                   ///< without buses the joint is simulated
+  GpioSetup gpio;                 ///< without a chip there are no lines
+  bool simulated_drives = false;  ///< nobody can be hurt by what is on the buses
 };
 
 /// Throws std::runtime_error with "sentence; cure".

@@ -48,6 +48,7 @@ class SimulatedJoints final : private OnePlant, public JointsOn<SimIo> {
  public:
   SimulatedJoints(const GpioSetup& gpio, Banks& banks, std::span<std::uint32_t> fault_memory)
       : JointsOn(plant, gpio, banks, fault_memory) {}
+  [[nodiscard]] auto simulated() const -> bool override { return true; }
   [[nodiscard]] auto failure() const -> std::string override { return backend().failure(); }
 };
 

@@ -27,6 +27,8 @@ class RtJoints {
   /// The console is gone, see Application.
   virtual void link_lost() = 0;
   /// Why the joints can not go on; empty while they can.
+  /// They are programs, not drives.
+  [[nodiscard]] virtual auto simulated() const -> bool { return false; }
   [[nodiscard]] virtual auto failure() const -> std::string { return ""; }
   /// What was lost, in lines that end in CR LF.
   virtual void print(Print& /*out*/) const {}

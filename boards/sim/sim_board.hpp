@@ -41,6 +41,7 @@ class SimBoard final : public Board {
   void print_timing(Print& out) const override;
   void reboot() override { reboot_wanted_ = true; }
   /// `fail TARGET KIND [at S] [for S] [amount A] [axis N]`: a fault of the plant, `at` counted from now.
+  [[nodiscard]] auto simulated() const -> bool override { return true; }
   auto run_command(std::string_view word, std::string_view rest, Print& out) -> BoardAnswer override;
   void print_commands(Print& out) const override;
 

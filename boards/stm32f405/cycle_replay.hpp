@@ -13,13 +13,13 @@
 /// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
 /// endian.
 ///
-///   input:  "CRP2", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
+///   input:  "CRP3", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
 ///   bytes output: records of kOutputSize bytes, one for each input record
 namespace capstan::stm32f405 {
 
-inline constexpr std::uint32_t kReplayMagic = 0x32505243;  // "CRP2"
+inline constexpr std::uint32_t kReplayMagic = 0x33505243;  // "CRP3"
 template <std::size_t Axes>
-inline constexpr std::size_t kInputSize = 5 + 30 * Axes;
+inline constexpr std::size_t kInputSize = 5 + 34 * Axes;
 template <std::size_t Axes>
 inline constexpr std::size_t kOutputSize = 6 + 43 * Axes;
 
@@ -75,7 +75,8 @@ template <std::size_t Axes>
 void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<Axes>> bytes) {
   detail::ByteWriter out(bytes);
   out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
-                                   (input.command.disarm ? 4U : 0U) | (input.command.experiment ? 8U : 0U)));
+                                   (input.command.disarm ? 4U : 0U) | (input.command.experiment ? 8U : 0U) |
+                                   (input.command.cautious ? 16U : 0U)));
   out.u32(input.sensed.overruns);
   for (std::size_t i = 0; i < Axes; ++i) {
     const AxisSensed& sensed = input.sensed.axis[i];
@@ -86,7 +87,7 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
         static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
     out.u8(static_cast<std::uint8_t>(command.kind));
     for (const Q24 value : {command.position_rad, command.speed_rad_s, command.torque_nm, command.joint_torque_nm,
-                            command.torque_rate_nm_s}) {
+                            command.torque_rate_nm_s, command.dither_nm}) {
       out.q24(value);
     }
   }
@@ -101,6 +102,7 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
   input.command.arm = (flags & 2U) != 0;
   input.command.disarm = (flags & 4U) != 0;
   input.command.experiment = (flags & 8U) != 0;
+  input.command.cautious = (flags & 16U) != 0;
   input.sensed.overruns = in.u32();
   for (std::size_t i = 0; i < Axes; ++i) {
     AxisSensed& sensed = input.sensed.axis[i];
@@ -112,7 +114,7 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
     sensed.current = static_cast<Quality>(qualities >> 4U);
     command.kind = static_cast<AxisCommand::Kind>(in.u8());
     for (Q24* const value : {&command.position_rad, &command.speed_rad_s, &command.torque_nm, &command.joint_torque_nm,
-                             &command.torque_rate_nm_s}) {
+                             &command.torque_rate_nm_s, &command.dither_nm}) {
       *value = in.q24();
     }
   }

@@ -33,6 +33,7 @@ using PlantLink = plant_link::PlantLinkIo<SerialPort, LookCounter, stm32f405::kA
 class PlantIo {
  public:
   static constexpr std::size_t kAxes = stm32f405::kAxes;
+  static constexpr bool kSimulated = true;
   PlantIo(PlantLink& link, BoardTick& tick) noexcept : link_(link), tick_(tick) {}
 
   [[nodiscard]] auto read(Sensed<kAxes>& in) noexcept -> Status {

@@ -162,6 +162,9 @@ void Shell::poll() {
     case Activity::kExperimenting:
       go_on_experimenting();
       break;
+    case Activity::kCommissioning:
+      go_on_commissioning();
+      break;
     case Activity::kDumping:
       go_on_dumping();
       break;

@@ -10,6 +10,7 @@
 #include "capstan/firmware/loop/machine.hpp"
 #include "capstan/firmware/parameters/parameter_text.hpp"
 #include "capstan/firmware/safety/maintenance.hpp"
+#include "capstan/firmware/safety/motor_commissioning.hpp"
 
 namespace capstan {
 
@@ -55,8 +56,10 @@ class Shell {
     kDumping,
     kWatching,
     kDumpingFaults,
-    kExperimenting
+    kExperimenting,
+    kCommissioning
   };
+  enum class CommissioningStep : std::uint8_t { kMoves, kDither, kResting, kRising, kFastMoves, kTaking };
   /// joint number and group.name of "joint0.control.kp"
   struct Name {
     std::size_t axis = 0;
@@ -79,6 +82,11 @@ class Shell {
   void print_load_report(const char* begin);
   void go_on_logging();
   void go_on_experimenting();
+  void go_on_commissioning();
+  auto begin_commissioning(CommissioningStep step) -> bool;
+  void next_commissioning_step();
+  void refuse_commissioning(const char* problem);
+  void take_commissioned();
   auto begin_recording(std::size_t axis, std::uint32_t every) -> bool;
   void end_recording();
   void print_row(const SignalSample& sample);
@@ -120,6 +128,9 @@ class Shell {
   bool palpating_ = false;         ///< with a law that tells stiffness
   std::uint32_t log_left_ = 0;     ///< rows; of an experiment 0 when it is to end
   std::uint32_t log_dropped_before_ = 0;
+  MotorCommissioning commissioning_;
+  CommissioningStep commissioning_step_ = CommissioningStep::kMoves;
+  ExperimentSetup commissioning_setup_;
   ScopeSetup scope_;           ///< as typed so far
   std::size_t dump_next_ = 0;  ///< sample
   std::array<Signal, ScopeSetup::kMostChannels> watched_{};

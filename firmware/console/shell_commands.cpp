@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capstan/firmware/loop/version.hpp"
+#include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
 namespace {
@@ -12,7 +13,7 @@ namespace {
 constexpr std::size_t kAnyNumber = Shell::kLineLength;
 
 // The type is written out: a deduced one puts the table into RAM.
-constexpr std::array<ShellCommand, 30> kCommands = {
+constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"help", "[COMMAND|PARAMETER|GROUP]", 1,
                  "this list; of one command, or of parameters with unit, range, default and meaning",
                  ShellCommands::help},
@@ -55,6 +56,10 @@ constexpr std::array<ShellCommand, 30> kCommands = {
                  "[cycles=N] [repeats=N] [every=MS]",
                  kAnyNumber, "moves a joint as a law needs it to be identified, within its limits, and prints the log",
                  ShellCommands::experiment, true},
+    ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE]", kAnyNumber,
+                 "moves a joint to and fro about where it stands and shakes its motor a little, to find what the motor "
+                 "observer needs; takes the torque away and sets observer.* (in maintenance only)",
+                 ShellCommands::commission, true},
     ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
                  kAnyNumber,
                  "presses with torque triangles where the joint stands, and prints the log of that site and its "
@@ -115,8 +120,30 @@ void ShellCommands::post(Shell& shell, const Request& request, Shell::Activity a
   }
 }
 
+/// Without commissioned values nothing finds a sensor that lies, so somebody has to know that and stand by.
 void ShellCommands::arm(Shell& shell, std::string_view /*arguments*/) {
-  post(shell, {.kind = Request::Kind::kArm}, Shell::Activity::kArming);
+  const auto joints = shell.machine_.config();
+  const auto blind = std::find_if(joints.begin(), joints.end(), [](const AxisConfig& joint) {
+    return joint.motor.fitted != 0 && !MotorObserver::commissioned(joint.observer);
+  });
+  const bool cautious = blind != joints.end() && !shell.board_.simulated();
+  if (!cautious) {
+    post(shell, {.kind = Request::Kind::kArm}, Shell::Activity::kArming);
+    return;
+  }
+  const auto axis = static_cast<std::uint32_t>(blind - joints.begin());
+  if (!shell.maintenance_.is_open(shell.machine_.telemetry().tick)) {
+    shell.out_ << "error not_commissioned: the motor observer of joint" << axis
+               << " has no values, so an encoder or current sensor that lies would not be found in time, and there is "
+                  "no torque; 'maintenance open', 'arm' and 'commission joint"
+               << axis << "', with everybody out of its reach, or 'apply' a joint that was commissioned\r\n";
+    shell.prompt();
+    return;
+  }
+  shell.out_ << "# joint" << axis
+             << " is not commissioned: a quarter of limits.joint_speed, and a thirtieth of "
+                "limits.current as the largest change in a cycle\r\n";
+  post(shell, {.kind = Request::Kind::kArm, .cautious = true}, Shell::Activity::kArming);
 }
 
 void ShellCommands::disarm(Shell& shell, std::string_view /*arguments*/) {

@@ -51,6 +51,7 @@ struct ShellCommands {
   static void zero(Shell& shell, std::string_view arguments);
   static void log(Shell& shell, std::string_view arguments);
   static void experiment(Shell& shell, std::string_view arguments);
+  static void commission(Shell& shell, std::string_view arguments);
   static void palpate(Shell& shell, std::string_view arguments);
   static void frames(Shell& shell, std::string_view arguments);
   static void watch(Shell& shell, std::string_view arguments);

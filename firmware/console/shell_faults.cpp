@@ -48,6 +48,10 @@ void ShellCommands::faults(Shell& shell, std::string_view arguments) {
   const FaultInfo& first = info(now.first_fault);
   Print& out = shell.out_;
   out << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
+  if (now.first_fault != Fault::kNone) {
+    const SafeStop stop = safe_stop(now.conditions | bit(now.first_fault), shell.board_.stop_means());
+    out << "stopped by " << name(stop) << "\r\n";
+  }
   for (const FaultInfo& entry : kFaultTable) {
     if ((now.conditions & bit(entry.fault)) != 0) {
       shell.print_fault("present ", entry);

@@ -54,7 +54,8 @@ auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, 
 }
 
 void Shell::end_stream() {
-  if (activity_ == Activity::kLogging || activity_ == Activity::kExperimenting) {
+  if (activity_ == Activity::kLogging || activity_ == Activity::kExperimenting ||
+      activity_ == Activity::kCommissioning) {
     log_left_ = 0;  // the next poll answers
   } else if (activity_ == Activity::kDumping) {
     dump_next_ = machine_.scope().size();

@@ -250,9 +250,22 @@ auto Experiment::rt_corner() const -> Q24 {
   return Q24::from_wide(setup_.amplitude.raw() * (2 * level - setup_.levels) / setup_.levels);
 }
 
-auto Experiment::rt_run_moves(const Axis& axis) -> AxisCommand {
-  if (moving_ && axis.in_motion()) {
+/// Larger from leg to leg, because a joint whose motor turns back in every period tells nothing of its inertia.
+auto Experiment::rt_dither() -> Q24 {
+  if (setup_.recipe != Recipe::kDither) {
     return {};
+  }
+  constexpr std::uint32_t kStep = 0x1'0000'0000 / kDitherCycles;
+  const auto place = static_cast<std::uint32_t>(t_ms_++ % kDitherCycles) * kStep;
+  const Q24 both = Phase24(place).sine() + Phase24(2 * place).sine();
+  const std::int32_t legs_left = rt_corners() - 1 - corner_;
+  return Q24::from_raw((setup_.dither_nm * both).raw() >> std::clamp<std::int32_t>(legs_left, 0, 8) / 2);
+}
+
+auto Experiment::rt_run_moves(const Axis& axis) -> AxisCommand {
+  const Q24 dither = rt_dither();
+  if (moving_ && axis.in_motion()) {
+    return {.dither_nm = dither};
   }
   if (moving_ && ++corner_ == rt_corners() && !rt_next_rung()) {
     return rt_finish();
@@ -260,7 +273,8 @@ auto Experiment::rt_run_moves(const Axis& axis) -> AxisCommand {
   moving_ = true;
   return {.kind = AxisCommand::Kind::kMove,
           .position_rad = setup_.offset_rad + rt_corner(),
-          .speed_rad_s = setup_.rungs[rung_]};
+          .speed_rad_s = setup_.rungs[rung_],
+          .dither_nm = dither};
 }
 
 auto Experiment::rt_run_torque(const Axis& axis) -> AxisCommand {

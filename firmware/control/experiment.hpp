@@ -15,6 +15,7 @@ enum class Recipe : std::uint8_t {
   kSpeedLadder,     ///< the same at one speed after the other
   kReversals,       ///< first-order reversals: from the lower end to higher and higher levels; one speed
   kTorqueTriangle,  ///< to and fro in torque; one rate, N m/s. The joint goes where the torque takes it.
+  kDither,          ///< as kSpeedLadder, and two tones of torque on top, by which the motor's inertia shows
 };
 
 /// What an experiment does. Plain numbers; check_experiment() says whether a joint can do it.
@@ -27,6 +28,7 @@ struct ExperimentSetup {
   std::array<Q24, kMostRungs> rungs{};
   std::size_t rung_count = 0;
   Q24 decay_per_s{};
+  Q24 dither_nm{};              ///< dither: amplitude of each tone in the last legs; a half, a quarter, ... before
   Q24 tone_scale{};             ///< multisine: amplitude of one tone, see scale_tones()
   std::uint32_t length_ms = 0;  ///< multisine, decaying sine
   std::int32_t cycles = 1;      ///< of each rung
@@ -40,6 +42,9 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
 /// Sets tone_scale so that the peak of the sum is the amplitude, looked for every 2 ms. For the background: it takes
 /// some ten million instructions.
 void scale_tones(ExperimentSetup& setup);
+
+/// Cycles in a period of the dither's lower tone; the higher has two in that time.
+inline constexpr std::int32_t kDitherCycles = 12;
 
 /// The reference of a sine-like recipe at t ms after its rung began, from the offset, rad; 0 at the rung's ends.
 auto rt_tone(const ExperimentSetup& setup, std::size_t rung, std::uint32_t t_ms) -> Q24;
@@ -66,6 +71,7 @@ class Experiment {
   auto rt_run_tones() -> AxisCommand;
   auto rt_run_moves(const Axis& axis) -> AxisCommand;
   auto rt_run_torque(const Axis& axis) -> AxisCommand;
+  auto rt_dither() -> Q24;
   auto rt_next_rung() -> bool;
   [[nodiscard]] auto rt_corners() const -> std::int32_t;
   [[nodiscard]] auto rt_corner() const -> Q24;

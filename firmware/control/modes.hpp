@@ -31,6 +31,7 @@ struct AxisCommand {
   Q24 torque_nm{};
   Q24 joint_torque_nm{};
   Q24 torque_rate_nm_s{};
+  Q24 dither_nm{};  ///< added to the motor's torque in this cycle, whatever else it does
 };
 
 /// Normal, reported, and each names the setting behind it; not faults.

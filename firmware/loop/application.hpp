@@ -184,6 +184,7 @@ class Application final : public Machine {
       switch (request->kind) {
         case Request::Kind::kArm:
           command.arm = true;
+          command.cautious = request->cautious;
           break;
         case Request::Kind::kDisarm:
           command.disarm = true;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/loop/axis.hpp"
 
+#include "capstan/firmware/safety/cautious_limits.hpp"
+
 namespace capstan {
 namespace {
 
@@ -39,6 +41,7 @@ auto same_scale(const MotorConfig& a, const MotorConfig& b) -> bool {
 
 Axis::Axis(const AxisConfig& config)
     : config_(config),
+      given_limits_(config.limits),
       sensing_(config.motor),
       estimator_(config),
       effort_(config.effort),
@@ -53,6 +56,8 @@ void Axis::rt_configure(const AxisConfig& config) {
   const bool new_effort = new_scale || !same_effort_law(config.effort, config_.effort);
   const bool new_monitor = new_law || !same_monitor(config, config_);
   config_ = config;
+  given_limits_ = config.limits;
+  rt_limit();
   sensing_.rt_configure(config_.motor);
   modes_.rt_configure(config_);
   gate_.rt_configure(config_);
@@ -100,6 +105,7 @@ auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 te
 }
 
 auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool {
+  dither_nm_ = command.dither_nm;
   return fitted() && modes_.rt_command(view(motor, estimate), command);
 }
 
@@ -121,7 +127,19 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
   return faults;
 }
 
-void Axis::rt_arm(const JointEstimate& estimate) {
+/// Also after new parameters came under torque.
+void Axis::rt_limit() {
+  config_.limits = cautious_ && !MotorObserver::commissioned(config_.observer) ? cautious_limits(given_limits_)
+                                                                               : given_limits_;
+}
+
+void Axis::rt_arm(const JointEstimate& estimate, bool cautious) {
+  dither_nm_ = Q24{};
+  if (cautious || cautious_) {
+    cautious_ = cautious;
+    rt_limit();
+    gate_.rt_configure(config_);
+  }
   modes_.rt_arm(estimate);
   gate_.rt_restart();
   observer_.rt_arm();
@@ -144,7 +162,7 @@ auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> A
     return waiting;
   }
   const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
-  return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven);
+  return gate_.rt_step(config_.limits, motor, torque_nm + dither_nm_ + look_nm, driven);
 }
 
 void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, FaultSet faults) {

@@ -36,8 +36,9 @@ class Axis {
   auto rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool;
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   auto rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet;
-  /// Gets ready for torque: stand where the joint is.
-  void rt_arm(const JointEstimate& estimate);
+  /// Gets ready for torque: stand where the joint is. @param cautious  within cautious_limits() until the next time, if
+  /// the motor observer is not commissioned
+  void rt_arm(const JointEstimate& estimate, bool cautious = false);
   /// What is wanted of the motor.
   auto rt_reference(const MotorState& motor, const JointEstimate& estimate, bool energised) -> const JointReference&;
   /// The one gate every output passes.
@@ -66,7 +67,12 @@ class Axis {
             effort_.feedforward(config_.effort)};
   }
 
+  void rt_limit();
+
   AxisConfig config_;
+  LimitConfig given_limits_;  // of the parameters; those in force are in config_
+  bool cautious_ = false;
+  Q24 dither_nm_;
   MotorSensing sensing_;
   Estimator estimator_;
   EffortStage effort_;

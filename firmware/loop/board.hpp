@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "capstan/firmware/console/text.hpp"
+#include "capstan/firmware/safety/safe_stop.hpp"
 
 namespace capstan {
 
@@ -20,6 +21,10 @@ class Board {
   virtual void print_image(Print& /*out*/) const {}
   /// How well the cycle keeps its time and what the console lost, in lines that end in CR LF.
   virtual void print_timing(Print& out) const = 0;
+  /// Its joints are programs: nobody can be hurt, and what protects people from a joint may be left out.
+  [[nodiscard]] virtual auto simulated() const -> bool { return false; }
+  /// What it can stop a joint with.
+  [[nodiscard]] virtual auto stop_means() const -> StopMeans { return {}; }
   /// Starts the firmware anew, after the answer has gone out. The shell has seen to it that no joint has torque.
   virtual void reboot() = 0;
   /// Carries out a command that only this board knows. An answer of its own it ends in CR LF, as an error in the

@@ -14,6 +14,7 @@ struct Command {
   bool arm = false;
   bool disarm = false;
   bool experiment = false;  ///< the commands to the joints come from an experiment
+  bool cautious = false;    ///< with `arm`: joints whose observer is not commissioned keep to cautious_limits()
   std::array<AxisCommand, Axes> axis{};
 };
 
@@ -155,7 +156,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
     if (energised(now) && !had_torque) {
-      axis.rt_arm(joint[i]);
+      axis.rt_arm(joint[i], command.cautious);
     }
     const JointReference& reference = axis.rt_reference(motor[i], joint[i], energised(now));
     drive.axis[i] = axis.rt_drive(motor[i], reference.torque_nm, energised(now));

@@ -22,6 +22,7 @@ struct Request {
   Q24 speed_rad_s{};
   Q24 joint_torque_nm{};
   Q24 torque_rate_nm_s{};
+  bool cautious = false;  ///< of kArm
 };
 
 /// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other.

@@ -64,6 +64,7 @@ struct LimitConfig {
   Q24 current_mismatch_a = Q24::from_double(0.5);  ///< measured against wanted
   Q24 joint_torque_nm = Q24::from_double(0.2);     ///< largest that force control may be asked for
   Q24 supply_min_v{};                              ///< of the amplifier; 0: not watched
+  Q24 fault_travel_rad = Q24::from_double(0.05);   ///< of the joint after a fault, until it stands
 };
 
 /// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.
@@ -104,9 +105,11 @@ enum class LawStatus : std::int32_t {
 
 /// The motor itself, as commissioning finds it: what the motor observer takes for right. Inertia 0: not commissioned.
 struct ObserverConfig {
-  Q24 inertia_gm2{};  ///< of motor and input pulley, 1 g m2 being 1e-3 kg m2
-  Q24 coulomb_nm{};   ///< torque that the motor's own friction holds
-  Q24 noise_a{};      ///< of the measured current about the wanted one, offset included
+  Q24 inertia_gm2{};   ///< of motor and input pulley, 1 g m2 being 1e-3 kg m2
+  Q24 coulomb_nm{};    ///< half of the largest torque that a healthy motor left without a count
+  Q24 against_nm{};    ///< largest torque against its own motion that a healthy motor had
+  Q24 slack_counts{};  ///< most that a healthy motor slowed down in a cycle, beyond what its torque explains
+  Q24 noise_a{};       ///< rms of the measured current about the wanted one, offset included
 };
 
 /// The motor torque that a motion takes: what `capstan diagnose --target axis0/tau_Nm` finds. Without coefficients

@@ -42,7 +42,8 @@ class MotorObserver {
   [[nodiscard]] auto blow() const -> bool { return blow_; }
 
   /// Largest change of the set value in a cycle: what two cycles of it do to the motor's speed stays below half of
-  /// limits.joint_speed, so that no fault is fast before the observer has looked twice. A.
+  /// limits.joint_speed, so that no fault is fast before the observer has looked twice; and what ten cycles of it do to
+  /// the motor's angle stays below limits.fault_travel. A.
   static auto slew_limit(const AxisConfig& config) -> Q24;
   /// nullptr if the values can be, else a sentence with the cure.
   static auto check(const AxisConfig& config) -> const char*;
@@ -56,6 +57,8 @@ class MotorObserver {
     explicit Scales(const AxisConfig& config);
     std::int32_t gain = 0;      // counts/256 in a cycle, that a cycle of 1 A adds; 0: not commissioned
     std::int32_t frozen = 0;    // A
+    std::int32_t slack = 0;     // counts/256
+    std::int32_t against = 0;   // A
     std::int32_t rise = 0;      // A
     std::int32_t impulse = 0;   // A cycles
     std::int32_t mismatch = 0;  // A

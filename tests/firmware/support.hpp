@@ -267,6 +267,8 @@ class FakeBoard final : public Board {
   [[nodiscard]] auto name() const -> const char* override { return "bench"; }
   void print_timing(Print& out) const override { out << "the bench has no clock\r\n"; }
   void reboot() override { ++reboots; }
+  [[nodiscard]] auto simulated() const -> bool override { return is_simulated; }
+  bool is_simulated = true;
   int reboots = 0;
 };
 

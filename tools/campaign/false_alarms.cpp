@@ -9,6 +9,7 @@
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
 #include "capstan/hal/sim/sim_io.hpp"
+#include "capstan/tools/campaign/commissioned.hpp"
 #include "capstan/tools/campaign/rig.hpp"
 #include "capstan/tools/support/random.hpp"
 
@@ -16,7 +17,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kRunS = 300.0;
-constexpr double kCommissioningS = 20.0;
 
 /// A joint with everything that may differ between two of them drawn.
 auto drawn_setup(Random& random) -> JointSetup {
@@ -60,7 +60,6 @@ class Session {
     const auto cycles = static_cast<int>(duration_s * kCycleRateHz);
     for (int i = 0; i < cycles; ++i, ++cycle_) {
       step();
-      note();
       if (telemetry().state == State::kFaulted) {
         return false;
       }
@@ -69,9 +68,6 @@ class Session {
   }
   [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
   [[nodiscard]] auto time_s() const -> double { return cycle_ * sim::kStepS; }
-  /// Half of the largest torque that moved the encoder by not one count, or a third of the largest against a motion.
-  [[nodiscard]] auto coulomb_nm() const -> double { return std::max(0.5 * unanswered_nm_, against_nm_ / 3.0); }
-  [[nodiscard]] auto noise_a() const -> double { return std::sqrt(squares_ / std::max(1, cycle_)); }
 
  private:
   void step() {
@@ -102,24 +98,6 @@ class Session {
     }
     application_.rt_tick(streamed);
   }
-  void note() {
-    const AxisTelemetry now = application_.axis_telemetry(0);
-    const double constant = setup_.plant.torque_constant_nm_per_a;
-    const double torque = last_.drive_a.to_double() * constant;
-    if (now.q1_rad > last_.q1_rad) {
-      against_nm_ = std::max(against_nm_, down_nm_ - torque);
-      base_nm_ = up_nm_ = torque;
-      down_nm_ = std::max(down_nm_, torque);
-    } else if (now.q1_rad < last_.q1_rad) {
-      against_nm_ = std::max(against_nm_, torque - up_nm_);
-      base_nm_ = down_nm_ = torque;
-      up_nm_ = std::min(up_nm_, torque);
-    }
-    unanswered_nm_ = std::max(unanswered_nm_, std::fabs(torque - base_nm_));
-    const double stray = now.current_a.to_double() - last_.drive_a.to_double();
-    squares_ += now.moving ? 0.0 : stray * stray;
-    last_ = now;
-  }
 
   Random random_;
   sim::Plant plant_;
@@ -127,30 +105,12 @@ class Session {
   SimIo io_{plant_};
   FileBanks banks_ = FileBanks::temporary();
   Application<SimIo> application_{io_, banks_};
-  AxisTelemetry last_{};
   int cycle_ = 0;
   int next_ = 0;
   int begin_ = 0;
   double hz_ = 0.0;
   double from_ = 0.0;
-  double base_nm_ = 0.0;
-  double unanswered_nm_ = 0.0;
-  double against_nm_ = 0.0;
-  double up_nm_ = 0.0;
-  double down_nm_ = 0.0;
-  double squares_ = 0.0;
 };
-
-/// As commissioning does it: a first run without the observer, then its values.
-auto commissioned(JointSetup setup, std::uint64_t seed) -> JointSetup {
-  setup.config.observer = {};
-  Session session(setup, seed);
-  static_cast<void>(session.run(kCommissioningS));
-  setup.config.observer = {.inertia_gm2 = Q24::from_double(1000.0 * setup.plant.motor_inertia_kgm2),
-                           .coulomb_nm = Q24::from_double(session.coulomb_nm()),
-                           .noise_a = Q24::from_double(session.noise_a())};
-  return setup;
-}
 
 }  // namespace
 
@@ -163,7 +123,10 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
     for (std::size_t i = next++; i < runs; i = next++) {
       const std::uint64_t own = seed + i;
       Random random(own * 7919);
-      Session session(commissioned(drawn_setup(random), own + 1'000'000), own);
+      JointSetup setup = drawn_setup(random);
+      setup.config.limits.supply_min_v = Q24{};
+      setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
+      Session session(setup, own);
       if (!session.run(kRunS)) {
         stops[i] = {own, session.time_s(), session.telemetry().first_fault};
       }

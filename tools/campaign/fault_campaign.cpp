@@ -148,7 +148,8 @@ auto run_job(const Job& job) -> std::vector<CampaignRow> {
 }  // namespace
 
 auto hazard_limits(const AxisConfig& config) -> HazardLimits {
-  return {.speed_rad_s = config.limits.joint_speed_rad_s.to_double(),
+  return {.travel_rad = config.limits.fault_travel_rad.to_double(),
+          .speed_rad_s = config.limits.joint_speed_rad_s.to_double(),
           .torque_nm = config.limits.joint_torque_nm.to_double()};
 }
 

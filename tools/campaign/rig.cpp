@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/campaign/rig.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
 #include "capstan/hal/sim/instrument.hpp"
+#include "capstan/tools/campaign/commissioned.hpp"
 #include "capstan/tools/campaign/faulty_io.hpp"
 
 namespace capstan::tools {
@@ -245,15 +247,15 @@ class Rig {
 
 }  // namespace
 
-auto setup_of(Joint joint) -> JointSetup {
+namespace {
+
+/// All but what commissioning finds.
+auto plain_setup(Joint joint) -> JointSetup {
   JointSetup setup;
-  // Half of the largest torque that the encoder left unanswered in healthy moves and sines, as commissioning finds it.
-  double coulomb_nm = 0.0043;
   switch (joint) {
     case Joint::kForceps:
       break;
     case Joint::kStiff:
-      coulomb_nm = 0.0046;
       setup.config.control.stiffness_nm_per_rad = Q24::from_double(2.0);
       setup.config.control.damping_nms_per_rad = Q24::from_double(0.01);
       break;
@@ -264,11 +266,11 @@ auto setup_of(Joint joint) -> JointSetup {
     case Joint::kFinger:
       setup.plant = instrument_axis("robot_finger", 0);
       setup.plant.effects.gravity_torque_nm = 0.03;
-      coulomb_nm = 0.018;  // its gravity turns it round against its torque
       break;
     case Joint::kElbow:
       setup.plant = instrument_axis("raven2", 1);
-      coulomb_nm = 0.016;  // a count of its encoder is 1.6 mrad
+      setup.config.limits.continuous_current_a =
+          Q24::from_double(3.0);  // its friction takes 2.4 A for as long as it moves
       break;
   }
   setup.plant.stop_low_rad = -2.2;
@@ -278,11 +280,33 @@ auto setup_of(Joint joint) -> JointSetup {
   config.motor.encoder_counts_per_turn = static_cast<std::int32_t>(setup.plant.encoder_counts_per_turn);
   config.motor.torque_per_current_nm_per_a = Q24::from_double(setup.plant.torque_constant_nm_per_a);
   config.law.coefficients[0] = Q24::from_double(setup.plant.input_radius_m / setup.plant.output_radius_m);
-  config.observer.inertia_gm2 = Q24::from_double(1000.0 * setup.plant.motor_inertia_kgm2);
-  config.observer.coulomb_nm = Q24::from_double(coulomb_nm);
-  config.observer.noise_a = Q24::from_double(std::hypot(setup.plant.current_noise_a, setup.plant.current_offset_a));
   config.limits.supply_min_v = Q24::from_double(kSupplyMinV);
+  // More than the amplifier gives and its sensor shows would be a current that differs from the wanted one.
+  const double most_a = std::min(setup.plant.current_limit_a, setup.plant.current_full_scale_a);
+  config.limits.current_a = std::min(config.limits.current_a, Q24::from_double(most_a));
+  config.limits.continuous_current_a = std::min(config.limits.continuous_current_a, config.limits.current_a);
   return setup;
+}
+
+/// The supply is the rig's own input; while a joint is commissioned nobody measures it.
+auto commissioned_setup(Joint joint) -> JointSetup {
+  constexpr std::uint64_t kSeed = 17;  // not the campaign's own
+  JointSetup setup = plain_setup(joint);
+  AxisConfig config = setup.config;
+  config.limits.supply_min_v = Q24{};
+  setup.config.observer = commissioned(setup.plant, config, kSeed);
+  return setup;
+}
+
+}  // namespace
+
+auto setup_of(Joint joint) -> const JointSetup& {
+  static const auto all = [] {
+    std::array<JointSetup, kJoints.size()> setups;
+    std::transform(kJoints.begin(), kJoints.end(), setups.begin(), commissioned_setup);
+    return setups;
+  }();
+  return all[static_cast<std::size_t>(joint)];
 }
 
 auto run_scene(const Scene& scene, const std::optional<Trouble>& trouble) -> RunResult {

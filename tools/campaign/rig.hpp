@@ -16,7 +16,8 @@ struct JointSetup {
   AxisConfig config;
   double amplitude_rad = 0.3;  ///< of its motions
 };
-[[nodiscard]] auto setup_of(Joint joint) -> JointSetup;
+/// Commissioned when it is first asked for.
+[[nodiscard]] auto setup_of(Joint joint) -> const JointSetup&;
 
 /// One run from rest to some time after an onset.
 struct Scene {

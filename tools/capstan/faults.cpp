@@ -26,7 +26,9 @@ auto run_faults(const FaultOptions& options) -> int {
   }
   const Campaign campaign = run_fault_campaign(options.all ? Extent::kLong : Extent::kShort);
   if (options.fmea) {
-    print_fmea(std::cout, campaign.single);
+    std::vector<CampaignRow> rows = campaign.single;
+    rows.insert(rows.end(), campaign.pairs.begin(), campaign.pairs.end());
+    print_fmea(std::cout, rows);
   } else {
     print_campaign(std::cout, campaign);
   }

@@ -27,6 +27,7 @@ struct StillBoard final : Board {
   [[nodiscard]] auto name() const -> const char* override { return "test"; }
   void print_timing(Print& /*out*/) const override {}
   void reboot() override {}
+  [[nodiscard]] auto simulated() const -> bool override { return true; }
 };
 
 /// A whole firmware on a pty; the cycle runs when the test says so.

@@ -38,6 +38,7 @@ class NamedBoard final : public Board {
   [[nodiscard]] auto name() const -> const char* override { return "on_can"; }
   void print_timing(Print& /*out*/) const override {}
   void reboot() override {}
+  [[nodiscard]] auto simulated() const -> bool override { return true; }
 };
 
 class TextOf final : public TextSink {

@@ -98,6 +98,7 @@ const std::vector<Cause> kCauses = {
        AxisConfig config;
        config.observer = {.inertia_gm2 = Q24::from_double(0.02),
                           .coulomb_nm = Q24::from_double(0.003),
+                          .against_nm = Q24::from_double(0.01),
                           .noise_a = Q24::from_double(0.01)};
        rig.state.axis[0].rt_configure(config);
        rig.disturb = [cycle = 0, shift = 0](Sensed<1>& s) mutable {

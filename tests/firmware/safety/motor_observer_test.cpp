@@ -13,7 +13,10 @@ namespace {
 // A motor of 0.02 g m2 with 0.1 Nm/A and 40960 counts a turn, whose friction holds 3 mNm.
 auto commissioned_config() -> AxisConfig {
   AxisConfig config;
-  config.observer = {Q24::from_double(0.02), Q24::from_double(0.003), Q24::from_double(0.003)};
+  config.observer = {.inertia_gm2 = Q24::from_double(0.02),
+                     .coulomb_nm = Q24::from_double(0.003),
+                     .against_nm = Q24::from_double(0.01),
+                     .noise_a = Q24::from_double(0.003)};
   return config;
 }
 
@@ -186,6 +189,15 @@ TEST(MotorObserver, TwoCyclesAtTheSlewLimitGiveLessThanHalfOfTheSpeedLimit) {
   EXPECT_LE(speed, 0.5 * config.limits.joint_speed_rad_s.to_double());
 }
 
+TEST(MotorObserver, TheSlewKeepsTenCyclesWithinTheTravelOfAFault) {
+  AxisConfig config = commissioned_config();
+  config.limits.fault_travel_rad = Q24::from_double(0.01);
+  const double ramp_nm = MotorObserver::slew_limit(config).to_double() * 0.1;  // in each cycle
+  const double travel = ramp_nm / 2e-5 * 10 * 10 * 10 / 6 * 1e-6;
+  EXPECT_LE(travel, 0.01);
+  EXPECT_GT(travel, 0.009) << "and no less than it has to be";
+}
+
 TEST(MotorObserver, ImpossibleValuesAreRefusedWithTheCure) {
   AxisConfig config = commissioned_config();
   EXPECT_EQ(check(config), nullptr);
@@ -195,6 +207,9 @@ TEST(MotorObserver, ImpossibleValuesAreRefusedWithTheCure) {
   EXPECT_NE(std::string(check(config)).find("observer.coulomb"), std::string::npos);
   config = commissioned_config();
   config.observer.noise_a = Q24{};
+  EXPECT_NE(check(config), nullptr);
+  config = commissioned_config();
+  config.observer.against_nm = Q24{};
   EXPECT_NE(check(config), nullptr);
   config = commissioned_config();
   config.observer.inertia_gm2 = Q24::from_double(-0.02);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/campaign/commissioned.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "capstan/tools/campaign/rig.hpp"
+
+namespace capstan::tools {
+namespace {
+
+TEST(Commissioning, FindsTheInertiaThatThePlantHasToAFifth) {
+  for (const Joint joint : kJoints) {
+    const JointSetup& setup = setup_of(joint);
+    const double share = setup.config.observer.inertia_gm2.to_double() / (1000.0 * setup.plant.motor_inertia_kgm2);
+    EXPECT_GT(share, 0.8) << name(joint);
+    EXPECT_LT(share, 1.2) << name(joint);
+  }
+}
+
+TEST(Commissioning, FindsTheCurrentsNoiseWithItsOffsetToAFifth) {
+  for (const Joint joint : kJoints) {
+    const JointSetup& setup = setup_of(joint);
+    const double truth = std::hypot(setup.plant.current_noise_a, setup.plant.current_offset_a);
+    EXPECT_NEAR(setup.config.observer.noise_a.to_double() / truth, 1.0, 0.2) << name(joint);
+  }
+}
+
+TEST(Commissioning, FindsAnotherInertiaAndNoiseOfTheSameJoint) {
+  sim::PlantParameters plant;
+  plant.motor_inertia_kgm2 *= 2.0;
+  plant.current_noise_a *= 3.0;
+  const ObserverConfig found = commissioned(plant, {}, 5);
+  EXPECT_NEAR(found.inertia_gm2.to_double(), 0.04, 0.008);
+  EXPECT_NEAR(found.noise_a.to_double(), std::hypot(0.009, 0.002), 0.002);
+}
+
+TEST(Commissioning, AnEncoderThatCountsAgainstTheTorqueIsNotCommissioned) {
+  AxisConfig config;
+  config.motor.encoder_sign = -1;
+  EXPECT_THROW(static_cast<void>(commissioned({}, config, 5)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace capstan::tools
