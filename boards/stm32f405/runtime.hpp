@@ -134,7 +134,9 @@ class Runtime final : public Board {
 
   [[nodiscard]] auto name() const -> const char* override { return name_; }
   [[nodiscard]] auto simulated() const -> bool override {
-    return requires { requires Io::kSimulated; };
+    return requires {
+      requires Io::kSimulated;
+    };
   }
   void print_timing(Print& out) const override {
     stm32f405::print_timing(out, timing_, core_hz_);

@@ -129,8 +129,8 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
 
 /// Also after new parameters came under torque.
 void Axis::rt_limit() {
-  config_.limits = cautious_ && !MotorObserver::commissioned(config_.observer) ? cautious_limits(given_limits_)
-                                                                               : given_limits_;
+  config_.limits =
+      cautious_ && !MotorObserver::commissioned(config_.observer) ? cautious_limits(given_limits_) : given_limits_;
 }
 
 void Axis::rt_arm(const JointEstimate& estimate, bool cautious) {

@@ -32,24 +32,16 @@ struct StopRow {
 
 /// One row a fault, in their order.
 inline constexpr std::array<StopRow, kFaultTable.size()> kStopTable = {{
-    {Fault::kNone, true, true},
-    {Fault::kOverrun, true, false},
-    {Fault::kSensorMissing, true, false},
-    {Fault::kSensorInvalid, true, false},
-    {Fault::kEncoderJump, true, false},
-    {Fault::kFollowingError, true, true},
-    {Fault::kOverCurrent, false, false},
-    {Fault::kEstimatorRange, true, true},  // the motor's own angle is right
-    {Fault::kLinkLost, true, true},
-    {Fault::kEmergencyStop, false, false},  // its hardware has cut the supply
-    {Fault::kModelInvalid, true, false},    // the encoder's sign is a parameter
-    {Fault::kDriveFailed, false, false},
-    {Fault::kBoardClock, true, false},
-    {Fault::kEncoderFrozen, true, false},
-    {Fault::kCurrentMismatch, false, false},
+    {Fault::kNone, true, true},           {Fault::kOverrun, true, false},
+    {Fault::kSensorMissing, true, false}, {Fault::kSensorInvalid, true, false},
+    {Fault::kEncoderJump, true, false},   {Fault::kFollowingError, true, true},
+    {Fault::kOverCurrent, false, false},  {Fault::kEstimatorRange, true, true},   // the motor's own angle is right
+    {Fault::kLinkLost, true, true},       {Fault::kEmergencyStop, false, false},  // its hardware has cut the supply
+    {Fault::kModelInvalid, true, false},                                          // the encoder's sign is a parameter
+    {Fault::kDriveFailed, false, false},  {Fault::kBoardClock, true, false},
+    {Fault::kEncoderFrozen, true, false}, {Fault::kCurrentMismatch, false, false},
     {Fault::kWindingHot, true, false},  // more current is what it must not have
-    {Fault::kStorageFailed, true, false},
-    {Fault::kSupplyLow, false, false},
+    {Fault::kStorageFailed, true, false}, {Fault::kSupplyLow, false, false},
     {Fault::kWatchdog, false, false},  // nothing is known of before
     {Fault::kEncoderMotion, true, false},
 }};

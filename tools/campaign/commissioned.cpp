@@ -51,7 +51,8 @@ class Operator {
     const std::string answer = answers_.take();
     if (!answer.ends_with("ok\r\n")) {
       const Fault fault = application_.telemetry().first_fault;
-      throw std::runtime_error("'" + std::string(line) + "' was answered with " + answer + "latched: " + info(fault).name);
+      throw std::runtime_error("'" + std::string(line) + "' was answered with " + answer +
+                               "latched: " + info(fault).name);
     }
   }
   void wait(int cycles) {

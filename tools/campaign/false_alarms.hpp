@@ -24,8 +24,8 @@ struct FalseAlarms {
 
 /// Healthy joints drawn at random (inertia, friction, stiffness, pretension, gains, load, contact with tissue, tremor
 /// of the hand, blows to the tip), each for five minutes of random moves and streams. Every joint is commissioned
-/// first: its observer's values come from the shell's own `commission`. On `threads` threads; the result does not depend on
-/// their number.
+/// first: its observer's values come from the shell's own `commission`. On `threads` threads; the result does not
+/// depend on their number.
 [[nodiscard]] auto run_false_alarms(double hours, std::uint64_t seed, int threads = 2) -> FalseAlarms;
 void print_false_alarms(std::ostream& out, const FalseAlarms& alarms);
 
