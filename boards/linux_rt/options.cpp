@@ -32,7 +32,7 @@ enum Code : int {
   kVersion
 };
 
-constexpr std::array<option, 15> kOptions{{{"console", required_argument, nullptr, kConsole},
+constexpr std::array<option, 16> kOptions{{{"console", required_argument, nullptr, kConsole},
                                            {"storage", required_argument, nullptr, kStorage},
                                            {"cpu", required_argument, nullptr, kCpu},
                                            {"priority", required_argument, nullptr, kPriority},

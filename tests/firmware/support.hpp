@@ -98,7 +98,7 @@ static_assert(JointIo<FakeIo<1>>);
 /// in the middle of one.
 class FlashBanks final : public Banks {
  public:
-  static constexpr std::size_t kSize = 8192;
+  static constexpr std::size_t kSize = std::size_t{16} * 1024;  // as the boards have
   FlashBanks() {
     for (auto& bank : memory) {
       bank.fill(0xFF);

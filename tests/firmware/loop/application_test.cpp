@@ -129,9 +129,12 @@ TEST(Application, APowerCutInTheVeryFirstSaveLeavesSoundDefaultsAndArmingIsAllow
     cut.tears_last_byte = true;
     ASSERT_FALSE(ParameterStorage(cut).save(std::span(&config, 1)));
     cut.power_left = -1;
+    if (cut.memory == whole.memory) {
+      continue;  // the last byte needed no more than the half of its bits that changed: the save is whole
+    }
     Rig rig(cut);
     EXPECT_EQ(rig.application.telemetry().conditions, 0U) << before_end;
-    EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{}));
+    EXPECT_TRUE(test::same(rig.application.config()[0], AxisConfig{})) << before_end;
     rig.arm();
     EXPECT_EQ(rig.state(), State::kHolding);
   }

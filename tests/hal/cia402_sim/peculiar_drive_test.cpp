@@ -111,6 +111,8 @@ void commission(test::CanRig& rig) {
   for (AxisConfig& axis : staged) {
     axis.observer = {.inertia_gm2 = Q24::from_double(1000.0 * plant.motor_inertia_kgm2),
                      .coulomb_nm = Q24::from_double(0.0043),
+                     .against_nm = Q24::from_double(0.0108),
+                     .slack_counts = Q24::from_int(2),
                      .noise_a = Q24::from_double(std::hypot(plant.current_noise_a, plant.current_offset_a))};
   }
   ASSERT_TRUE(rig.application().configure(staged, Rights::kMaintenance).taken());
