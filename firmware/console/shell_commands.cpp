@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capstan/firmware/loop/version.hpp"
+#include "capstan/firmware/safety/motor_commissioning.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
@@ -135,8 +136,14 @@ void ShellCommands::arm(Shell& shell, std::string_view /*arguments*/) {
   if (!shell.maintenance_.is_open(shell.machine_.telemetry().tick)) {
     shell.out_ << "error not_commissioned: the motor observer of joint" << axis
                << " has no values, so an encoder or current sensor that lies would not be found in time, and there is "
-                  "no torque; 'maintenance open', 'arm' and 'commission joint"
-               << axis << "', with everybody out of its reach, or 'apply' a joint that was commissioned\r\n";
+                  "no torque; ";
+    if (MotorCommissioning::kAvailable) {
+      shell.out_ << "'maintenance open', 'arm' and 'commission joint" << axis
+                 << "', with everybody out of its reach, or 'apply' a joint that was commissioned\r\n";
+    } else {
+      shell.out_ << "'maintenance open' and 'arm' for slow motion with everybody out of its reach, and set joint"
+                 << axis << ".observer.*, as docs/safety_concept.md says\r\n";
+    }
     shell.prompt();
     return;
   }

@@ -68,8 +68,9 @@ void ShellCommands::commission(Shell& shell, std::string_view arguments) {
     return;
   }
   if (!MotorCommissioning::kAvailable) {
-    shell.error("not_here", "this board has no floating point to find the values with, and nothing moved",
-                "commission such a joint on Linux and set observer.* here");
+    shell.error(
+        "not_here", "this board has no floating point to find the values with, and nothing moved",
+        "commission such a joint on Linux and set observer.* here, or find them as docs/safety_concept.md says");
     return;
   }
   const AxisConfig& config = shell.machine_.config()[axis];
