@@ -161,21 +161,22 @@ auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised
 
 auto MotorObserver::rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet {
   const auto [least, most] = std::minmax(wanted, wanted_);
-  const std::int32_t beyond = measured - std::clamp(measured, least, most);
+  const std::int64_t beyond = std::int64_t{measured} - std::clamp(measured, least, most);
   const std::int32_t allowed = scales_.mismatch + (std::abs(wanted) >> kGainErrorShift);
-  strayed_ = std::clamp<std::int32_t>(strayed_ + (std::abs(beyond) >> 1) - (allowed >> 1), 0, scales_.charge);
+  strayed_ = static_cast<std::int32_t>(
+      std::clamp<std::int64_t>(strayed_ + (std::abs(beyond) >> 1) - (allowed >> 1), 0, scales_.charge));
   return strayed_ >= scales_.charge >> 1 ? bit(Fault::kCurrentMismatch) : 0;
 }
 
 void MotorObserver::rt_trail(std::int32_t wanted) {
-  high_ = std::max(wanted, high_ - ((high_ - wanted) >> kTrailShift));
-  low_ = std::min(wanted, low_ + ((wanted - low_) >> kTrailShift));
+  high_ = std::max(wanted, high_ - static_cast<std::int32_t>((std::int64_t{high_} - wanted) >> kTrailShift));
+  low_ = std::min(wanted, low_ + static_cast<std::int32_t>((std::int64_t{wanted} - low_) >> kTrailShift));
 }
 
 auto MotorObserver::rt_watch_speed(std::int32_t moved) -> FaultSet {
   const std::int32_t gained = moved_ >= 0 ? moved - moved_ : moved_ - moved;  // in the direction of motion
-  const auto explained =
-      static_cast<std::int32_t>(std::min<std::int64_t>(std::int64_t{scales_.gain} * (high_ - low_) >> 24, kMost));
+  const auto explained = static_cast<std::int32_t>(
+      std::min<std::int64_t>(std::int64_t{scales_.gain} * (std::int64_t{high_} - low_) >> 24, kMost));
   const std::int32_t allowed = explained + scales_.slack;
   blow_ = gained * 256 > allowed;
   if (moved_ == 0 || -gained * 256 <= allowed) {
@@ -200,12 +201,13 @@ void MotorObserver::rt_listen(std::int32_t moved) {
 
 auto MotorObserver::rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet {
   rt_listen(moved);
-  const std::int32_t up = wanted - confirmed_up_;
-  const std::int32_t down = confirmed_down_ - wanted;
+  const std::int64_t up = std::int64_t{wanted} - confirmed_up_;
+  const std::int64_t down = std::int64_t{confirmed_down_} - wanted;
   if (moved == 0) {
-    const std::int32_t further = wanted - answered_;
-    const std::int32_t onward = forward_ ? further : -further;
-    unanswered_ = std::clamp<std::int32_t>(unanswered_ + onward - scales_.rise, 0, scales_.impulse);
+    const std::int64_t further = std::int64_t{wanted} - answered_;
+    const std::int64_t onward = forward_ ? further : -further;
+    unanswered_ =
+        static_cast<std::int32_t>(std::clamp<std::int64_t>(unanswered_ + onward - scales_.rise, 0, scales_.impulse));
     return std::abs(further) > scales_.frozen || unanswered_ == scales_.impulse ? bit(Fault::kEncoderFrozen) : 0;
   }
   forward_ = moved > 0;
