@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/select/selection_data.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -15,15 +16,6 @@ constexpr std::size_t kFinePoints = 6;
 /// Neighbours on the grid are nearly the same: the best is looked for among all, but only every so many take part in
 /// what follows.
 constexpr std::size_t kKeptOfGrid = 3;
-
-/// Values from low to high in equal ratios.
-auto geometric(double low, double high, std::size_t count) -> std::vector<double> {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < count; ++i) {
-    values.push_back(low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(count - 1)));
-  }
-  return values;
-}
 
 /// How far a log goes: what lies beyond it can not be told apart.
 struct Reach {
@@ -61,7 +53,7 @@ auto smallest(const ShapeInfo& info, const Reach& reach) -> double {
 /// One shape's grid: equal ratios, or equal steps for periods per angle.
 auto grid_of(const ShapeInfo& info, std::size_t points, const Reach& reach) -> std::vector<double> {
   if (info.scale == ShapeScale::kRatio) {
-    return geometric(smallest(info, reach), largest(info, reach), points);
+    return geometric_grid(smallest(info, reach), largest(info, reach), points);
   }
   constexpr std::size_t kMostPeriods = 120;
   std::vector<double> values;
@@ -99,7 +91,7 @@ auto fine_grid(const CatalogueTerm& term, const Shapes& best, const Reach& reach
     const bool in_ratio = info.scale == ShapeScale::kRatio;
     const double ratio = in_ratio ? step : 1.0 + periods_step(reach) / best[s];
     const double least = in_ratio ? info.minimum : fewest_periods(info, reach);
-    for (const double value : geometric(best[s] / ratio, best[s] * ratio, kFinePoints + 2)) {
+    for (const double value : geometric_grid(best[s] / ratio, best[s] * ratio, kFinePoints + 2)) {
       if (value > least && value < info.maximum) {
         grid.push_back(best);
         grid.back()[s] = value;

@@ -14,9 +14,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr const char* kEverything =
-    "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
-
 auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*signal) -> Eigen::VectorXd {
   Eigen::Index rows = 0;
   for (const auto& log : logs) {

@@ -23,9 +23,6 @@ constexpr const char* kLateDirection =
     "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
     "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
 
-constexpr const char* kEverything =
-    "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
-
 auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
   const Catalogue& catalogue = *d.base.catalogue;
   return catalogue.has(name) ? catalogue.term(name).exciting_motion

@@ -6,6 +6,10 @@
 
 namespace capstan::tools {
 
+/// The motion that shows the most, where nothing narrower is known to be wanted.
+inline constexpr const char* kEverything =
+    "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
+
 /// Puts what the search found into words and decides what may be named, before any error is reported. Writes reason,
 /// warnings and next experiment.
 auto judge(const Search& search, Diagnosis& d) -> Verdict;
