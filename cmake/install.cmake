@@ -17,6 +17,7 @@ configure_file(${CMAKE_CURRENT_LIST_DIR}/capstan-model.pc.in ${PROJECT_BINARY_DI
 install(FILES ${PROJECT_BINARY_DIR}/capstan-model.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT model)
 
 install(TARGETS capstan capstan_plant capstan_drives capstan_linux_rt RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
+install(FILES ${PROJECT_BINARY_DIR}/capstan_stm32f405.dbc DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 
 set(CPACK_GENERATOR DEB)

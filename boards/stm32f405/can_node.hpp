@@ -15,8 +15,8 @@ namespace capstan::stm32f405 {
 template <typename Port, typename Clock>
 class CanNode {
  public:
-  static constexpr std::uint32_t kHeartbeatTicks = 100;
-  static constexpr std::uint32_t kTelemetryTicks = 10;
+  static constexpr std::uint32_t kHeartbeatTicks = kCanHeartbeat.period_ms;
+  static constexpr std::uint32_t kTelemetryTicks = kCanTelemetry.period_ms;
   static constexpr std::size_t kBackgroundFifo = 1;
 
   CanNode(Port& port, const Clock& clock, Machine& machine, Board& board, std::uint8_t node,
@@ -31,7 +31,7 @@ class CanNode {
         input_(shell_) {}
 
   [[nodiscard]] auto identifiers() const -> std::array<std::uint16_t, 4> {
-    const auto id = static_cast<std::uint16_t>(kCanShellIn + node_);
+    const std::uint16_t id = identifier(kCanShellIn, node_);
     return {id, id, id, id};
   }
 
@@ -104,7 +104,7 @@ class CanNode {
   };
 
   void take(const stm32f4::CanFrame& frame) {
-    if (frame.id != kCanShellIn + node_) {
+    if (frame.id != identifier(kCanShellIn, node_)) {
       troubles_.rt_add(CanTrouble::kUnexpected);
       return;
     }
@@ -147,7 +147,7 @@ class CanNode {
   auto pump() -> bool {
     bool moved = false;
     while (out_.size() > 0 && port_.can_send()) {
-      stm32f4::CanFrame frame{.id = static_cast<std::uint16_t>(kCanShellOut + node_), .size = 1};
+      stm32f4::CanFrame frame{.id = identifier(kCanShellOut, node_), .size = 1};
       frame.data[0] = shell_out_++;
       std::uint8_t c = 0;
       while (frame.size < frame.data.size() && out_.pop(c)) {
@@ -176,34 +176,36 @@ class CanNode {
 
   auto heartbeat() -> stm32f4::CanFrame {
     const MachineTelemetry now = machine_.telemetry();
-    stm32f4::CanFrame frame{.id = static_cast<std::uint16_t>(kCanHeartbeat + node_), .size = 8};
+    stm32f4::CanFrame frame{.id = identifier(kCanHeartbeat, node_), .size = 8};
     std::uint32_t refused = 0;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(CanTrouble::kUnexpected); ++i) {
       refused += troubles_.count(static_cast<CanTrouble>(i));
     }
-    frame.data[0] = static_cast<std::uint8_t>(now.state);
-    frame.data[1] = static_cast<std::uint8_t>(now.first_fault);
+    put<can_heartbeat::kState>(frame, static_cast<std::uint32_t>(now.state));
+    put<can_heartbeat::kFirstFault>(frame, static_cast<std::uint32_t>(now.first_fault));
     unsigned warnings = now.warnings;
     for (std::size_t axis = 0; axis < machine_.axes(); ++axis) {
       warnings |= machine_.axis_telemetry(axis).warnings;
     }
-    static_assert(kFaultTable.size() <= 24, "the word's upper byte is for warnings");
-    can_bytes::put32(std::span(frame.data).subspan(2, 4), now.conditions | warnings << 24U);
-    frame.data[6] = static_cast<std::uint8_t>(refused);
-    frame.data[7] = heartbeats_++;
+    static_assert(kFaultTable.size() <= can_heartbeat::kFaults.bits);
+    put<can_heartbeat::kFaults>(frame, now.conditions);
+    put<can_heartbeat::kWarnings>(frame, warnings);
+    put<can_heartbeat::kRefused>(frame, refused);
+    put<can_heartbeat::kCounter>(frame, heartbeats_++);
     return frame;
   }
 
   [[nodiscard]] auto telemetry(std::size_t axis) const -> stm32f4::CanFrame {
     const AxisTelemetry now = machine_.axis_telemetry(axis);
-    stm32f4::CanFrame frame{.id = axis_id(kCanTelemetry, axis, node_), .size = 8};
+    stm32f4::CanFrame frame{.id = identifier(kCanTelemetry, node_, axis), .size = 8};
     constexpr std::int64_t kMost = 32767;
     const std::int64_t milliampere = (std::int64_t{now.current_a.raw()} * 1000) >> Q24::kFrac;
-    can_bytes::put32(frame.data, static_cast<std::uint32_t>(now.q2_rad.raw()));
-    can_bytes::put16(std::span(frame.data).subspan(4, 2),
-                     static_cast<std::uint32_t>(std::clamp(milliampere, -kMost, kMost)));
-    frame.data[6] = static_cast<std::uint8_t>((now.limits & 0x7FU) | (now.estimate_valid ? 0x80U : 0U));
-    frame.data[7] = static_cast<std::uint8_t>(machine_.telemetry().tick);
+    static_assert(kCanAngleParts == 1U << Q24::kFrac);
+    put<can_telemetry::kAngle>(frame, static_cast<std::uint32_t>(now.q2_rad.raw()));
+    put<can_telemetry::kCurrent>(frame, static_cast<std::uint32_t>(std::clamp(milliampere, -kMost, kMost)));
+    put<can_telemetry::kLimits>(frame, now.limits);
+    put<can_telemetry::kAngleValid>(frame, now.estimate_valid ? 1U : 0U);
+    put<can_telemetry::kTime>(frame, machine_.telemetry().tick);
     return frame;
   }
 

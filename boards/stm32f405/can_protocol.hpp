@@ -5,34 +5,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
+#include "capstan/boards/stm32f405/can_messages.hpp"
 #include "capstan/hal/framing/crc16.hpp"
-#include "capstan/hal/stm32f4/can.hpp"
-#include "capstan/model/fixed.hpp"
 
-/// What the motor board says and hears on CAN: classical frames with 11-bit identifiers at 1 Mbit/s, numbers little
-/// endian. n is the node, 1 to 127; identifiers are those of CANopen's predefined set, so that one bus can carry both.
-///
-///   0x200 + 0x100 axis + n  in   setpoint: sequence u8, kind u8 (1: joint angle), angle Q24 i32, crc16 of id and all
-///   before 0x600 + n               in   shell: sequence u8, one to seven characters 0x180 + 0x100 axis + n  out
-///   telemetry, 100 Hz: joint angle Q24 i32, motor current mA i16, limits u8 (bit 7: angle valid), ms u8 0x580 + n out
-///   shell: sequence u8, one to seven characters 0x700 + n               out  heartbeat, 10 Hz: state u8, first fault
-///   u8, fault word u24, warnings of any joint u8, refused frames u8, counter u8
+/// What can go wrong on the motor board's CAN, and the checksum. The frames themselves are in can_messages.hpp.
 namespace capstan::stm32f405 {
-
-inline constexpr std::uint16_t kCanSetpoint = 0x200;
-inline constexpr std::uint16_t kCanTelemetry = 0x180;
-inline constexpr std::uint16_t kCanShellIn = 0x600;
-inline constexpr std::uint16_t kCanShellOut = 0x580;
-inline constexpr std::uint16_t kCanHeartbeat = 0x700;
-inline constexpr std::uint32_t kCanBitRate = 1'000'000;
-
-[[nodiscard]] constexpr auto axis_id(std::uint16_t base, std::size_t axis, std::uint8_t node) -> std::uint16_t {
-  return static_cast<std::uint16_t>(base + 0x100 * axis + node);
-}
-
-inline constexpr std::uint8_t kFollowAngle = 1;  ///< the one kind of setpoint there is
 
 /// What can be wrong with a frame or the bus. Each has a counter; the console prints those that are not zero.
 enum class CanTrouble : std::uint8_t {
@@ -115,25 +93,11 @@ class CanTroubleCounters {
   std::array<std::atomic<std::uint32_t>, kCanTroubles.size()> counts_{};
 };
 
-namespace can_bytes {
-constexpr void put16(std::span<std::uint8_t> bytes, std::uint32_t value) {
-  bytes[0] = static_cast<std::uint8_t>(value);
-  bytes[1] = static_cast<std::uint8_t>(value >> 8);
-}
-constexpr void put32(std::span<std::uint8_t> bytes, std::uint32_t value) {
-  put16(bytes, value);
-  put16(bytes.subspan(2), value >> 16);
-}
-[[nodiscard]] constexpr auto take32(std::span<const std::uint8_t> bytes) -> std::uint32_t {
-  return std::uint32_t{bytes[0]} | std::uint32_t{bytes[1]} << 8U | std::uint32_t{bytes[2]} << 16U |
-         std::uint32_t{bytes[3]} << 24U;
-}
-}  // namespace can_bytes
-
 /// The checksum covers the identifier, so that one axis' setpoint can not pass for another's.
 [[nodiscard]] constexpr auto setpoint_checksum(const stm32f4::CanFrame& frame) -> std::uint16_t {
   std::array<std::uint8_t, 8> covered{};
-  can_bytes::put16(covered, frame.id);
+  covered[0] = static_cast<std::uint8_t>(frame.id);
+  covered[1] = static_cast<std::uint8_t>(frame.id >> 8U);
   for (std::size_t i = 0; i < 6; ++i) {
     covered[2 + i] = frame.data[i];
   }

@@ -24,7 +24,7 @@ class CanSetpoints {
   [[nodiscard]] auto identifiers() const -> std::array<std::uint16_t, 4> {
     std::array<std::uint16_t, 4> ids{};
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      ids[i] = axis_id(kCanSetpoint, std::min(i, Axes - 1), node_);
+      ids[i] = identifier(kCanSetpoint, node_, std::min(i, Axes - 1));
     }
     return ids;
   }
@@ -38,8 +38,8 @@ class CanSetpoints {
 
   void rt_take(const stm32f4::CanFrame& frame) {
     for (std::size_t axis = 0; axis < Axes; ++axis) {
-      if (frame.id == axis_id(kCanSetpoint, axis, node_)) {
-        take(axis, frame);
+      if (frame.id == identifier(kCanSetpoint, node_, axis)) {
+        rt_take(axis, frame);
         return;
       }
     }
@@ -55,18 +55,18 @@ class CanSetpoints {
     bool running = false;   ///< two setpoints in a row have come
   };
 
-  void take(std::size_t axis, const stm32f4::CanFrame& frame) {
+  void rt_take(std::size_t axis, const stm32f4::CanFrame& frame) {
     if (frame.size != frame.data.size()) {
       troubles_.rt_add(CanTrouble::kSetpointLength);
-    } else if ((frame.data[6] | frame.data[7] << 8U) != setpoint_checksum(frame)) {
+    } else if (take<can_setpoint::kChecksum>(frame) != setpoint_checksum(frame)) {
       troubles_.rt_add(CanTrouble::kSetpointChecksum);
-    } else if (frame.data[1] != kFollowAngle) {
+    } else if (take<can_setpoint::kKind>(frame) != kFollowAngle) {
       troubles_.rt_add(CanTrouble::kSetpointKind);
-    } else if (in_turn(streams_[axis], frame.data[0])) {
+    } else if (in_turn(streams_[axis], static_cast<std::uint8_t>(take<can_setpoint::kSequence>(frame)))) {
       if (streamed_[axis].kind != AxisCommand::Kind::kNone) {
         troubles_.rt_add(CanTrouble::kSetpointCrowded);
       }
-      const auto raw = static_cast<std::int32_t>(can_bytes::take32(std::span(frame.data).subspan(2, 4)));
+      const auto raw = static_cast<std::int32_t>(take<can_setpoint::kAngle>(frame));
       streamed_[axis] = {AxisCommand::Kind::kFollow, Q24::from_raw(raw), {}};
     }
   }

@@ -17,6 +17,7 @@ void add_record(CLI::App& app, int& exit_status);
 void add_replay(CLI::App& app, int& exit_status);
 void add_diagnose(CLI::App& app, int& exit_status);
 void add_compare(CLI::App& app, int& exit_status);
+void add_dbc(CLI::App& app, int& exit_status);
 void add_flash(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 

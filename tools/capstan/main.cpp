@@ -27,11 +27,13 @@ int main(int argc, char** argv) {
   int exit_status = kExitDone;
   CLI::App app("Firmware and tools for tendon-driven joints: run, identify, diagnose, correct.", "capstan");
   app.require_subcommand(1);
+  app.set_version_flag("--version", "capstan " CAPSTAN_VERSION);
   add_run(app, exit_status);
   add_faults(app, exit_status);
   add_apply(app, exit_status);
   add_shell(app, exit_status);
   add_flash(app, exit_status);
+  add_dbc(app, exit_status);
   add_identify(app, exit_status);
   add_palpate(app, exit_status);
   add_record(app, exit_status);

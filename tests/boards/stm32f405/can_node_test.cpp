@@ -6,136 +6,23 @@
 
 #include <string>
 
-#include "capstan/boards/stm32f405/can_setpoints.hpp"
-#include "capstan/tests/boards/stm32f405/can_frames.hpp"
-#include "capstan/tests/firmware/support.hpp"
-#include "capstan/tests/hal/stm32f4/fake_can.hpp"
+#include "capstan/tests/boards/stm32f405/can_bench.hpp"
 
 namespace capstan::stm32f405 {
 namespace {
 
-using stm32f4::CanFrame;
-using stm32f4::FakeRegister;
-
-struct Milliseconds {
-  /// While the firmware waits, time goes on and the bus takes a frame.
-  [[nodiscard]] auto count() const -> std::uint32_t {
-    if (++looks % 10 == 0) {
-      ++now;
-      if (bus != nullptr) {
-        bus->send_one();
-      }
-    }
-    return now;
+/// Four bytes of a frame from one on.
+auto little_endian(const CanFrame& frame, std::size_t first) -> std::uint32_t {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) {
+    value = value << 8U | frame.data[first + i];
   }
-  mutable std::uint32_t now = 0;
-  mutable std::uint32_t looks = 0;
-  stm32f4::FakeCan* bus = nullptr;
-};
+  return value;
+}
 
-class NamedBoard final : public Board {
- public:
-  [[nodiscard]] auto name() const -> const char* override { return "on_can"; }
-  void print_timing(Print& /*out*/) const override {}
-  void reboot() override {}
-  [[nodiscard]] auto simulated() const -> bool override { return true; }
-};
-
-class TextOf final : public TextSink {
- public:
-  std::string text;
-
- private:
-  void do_write(std::string_view more) override { text += more; }
-};
-
-class Node : public testing::Test {
+class Node : public testing::Test, protected CanBench {
  protected:
-  using Port = stm32f4::Can<FakeRegister>;
-  Node() {
-    EXPECT_TRUE(
-        port.start(stm32f4::can_bit_timing(42'000'000, kCanBitRate), {setpoints.identifiers(), node.identifiers()}));
-  }
-
-  /// One millisecond: interrupts, the cycle, the background; the bus takes all that is to be sent.
-  void step() {
-    ++clock.now;
-    clock.looks = 0;
-    clock.bus = bus_works ? &chip : nullptr;
-    port.rt_isr(0);
-    port.rt_isr(1);
-    setpoints.rt_begin_cycle();
-    CanFrame frame;
-    while (port.rt_receive(0, frame)) {
-      setpoints.rt_take(frame);
-    }
-    application.rt_tick(setpoints.rt_streamed());
-    for (int round = 0; round < 4; ++round) {  // the background goes round more often than the cycle
-      node.poll();
-      while (bus_works && chip.send_one()) {
-      }
-    }
-    if (node.take_bus_loss()) {
-      application.link_lost();
-    }
-  }
-  void steps(int count) {
-    for (int i = 0; i < count; ++i) {
-      step();
-    }
-  }
-  /// Frames that were sent with this identifier.
-  [[nodiscard]] auto sent(std::uint16_t id) const -> std::vector<CanFrame> {
-    std::vector<CanFrame> found;
-    std::copy_if(chip.sent.begin(), chip.sent.end(), std::back_inserter(found),
-                 [id](const CanFrame& frame) { return frame.id == id; });
-    return found;
-  }
-  /// A line as a host sends it, and the answer to it.
-  auto ask(const std::string& line) -> std::string {
-    const std::size_t before = sent(0x585).size();
-    std::string rest = line + "\r";
-    while (!rest.empty()) {
-      CanFrame frame{.id = 0x605, .size = 1};
-      frame.data[0] = ++sequence;
-      for (const char c : rest.substr(0, 7)) {
-        frame.data.at(frame.size++) = static_cast<std::uint8_t>(c);
-      }
-      rest.erase(0, 7);
-      chip.arrive(frame);
-      step();
-    }
-    steps(60);
-    std::string answer;
-    for (const CanFrame& frame : sent_from(before)) {
-      answer.append(frame.data.begin() + 1, frame.data.begin() + frame.size);
-    }
-    return answer;
-  }
-  auto sent_from(std::size_t first) const -> std::vector<CanFrame> {
-    const auto all = sent(0x585);
-    return {all.begin() + static_cast<long>(first), all.end()};
-  }
-  [[nodiscard]] auto report() const -> std::string {
-    TextOf sink;
-    Print out(sink);
-    node.print(out);
-    return sink.text;
-  }
-  [[nodiscard]] auto state() const -> State { return application.telemetry().state; }
-
-  stm32f4::FakeCan chip;
-  Port port{chip.registers};
-  Milliseconds clock;
-  test::FakeIo<4> io;
-  test::FlashBanks banks;
-  Application<test::FakeIo<4>> application{io, banks};
-  NamedBoard board;
-  CanTroubleCounters troubles;
-  CanSetpoints<4> setpoints{kTestNode, troubles};
-  CanNode<Port, Milliseconds> node{port, clock, application, board, kTestNode, troubles};
-  bool bus_works = true;
-  std::uint8_t sequence = 40;
+  void SetUp() override { ASSERT_TRUE(start()); }
 };
 
 TEST_F(Node, HeartbeatHasTheFaultWordTenTimesASecond) {
@@ -147,7 +34,7 @@ TEST_F(Node, HeartbeatHasTheFaultWordTenTimesASecond) {
   const CanFrame last = sent(0x705).back();
   EXPECT_EQ(last.size, 8);
   EXPECT_EQ(last.data[0], 0) << "disarmed";
-  const std::uint32_t faults = can_bytes::take32(std::span(last.data).subspan(2, 4));
+  const std::uint32_t faults = little_endian(last, 2);
   EXPECT_EQ(faults, (1U << 9U) | (1U << 2U)) << "emergency stop and missing sensor, by their numbers";
   EXPECT_EQ(static_cast<std::uint8_t>(last.data[7] - sent(0x705).front().data[7]), sent(0x705).size() - 1);
 }
@@ -170,7 +57,7 @@ TEST_F(Node, TelemetryOfEveryAxisComesAHundredTimesASecond) {
   for (std::size_t axis = 0; axis < 4; ++axis) {
     const auto frames = sent(static_cast<std::uint16_t>(0x185 + 0x100 * axis));
     EXPECT_NEAR(static_cast<double>(frames.size()), 100.0, 2.0);
-    const auto raw = static_cast<std::int32_t>(can_bytes::take32(frames.back().data));
+    const auto raw = static_cast<std::int32_t>(little_endian(frames.back(), 0));
     EXPECT_NEAR(Q24::from_raw(raw).to_double(), 0.1 * static_cast<double>(axis + 1), 2e-4);
     EXPECT_EQ(frames.back().data[6], 0x80) << "a valid angle and no limit";
   }

@@ -64,7 +64,7 @@ std::atomic<std::uint32_t> torque_off = 0;  // the same; 0: it is on, or was nev
 std::uint8_t sequence = 0;
 
 auto frame_of(std::size_t axis) -> stm32f4::CanFrame {
-  stm32f4::CanFrame frame{.id = stm32f405::axis_id(stm32f405::kCanSetpoint, axis, stm32f405::kCanNode), .size = 8};
+  stm32f4::CanFrame frame{.id = stm32f405::identifier(stm32f405::kCanSetpoint, stm32f405::kCanNode, axis), .size = 8};
   frame.data[0] = sequence;
   frame.data[1] = stm32f405::kFollowAngle;  // 0 rad, where the joint stands
   const std::uint16_t crc = stm32f405::setpoint_checksum(frame);
