@@ -6,10 +6,8 @@
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
-#include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/next_experiment.hpp"
-#include "capstan/tools/identify/identify.hpp"
-#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/jobs/diagnose_job.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -51,56 +49,20 @@ void print_diagnosis(const Diagnosis& d) {
   }
 }
 
-/// A law's coefficients belong to the joints that it names, in its order.
-void couple_as(const JointFile& base, const std::string& file, LogOptions& logs) {
-  if (base.coupled_to.empty()) {
-    return;
-  }
-  if (!logs.coupled_to.empty() && logs.coupled_to != base.coupled_to) {
-    std::vector<std::string> axes;
-    for (const int axis : base.coupled_to) {
-      axes.push_back(std::to_string(axis));
-    }
-    throw BadInput("the law of " + file + " is coupled to axis " + joined(axes) + "; leave --coupled-to out");
-  }
-  logs.coupled_to = base.coupled_to;
-}
-
 auto run_diagnose(const CommandOptions& options) -> int {
-  AxisRequest request;
-  request_target(options.target, options.base, request);
-  DiagnoseOptions wanted;
-  LogOptions logs_read = options.logs;
-  if (options.base.ends_with(".toml")) {
-    const JointFile base = read_joint_file(options.base);
-    wanted.base_law = form_of(base);
-    couple_as(base, options.base, logs_read);
-    if (request.effort || request.force) {
-      throw BadInput("the law of " + options.base + " explains a joint angle, and " + options.target +
-                     " is an effort; leave --target out, or choose --base rigid_dynamics, pull_push or preisach");
-    }
-  }
-  request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") : options.base == kDefaultModel;
-  const auto logs = logs_read.read(request);
-  wanted.base_model = options.base;
-  if (!options.tests.empty()) {
-    LogOptions tests = logs_read;
-    tests.files = options.tests;
-    wanted.test_logs = tests.read(request);
-  }
+  DiagnoseJob job{.logs = options.logs.job_logs(),
+                  .tests = read_logs(options.tests, options.logs.maps),
+                  .base = options.base,
+                  .target = options.target};
   if (isatty(STDERR_FILENO) != 0) {
-    wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
+    job.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
-  Diagnosis diagnosis = diagnose(logs, wanted);
+  Diagnosis diagnosis = diagnose(job, warn);
   print_diagnosis(diagnosis);
-  if (!options.output.empty() && diagnosis.effort_law) {
-    write_effort_file(options.output, *diagnosis.effort_law);
-    std::cerr << "wrote " << options.output << " (" << diagnosis.effort_law->status << " law)\n";
-    diagnosis.law_file = options.output;
-  } else if (!options.output.empty() && !diagnosis.law.terms.empty()) {
-    write_joint_file(options.output, diagnosis.law);
-    std::cerr << "wrote " << options.output << " (" << word_of(diagnosis.law.status) << " law)\n";
-    diagnosis.law_file = options.output;
+  if (!options.output.empty()) {
+    if (const std::string status = write_law(diagnosis, options.output); !status.empty()) {
+      std::cerr << "wrote " << options.output << " (" << status << " law)\n";
+    }
   }
   if (!options.json.empty()) {
     write_text_file(options.json, diagnosis_json(diagnosis));

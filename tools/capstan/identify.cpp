@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/identify/identify.hpp"
-
-#include <algorithm>
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/identify_force.hpp"
 #include "capstan/tools/capstan/options.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
-#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/jobs/identify_job.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -27,38 +23,22 @@ auto run_identify(const IdentifyOptions& options) -> int {
   if (is_force_model(options.model)) {
     return identify_force(options.logs, options.model, options.output);
   }
-  const auto file =
-      options.model.ends_with(".toml") ? std::optional(form_of(read_joint_file(options.model))) : std::nullopt;
-  const auto terms = file ? file->terms : terms_of_model(options.model);
-  AxisRequest request;
-  request_target(options.target, options.model, request);
-  if (file && request.effort) {
-    throw BadInput("the law of " + options.model + " explains a joint angle, and " + options.target +
-                   " is an effort; leave --target out, or choose --model rigid_dynamics");
-  }
-  request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
-  const auto logs = options.logs.read(request);
-  const LawForm form = file ? *file : form_of_model(options.model, logs);
-  const Identification result = identify(logs, form);
+  const Identified done = identify({options.logs.job_logs(), options.model, options.target}, warn);
+  const Identification& result = done.result;
   for (const auto& note : result.notes) {
     std::cerr << "note: " << note << "\n";
   }
   std::cout << "model " << options.model << ", " << result.joint.fit->samples << " samples\n"
             << "  parameter                                 value  95 % interval              unit\n"
             << law_table(result.joint, result.undetermined);
-  std::cout << "  error (RMSE) " << error_text(result.joint.fit->rmse, form.catalogue->target_unit())
+  std::cout << "  error (RMSE) " << error_text(result.joint.fit->rmse, done.form.catalogue->target_unit())
             << ", goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
   if (!result.undetermined.empty()) {
-    throw Refusal("the log can not determine " + joined(result.undetermined) +
-                  "; record a motion with reversals at several amplitudes and loads" +
+    throw Refusal(undetermined_sentence(result.undetermined) +
                   (options.output.empty() ? "" : " (" + options.output + " was not written)"));
   }
   if (!options.output.empty()) {
-    if (logs.front().motion_alone()) {
-      write_effort_file(options.output, runnable_law(result.joint, logs));
-    } else {
-      write_joint_file(options.output, result.joint);
-    }
+    write_text_file(options.output, law_text(done));
     std::cerr << "wrote " << options.output << "\n";
   }
   return kExitDone;

@@ -8,9 +8,7 @@
 #include <numbers>
 
 #include "capstan/model/terms/table.hpp"
-#include "capstan/tools/identify/force_catalogue.hpp"
-#include "capstan/tools/identify/identify.hpp"
-#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -59,22 +57,16 @@ void LogOptions::add_to(CLI::App& command, bool many) {
   }
 }
 
+auto LogOptions::job_logs() const -> JobLogs {
+  return {.files = read_logs(files, maps), .axis = axis, .coupled_to = coupled_to};
+}
+
 auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
-  if (std::find(coupled_to.begin(), coupled_to.end(), axis) != coupled_to.end()) {
-    throw BadInput("--coupled-to " + std::to_string(axis) + " is the axis itself; name another axis of the log");
-  }
-  const auto mappings = parse_mappings(maps);
-  std::vector<AxisLog> logs;
-  for (const auto& file : files) {
-    AxisRequest wanted = request;
-    wanted.axis = axis;
-    wanted.other_axes = coupled_to;
-    logs.push_back(read_axis(CsvLog::read(file, mappings), wanted));
-    for (const auto& warning : logs.back().warnings) {
-      std::cerr << "warning: " << warning << "\n";
-    }
-  }
-  return logs;
+  return read_axes(job_logs(), request, warn);
+}
+
+void warn(const std::string& warning) {
+  std::cerr << "warning: " << warning << "\n";
 }
 
 auto law_table(const JointFile& joint, const std::vector<std::string>& left_out) -> std::string {
@@ -116,17 +108,6 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
 auto error_text(double rmse, const std::string& unit) -> std::string {
   const std::string text = rounded(rmse) + " " + unit;
   return unit == "rad" ? text + " (" + rounded(rmse * 180.0 / std::numbers::pi, 3) + " deg)" : text;
-}
-
-void request_target(const std::string& target, const std::string& model, AxisRequest& request) {
-  if (target.ends_with("_A") || target.ends_with("_V")) {
-    throw Refusal("the target " + target + " is a current or a voltage; turn it into a torque with " +
-                  "--map \"axis0/tau_Nm=" + target + "*FACTOR\" --target axis0/tau_Nm");
-  }
-  request.target = target;
-  request.force = is_force_model(model);
-  request.effort =
-      !request.force && (is_effort_column(target) || (is_effort_model(model) && !target.ends_with("_rad")));
 }
 
 }  // namespace capstan::tools

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capstan/tools/log/axis_log.hpp"
+#include "capstan/tools/jobs/logs.hpp"
 
 namespace capstan::tools {
 
@@ -18,6 +18,8 @@ struct LogOptions {
   std::vector<int> coupled_to;  ///< axes that may pull at this one, by slots
 
   void add_to(CLI::App& command, bool many);
+  /// The files and what is said about them. Throws BadInput.
+  [[nodiscard]] auto job_logs() const -> JobLogs;
   /// Reads every file. Warnings go to stderr.
   [[nodiscard]] auto read(const AxisRequest& request) const -> std::vector<AxisLog>;
 };
@@ -28,8 +30,7 @@ auto law_table(const struct JointFile& joint, const std::vector<std::string>& le
 /// "0.01 rad (0.573 deg)", "3.2 N".
 auto error_text(double rmse, const std::string& unit) -> std::string;
 
-/// Makes the request one for an effort where the target or the model asks for that. Throws Refusal for a current or a
-/// voltage, which is no effort yet.
-void request_target(const std::string& target, const std::string& model, AxisRequest& request);
+/// Says a warning to stderr.
+void warn(const std::string& warning);
 
 }  // namespace capstan::tools

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/replay/replay.hpp"
-
 #include <iostream>
 #include <memory>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/jobs/replay_job.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/replay/effort_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -21,13 +20,6 @@ struct ReplayOptions {
   std::string arithmetic = "fixed";
   std::string output;
 };
-
-void refuse_saturated(Eigen::Index samples, const std::string& model) {
-  if (samples > 0) {
-    throw Refusal(std::to_string(samples) + " samples met the end of the range of numbers (+-128); " +
-                  "check the units of the log and of " + model);
-  }
-}
 
 /// A law of an effort as a board runs it: causal, in fixed point.
 auto run_board_replay(const ReplayOptions& options, const CsvLog& csv, const EffortLaw& law) -> int {
@@ -60,23 +52,10 @@ auto run_replay(const ReplayOptions& options) -> int {
     return run_effort_replay(options);
   }
   const JointFile joint = read_joint_file(options.model);
-  AxisRequest request;
-  request.axis = options.logs.axis;
-  request.needs_target = false;
-  request.every_row = true;
-  request.needs_torque = joint.has("tendon_elongation");
-  request.other_axes = joint.coupled_to;
-  std::vector<std::string> notes;
-  const CsvLog csv =
-      common_rows_of(CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps)), request, notes);
-  AxisLog log = read_axis(csv, request);
-  log.warnings.insert(log.warnings.end(), notes.begin(), notes.end());
-  for (const auto& warning : log.warnings) {
-    std::cerr << "warning: " << warning << "\n";
-  }
+  const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
   const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
-  const Replayed replayed = replay(log, motion_parameters(joint), arithmetic);
-  write_text_file(options.output, replay_text(csv, options.logs.axis, replayed));
+  const auto [rows, log, replayed] = replay_angle(csv, options.logs.axis, joint, arithmetic, warn);
+  write_text_file(options.output, replay_text(rows, options.logs.axis, replayed));
   std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote "
             << options.output << "\n";
   if (log.q2_rad.size() > 0) {

@@ -88,7 +88,7 @@ class CsvLog {
   std::map<std::string, Eigen::VectorXd> replaced_;  // columns that are not the file's any more
 };
 
-/// Numbers with at least nine decimals and enough digits to read back exactly.
+/// Twelve decimals: steps of 2^-24, the firmware's, read back exactly once they are rounded to such steps.
 auto log_number(double value) -> std::string;
 
 }  // namespace capstan::tools

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/jobs/identify_job.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// All of a few names, the first of many.
+auto short_list(const std::vector<std::string>& names) -> std::string {
+  constexpr std::size_t kShown = 8;
+  if (names.size() <= kShown) {
+    return joined(names);
+  }
+  const std::vector<std::string> shown(names.begin(), names.begin() + kShown);
+  return joined(shown) + " and " + std::to_string(names.size() - kShown) + " more";
+}
+
+template <typename Fit>
+auto identified(const Fit& fit) -> IdentifiedForce {
+  return {fit, fit.undetermined.empty() ? force_section(fit) : ""};
+}
+
+}  // namespace
+
+auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
+  const auto file = job.model.ends_with(".toml") ? std::optional(form_of(read_joint_file(job.model))) : std::nullopt;
+  const auto terms = file ? file->terms : terms_of_model(job.model);
+  AxisRequest request;
+  request_target(job.target, job.model, request);
+  if (file && request.effort) {
+    throw BadInput("the law of " + job.model + " explains a joint angle, and " + job.target +
+                   " is an effort; leave --target out, or choose --model rigid_dynamics");
+  }
+  request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
+  Identified done;
+  done.logs = read_axes(job.logs, request, warn);
+  done.form = file ? *file : form_of_model(job.model, done.logs);
+  done.result = identify(done.logs, done.form);
+  return done;
+}
+
+auto undetermined_sentence(const std::vector<std::string>& undetermined) -> std::string {
+  return "the log can not determine " + joined(undetermined) +
+         "; record a motion with reversals at several amplitudes and loads";
+}
+
+auto law_text(const Identified& identified) -> std::string {
+  return identified.logs.front().motion_alone()
+             ? effort_file_text(runnable_law(identified.result.joint, identified.logs))
+             : joint_file_text(identified.result.joint);
+}
+
+auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn) -> IdentifiedForce {
+  std::vector<ForceLog> read;
+  for (const auto& file : logs.files) {
+    for (const auto& warning : file.warnings()) {
+      warn(warning);
+    }
+    read.push_back(read_force_log(file, logs.axis));
+  }
+  return model == "preisach" ? identified(fit_preisach(read)) : identified(fit_pull_push(read));
+}
+
+auto undetermined_sentence(const ForceFit& fit) -> std::string {
+  return "the log can not determine " + short_list(fit.undetermined) + "; " + fit.cure;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/jobs/logs.hpp"
+
+#include <algorithm>
+
+#include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+
+auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog> {
+  const auto mappings = parse_mappings(maps);
+  std::vector<CsvLog> logs;
+  for (const auto& path : paths) {
+    logs.push_back(CsvLog::read(path, mappings));
+  }
+  return logs;
+}
+
+auto read_axes(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog> {
+  if (std::find(logs.coupled_to.begin(), logs.coupled_to.end(), logs.axis) != logs.coupled_to.end()) {
+    throw BadInput("--coupled-to " + std::to_string(logs.axis) + " is the axis itself; name another axis of the log");
+  }
+  AxisRequest wanted = request;
+  wanted.axis = logs.axis;
+  wanted.other_axes = logs.coupled_to;
+  std::vector<AxisLog> axes;
+  for (const auto& file : logs.files) {
+    axes.push_back(read_axis(file, wanted));
+    for (const auto& warning : axes.back().warnings) {
+      warn(warning);
+    }
+  }
+  return axes;
+}
+
+void request_target(const std::string& target, const std::string& model, AxisRequest& request) {
+  if (target.ends_with("_A") || target.ends_with("_V")) {
+    throw Refusal("the target " + target + " is a current or a voltage; turn it into a torque with " +
+                  "--map \"axis0/tau_Nm=" + target + "*FACTOR\" --target axis0/tau_Nm");
+  }
+  request.target = target;
+  request.force = is_force_model(model);
+  request.effort =
+      !request.force && (is_effort_column(target) || (is_effort_model(model) && !target.ends_with("_rad")));
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/jobs/replay_job.hpp"
+
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+
+auto replay_angle(const CsvLog& log, int axis, const JointFile& joint, Arithmetic arithmetic, const Say& warn)
+    -> AngleReplay {
+  AxisRequest request;
+  request.axis = axis;
+  request.needs_target = false;
+  request.every_row = true;
+  request.needs_torque = joint.has("tendon_elongation");
+  request.other_axes = joint.coupled_to;
+  std::vector<std::string> notes;
+  AngleReplay done{.csv = common_rows_of(log, request, notes), .log = {}, .estimates = {}};
+  done.log = read_axis(done.csv, request);
+  done.log.warnings.insert(done.log.warnings.end(), notes.begin(), notes.end());
+  for (const auto& warning : done.log.warnings) {
+    warn(warning);
+  }
+  done.estimates = replay(done.log, motion_parameters(joint), arithmetic);
+  return done;
+}
+
+void refuse_saturated(long samples, const std::string& law) {
+  if (samples > 0) {
+    throw Refusal(std::to_string(samples) + " samples met the end of the range of numbers (+-128); " +
+                  "check the units of the log and of " + law);
+  }
+}
+
+}  // namespace capstan::tools
