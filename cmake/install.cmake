@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# What others get: `cmake --install` with two components, `tools` (the programs) and `model` (the laws as a library, found by
-# find_package(Capstan) or pkg-config), and CPack's Debian packages of the two. The version comes from project() alone.
+# What others get: `cmake --install` with the components `tools` (the programs), `model` (the laws as a library, found by
+# find_package(Capstan) or pkg-config), `python` (the module) and `firmware` (images for the motor board, where they were built); package.cmake
+# makes Debian packages of them. The version comes from project() alone.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
@@ -14,22 +15,23 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/CapstanConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/CapstanConfig.cmake ${PROJECT_BINARY_DIR}/CapstanConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Capstan COMPONENT model)
 configure_file(${CMAKE_CURRENT_LIST_DIR}/capstan-model.pc.in ${PROJECT_BINARY_DIR}/capstan-model.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/capstan-model.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT model)
+install(FILES ${PROJECT_BINARY_DIR}/capstan-model.pc DESTINATION ${CMAKE_INSTALL_DATADIR}/pkgconfig COMPONENT model)
 
 install(TARGETS capstan capstan_plant capstan_drives capstan_linux_rt RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
 install(FILES ${PROJECT_BINARY_DIR}/capstan_stm32f405.dbc DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
+install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "the Capstan project <capstan@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Control firmware and tools for joints driven through tendons")
-set(CPACK_COMPONENTS_ALL tools model)
-set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME capstan)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS gnuplot-nox)
-set(CPACK_DEBIAN_MODEL_PACKAGE_NAME capstan-dev)
-set(CPACK_COMPONENT_TOOLS_DESCRIPTION "The host program capstan: reads logs of a tendon-driven joint, identifies its law, says what the law\n lacks, and puts the missing effect into a running board. With the simulated plant and drives.")
-set(CPACK_COMPONENT_MODEL_DESCRIPTION "Capstan's laws of motion and force as header-only templates, for controllers of one's own:\n find_package(Capstan), then link capstan::model.")
-include(CPack)
+if(TARGET capstan_python)  # where Debian's python3 looks, and anybody with PYTHONPATH
+  install(TARGETS capstan_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT python)
+endif()
+
+set(CAPSTAN_FIRMWARE_IMAGES ${PROJECT_SOURCE_DIR}/build/stm32f405/bin CACHE PATH "where the preset stm32f405 has put its images")
+if(EXISTS ${CAPSTAN_FIRMWARE_IMAGES}/capstan_stm32f405.hex)
+  install(FILES ${CAPSTAN_FIRMWARE_IMAGES}/capstan_stm32f405.hex ${CAPSTAN_FIRMWARE_IMAGES}/capstan_stm32f405.bin
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan/firmware COMPONENT firmware)
+  set(CAPSTAN_HAS_FIRMWARE_IMAGES ON)
+endif()
+
+include(${CMAKE_CURRENT_LIST_DIR}/package.cmake)
