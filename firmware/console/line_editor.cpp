@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/line_editor.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
 
@@ -290,6 +291,7 @@ void LineEditor::remember() {
 
 /// The oldest line. @pre there is one
 void LineEditor::forget() {
+  CAPSTAN_EXPECT(history_size_ > 0);
   auto* const used = history_.begin() + static_cast<std::ptrdiff_t>(history_size_);
   auto* const next = std::find(history_.begin(), used, '\0') + 1;
   std::copy(next, used, history_.begin());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -39,6 +40,7 @@ void ShellInput::take(char c, bool urgent) {
     forget();
     return;
   }
+  CAPSTAN_EXPECT(room() > 0);
   waiting_[(first_ + count_++) % waiting_.size()] = c;
   if (disarm && urgent && shell_.busy()) {
     shell_.disarm_now();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/control/force_control.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 namespace capstan {
 namespace {
@@ -50,6 +51,7 @@ void ForceControl::rt_turn(Q24 threshold_nm) {
 }
 
 auto ForceControl::rt_update(const ForceConfig& config) -> Q24 {
+  CAPSTAN_EXPECT(has_law());
   const Q24 step = per_cycle(rate_nm_per_s_);
   wanted_ = clamp(goal_, wanted_ - step, wanted_ + step);
   rt_turn(config.threshold_nm);

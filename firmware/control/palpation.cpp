@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/control/palpation.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
 
@@ -57,6 +58,7 @@ auto Palpation::check(const ForceConfig& force) -> const char* {
 }
 
 void Palpation::begin(const ForceConfig& force, std::int32_t site, std::int32_t every_ms) {
+  CAPSTAN_EXPECT(check(force) == nullptr && every_ms > 0);
   constexpr std::int32_t kAverageMs = 40;  // noise turns more often than the motion, and every turn is phase I
   state_ = TensionState<Q24>(parameters_of(force));
   constexpr Q24 kHalf = Q24::from_double(0.5);

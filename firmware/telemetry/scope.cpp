@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/telemetry/scope.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 namespace capstan {
 
 auto Scope::start(const ScopeSetup& setup) -> bool {
+  CAPSTAN_EXPECT(setup.samples == 0 ||
+                 (setup.channel_count >= 1 && setup.channel_count <= ScopeSetup::kMostChannels &&
+                  setup.samples * setup.channel_count <= kWords && setup.before < setup.samples && setup.every >= 1));
   return box_.offer(setup);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/telemetry/signals.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
 #include <array>
@@ -100,6 +101,7 @@ auto find_signal(std::string_view text, std::size_t axes) -> Signal {
 
 auto rt_raw(const Signal& signal, const MachineTelemetry& machine, std::span<const AxisTelemetry> axes)
     -> std::int32_t {
+  CAPSTAN_EXPECT(signal.info != nullptr);
   const auto* base = signal.axis == Signal::kMachine ? reinterpret_cast<const unsigned char*>(&machine)
                                                      : reinterpret_cast<const unsigned char*>(&axes[signal.axis]);
   if (signal.info->type == SignalType::kByte) {

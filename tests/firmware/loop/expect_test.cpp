@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a caller owes ends the program where it is not given: at once, before anything is read or written beyond its
+// end.
+#include "capstan/firmware/loop/expect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/firmware/control/force_control.hpp"
+#include "capstan/firmware/control/palpation.hpp"
+#include "capstan/firmware/telemetry/scope.hpp"
+#include "capstan/firmware/telemetry/signals.hpp"
+#include "capstan/tests/firmware/support.hpp"
+
+namespace capstan {
+namespace {
+
+class Expect : public testing::Test {
+ protected:
+  void SetUp() override { testing::FLAGS_gtest_death_test_style = "threadsafe"; }
+};
+
+/// Ended by the trap and by nothing else.
+auto trapped(int status) -> bool {
+  return testing::KilledBySignal(SIGILL)(status) || testing::KilledBySignal(SIGTRAP)(status);
+}
+
+TEST_F(Expect, WhatHoldsIsPassedAndLookedAtOnce) {
+  int looks = 0;
+  CAPSTAN_EXPECT(++looks == 1);
+  EXPECT_EQ(looks, 1);
+}
+
+TEST_F(Expect, WhatDoesNotHoldEndsTheProgram) {
+  EXPECT_EXIT(CAPSTAN_EXPECT(1 + 1 == 3), trapped, "");
+}
+
+TEST_F(Expect, CharactersWithoutRoom) {
+  test::Bench<1> bench(false);
+  ShellInput input(bench.shell);
+  for (std::size_t i = input.room(); i > 0; --i) {
+    input.take('x');
+  }
+  EXPECT_EXIT(input.take('x'), trapped, "");
+}
+
+TEST_F(Expect, ForceControlWithoutALaw) {
+  const ForceConfig none;
+  ForceControl control(none);
+  EXPECT_EXIT(static_cast<void>(control.rt_update(none)), trapped, "");
+}
+
+TEST_F(Expect, PalpationWithoutATensionLaw) {
+  Palpation palpation;
+  EXPECT_EXIT(palpation.begin(ForceConfig{}, 0, 1), trapped, "");
+}
+
+TEST_F(Expect, CapturesThatDoNotFit) {
+  ScopeSetup sound;
+  sound.channel_count = 2;
+  sound.samples = 100;
+  sound.before = 10;
+  Scope fits;
+  EXPECT_TRUE(fits.start(sound));
+  for (int wrong = 0; wrong < 5; ++wrong) {
+    ScopeSetup setup = sound;
+    setup.channel_count = wrong == 0 ? 0 : wrong == 1 ? ScopeSetup::kMostChannels + 1 : 2;
+    setup.samples = wrong == 2 ? Scope::kWords : 100;
+    setup.before = wrong == 3 ? 100 : 10;
+    setup.every = wrong == 4 ? 0 : 1;
+    Scope scope;
+    EXPECT_EXIT(static_cast<void>(scope.start(setup)), trapped, "") << wrong;
+  }
+  Scope ended;
+  EXPECT_TRUE(ended.start({}));
+}
+
+TEST_F(Expect, SignalThatThereIsNone) {
+  const MachineTelemetry machine;
+  EXPECT_EXIT(static_cast<void>(rt_raw(Signal{}, machine, {})), trapped, "");
+}
+
+}  // namespace
+}  // namespace capstan
