@@ -16,18 +16,20 @@ endif()
 
 # What Debian wants of every package: changelog and copyright.
 find_program(GZIP gzip)
-set(changelog ${PROJECT_BINARY_DIR}/package/changelog.Debian)
-file(WRITE ${changelog} "capstan (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See /usr/share/doc/capstan/changelog.gz.\n\n"
+set(changelog ${PROJECT_BINARY_DIR}/package/changelog)
+file(WRITE ${changelog}.Debian "capstan (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See /usr/share/doc/capstan/changelog.gz.\n\n"
   " -- Capstan maintainers <maintainers@capstan.invalid>  Sun, 22 Nov 2026 00:00:00 +0000\n")
-configure_file(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${PROJECT_BINARY_DIR}/package/changelog COPYONLY)
+configure_file(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${changelog} COPYONLY)
 if(GZIP)
-  execute_process(COMMAND ${GZIP} -9 -n -f ${changelog} ${PROJECT_BINARY_DIR}/package/changelog)
+  foreach(file ${changelog} ${changelog}.Debian)
+    execute_process(COMMAND ${GZIP} -9 -n -c ${file} OUTPUT_FILE ${file}.gz COMMAND_ERROR_IS_FATAL ANY)
+  endforeach()
 endif()
 foreach(component ${components})
   set(folder ${CMAKE_INSTALL_DATADIR}/doc/${packages_${component}})
-  install(FILES ${changelog}.gz ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${folder} COMPONENT ${component} OPTIONAL)
+  install(FILES ${changelog}.Debian.gz ${CMAKE_CURRENT_LIST_DIR}/copyright DESTINATION ${folder} COMPONENT ${component} OPTIONAL)
 endforeach()
-install(FILES ${PROJECT_BINARY_DIR}/package/changelog.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools OPTIONAL)
+install(FILES ${changelog}.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools OPTIONAL)
 
 # A manual page for each program, of what it says about itself.
 set(purpose_capstan "identify, diagnose, correct and run joints driven through tendons")
