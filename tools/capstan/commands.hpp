@@ -18,6 +18,7 @@ void add_replay(CLI::App& app, int& exit_status);
 void add_diagnose(CLI::App& app, int& exit_status);
 void add_compare(CLI::App& app, int& exit_status);
 void add_dbc(CLI::App& app, int& exit_status);
+void add_mjcf(CLI::App& app, int& exit_status);
 void add_flash(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 

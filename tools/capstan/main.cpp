@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_shell(app, exit_status);
   add_flash(app, exit_status);
   add_dbc(app, exit_status);
+  add_mjcf(app, exit_status);
   add_identify(app, exit_status);
   add_palpate(app, exit_status);
   add_record(app, exit_status);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives every seed of a folder to one fuzzer's entry, without a fuzzer: a promise that is broken ends the program behind the seed's name.
+// Gives every seed of a folder to one fuzzer's entry, without a fuzzer: a promise that is broken ends the program
+// behind the seed's name.
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
