@@ -38,8 +38,32 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   }
   d.rate_hz = logs.front().rate_hz();
   const bool effort = logs.front().motion_alone();
+  for (const auto& log : logs) {
+    if (log.q2_rad.size() > 0) {  // efforts: board_effort_law
+      note_range(log, d.warnings);
+    }
+  }
   const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");
   d.base_model = options.base_model.empty() ? usual : options.base_model;
+}
+
+/// What a board can not hold is said before somebody finds out there.
+void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
+  constexpr double kBoard = 128.0;  // Q24 in 32 bits
+  const std::string axis = log.target.substr(0, log.target.find('/'));
+  const auto note = [&](const std::string& name, const Eigen::VectorXd& signal, const char* cure) {
+    const double most = signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0.0;
+    if (most >= kBoard) {
+      warnings.push_back(
+          log.name + ": " + axis + name + " goes to " + rounded(most) +
+          ", beyond the 128 that a board's numbers hold: the law is right for this log, but no board can "
+          "run it, and plays wider than 60 are not looked for; " +
+          cure);
+    }
+  };
+  note("/q1", log.q1_rad, "log the angle behind the gear, or scale it with --map");
+  note("/q2", log.q2_rad, "log it in rad or m, or scale it with --map");
+  note("/tau", log.tau_nm, "scale it with --map");
 }
 
 /// A Preisach table has cells that no motion but its recipe visits; they take no part then.

@@ -33,6 +33,7 @@ auto values_of(const ShapeInfo& shape, const SignalRanges& ranges, const Decidin
       return geometric_grid(numbers.shortest_time * ranges.period_s, numbers.longest_time * ranges.length_s,
                             numbers.shape_values);
     case ShapeOf::kNothing:
+    case ShapeOf::kMotorSpeed:  // of efforts
     case ShapeOf::kGiven:
       break;
   }
