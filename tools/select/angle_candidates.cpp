@@ -132,8 +132,4 @@ auto angle_vocabulary(const SelectionData& data) -> Vocabulary {
   return vocabulary;
 }
 
-auto vocabulary_for(const SelectionData& data) -> Vocabulary {
-  return data.catalogue().target() == TargetKind::kAngle ? angle_vocabulary(data) : Vocabulary{};
-}
-
 }  // namespace capstan::tools
