@@ -106,15 +106,16 @@ TEST(ResidualMap, DependsOnNoUnit) {
   MapSignals s = motion();
   Eigen::VectorXd residual = 0.1 * noise(10) + 0.2 * s.q1.cwiseAbs2();
   const ResidualMap plain = residual_map(s, residual);
-  s.q1 *= 1e3;
-  s.time_s *= 1e-3;
-  s.load *= 1e-3;
-  residual *= 1e3;
+  constexpr double kUnit = 1024.0;  // a power of two: what ties before ties after
+  s.q1 *= kUnit;
+  s.time_s /= kUnit;
+  s.load /= kUnit;
+  residual *= kUnit;
   const ResidualMap scaled = residual_map(s, residual);
   ASSERT_EQ(scaled.cells.size(), plain.cells.size());
   for (std::size_t i = 0; i < plain.cells.size(); ++i) {
     EXPECT_EQ(scaled.cells[i].found, plain.cells[i].found);
-    EXPECT_NEAR(scaled.cells[i].mean, 1e3 * plain.cells[i].mean, 1e-6 * std::abs(1e3 * plain.cells[i].mean) + 1e-9);
+    EXPECT_DOUBLE_EQ(scaled.cells[i].mean, kUnit * plain.cells[i].mean);
   }
 }
 

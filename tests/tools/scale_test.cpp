@@ -38,6 +38,7 @@ auto all_units() -> std::vector<std::pair<std::string, Units>> {
     all.emplace_back("joint" + by, Units{.joint = factor});
     all.emplace_back("torque" + by, Units{.torque = factor});
   }
+  all.emplace_back("motor times 0.03", Units{.motor = 0.03});
   for (const double factor : {0.1, 10.0}) {
     all.emplace_back("time times " + std::to_string(factor), Units{.time = factor});
   }
@@ -56,10 +57,12 @@ auto coefficient_of(const Diagnosis& d, const std::string& term) -> double {
   return d.law.parameters.coefficients[d.law.catalogue->term(term).first_coefficient];
 }
 
-auto speaks_of_range(const Diagnosis& d) -> bool {
+auto warns_of(const Diagnosis& d, const char* words) -> bool {
   return std::any_of(d.warnings.begin(), d.warnings.end(),
-                     [](const auto& warning) { return warning.find("beyond the 128") != std::string::npos; });
+                     [words](const auto& warning) { return warning.find(words) != std::string::npos; });
 }
+constexpr const char* kTooFar = "beyond the 128";
+constexpr const char* kTooFine = "tell directions from 1e-6 on";
 
 class ScaleOfMadeUpJoint : public testing::TestWithParam<Truth> {};
 
@@ -70,14 +73,19 @@ TEST_P(ScaleOfMadeUpJoint, ChangesNoVerdictAndScalesTheLaw) {
   request.cycle_s = 25.0;
   const AxisLog log = test::synthetic_log(request);
   const Diagnosis plain = diagnose({log}, {});
-  EXPECT_FALSE(speaks_of_range(plain));
+  EXPECT_FALSE(warns_of(plain, kTooFar) || warns_of(plain, kTooFine));
   for (const auto& [name, units] : all_units()) {
     SCOPED_TRACE(name);
     const Diagnosis d = diagnose({in_units(log, units)}, {});
     EXPECT_STREQ(verdict_word(d.verdict), verdict_word(plain.verdict)) << d.reason;
     EXPECT_EQ(names_of(d), names_of(plain)) << d.reason;
-    EXPECT_NEAR(d.before.rmse / units.joint, plain.before.rmse, 0.02 * plain.before.rmse);
-    EXPECT_NEAR(d.after.rmse / units.joint, plain.after.rmse, 0.05 * plain.after.rmse);
+    // Where fixed point can not tell the encoder's counts apart, the running law is late, and a sentence says so.
+    const bool too_fine = units.motor < 0.01;
+    EXPECT_EQ(warns_of(d, kTooFine), too_fine);
+    if (!too_fine) {
+      EXPECT_NEAR(d.before.rmse / units.joint, plain.before.rmse, 0.02 * plain.before.rmse);
+      EXPECT_NEAR(d.after.rmse / units.joint, plain.after.rmse, 0.05 * plain.after.rmse);
+    }
     const double ratio = units.joint / units.motor;
     EXPECT_NEAR(coefficient_of(d, "motor_angle") / ratio, coefficient_of(plain, "motor_angle"), 2e-3);
     const double elongation = units.joint / units.torque;
@@ -85,14 +93,14 @@ TEST_P(ScaleOfMadeUpJoint, ChangesNoVerdictAndScalesTheLaw) {
     const bool too_far = units.motor * log.q1_rad.cwiseAbs().maxCoeff() >= 128.0 ||
                          units.joint * log.q2_rad.cwiseAbs().maxCoeff() >= 128.0 ||
                          units.torque * log.tau_nm.cwiseAbs().maxCoeff() >= 128.0;
-    EXPECT_EQ(speaks_of_range(d), too_far);
+    EXPECT_EQ(warns_of(d, kTooFar), too_far);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ScaleOfMadeUpJoint, testing::Values(Truth::kNone, Truth::kPlay, Truth::kPretension));
 
-// 0.8 rad and more at a motor before a gear: a gap is a share of the motion, and no number of rad.
-TEST(ScaleOfPlay, AGapOfEightRadIsNamedWithItsWidth) {
+// At a motor before a gear: a gap is a share of the motion, and no number of rad.
+TEST(ScaleOfPlay, AGapOfMoreThanHalfARadIsNamedWithItsWidth) {
   test::SyntheticRequest request;
   request.truth = Truth::kPlay;
   request.rate_hz = 100.0;

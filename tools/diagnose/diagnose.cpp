@@ -30,7 +30,8 @@ auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*
 
 /// What a board can not hold is said before somebody finds out there.
 void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
-  constexpr double kBoard = 128.0;  // Q24 in 32 bits
+  constexpr double kBoard = 128.0;      // Q24 in 32 bits
+  constexpr double kFinestShare = 1e5;  // of a range: a threshold that small does not matter
   const std::string axis = log.target.substr(0, log.target.find('/'));
   const auto note = [&](const std::string& name, const Eigen::VectorXd& signal, const char* cure) {
     const double most = signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0.0;
@@ -42,6 +43,15 @@ void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
           cure);
     }
   };
+  const double range = log.q1_rad.maxCoeff() - log.q1_rad.minCoeff();
+  const double finest = direction_thresholds({log}, AngleNoise{}).front();  // if the sensor were perfect
+  if (range > 0.0 && range < kFinestShare * finest &&
+      direction_thresholds({log}, motor_angle_noise({log})).front() <= finest) {
+    warnings.push_back(
+        log.name + ": " + axis + "/q1 moves by " + rounded(range) +
+        " only, and a board's numbers tell directions from 1e-6 on: the sensor is finer than that, so the "
+        "running law is late at reversals; log the angle before the gear, or scale it with --map");
+  }
   note("/q1", log.q1_rad, "log the angle behind the gear, or scale it with --map");
   note("/q2", log.q2_rad, "log it in rad or m, or scale it with --map");
   note("/tau", log.tau_nm, "scale it with --map");

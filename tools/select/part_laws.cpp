@@ -164,13 +164,20 @@ auto PartLaws::fits_beside(const PartLaw& law, const LawPart& part) const -> boo
          });
 }
 
+/// A part has to help in most folds, and not in a few of them much.
 auto PartLaws::additions(const PartLaw& law) const -> std::vector<PartLaw> {
+  const Eigen::VectorXd before = products_.fold_errors(law, numbers_.ridge);
+  const double needed = numbers_.folds_better * static_cast<double>(before.size());
   std::vector<PartLaw> laws;
   for (std::size_t part = 0; law.size() < numbers_.most_parts && part < products_.parts().size(); ++part) {
     if (fits_beside(law, products_.parts()[part])) {
       for (std::size_t setting = 0; setting < products_.parts()[part].settings.size(); ++setting) {
-        laws.push_back(law);
-        laws.back().push_back({part, setting});
+        PartLaw more = law;
+        more.push_back({part, setting});
+        const Eigen::VectorXd after = products_.fold_errors(more, numbers_.ridge);
+        if (static_cast<double>((after.array() < before.array()).count()) >= needed) {
+          laws.push_back(std::move(more));
+        }
       }
     }
   }
