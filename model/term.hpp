@@ -39,6 +39,7 @@ enum class ShapeScale : std::uint8_t {
 enum class ShapeOf : std::uint8_t {
   kNothing,      ///< a pure number: an order, a choice
   kMotorRange,   ///< range of the motor angle
+  kMotorSpeed,   ///< speed of the motor that is exceeded in 1 % of the samples
   kTorqueRange,  ///< range of the motor's torque
   kOtherRange,   ///< range of the other motor's angle
   kTime,         ///< of the log: from a sample's period to its length

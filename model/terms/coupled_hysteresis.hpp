@@ -23,7 +23,7 @@ class CoupledHysteresisOf {
       .exciting_motion = "the other joint alone, loops of several sizes, then both without a common multiple",
       .coefficients = {{{"angle", "1", Sign::kAny, "joint angle per motor angle of the other joint"},
                         {"lost", "1", Sign::kAny, "joint angle per motion of it that its play takes up"}}},
-      .shapes = {{{"half_width", "rad", 0.0005, 60.0, 0.02, "half the play of the other joint's tendon, at its motor",
+      .shapes = {{{"half_width", "rad", 1e-6, 60.0, 0.02, "half the play of the other joint's tendon, at its motor",
                    ShapeScale::kRatio, ShapeOf::kOtherRange}}},
       .relations = {.doubles = {"axis_coupling"},
                     .shown_by = Motion::kOthers | Motion::kSmall,

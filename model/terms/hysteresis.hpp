@@ -23,7 +23,7 @@ class Hysteresis {
   static constexpr auto width(const char* name, std::int8_t weight) -> ShapeInfo {
     return {name,
             "rad",
-            1e-4,
+            1e-6,
             kMostHalfWidthRad,
             0.02,
             "half the gap of a play, at the motor",

@@ -19,7 +19,7 @@ class Play {
       .exciting_motion = "reversals under several loads, amplitudes below and above the gap",
       .coefficients = {{{"gain", "1", Sign::kNonNegative,
                          "joint angle per motor angle through the gap; beta for pure backlash"}}},
-      .shapes = {{{"half_width", "rad", 0.0005, 0.5, 0.02, "half the gap, at the motor", ShapeScale::kRatio,
+      .shapes = {{{"half_width", "rad", 1e-6, 60.0, 0.02, "half the gap, at the motor", ShapeScale::kRatio,
                    ShapeOf::kMotorRange}}},
       .relations = {.doubles = {"presliding", "tendon_elongation"}, .shown_by = Motion::kLoops | Motion::kSmall},
   };

@@ -23,7 +23,7 @@ class Presliding {
           "reversals with amplitudes below and above z0, under several loads: this one stays where no "
           "tendon goes slack",
       .coefficients = {{{"gain", "1", Sign::kNonNegative, "joint angle per deflection of the bristle"}}},
-      .shapes = {{{"width", "rad", 0.0005, 1.0, 0.02, "z0: deflection at which it slips, at the motor",
+      .shapes = {{{"width", "rad", 1e-6, 60.0, 0.02, "z0: deflection at which it slips, at the motor",
                    ShapeScale::kRatio, ShapeOf::kMotorRange}}},
       .relations = {.doubles = {"play", "slip_propagation"}, .shown_by = Motion::kLoops | Motion::kSmall},
   };

@@ -44,7 +44,7 @@ class SlipPropagation {
                         {"top", "rad/Nm", Sign::kAny, "old stretch per torque after a reversal to the top tendon, c_t"},
                         {"bottom", "rad/Nm", Sign::kAny,
                          "old stretch per torque after a reversal to the bottom tendon, c_b"}}},
-      .shapes = {{{"torque", "Nm", 0.002, 20.0, 0.05, "R: half the change of torque after which the whole tendon slips",
+      .shapes = {{{"torque", "Nm", 1e-5, 20.0, 0.05, "R: half the change of torque after which the whole tendon slips",
                    ShapeScale::kRatio, ShapeOf::kTorqueRange}}},
       .relations = {.doubles = {"pretension_offset", "reversal_memory", "play", "presliding"},
                     .builds_on = {"tendon_elongation"},
@@ -100,7 +100,7 @@ class SlipPropagation {
   static constexpr auto kHalf = Traits::fraction(0.5);
   static constexpr Scalar kReach = Traits::from(4.0);
   /// Of R, N m: within them no sum of places leaves the range, and the reach is not nothing.
-  static constexpr Scalar kLeast = Traits::from(1e-4);
+  static constexpr Scalar kLeast = Traits::from(1e-5);
   static constexpr Scalar kMost = Traits::from(30.0);
 
   [[nodiscard]] constexpr auto old_stretch(const Sample<Scalar>& s) const -> Scalar {

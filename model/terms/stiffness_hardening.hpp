@@ -21,7 +21,7 @@ class StiffnessHardening {
       .exciting_motion = "a ladder of amplitudes under loads that do not depend on the angle",
       .coefficients = {{{"top", "rad/Nm2", Sign::kNonNegative, "while the top tendon is pulled, h_t"},
                         {"bottom", "rad/Nm2", Sign::kNonNegative, "while the bottom tendon is pulled, h_b"}}},
-      .shapes = {{{"torque", "Nm", 0.001, 20.0, 0.002, "T: below it with the cube of the torque, above with the square",
+      .shapes = {{{"torque", "Nm", 1e-6, 20.0, 0.002, "T: below it with the cube of the torque, above with the square",
                    ShapeScale::kRatio, ShapeOf::kTorqueRange}}},
       .relations = {.doubles = {"gravity", "tendon_elongation"},
                     .builds_on = {"tendon_elongation"},

@@ -55,6 +55,10 @@ TEST_F(Report, IsOnePageThatNeedsNoNetworkWithPicturesBeforeAndAfter) {
 TEST_F(Report, OfAnUnknownEffectShowsTheRankingAndWhatTheLawDoes) {
   const std::string page = page_of(test::Truth::kStickySpot);
   EXPECT_NE(page.find("<b>unknown</b>"), std::string::npos);
+  EXPECT_TRUE(exists("map_angle.svg"));
+  EXPECT_TRUE(exists("map_time_since_reversal.svg"));
+  EXPECT_NE(page.find("What the base law leaves depends on"), std::string::npos);
+  EXPECT_NE(page.find("Where the residual lies"), std::string::npos);
   EXPECT_TRUE(exists("residual_before.svg"));
   EXPECT_TRUE(exists("residual_after.svg"));
 }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string_view>
 
 #include "capstan/tools/diagnose/family.hpp"
 #include "capstan/tools/select/selection_data.hpp"
@@ -17,43 +16,37 @@ constexpr std::size_t kFinePoints = 6;
 /// what follows.
 constexpr std::size_t kKeptOfGrid = 3;
 
-/// How far a log goes: what lies beyond it can not be told apart.
-struct Reach {
-  explicit Reach(const CoarseSignals& s)
-      : q1_range(s.q1.maxCoeff() - s.q1.minCoeff()), tau_range(s.tau.maxCoeff() - s.tau.minCoeff()) {}
-  double q1_range, tau_range;
-};
-
 /// Periods per angle can be told apart as finely as the motion is long: a quarter of a period over the whole range.
-auto periods_step(const Reach& reach) -> double {
-  return 0.5 * std::numbers::pi / reach.q1_range;
+auto periods_step(const SignalReach& reach) -> double {
+  return 0.5 * std::numbers::pi / reach.q1;
 }
 
 /// Less than one period is a smooth curve like any other.
-auto fewest_periods(const ShapeInfo& info, const Reach& reach) -> double {
-  return std::max(info.minimum, 2.0 * std::numbers::pi / reach.q1_range);
+auto fewest_periods(const ShapeInfo& info, const SignalReach& reach) -> double {
+  return std::max(info.minimum, 2.0 * std::numbers::pi / reach.q1);
 }
 
-auto is_torque(const ShapeInfo& info, const Reach& reach) -> bool {
-  return std::string_view(info.unit) == "Nm" && reach.tau_range > info.minimum;
-}
-
-/// Largest value of a shape on its grid: a torque up to what the log has of it.
-auto largest(const ShapeInfo& info, const Reach& reach) -> double {
-  return is_torque(info, reach) ? std::min(reach.tau_range, info.maximum) : info.maximum;
-}
-
-/// Smallest one: ranges that begin at nothing are cut where nothing can be told from nothing. What is over within a
-/// small part of the log's torque is a step at each reversal.
-auto smallest(const ShapeInfo& info, const Reach& reach) -> double {
-  const double share = is_torque(info, reach) ? 1.0 / 25.0 : 1.0 / 400.0;  // of the largest value
-  return std::max(info.minimum, share * largest(info, reach));
+/// What the grid of a shape in equal ratios spans. Shares of the log's torque are no wider than the log's: what is over
+/// within a small part of it is a step at each reversal. Others that begin at nothing are cut where nothing can be told
+/// from nothing.
+auto grid_range(const ShapeInfo& info, const SignalReach& reach) -> ShapeRange {
+  constexpr double kOfTorque = 1.0 / 25.0;
+  constexpr double kOfLimit = 1.0 / 400.0;
+  ShapeRange range = range_of(info, reach);
+  if (info.of == ShapeOf::kTorqueRange && reach.tau > info.minimum) {
+    range.high = std::min(reach.tau, info.maximum);
+    range.low = std::max(info.minimum, kOfTorque * range.high);
+  } else if (info.of != ShapeOf::kMotorRange && info.of != ShapeOf::kOtherRange) {
+    range.low = std::max(range.low, kOfLimit * range.high);
+  }
+  return range;
 }
 
 /// One shape's grid: equal ratios, or equal steps for periods per angle.
-auto grid_of(const ShapeInfo& info, std::size_t points, const Reach& reach) -> std::vector<double> {
+auto grid_of(const ShapeInfo& info, std::size_t points, const SignalReach& reach) -> std::vector<double> {
   if (info.scale == ShapeScale::kRatio) {
-    return geometric_grid(smallest(info, reach), largest(info, reach), points);
+    const ShapeRange range = grid_range(info, reach);
+    return geometric_grid(range.low, range.high, points);
   }
   constexpr std::size_t kMostPeriods = 120;
   std::vector<double> values;
@@ -65,7 +58,7 @@ auto grid_of(const ShapeInfo& info, std::size_t points, const Reach& reach) -> s
 }
 
 /// Every combination of the shapes' grids; a term without shapes has one, empty.
-auto shape_grid(const CatalogueTerm& term, const Reach& reach) -> std::vector<Shapes> {
+auto shape_grid(const CatalogueTerm& term, const SignalReach& reach) -> std::vector<Shapes> {
   const std::size_t points = term.shapes.size() > 1 ? 6 : kGridPoints;
   std::vector<Shapes> grid = {{}};
   for (const auto& info : term.shapes) {
@@ -82,17 +75,18 @@ auto shape_grid(const CatalogueTerm& term, const Reach& reach) -> std::vector<Sh
 }
 
 /// A few settings around the best, closer than the grid.
-auto fine_grid(const CatalogueTerm& term, const Shapes& best, const Reach& reach) -> std::vector<Shapes> {
+auto fine_grid(const CatalogueTerm& term, const Shapes& best, const SignalReach& reach) -> std::vector<Shapes> {
   std::vector<Shapes> grid;
   for (std::size_t s = 0; s < best.size(); ++s) {
     const ShapeInfo& info = term.shapes[s];
-    const double step =
-        std::pow(largest(info, reach) / smallest(info, reach), 1.0 / static_cast<double>(kGridPoints - 1));
+    const ShapeRange range = grid_range(info, reach);
+    const double step = std::pow(range.high / range.low, 1.0 / static_cast<double>(kGridPoints - 1));
     const bool in_ratio = info.scale == ShapeScale::kRatio;
     const double ratio = in_ratio ? step : 1.0 + periods_step(reach) / best[s];
-    const double least = in_ratio ? info.minimum : fewest_periods(info, reach);
+    const ShapeRange limits = range_of(info, reach);
+    const double least = in_ratio ? limits.low : fewest_periods(info, reach);
     for (const double value : geometric_grid(best[s] / ratio, best[s] * ratio, kFinePoints + 2)) {
-      if (value > least && value < info.maximum) {
+      if (value > least && value < limits.high) {
         grid.push_back(best);
         grid.back()[s] = value;
       }
@@ -138,7 +132,7 @@ class Builder {
       family.signs = {Sign::kNonNegative};
     }
     Best best;
-    const Reach reach(p_.signals);
+    const SignalReach& reach = p_.hindsight.reach();
     add(term, shape_grid(term, reach), kKeptOfGrid, family, best);
     if (family.variants.empty()) {
       return family;  // it changes nothing here, as a delay of a law that is nought

@@ -28,6 +28,35 @@ auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*
   return all;
 }
 
+/// What a board can not hold is said before somebody finds out there.
+void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
+  constexpr double kBoard = 128.0;      // Q24 in 32 bits
+  constexpr double kFinestShare = 1e5;  // of a range: a threshold that small does not matter
+  const std::string axis = log.target.substr(0, log.target.find('/'));
+  const auto note = [&](const std::string& name, const Eigen::VectorXd& signal, const char* cure) {
+    const double most = signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0.0;
+    if (most >= kBoard) {
+      warnings.push_back(
+          log.name + ": " + axis + name + " goes to " + rounded(most) +
+          ", beyond the 128 that a board's numbers hold: the law is right for this log, but no board can "
+          "run it, and plays wider than 60 are not looked for; " +
+          cure);
+    }
+  };
+  const double range = log.q1_rad.maxCoeff() - log.q1_rad.minCoeff();
+  const double finest = direction_thresholds({log}, AngleNoise{}).front();  // if the sensor were perfect
+  if (range > 0.0 && range < kFinestShare * finest &&
+      direction_thresholds({log}, motor_angle_noise({log})).front() <= finest) {
+    warnings.push_back(
+        log.name + ": " + axis + "/q1 moves by " + rounded(range) +
+        " only, and a board's numbers tell directions from 1e-6 on: the sensor is finer than that, so the "
+        "running law is late at reversals; log the angle before the gear, or scale it with --map");
+  }
+  note("/q1", log.q1_rad, "log the angle behind the gear, or scale it with --map");
+  note("/q2", log.q2_rad, "log it in rad or m, or scale it with --map");
+  note("/tau", log.tau_nm, "scale it with --map");
+}
+
 void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
   d.target = logs.front().target;
   bool torque = true;
@@ -38,6 +67,11 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   }
   d.rate_hz = logs.front().rate_hz();
   const bool effort = logs.front().motion_alone();
+  for (const auto& log : logs) {
+    if (log.q2_rad.size() > 0) {  // efforts: board_effort_law
+      note_range(log, d.warnings);
+    }
+  }
   const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");
   d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
@@ -99,22 +133,47 @@ void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tes
   tested.push_back({log.name, error(d.base), error(d.law)});
 }
 
+/// The law with the effects that were found, or the base law.
+auto as_searched(const Diagnosis& d, bool named) -> LawChoice {
+  LawChoice choice;
+  choice.law = choice.learned = named ? *d.found : d.base;
+  choice.status = choice.law.status = choice.learned.status = named ? LawStatus::kConfirmed : LawStatus::kBase;
+  choice.is_named = named;
+  choice.halves_agree = 2;
+  return choice;
+}
+
+/// Of an effort or a torque: laws without names are grown apart, from logs that are looked at otherwise
+/// (deliver_effort_law).
+auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
+  const Eigen::VectorXd after = d.found ? estimates(p.logs, p.causal, *d.found) : d.traces.before;
+  const bool lower = report_error(p, after).rmse < d.before.rmse;
+  LawChoice choice = as_searched(d, d.found && (!d.effects.empty() || (is_refusal(d.verdict) && lower)));
+  const Eigen::Index half = p.target.size() / 2;
+  const auto left = [&](Eigen::Index begin, const Eigen::VectorXd& estimate) {
+    return rms((p.target - estimate).segment(begin, half));
+  };
+  choice.halves_agree = 0;
+  for (const Eigen::Index begin : {Eigen::Index{0}, p.target.size() - half}) {
+    const bool wins = left(begin, after) <= left(begin, d.traces.before);
+    choice.halves_agree += wins == choice.is_named || !d.found ? 1 : 0;
+  }
+  return choice;
+}
+
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
 /// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor.
 auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
+  if (d.base.catalogue->target() != TargetKind::kAngle) {
+    return chosen_effort_law(p, d);
+  }
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
   if (named || (p.repeats && d.verdict == Verdict::kNothingMissing)) {
     const JointFile& law = named ? *d.found : d.base;
     // Where the running switch is late, no law of this encoder knows better.
     const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
     if (left <= kAboveFloor * d.noise_floor) {
-      LawChoice choice;
-      choice.law = choice.learned = law;
-      choice.status = named ? LawStatus::kConfirmed : LawStatus::kBase;
-      choice.law.status = choice.learned.status = choice.status;
-      choice.is_named = named;
-      choice.halves_agree = 2;
-      return choice;
+      return as_searched(d, named);
     }
   }
   return choose_law(p, d.base, d.found);
@@ -181,6 +240,7 @@ void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& o
   d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);
   d.traces.q1 = stacked_signal(p.logs, &AxisLog::q1_rad);
   d.traces.measured = p.target;
+  d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
   report(p, search, base, d);
   for (const auto& log : options.test_logs) {
     test_on(log, d, d.tested);
@@ -231,6 +291,11 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
   if (has_effort_law(recorded, d)) {
     options.progress("choosing the law of the effort");
     deliver_effort_law(recorded, options, d);
+  }
+  if (d.traces.after.size() > 0) {
+    const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
+    d.map_before = residual_map(signals, d.traces.measured - d.traces.before);
+    d.map_after = residual_map(signals, d.traces.measured - d.traces.after);
   }
   return d;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/diagnose/residual_map.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/log/axis_log.hpp"
@@ -92,6 +93,7 @@ struct TestedLog {
 /// Everything the report draws. Rows of all logs, one below the other.
 struct Traces {
   Eigen::VectorXd time_s, q1, measured, before, after;
+  Eigen::VectorXd load;  ///< the motor's torque, where it is an input of the law
 };
 
 struct Diagnosis {
@@ -122,6 +124,7 @@ struct Diagnosis {
   std::optional<std::string> law_file;  ///< that the law was written to
   double explained_share = 0.0, explained_share_lower = 0.0;
   Traces traces;
+  ResidualMap map_before, map_after;  ///< where base law and delivered law leave something
 };
 
 struct DiagnoseOptions {

@@ -67,6 +67,21 @@ auto unnamed_json(const UnnamedPart& part) -> Json {
           {"sentence", part.sentence}};
 }
 
+auto map_json(const ResidualMap& map) -> Json {
+  Json cells = Json::array();
+  for (const auto& cell : map.cells) {
+    cells.push_back({{"signal", cell.signal},
+                     {"forward", cell.forward},
+                     {"from", cell.from},
+                     {"to", cell.to},
+                     {"mean", cell.mean},
+                     {"visits", cell.visits},
+                     {"p_value", cell.p_value},
+                     {"found", cell.found}});
+  }
+  return {{"sentence", map.sentence}, {"cells", cells}};
+}
+
 auto error_json(const ErrorSummary& error) -> Json {
   return {{"rmse", error.rmse}, {"gof_percent", error.gof_percent}, {"relative_percent", error.relative_percent}};
 }
@@ -106,6 +121,7 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
   for (const auto& log : d.tested) {
     json["test"].push_back({{"log", log.name}, {"before", error_json(log.before)}, {"after", error_json(log.after)}});
   }
+  json["residual_map"] = {{"before", map_json(d.map_before)}, {"after", map_json(d.map_after)}};
   json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

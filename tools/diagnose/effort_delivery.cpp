@@ -102,10 +102,14 @@ void replace_traces(const std::vector<AxisLog>& logs, const EffortSelection& sel
   const Eigen::Index rows = selection.measured.size();
   traces.time_s.resize(rows);
   traces.q1.resize(rows);
+  traces.load.resize(selection.law.of_gear() ? rows : 0);
   Eigen::Index row = 0;
   for (const auto& log : logs) {
     traces.time_s.segment(row, log.samples()) = log.time_s;
     traces.q1.segment(row, log.samples()) = log.q1_rad;
+    if (traces.load.size() > 0) {
+      traces.load.segment(row, log.samples()) = log.tau_nm;
+    }
     row += log.samples();
   }
   traces.measured = selection.measured;

@@ -56,7 +56,8 @@ auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& ad
     law.set_shapes(law.catalogue->term(one.name), one.shapes);
   }
   law = refine_shapes(p.hindsight, p.target, learned, law);
-  return shapes_at_limits(law).empty() && all_present(p, law, learned, added) ? std::optional(law) : std::nullopt;
+  return shapes_at_limits(p.hindsight, law).empty() && all_present(p, law, learned, added) ? std::optional(law)
+                                                                                           : std::nullopt;
 }
 
 auto law_without(LawForm law, const std::string& name) -> LawForm {

@@ -25,7 +25,7 @@ LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<do
 }
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing)
-    : samples_(std::move(samples)), smoothing_(smoothing) {
+    : samples_(std::move(samples)), reach_(reach_of(samples_)), smoothing_(smoothing) {
   for (const auto& log : logs) {
     periods_.push_back(log.period_s);
     log_rows_.push_back(log.samples());

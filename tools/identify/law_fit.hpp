@@ -6,6 +6,7 @@
 
 #include "capstan/tools/identify/conditioning.hpp"
 #include "capstan/tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/shape_range.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
 
 namespace capstan::tools {
@@ -25,6 +26,7 @@ class LawDesign {
   [[nodiscard]] auto log_rows() const -> const std::vector<Eigen::Index>& { return log_rows_; }
   [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
   [[nodiscard]] auto smoothing() const -> Eigen::Index { return smoothing_; }
+  [[nodiscard]] auto reach() const -> const SignalReach& { return reach_; }
   /// Signals over all logs averaged as the columns are.
   [[nodiscard]] auto smoothed(const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd;
   [[nodiscard]] auto period_s(std::size_t log) const -> double { return periods_[log]; }
@@ -40,6 +42,7 @@ class LawDesign {
 
  private:
   std::vector<Samples> samples_;
+  SignalReach reach_;
   std::vector<double> periods_;
   std::vector<Eigen::Index> log_rows_;
   Eigen::Index rows_ = 0;
@@ -75,12 +78,12 @@ auto law_signs(const LawForm& form) -> std::vector<Sign>;
 auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LinearFit;
 
-/// The shapes that fit best within their limits, of those around where they are.
+/// The shapes that fit best within what the logs can tell (range_of), of those around where they are.
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
     -> LawForm;
 
-/// The shapes that fit best within their limits, wherever they were: from starts on a Latin hypercube, the best few of
-/// them refined.
+/// The shapes that fit best within what the logs can tell, wherever they were: from starts on a Latin hypercube, the
+/// best few of them refined.
 auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm;
 
@@ -89,8 +92,8 @@ auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t sha
 /// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
 auto shape_step(const ShapeInfo& info, double value) -> double;
 
-/// A shape that ended at a limit of its range is not identified: names of those.
-auto shapes_at_limits(const LawForm& form) -> std::vector<std::string>;
+/// A shape that ended at a limit of what the logs can tell is not identified: names of those.
+auto shapes_at_limits(const LawDesign& design, const LawForm& form) -> std::vector<std::string>;
 
 /// How the law's angle or effort changes with each shape that is searched for, the coefficients held: a column per
 /// shape.

@@ -16,26 +16,34 @@ namespace {
 /// A shape that is searched for, and where it stands among all shapes. A search goes along its scale: the logarithm
 /// where settings lie in equal ratios, else the share of its range.
 struct ShapeSlot {
-  const ShapeInfo* info;
+  ShapeRange range;
   std::size_t index;
+  bool in_ratio;
   bool is_delay;  ///< of the law's output
 
-  [[nodiscard]] auto in_ratio() const -> bool { return info->scale == ShapeScale::kRatio && info->minimum > 0.0; }
-  [[nodiscard]] auto range() const -> double { return info->maximum - info->minimum; }
-  [[nodiscard]] auto place(double value) const -> double { return in_ratio() ? std::log(value) : value / range(); }
+  [[nodiscard]] auto place(double value) const -> double { return in_ratio ? std::log(value) : value / range.size(); }
   [[nodiscard]] auto value(double place) const -> double {
-    return std::clamp(in_ratio() ? std::exp(place) : place * range(), info->minimum, info->maximum);
+    return std::clamp(in_ratio ? std::exp(place) : place * range.size(), range.low, range.high);
   }
   /// Change of the value per change of the place.
-  [[nodiscard]] auto slope(double value) const -> double { return in_ratio() ? value : range(); }
+  [[nodiscard]] auto slope(double value) const -> double { return in_ratio ? value : range.size(); }
 };
 
-auto shape_slots(const LawForm& form) -> std::vector<ShapeSlot> {
+auto goes_in_ratios(const ShapeInfo& info) -> bool {
+  return info.scale == ShapeScale::kRatio && info.minimum > 0.0;
+}
+
+/// The shapes of a form that are searched for. Where one is now always belongs to its range: a law may have been fitted
+/// to logs that went farther.
+auto shape_slots(const LawDesign& design, const LawForm& form) -> std::vector<ShapeSlot> {
   std::vector<ShapeSlot> slots;
   for (const auto* term : ordered_terms(form)) {
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {
       if (is_searched(form, *term, i)) {
-        slots.push_back({&term->shapes[i], term->first_shape + i, term->acts_on_output});
+        const ShapeInfo& info = term->shapes[i];
+        const std::size_t index = term->first_shape + i;
+        const double now = std::clamp(form.shapes[index], info.minimum, info.maximum);
+        slots.push_back({range_of(info, design.reach()).with(now), index, goes_in_ratios(info), term->acts_on_output});
       }
     }
   }
@@ -47,8 +55,8 @@ auto bounds_of(const std::vector<ShapeSlot>& slots) -> SearchBounds {
   SearchBounds bounds{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto& slot = slots[static_cast<std::size_t>(i)];
-    bounds.lower[i] = slot.place(slot.info->minimum);
-    bounds.upper[i] = slot.place(slot.info->maximum);
+    bounds.lower[i] = slot.place(slot.range.low);
+    bounds.upper[i] = slot.place(slot.range.high);
   }
   return bounds;
 }
@@ -57,7 +65,7 @@ auto bounds_of(const std::vector<ShapeSlot>& slots) -> SearchBounds {
 class ShapeResidual final : public NonlinearResidual {
  public:
   ShapeResidual(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
-      : design_(design), target_(target), blocks_(blocks), slots_(shape_slots(form)), form_(std::move(form)) {}
+      : design_(design), target_(target), blocks_(blocks), slots_(shape_slots(design, form)), form_(std::move(form)) {}
 
   auto at(const Eigen::VectorXd& places) -> Eigen::VectorXd override {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
@@ -102,7 +110,7 @@ using Fitted = std::pair<double, LawForm>;
 
 /// The form with the shapes nearest to its own that fit best.
 auto descended(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form) -> Fitted {
-  const auto slots = shape_slots(form);
+  const auto slots = shape_slots(design, form);
   Eigen::VectorXd start(static_cast<Eigen::Index>(slots.size()));
   for (std::size_t i = 0; i < slots.size(); ++i) {
     start[static_cast<Eigen::Index>(i)] = slots[i].place(form.shapes[slots[i].index]);
@@ -121,12 +129,12 @@ auto followed(const LawDesign& design, const Eigen::VectorXd& target, const Bloc
     -> Fitted {
   Fitted best = descended(design, target, blocks, form);
   const double period_s = design.period_s(0);
-  for (const auto& slot : shape_slots(form)) {
+  for (const auto& slot : shape_slots(design, form)) {
     const double here = std::floor(best.second.shapes[slot.index] / period_s);
     for (const double sample : {here - 1.0, here + 1.0}) {
       LawForm next = best.second;
       next.shapes[slot.index] = (sample + 0.5) * period_s;
-      if (slot.is_delay && sample >= 0.0 && next.shapes[slot.index] < slot.info->maximum &&
+      if (slot.is_delay && sample >= 0.0 && next.shapes[slot.index] < slot.range.high &&
           fit_law(design, target, blocks, next).rmse < best.first) {
         return followed(design, target, blocks, next);
       }
@@ -136,17 +144,17 @@ auto followed(const LawDesign& design, const Eigen::VectorXd& target, const Bloc
 }
 
 /// Starts that take every shape once through each part of its range (Latin hypercube: McKay, Beckman and Conover 1979).
-auto hypercube(const LawForm& form, std::size_t count) -> std::vector<LawForm> {
+auto hypercube(const std::vector<ShapeSlot>& slots, const LawForm& form, std::size_t count) -> std::vector<LawForm> {
   Random random(0x1A71);
   std::vector<LawForm> starts(count, form);
-  for (const auto& slot : shape_slots(form)) {
+  for (const auto& slot : slots) {
     std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t{0});
     for (std::size_t i = count; i-- > 1;) {
       std::swap(order[i], order[static_cast<std::size_t>(random.uniform() * static_cast<double>(i + 1))]);
     }
-    const double low = slot.place(slot.info->minimum);
-    const double high = slot.place(slot.info->maximum);
+    const double low = slot.place(slot.range.low);
+    const double high = slot.place(slot.range.high);
     for (std::size_t i = 0; i < count; ++i) {
       const double share = (static_cast<double>(order[i]) + random.uniform()) / static_cast<double>(count);
       starts[i].shapes[slot.index] = slot.value(low + share * (high - low));
@@ -155,22 +163,38 @@ auto hypercube(const LawForm& form, std::size_t count) -> std::vector<LawForm> {
   return starts;
 }
 
+/// The form with every shape that is searched for inside what the logs can tell.
+auto moved_inside(const LawDesign& design, LawForm form) -> LawForm {
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (is_searched(form, *term, i)) {
+        const ShapeRange range = range_of(term->shapes[i], design.reach());
+        double& value = form.shapes[term->first_shape + i];
+        value = std::clamp(value, range.low, range.high);
+      }
+    }
+  }
+  return form;
+}
+
 }  // namespace
 
 auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, LawForm form)
     -> LawForm {
-  return shape_slots(form).empty() ? form : followed(design, target, blocks, std::move(form)).second;
+  return shape_slots(design, form).empty() ? form : followed(design, target, blocks, std::move(form)).second;
 }
 
 auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm {
   constexpr std::size_t kStarts = 24;
   constexpr std::size_t kFollowed = 5;
-  if (shape_slots(form).empty()) {
+  const LawForm inside = moved_inside(design, form);
+  const auto slots = shape_slots(design, inside);
+  if (slots.empty()) {
     return form;
   }
   std::vector<Fitted> starts;
-  for (auto& start : hypercube(form, kStarts)) {
+  for (auto& start : hypercube(slots, inside, kStarts)) {
     starts.emplace_back(fit_law(design, target, blocks, start).rmse, std::move(start));
   }
   std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -185,8 +209,10 @@ auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
 }
 
 auto shape_step(const ShapeInfo& info, double value) -> double {
+  constexpr double kShare = 0.02;
   const double range = info.maximum - info.minimum;
-  const double step = std::clamp(0.02 * std::abs(value), 1e-5 * range, 1e-3 * range);
+  const double own = kShare * std::abs(value);
+  const double step = goes_in_ratios(info) ? own : std::clamp(own, 1e-5 * range, 1e-3 * range);
   return value + step > info.maximum ? -step : step;
 }
 
@@ -197,18 +223,19 @@ auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t sha
          (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
 }
 
-auto shapes_at_limits(const LawForm& form) -> std::vector<std::string> {
+auto shapes_at_limits(const LawDesign& design, const LawForm& form) -> std::vector<std::string> {
+  constexpr double kMargin = 2e-3;       // of the range, at its upper end
+  constexpr double kMarginBelow = 0.02;  // of the lower end
   std::vector<std::string> names;
   for (const auto* term : ordered_terms(form)) {
     for (std::size_t i = 0; !term->shapes_are_open && i < term->shapes.size(); ++i) {
       if (!is_searched(form, *term, i)) {
         continue;
       }
-      const auto& info = term->shapes[i];
+      const ShapeRange range = range_of(term->shapes[i], design.reach());
       const double value = form.shapes[term->first_shape + i];
-      const double margin = 2e-3 * (info.maximum - info.minimum);
-      if (value > info.maximum - margin || value < info.minimum + (info.minimum > 0.0 ? 0.02 * info.minimum : 0.0)) {
-        names.push_back(term->name + "." + info.name);
+      if (value > range.high - kMargin * range.size() || value < range.low + kMarginBelow * std::max(0.0, range.low)) {
+        names.push_back(term->name + "." + term->shapes[i].name);
       }
     }
   }

@@ -21,6 +21,10 @@ constexpr Index kLongestShift = 15;  // rows to either side
 constexpr Index kParts = 8;          // of the log, for the jackknife
 constexpr Index kEnoughRows = 8000;  // looked at; longer logs are thinned, shifts stay those of every row
 constexpr Index kFewestRows = 400;
+/// A motor angle that is late is late against its torque, too. A joint that leads both, as creep or a swinging load
+/// makes it, is no late channel: the motor's angle alone has to explain so many times what both together do. Chosen
+/// 2026-11-22 on seeds 3000 to 3349 of tools/channel_benchmark, where three of the five clean joints accused led so.
+constexpr double kOfMotorAlone = 1.2;
 
 struct Motion {
   VectorXd speed, acceleration, direction;  // per row; the direction is held at rest
@@ -229,6 +233,7 @@ auto delay_between(const DelayChannels& channels) -> std::optional<ChannelDelay>
   const Index stride = std::max<Index>(1, target.size() / kEnoughRows);
   const Law law(channels);
   std::optional<ChannelDelay> best;
+  double of_both = 0.0;  // gain of motor angle and torque late together
   std::vector<LateChannel> candidates = {LateChannel::kTarget};
   if (channels.tau != nullptr) {
     candidates.push_back(LateChannel::kMotorEffort);
@@ -239,11 +244,16 @@ auto delay_between(const DelayChannels& channels) -> std::optional<ChannelDelay>
     if (found && found->rows < 0.0 && channels.target_is_effort) {  // of two channels, one ahead is the other behind
       found = ChannelDelay{LateChannel::kMotorAngle, -found->rows, -found->high, -found->low, found->gain, found->left};
     }
+    if (found && candidate == LateChannel::kTarget && found->rows < 0.0) {
+      of_both = found->gain;
+    }
     if (found && found->rows > 0.0 && (!best || found->gain > best->gain)) {
       best = found;
     }
   }
-  return best;
+  const bool leads = channels.tau != nullptr && best && best->channel == LateChannel::kMotorAngle &&
+                     best->gain < kOfMotorAlone * of_both;
+  return leads ? std::nullopt : best;
 }
 
 }  // namespace capstan::tools

@@ -22,15 +22,18 @@ constexpr double kMostJointTurns = 2.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPulleys = 3.5;
 /// A delay counts from this many rows on, where it explains this share of the residual's squares, is known to this many
-/// rows and this many times better than its size, and the law leaves no more than this share of the target. Chosen
-/// 2026-11-22 on seeds 1 to 79 of tools/channel_benchmark: clean logs came to a gain of 0.03 where the delay was known
-/// that well, and up to 0.2 where it was not.
-constexpr double kLeastDelay = 0.5;
-constexpr double kDelayGain = 0.09;
+/// rows and this many times better than its size, and the law leaves no more than this share of the target.
+struct DelayLimits {
+  double rows, gain, certain;
+};
+/// Chosen 2026-11-22 on seeds 3000 to 3349 of tools/channel_benchmark, with a fifth to a half on top of what accused
+/// none of these 350 clean logs: gains of 0.05 and 0.04, 2.5 and 4 times the interval. A late motor angle is what
+/// joints that lead look like, so it takes more; the efforts' generator is half a row off by itself, up to 0.68 rows as
+/// seen here.
+constexpr DelayLimits kDelayOfJoint = {0.5, 0.06, 3.0};
+constexpr DelayLimits kDelayOfMotor = {0.5, 0.2, 3.0};
+constexpr DelayLimits kDelayOfEffort = {0.8, 0.05, 5.0};
 constexpr double kWidestHalf = 0.8;
-constexpr double kCertainDelay = 3.5;
-constexpr double kCertainDelayOfEffort =
-    8.0;  // of two channels alone: a clean one (seed 1006) came to 5.9, late ones to 30 and more
 constexpr double kMostLeft = 0.35;
 
 auto moves(const Eigen::VectorXd& x) -> bool {
@@ -156,8 +159,10 @@ class Gate {
       return;
     }
     const double half = 0.5 * (delay->high - delay->low);
-    const double certain = alone ? kCertainDelayOfEffort : kCertainDelay;
-    if (delay->rows < std::max(kLeastDelay, certain * half) || half > kWidestHalf || delay->gain < kDelayGain ||
+    const DelayLimits& limits = alone                                        ? kDelayOfEffort
+                                : delay->channel == LateChannel::kMotorAngle ? kDelayOfMotor
+                                                                             : kDelayOfJoint;
+    if (delay->rows < std::max(limits.rows, limits.certain * half) || half > kWidestHalf || delay->gain < limits.gain ||
         delay->left > kMostLeft) {
       return;
     }

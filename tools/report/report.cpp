@@ -90,6 +90,58 @@ auto residual_plot(const Diagnosis& d, const Eigen::VectorXd& estimate, const st
   return plot;
 }
 
+/// Mean residual over one signal, each direction for itself: what the law lacks there, and what is left of it.
+auto map_plot(const Diagnosis& d, const std::string& signal) -> Plot {
+  const Shown target = shown(d.unit);
+  Plot plot;
+  plot.title = "Where the residual lies: " + signal;
+  plot.x_label = signal == "angle" ? "motion q1 [" + d.motion_unit + "]"
+                                   : (signal == "speed" ? "speed [" + d.motion_unit + "/s]"
+                                                        : (signal == "load" ? "load [Nm]" : "since the reversal [s]"));
+  plot.y_label = "mean of measured less estimated [" + target.unit + "]";
+  const auto add = [&](const ResidualMap& map, bool forward, const char* which, const char* colour) {
+    Series series{std::string(which) + (forward ? ", forward" : ", backward"), colour, {}, {}};
+    for (const auto& cell : map.cells) {
+      if (cell.signal == signal && cell.forward == forward && cell.visits > 0) {
+        series.x.conservativeResize(series.x.size() + 1);
+        series.y.conservativeResize(series.y.size() + 1);
+        series.x.tail(1)[0] = 0.5 * (cell.from + cell.to);
+        series.y.tail(1)[0] = cell.mean * target.factor;
+      }
+    }
+    if (series.x.size() > 1) {
+      plot.series.push_back(std::move(series));
+    }
+  };
+  add(d.map_before, true, "before", "#c2410c");
+  add(d.map_before, false, "before", "#fdba74");
+  add(d.map_after, true, "after", "#0f766e");
+  add(d.map_after, false, "after", "#5eead4");
+  return plot;
+}
+
+/// What the delivered law corrects without a name, and where it and the base law leave something.
+auto map_section(const Diagnosis& d) -> std::string {
+  std::string html = "<h2>Where the residual lies</h2>\n";
+  if (d.unnamed) {
+    html += "<p>" + escaped(d.unnamed->sentence) + "</p>\n";
+  }
+  html +=
+      "<p>Before: " + escaped(d.map_before.sentence) + "</p>\n<p>After: " + escaped(d.map_after.sentence) +
+      " Of the cells listed one in twenty is wrong at most.</p>\n<table><tr><th>after: signal</th><th>direction</th>"
+      "<th>from</th><th>to</th><th>mean [" +
+      d.unit + "]</th><th>visits</th><th>p</th></tr>\n";
+  for (const auto& found : d.map_after.cells) {
+    if (found.found) {
+      html += "<tr>" + cell(found.signal) + cell(found.forward ? "forward" : "backward") +
+              cell(rounded(found.from, 3), true) + cell(rounded(found.to, 3), true) +
+              cell(rounded(found.mean, 3), true) + cell(std::to_string(found.visits), true) +
+              cell(rounded(found.p_value, 2), true) + "</tr>\n";
+    }
+  }
+  return html + "</table>\n";
+}
+
 auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
   if (d.traces.measured.size() == 0) {
     return {};
@@ -109,6 +161,12 @@ auto pictures_of(const Diagnosis& d) -> std::vector<Picture> {
     residuals[i].y_range = residual_range;
     pictures.push_back({std::string("loop_") + names[i] + ".svg", loops[i]});
     pictures.push_back({std::string("residual_") + names[i] + ".svg", residuals[i]});
+  }
+  for (const char* signal : {"angle", "speed", "load", "time_since_reversal"}) {
+    if (Plot plot = map_plot(d, signal); !plot.series.empty()) {
+      plot.y_range = common_range({plot});
+      pictures.push_back({std::string("map_") + signal + ".svg", std::move(plot)});
+    }
   }
   return pictures;
 }
@@ -239,7 +297,7 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
     for (const auto& picture : pictures) {
       html += svg_of(picture.plot);
     }
-    html += ranking_tables(d) + parameter_table(d.law, d.undetermined);
+    html += map_section(d) + ranking_tables(d) + parameter_table(d.law, d.undetermined);
   }
   html += what_would_change(d);
   if (!d.warnings.empty()) {

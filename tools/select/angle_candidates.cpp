@@ -33,6 +33,7 @@ auto values_of(const ShapeInfo& shape, const SignalRanges& ranges, const Decidin
       return geometric_grid(numbers.shortest_time * ranges.period_s, numbers.longest_time * ranges.length_s,
                             numbers.shape_values);
     case ShapeOf::kNothing:
+    case ShapeOf::kMotorSpeed:  // of efforts
     case ShapeOf::kGiven:
       break;
   }
@@ -129,10 +130,6 @@ auto angle_vocabulary(const SelectionData& data) -> Vocabulary {
   }
   keep_within_limits(data.catalogue(), vocabulary);
   return vocabulary;
-}
-
-auto vocabulary_for(const SelectionData& data) -> Vocabulary {
-  return data.catalogue().target() == TargetKind::kAngle ? angle_vocabulary(data) : Vocabulary{};
 }
 
 }  // namespace capstan::tools

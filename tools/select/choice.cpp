@@ -9,11 +9,6 @@ namespace {
 constexpr std::size_t kBasePlace = 0;
 constexpr std::size_t kFoundPlace = 1;
 
-/// What the joint angle of a law of angles is to the law itself: its estimate.
-auto angle_known_to(const JointFile& law, const Preparation& p) -> Eigen::VectorXd {
-  return law.catalogue->target() == TargetKind::kAngle ? estimates(p.logs, p.causal, law) : Eigen::VectorXd{};
-}
-
 class Chooser {
  public:
   Chooser(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
@@ -21,7 +16,7 @@ class Chooser {
       : p_(p),
         base_(base),
         found_(found),
-        data_(p, *base.catalogue, numbers, angle_known_to(found ? *found : base, p)) {
+        data_(p, *base.catalogue, numbers, estimates(p.logs, p.causal, found ? *found : base)) {
     given_ = {candidate_of(form_of(base))};
     if (found) {
       given_.push_back(candidate_of(form_of(*found)));

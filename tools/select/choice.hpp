@@ -17,9 +17,9 @@ struct LawChoice {
   Selection selection;    ///< by all rows
 };
 
-/// Chooses among the base law, the law with the effects that were found, if any, and those that are grown from the
-/// log's vocabulary. The found law where it costs next to nothing; else the base law where it may be the best; else
-/// what errs least. Base and found law come with shapes that were refined already.
+/// Chooses the law of a joint angle among the base law, the law with the effects that were found, if any, and those
+/// that are grown from the log's vocabulary. The found law where it costs next to nothing; else the base law where it
+/// may be the best; else what errs least. Base and found law come with shapes that were refined already.
 auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
                 const DecidingNumbers& numbers = {}) -> LawChoice;
 

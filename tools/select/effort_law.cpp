@@ -13,6 +13,8 @@
 namespace capstan::tools {
 namespace {
 
+constexpr EffortNumbers kNumbers;
+
 /// Everything that a choice needs.
 struct Choice {
   const std::vector<AxisLog>& logs;
@@ -62,14 +64,14 @@ void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::Vec
 }
 
 /// The law in numbers, with intervals from blocks of all rows.
-auto in_numbers(const Choice& choice, const PartProducts& products, const GrownLaw& grown) -> EffortLaw {
+auto in_numbers(const Choice& choice, const PartProducts& products, const PartLaw& chosen_parts) -> EffortLaw {
   EffortLaw law = choice.frame;
   JointFile& joint = law.joint;
-  const Eigen::VectorXd theta = products.coefficients(grown.law, GrowthNumbers{}.ridge);
+  const Eigen::VectorXd theta = products.coefficients(chosen_parts, kNumbers.ridge);
   Eigen::MatrixXd columns(choice.design.rows(), theta.size());
   std::vector<std::size_t> places;
   std::set<std::string> terms;
-  for (const auto& chosen : grown.law) {
+  for (const auto& chosen : chosen_parts) {
     place_part(choice, chosen, theta, joint, columns, places);
     terms.insert(choice.parts[chosen.part].term);
   }
@@ -112,7 +114,7 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
     auto parts = gear_parts(motion_ranges(design));
     parts.resize(6);
     const PartProducts products(design, stacked_target(logs), 1.0, *law.joint.catalogue, parts);
-    return 0.5 * std::log(products.fold_errors(gear, GrowthNumbers{}.ridge).mean());
+    return 0.5 * std::log(products.fold_errors(gear, kNumbers.ridge).mean());
   };
   double best = 0.0;
   double lowest = loss(0.0) - kWorthIt;
@@ -158,12 +160,14 @@ auto frame_for(const std::vector<AxisLog>& logs) -> EffortLaw {
   return law;
 }
 
-/// What is new in a law: terms that its base does not hold.
-auto new_effects(const EffortLaw& law, const EffortLaw& base, const GrownLaw& grown) -> std::vector<std::string> {
+/// What is new in a law: effects of its parts, in the order they came, whose terms its base does not hold.
+auto new_effects(const std::vector<LawPart>& parts, const PartLaw& law, const EffortLaw& base)
+    -> std::vector<std::string> {
   std::vector<std::string> names;
-  for (const auto& term : grown.path) {
+  for (const auto& chosen : law) {
+    const std::string& term = parts[chosen.part].term;
     const std::string name = effect_name(term);
-    if (law.joint.has(term) && !base.joint.has(term) && std::find(names.begin(), names.end(), name) == names.end()) {
+    if (!base.joint.has(term) && std::find(names.begin(), names.end(), name) == names.end()) {
       names.push_back(name);
     }
   }
@@ -197,18 +201,23 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
   const AxisKind axis = logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
   const auto parts = gear ? gear_parts(ranges) : effort_parts(ranges, design.axes(), axis);
   const Choice choice{logs, design, target, parts, gear ? kGearBaseParts : (bare ? 1 : kRigidParts), frame};
-  GrownLaw start;
-  start.law = {{0, 0}};
+  PartLaw start = {{0, 0}};
   if (gear || !bare) {
-    start.law.push_back({1, 0});
+    start.push_back({1, 0});
+  }
+  PartLaw all_of_base;
+  for (std::size_t part = 0; part < choice.base; ++part) {
+    all_of_base.push_back({part, 0});
   }
   EffortSelection result;
   const auto choose_on = [&](double share) {
     const PartProducts products(design, target, share, *frame.joint.catalogue, parts);
+    PartLaws laws(products, kNumbers);
+    const auto path = Grower(laws, kNumbers.growth).run(all_of_base);
     result.start = in_numbers(choice, products, start);
-    result.base = in_numbers(choice, products, grown_base(products, choice.base));
-    result.grown = grow_law(products, choice.base);
-    result.law = in_numbers(choice, products, result.grown);
+    result.base = in_numbers(choice, products, path.front().law);
+    result.law = in_numbers(choice, products, path.back().law);
+    result.effects = new_effects(parts, path.back().law, result.base);
   };
   constexpr double kLearned = 0.8;
   choose_on(kLearned);
@@ -221,7 +230,6 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
   result.after = rms((result.measured - result.by_law).tail(unseen));
   result.target_rms = rms(result.measured.tail(unseen));
   choose_on(1.0);
-  result.effects = new_effects(result.law, result.base, result.grown);
   set_status(result.effects.empty() ? LawStatus::kBase : LawStatus::kProvisional, result.law);
   set_status(LawStatus::kBase, result.base);
   set_status(LawStatus::kBase, result.start);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "capstan/tools/select/grown_law.hpp"
+#include "capstan/tools/select/part_laws.hpp"
 
 namespace capstan::tools {
 
@@ -20,7 +20,6 @@ struct EffortSelection {
   EffortLaw law, base;
   EffortLaw start;                   ///< the base law by its name: inertia and drag, inertia alone, or gain and offset
   std::vector<std::string> effects;  ///< names by the contract, in the order they came
-  GrownLaw grown;                    ///< on all rows
   double before = 0.0, after = 0.0;  ///< rms error of base and law on the last fifth, both chosen and fitted without it
   double target_rms = 0.0;           ///< there
   /// All rows of all logs: the target as it is seen, and what start and law, chosen and fitted without the last fifth,

@@ -48,11 +48,8 @@ auto select_law(SelectionData& data, const Blocks& rows, const std::vector<LawCa
   for (const auto& law : given) {
     selection.laws.push_back({.law = law, .score = forward.score(law)});
   }
-  const Vocabulary vocabulary = vocabulary_for(data);
-  if (!vocabulary.start.terms.empty()) {
-    for (const auto& step : grow(forward, vocabulary, vocabulary.start)) {
-      add_new(step.law, step.score, selection.laws);
-    }
+  for (const auto& step : grown_angle_laws(forward, angle_vocabulary(data))) {
+    add_new(step.law, step.score, selection.laws);
   }
   judge(forward, selection.laws);
   const auto best = std::min_element(selection.laws.begin(), selection.laws.end(),

@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "capstan/tools/select/angle_laws.hpp"
 #include "capstan/tools/select/confidence_set.hpp"
-#include "capstan/tools/select/growth.hpp"
 
 namespace capstan::tools {
 
@@ -23,7 +23,7 @@ struct Selection {
   std::size_t best = 0;         ///< the one that errs least
 };
 
-/// Judges the laws given beside those grown from the smallest one and from each of them, on some coarse rows.
+/// Judges the laws given, of a joint angle, beside those grown from the smallest one, on some coarse rows.
 auto select_law(SelectionData& data, const Blocks& rows, const std::vector<LawCandidate>& given) -> Selection;
 
 /// A law fitted to the rows, as a file: its plays are the input stage.

@@ -11,17 +11,14 @@ struct TermGrid {
   std::vector<Shapes> settings;
 };
 
-/// What laws of one kind of target may consist of: all that the choice of a law has to be told about the kind.
+/// What laws of a joint angle may consist of.
 struct Vocabulary {
   LawCandidate start;           ///< the smallest law; what it has stays
   std::vector<TermGrid> terms;  ///< at most one setting of each
-  std::vector<double> plays;    ///< half widths of plays in front of the ratio; none for an effort
+  std::vector<double> plays;    ///< half widths of plays in front of the ratio
 };
 
 /// Laws of a joint angle: hysteresis, ratio, tension, other joints.
 auto angle_vocabulary(const SelectionData& data) -> Vocabulary;
-
-/// The vocabulary for the data's catalogue; without terms where laws of its kind are not chosen among.
-auto vocabulary_for(const SelectionData& data) -> Vocabulary;
 
 }  // namespace capstan::tools

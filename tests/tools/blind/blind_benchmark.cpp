@@ -25,6 +25,8 @@ struct Outcome {
   Case drawn;
   Diagnosis diagnosis;
   double after_over_floor = 0.0;
+  double removed = 0.0;  ///< share of the base law's error energy that the delivered law takes away, on rows set aside
+  double removable = 0.0;  ///< the same of a flexible model, out of fold
   Answer answer = Answer::kWrong;
 };
 
@@ -142,10 +144,11 @@ void print_outcome(const Outcome& o) {
       names += "|" + other;
     }
   }
-  std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f\n", title(o.drawn).c_str(),
-              motion_name(o.drawn.motion), o.drawn.strength, o.drawn.repeats ? "repeats" : "single",
-              static_cast<unsigned long long>(o.drawn.seed), kWords[static_cast<std::size_t>(o.answer)],
-              verdict_word(o.diagnosis.verdict), names.c_str(), o.diagnosis.reason.c_str(), o.after_over_floor);
+  std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f removed %.3f of %.3f\n",
+              title(o.drawn).c_str(), motion_name(o.drawn.motion), o.drawn.strength,
+              o.drawn.repeats ? "repeats" : "single", static_cast<unsigned long long>(o.drawn.seed),
+              kWords[static_cast<std::size_t>(o.answer)], verdict_word(o.diagnosis.verdict), names.c_str(),
+              o.diagnosis.reason.c_str(), o.after_over_floor, o.removed, o.removable);
 }
 
 auto is_foreign(const Case& c) -> bool {
@@ -173,6 +176,32 @@ void print_figures(const Tally& listed, const Tally& foreign, const std::vector<
   }
 }
 
+/// What the delivered laws take away of effects that have no name, beside a flexible model (the ceiling of the
+/// diagnosis), where that takes away anything.
+void print_removed(const std::vector<Outcome>& outcomes) {
+  constexpr double kAnything = 0.05;
+  std::vector<double> shares;
+  double removed = 0.0;
+  double removable = 0.0;
+  for (const auto& o : outcomes) {
+    const bool unlisted = is_foreign(o.drawn) && !o.drawn.truths.empty();
+    if (unlisted && o.answer != Answer::kNotVisible && o.removable > kAnything) {
+      shares.push_back(o.removed / o.removable);
+      removed += o.removed;
+      removable += o.removable;
+    }
+  }
+  if (!shares.empty()) {
+    const Eigen::VectorXd all =
+        Eigen::Map<const Eigen::VectorXd>(shares.data(), static_cast<Eigen::Index>(shares.size()));
+    std::printf(
+        "unlisted, of what a flexible model takes away the delivered law does: %.1f %% of all, median %.2f, at least "
+        "0.8 "
+        "in %.1f %% of %zu\n",
+        100.0 * removed / removable, median(all), 100.0 * (all.array() >= 0.8).cast<double>().mean(), shares.size());
+  }
+}
+
 void print_table(const std::vector<Outcome>& outcomes) {
   std::map<std::string, Tally> by_truth;
   Tally listed;
@@ -194,6 +223,7 @@ void print_table(const std::vector<Outcome>& outcomes) {
                 t.counts[4], t.counts[5]);
   }
   print_figures(listed, foreign, after);
+  print_removed(outcomes);
 }
 
 /// What no law that reads these sensors can go below: noise of the effort, and what the encoder's steps make of inertia
@@ -230,6 +260,10 @@ auto tried(const Case& c) -> Outcome {
     visible = joint.visible;
   }
   outcome.diagnosis = diagnose({log}, {});
+  const Diagnosis& d = outcome.diagnosis;
+  outcome.removable = d.rounds.empty() ? 0.0 : std::max(0.0, d.rounds.front().reducible_share);
+  const double left = d.before.rmse > 0.0 ? d.after.rmse / d.before.rmse : 1.0;
+  outcome.removed = 1.0 - left * left;
   outcome.diagnosis.traces = {};
   outcome.after_over_floor = outcome.diagnosis.after.rmse / floor;
   outcome.answer = visible ? judge(c, outcome.diagnosis) : Answer::kNotVisible;

@@ -143,9 +143,9 @@ auto variants() -> std::vector<Variant> {
   add("2 turns", [](auto& n) { n.fewest_turns_of_play = 2; });
   add("base if in set", [](auto& n) { n.worth_a_law = 1e9; });
   add("base at 1.05", [](auto& n) { n.worth_a_law = 1.05; });
-  add("step 0.99", [](auto& n) { n.worth_a_step = 0.99; });
-  add("step 0.94", [](auto& n) { n.worth_a_step = 0.94; });
-  add("step 0.90", [](auto& n) { n.worth_a_step = 0.90; });
+  add("step 0.99", [](auto& n) { n.growth.worth_a_step = 0.99; });
+  add("step 0.94", [](auto& n) { n.growth.worth_a_step = 0.94; });
+  add("step 0.90", [](auto& n) { n.growth.worth_a_step = 0.90; });
   add("ridge 1e-4", [](auto& n) { n.ridge = 1e-4; });
   add("2 plays", [](auto& n) { n.most_plays = 2; });
   return all;

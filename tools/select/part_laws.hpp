@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capstan/tools/select/growth.hpp"
 #include "capstan/tools/select/law_parts.hpp"
 
 namespace capstan::tools {
@@ -11,27 +12,6 @@ struct ChosenPart {
   std::size_t setting = 0;
 };
 using PartLaw = std::vector<ChosenPart>;
-
-/// Numbers that decide how a law grows. Chosen in November 2026 on the 13 effort joints of the shared measured machines
-/// (first 60 % of each log to choose and fit, the rest to judge), on a prototype of this growth with the same terms:
-/// with worth_it 0.02 the law was at most 1.10 times the best plain fit in 12 of 13, with 0.03 in 11; asking more of
-/// logs with few reversals made it 11 (0.3 over their number) down to 8 (1 over it); the loss without the mean (logs of
-/// single folds alone) 9. folds_better of 0 or 0.75 gives the same count. The other numbers were not varied.
-struct GrowthNumbers {
-  double worth_it = 0.02;     ///< fall of the log of the error that a part has to bring, out of fold
-  double kept_for = 0.006;    ///< a part that brings less than this is left out again
-  double folds_better = 0.6;  ///< share of the folds in which it must bring something
-  double ridge = 1e-6;        ///< weight of the squared coefficients, of columns of size one
-  std::size_t most_parts = 16;
-};
-
-/// How a law came about.
-struct GrownLaw {
-  PartLaw law;
-  std::vector<std::string> path;  ///< terms in the order they came; "-" before one that was left out again
-  double first_loss = 0.0;        ///< log of the out-of-fold error of what it began with, and of the law
-  double loss = 0.0;
-};
 
 /// Scalar products of every column of every part, per block of rows: all that growing a law needs of a log.
 class PartProducts {
@@ -64,11 +44,21 @@ class PartProducts {
   double all_rows_ = 0.0;
 };
 
-/// Grows a law from the first `base` parts, of which those stay that lower the error: part by part what lowers the
-/// out-of-fold error most, settings looked for again, and what is not needed any more left out.
-auto grow_law(const PartProducts& products, std::size_t base, const GrowthNumbers& numbers = {}) -> GrownLaw;
+/// Laws that are made of parts, by what they leave of rows that they were not fitted to.
+class PartLaws final : public LawFamily<PartLaw> {
+ public:
+  PartLaws(const PartProducts& products, const EffortNumbers& numbers) : products_(products), numbers_(numbers) {}
 
-/// What `base` parts alone come to, those left out that do not lower the error.
-auto grown_base(const PartProducts& products, std::size_t base, const GrowthNumbers& numbers = {}) -> GrownLaw;
+  auto score(const PartLaw& law) -> double override;
+  [[nodiscard]] auto additions(const PartLaw& law) const -> std::vector<PartLaw> override;
+  [[nodiscard]] auto reductions(const PartLaw& law) const -> std::vector<PartLaw> override;
+  [[nodiscard]] auto variations(const PartLaw& law) const -> std::vector<PartLaw> override;
+
+ private:
+  [[nodiscard]] auto fits_beside(const PartLaw& law, const LawPart& part) const -> bool;
+
+  const PartProducts& products_;
+  const EffortNumbers& numbers_;
+};
 
 }  // namespace capstan::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/select/grown_law.hpp"
+#include "capstan/tools/select/part_laws.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,11 +39,6 @@ auto columns_of_parts(const EffortDesign& design, Eigen::Index step, const Catal
     }
   }
   return all;
-}
-
-/// Mean of the logs of the mean and of the single folds' errors: neither one bad fold nor many easy ones decide.
-auto loss_of(const Eigen::VectorXd& errors) -> double {
-  return 0.25 * (std::log(errors.mean()) + errors.array().log().mean());
 }
 
 }  // namespace
@@ -149,139 +144,67 @@ auto PartProducts::coefficients(const PartLaw& law, double ridge) const -> Eigen
   return theta;
 }
 
-namespace {
-
-/// A law on its way.
-class Growth {
- public:
-  Growth(const PartProducts& products, const GrowthNumbers& numbers) : products_(products), numbers_(numbers) {}
-
-  void begin_with(std::size_t base) {
-    for (std::size_t part = 0; part < base; ++part) {
-      grown_.law.push_back({part, 0});
-    }
-    take(grown_.law);
-    grown_.first_loss = grown_.loss;
-    leave_out_what_is_not_needed();
-  }
-
-  /// Adds the best part there is; false where none is worth it.
-  auto add_one() -> bool {
-    PartLaw best;
-    double lowest = grown_.loss - numbers_.worth_it;
-    for (std::size_t part = 0; part < products_.parts().size(); ++part) {
-      if (!fits_beside(part)) {
-        continue;
-      }
-      for (std::size_t setting = 0; setting < products_.parts()[part].settings.size(); ++setting) {
-        PartLaw trial = grown_.law;
-        trial.push_back({part, setting});
-        const Eigen::VectorXd errors = products_.fold_errors(trial, numbers_.ridge);
-        if (loss_of(errors) < lowest && better_folds(errors) >= numbers_.folds_better) {
-          lowest = loss_of(errors);
-          best = trial;
-        }
-      }
-    }
-    if (best.empty() || best.size() > numbers_.most_parts) {
-      return false;
-    }
-    grown_.path.push_back(products_.parts()[best.back().part].term);
-    take(best);
-    look_for_settings();
-    leave_out_what_is_not_needed();
-    return true;
-  }
-
-  [[nodiscard]] auto grown() const -> const GrownLaw& { return grown_; }
-
- private:
-  /// A term is in the law once, so two of its parts go together only where it has no shapes.
-  [[nodiscard]] auto fits_beside(std::size_t part) const -> bool {
-    const auto& candidate = products_.parts()[part];
-    const bool has_load = std::any_of(grown_.law.begin(), grown_.law.end(), [&](const ChosenPart& chosen) {
-      return products_.parts()[chosen.part].term == candidate.needs;
-    });
-    return (candidate.needs.empty() || has_load) &&
-           std::none_of(grown_.law.begin(), grown_.law.end(), [&](const ChosenPart& chosen) {
-             const auto& other = products_.parts()[chosen.part];
-             const bool shares = std::any_of(candidate.coefficients.begin(), candidate.coefficients.end(), [&](auto i) {
-               return std::find(other.coefficients.begin(), other.coefficients.end(), i) != other.coefficients.end();
-             });
-             return other.term == candidate.term && (shares || !candidate.settings.front().empty());
-           });
-  }
-
-  [[nodiscard]] auto better_folds(const Eigen::VectorXd& errors) const -> double {
-    return static_cast<double>((errors.array() < errors_.array()).count()) / static_cast<double>(errors.size());
-  }
-
-  void take(const PartLaw& law) {
-    grown_.law = law;
-    errors_ = products_.fold_errors(law, numbers_.ridge);
-    grown_.loss = loss_of(errors_);
-  }
-
-  void look_for_settings() {
-    constexpr int kRounds = 2;
-    for (int round = 0; round < kRounds; ++round) {
-      for (std::size_t i = 0; i < grown_.law.size(); ++i) {
-        const std::size_t count = products_.parts()[grown_.law[i].part].settings.size();
-        for (std::size_t setting = 0; count > 1 && setting < count; ++setting) {
-          PartLaw trial = grown_.law;
-          trial[i].setting = setting;
-          if (loss_of(products_.fold_errors(trial, numbers_.ridge)) < grown_.loss) {
-            take(trial);
-          }
-        }
-      }
-    }
-  }
-
-  void leave_out_what_is_not_needed() {
-    while (grown_.law.size() > 1) {
-      PartLaw best;
-      double lowest = grown_.loss + numbers_.kept_for;
-      std::size_t gone = 0;
-      for (std::size_t i = 0; i < grown_.law.size(); ++i) {
-        PartLaw trial = grown_.law;
-        trial.erase(trial.begin() + static_cast<std::ptrdiff_t>(i));
-        const double loss = loss_of(products_.fold_errors(trial, numbers_.ridge));
-        if (loss <= lowest) {
-          lowest = loss;
-          gone = grown_.law[i].part;
-          best = trial;
-        }
-      }
-      if (best.empty()) {
-        return;
-      }
-      grown_.path.push_back("-" + products_.parts()[gone].term);
-      take(best);
-    }
-  }
-
-  const PartProducts& products_;
-  const GrowthNumbers& numbers_;
-  GrownLaw grown_;
-  Eigen::VectorXd errors_;
-};
-
-}  // namespace
-
-auto grown_base(const PartProducts& products, std::size_t base, const GrowthNumbers& numbers) -> GrownLaw {
-  Growth growth(products, numbers);
-  growth.begin_with(base);
-  return growth.grown();
+auto PartLaws::score(const PartLaw& law) -> double {
+  const Eigen::ArrayXd errors = products_.fold_errors(law, numbers_.ridge).array();
+  // The geometric mean of their mean and of the single folds' errors: neither one bad fold nor many easy ones decide.
+  return std::exp(0.5 * (std::log(errors.mean()) + errors.log().mean()));
 }
 
-auto grow_law(const PartProducts& products, std::size_t base, const GrowthNumbers& numbers) -> GrownLaw {
-  constexpr int kMostSteps = 40;
-  Growth growth(products, numbers);
-  growth.begin_with(base);
-  for (int step = 0; step < kMostSteps && growth.add_one(); ++step) {
+/// A term is in the law once, so two of its parts go together only where it has no shapes.
+auto PartLaws::fits_beside(const PartLaw& law, const LawPart& part) const -> bool {
+  const auto& parts = products_.parts();
+  const bool has_load = std::any_of(law.begin(), law.end(),
+                                    [&](const ChosenPart& chosen) { return parts[chosen.part].term == part.needs; });
+  return (part.needs.empty() || has_load) && std::none_of(law.begin(), law.end(), [&](const ChosenPart& chosen) {
+           const LawPart& other = parts[chosen.part];
+           const bool shares = std::any_of(part.coefficients.begin(), part.coefficients.end(), [&](auto i) {
+             return std::find(other.coefficients.begin(), other.coefficients.end(), i) != other.coefficients.end();
+           });
+           return other.term == part.term && (shares || !part.settings.front().empty());
+         });
+}
+
+/// A part has to help in most folds, and not in a few of them much.
+auto PartLaws::additions(const PartLaw& law) const -> std::vector<PartLaw> {
+  const Eigen::VectorXd before = products_.fold_errors(law, numbers_.ridge);
+  const double needed = numbers_.folds_better * static_cast<double>(before.size());
+  std::vector<PartLaw> laws;
+  for (std::size_t part = 0; law.size() < numbers_.most_parts && part < products_.parts().size(); ++part) {
+    if (fits_beside(law, products_.parts()[part])) {
+      for (std::size_t setting = 0; setting < products_.parts()[part].settings.size(); ++setting) {
+        PartLaw more = law;
+        more.push_back({part, setting});
+        const Eigen::VectorXd after = products_.fold_errors(more, numbers_.ridge);
+        if (static_cast<double>((after.array() < before.array()).count()) >= needed) {
+          laws.push_back(std::move(more));
+        }
+      }
+    }
   }
-  return growth.grown();
+  return laws;
+}
+
+auto PartLaws::reductions(const PartLaw& law) const -> std::vector<PartLaw> {
+  std::vector<PartLaw> laws;
+  for (std::size_t i = 0; law.size() > 1 && i < law.size(); ++i) {
+    laws.push_back(law);
+    laws.back().erase(laws.back().begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  return laws;
+}
+
+auto PartLaws::variations(const PartLaw& law) const -> std::vector<PartLaw> {
+  std::vector<PartLaw> laws;
+  for (std::size_t i = 0; i < law.size(); ++i) {
+    const std::size_t count = products_.parts()[law[i].part].settings.size();
+    for (const std::size_t setting : {law[i].setting - 1, law[i].setting + 1}) {  // -1 wraps beyond the last
+      if (setting < count) {
+        laws.push_back(law);
+        laws.back()[i].setting = setting;
+      }
+    }
+  }
+  return laws;
 }
 
 }  // namespace capstan::tools

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/shape_range.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// A gap of half the range or more is never crossed; one of a thousandth of it is below what sensors of motors show
+/// (4096 counts over a range of a turn). Chosen on no log.
+constexpr ShapeRange kOfAngle = {1.0 / 2000.0, 1.0 / 2.02};
+/// What is over within so little torque is a step at each reversal; what goes on far beyond the log's torque is not
+/// over in it, and the nearest law that is says where it leads. Chosen on no log.
+constexpr ShapeRange kOfTorque = {1.0 / 500.0, 10.0};
+/// A speed that is slower than nearly all of the motion is a step again.
+constexpr ShapeRange kOfSpeed = {1.0 / 400.0, 2.0};
+
+auto range_in(const std::vector<Samples>& samples, auto&& value_of) -> double {
+  double widest = 0.0;
+  for (const auto& log : samples) {
+    const auto ends = std::minmax_element(log.begin(), log.end(),
+                                          [&](const auto& a, const auto& b) { return value_of(a) < value_of(b); });
+    widest = log.empty() ? widest : std::max(widest, value_of(*ends.second) - value_of(*ends.first));
+  }
+  return widest;
+}
+
+auto top_speed(const std::vector<Samples>& samples) -> double {
+  constexpr double kExceeded = 0.99;
+  double fastest = 0.0;
+  for (const auto& log : samples) {
+    Eigen::VectorXd speed(static_cast<Eigen::Index>(log.size()));
+    std::transform(log.begin(), log.end(), speed.begin(), [](const auto& s) { return std::abs(s.dq1); });
+    fastest = log.empty() ? fastest : std::max(fastest, quantile(speed, kExceeded));
+  }
+  return fastest;
+}
+
+auto within(const ShapeInfo& info, const ShapeRange& share, double of) -> ShapeRange {
+  const ShapeRange range = {std::max(info.minimum, share.low * of), std::min(info.maximum, share.high * of)};
+  return range.low < range.high ? range : ShapeRange{info.minimum, info.maximum};
+}
+
+}  // namespace
+
+auto reach_of(const std::vector<Samples>& samples) -> SignalReach {
+  SignalReach reach;
+  reach.q1 = range_in(samples, [](const auto& s) { return s.q1; });
+  reach.dq1 = top_speed(samples);
+  reach.tau = range_in(samples, [](const auto& s) { return s.tau; });
+  for (std::size_t slot = 0; slot < kMostOthers; ++slot) {
+    reach.others[slot] = range_in(samples, [slot](const auto& s) { return s.others[slot].q1; });
+  }
+  return reach;
+}
+
+auto ShapeRange::with(double value) const -> ShapeRange {
+  return {std::min(low, value), std::max(high, value)};
+}
+
+auto range_of(const ShapeInfo& info, const SignalReach& reach) -> ShapeRange {
+  switch (info.of) {
+    case ShapeOf::kMotorRange:
+      return within(info, kOfAngle, reach.q1);
+    case ShapeOf::kMotorSpeed:
+      return within(info, kOfSpeed, reach.dq1);
+    case ShapeOf::kTorqueRange:
+      return within(info, kOfTorque, reach.tau);
+    case ShapeOf::kOtherRange:
+      return within(info, kOfAngle, *std::max_element(reach.others.begin(), reach.others.end()));
+    case ShapeOf::kNothing:
+    case ShapeOf::kTime:
+    case ShapeOf::kGiven:
+      break;
+  }
+  return {info.minimum, info.maximum};
+}
+
+}  // namespace capstan::tools
