@@ -16,7 +16,8 @@ struct Neighbours {
 struct JointEstimate {
   Q24 q2_rad;           ///< joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
-  bool valid = false;   ///< both are of this cycle
+  ForceEstimate<Q24> joint_torque;  ///< by the law's tendons, if it has them
+  bool valid = false;               ///< all are of this cycle
   FaultSet faults = 0;  ///< of the law itself
 };
 

@@ -72,7 +72,7 @@ void add_identify(CLI::App& app, int& exit_status) {
   options->logs.add_to(*command, true);
   command
       ->add_option("--model", options->model,
-                   "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
+                   "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; of the joint torque: "
                    "pull_push, preisach; of an effort: "
                    "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
