@@ -43,7 +43,7 @@ class TendonOf {
                    ShapeScale::kPeriods},
                   {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau",
                    ShapeScale::kPeriods}}},
-      .relations = {.doubles = {"tendon_elongation", "play"},
+      .relations = {.doubles = {"tendon_elongation", "play", "presliding"},
                     .special_cases = {"tendon_elongation", "pretension_offset", "slip_propagation"},
                     .shown_by = Motion::kLoops,
                     .open_shapes = true,

@@ -51,18 +51,35 @@ auto settled_base(const Preparation& p, LawForm base) -> LawForm {
   return base;
 }
 
+namespace {
+
+/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
+auto may_be_tendons(const Search& search) -> bool {
+  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
+  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
+    const auto is_it = [&](const std::string& name) { return name == effect.name; };
+    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
+           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
+  });
+}
+
+}  // namespace
+
 auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<LawForm> {
   const bool torque = std::all_of(p.logs.begin(), p.logs.end(), [](const auto& log) { return log.has_torque; });
   const double noise = noise_of(p, search);
-  if (!torque || left_to_choose(p, usual) <= kMuchIsMissing * noise) {
+  const bool much_is_missing = left_to_choose(p, usual) > kMuchIsMissing * noise;
+  if (!torque || (!much_is_missing && !may_be_tendons(search))) {
     return std::nullopt;
   }
   LawForm tendons;
   tendons.terms = terms_of_model(kTendonModel);
   tendons = settled_base(p, tendons);
   const double left = left_to_choose(p, tendons);
-  const bool better = left <= kAboveFloor * noise || left <= kWorthABase * left_to_choose(p, search.law);
-  return better ? std::optional(tendons) : std::nullopt;
+  const double found = left_to_choose(p, search.law);
+  const bool complete = much_is_missing && left <= kAboveFloor * noise;
+  const bool as_good = may_be_tendons(search) && left <= kAsGoodABase * found;
+  return complete || as_good || left <= kWorthABase * found ? std::optional(tendons) : std::nullopt;
 }
 
 auto without_form_error(const Preparation& p, const LawForm& tendons, Search search) -> Search {
