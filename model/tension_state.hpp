@@ -81,8 +81,8 @@ struct TensionStateEstimate {
 };
 
 /// Joint angle and joint torque together, from motor angle and torque alone, whatever the tip touches (thesis 8.2.1).
-/// The state is the tension along both tendons, `TensionBalance`. Its output ends give the joint's torque, the elongation
-/// its angle (5.18).
+/// The state is the tension along both tendons, `TensionBalance`. Its output ends give the joint's torque, the
+/// elongation its angle (5.18).
 template <typename Scalar, std::size_t Nodes = 8>
 class TensionState {
  public:

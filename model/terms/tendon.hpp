@@ -6,11 +6,12 @@
 
 namespace capstan {
 
-/// Both tendons with the friction along them: the joint lags by how much longer than at rest the tendon is that it hangs
-/// on, whatever the tip touches,
+/// Both tendons with the friction along them: the joint lags by how much longer than at rest the tendon is that it
+/// hangs on, whatever the tip touches,
 ///   -C (s Int T_t dphi - s T_t0),  s = c_t / (c_t + c_b),  C = beta (c_t + c_b),
 /// the tensions those of TensionBalance under the torque that the motor gives to its pulley,
-///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where it
+///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where
+///   it
 /// was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
 /// Weight, inertia and drag of the joint need no terms of their own: they are in that torque, and the tendon that
 /// carries them is the one that stretches.
@@ -29,20 +30,18 @@ class TendonOf {
       .exciting_motion = "loops within loops: reversals at many angles and torques",
       .coefficients = {{{"compliance", "rad/Nm", Sign::kAny, "-beta (c_t + c_b): joint angle per torque, both tendons",
                          Sign::kNonPositive, "the torque is counted against the motor's direction"}}},
-      .shapes = {{{"eta_top", "1", 0.0, 3.0, 0.5, "friction-bending number mu L / R of the top tendon",
-                   ShapeScale::kPeriods},
-                  {"eta_bottom", "1", 0.0, 3.0, 0.5, "the same of the bottom tendon", ShapeScale::kPeriods},
-                  {"pretension", "Nm", 1e-4, kMostNm, 0.05,
-                   "I r1: both tendons' mean tensions together, times the motor pulley's radius", ShapeScale::kRatio,
-                   ShapeOf::kTorqueRange},
-                  {"top_share", "1", 0.1, 0.9, 0.5, "c_t / (c_t + c_b): how the compliance divides",
-                   ShapeScale::kPeriods},
-                  {"friction", "Nm", 0.0, kMostNm, 0.0, "Coulomb friction ahead of the tendons, within tau",
-                   ShapeScale::kPeriods, ShapeOf::kTorqueRange},
-                  {"viscous", "Nms/rad", 0.0, 8.0, 0.0, "viscous friction ahead of the tendons, within tau",
-                   ShapeScale::kPeriods},
-                  {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau",
-                   ShapeScale::kPeriods}}},
+      .shapes =
+          {{{"eta_top", "1", 0.0, 3.0, 0.5, "friction-bending number mu L / R of the top tendon", ShapeScale::kPeriods},
+            {"eta_bottom", "1", 0.0, 3.0, 0.5, "the same of the bottom tendon", ShapeScale::kPeriods},
+            {"pretension", "Nm", 1e-4, kMostNm, 0.05,
+             "I r1: both tendons' mean tensions together, times the motor pulley's radius", ShapeScale::kRatio,
+             ShapeOf::kTorqueRange},
+            {"top_share", "1", 0.1, 0.9, 0.5, "c_t / (c_t + c_b): how the compliance divides", ShapeScale::kPeriods},
+            {"friction", "Nm", 0.0, kMostNm, 0.0, "Coulomb friction ahead of the tendons, within tau",
+             ShapeScale::kPeriods, ShapeOf::kTorqueRange},
+            {"viscous", "Nms/rad", 0.0, 8.0, 0.0, "viscous friction ahead of the tendons, within tau",
+             ShapeScale::kPeriods},
+            {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau", ShapeScale::kPeriods}}},
       .relations = {.doubles = {"tendon_elongation", "play", "presliding"},
                     .special_cases = {"tendon_elongation", "pretension_offset", "slip_propagation"},
                     .shown_by = Motion::kLoops,
@@ -108,7 +107,8 @@ class TendonOf {
 };
 
 /// On the board. A front between two places is not seen, so friction and pretension have to be looked for with more of
-/// them; with those of 32 places these 8 err by a tenth more of the joint camera's noise than 32 do (simulated forceps).
+/// them; with those of 32 places these 8 err by a tenth more of the joint camera's noise than 32 do (simulated
+/// forceps).
 template <typename Scalar>
 using Tendon = TendonOf<Scalar, 8>;
 

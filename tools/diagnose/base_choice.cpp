@@ -68,16 +68,17 @@ auto may_be_tendons(const Search& search) -> bool {
 auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<LawForm> {
   const bool torque = std::all_of(p.logs.begin(), p.logs.end(), [](const auto& log) { return log.has_torque; });
   const double noise = noise_of(p, search);
-  const bool much_is_missing = left_to_choose(p, usual) > kMuchIsMissing * noise;
-  if (!torque || (!much_is_missing && !may_be_tendons(search))) {
+  const double found = left_to_choose(p, search.law);
+  // A law with effects of another kind that leaves no more than noise needs no tendons.
+  const bool another_kind = !may_be_tendons(search) && found <= kAboveFloor * noise;
+  if (!torque || another_kind) {
     return std::nullopt;
   }
   LawForm tendons;
   tendons.terms = terms_of_model(kTendonModel);
   tendons = settled_base(p, tendons);
   const double left = left_to_choose(p, tendons);
-  const double found = left_to_choose(p, search.law);
-  const bool complete = much_is_missing && left <= kAboveFloor * noise;
+  const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
   const bool as_good = may_be_tendons(search) && left <= kAsGoodABase * found;
   return complete || as_good || left <= kWorthABase * found ? std::optional(tendons) : std::nullopt;
 }

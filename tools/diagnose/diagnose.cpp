@@ -102,8 +102,8 @@ void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tes
 }
 
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
-/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor; or the
-/// law of two tendons, which took the usual one's place for that.
+/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor; or
+/// the law of two tendons, which took the usual one's place for that.
 auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
   const bool complete = p.repeats || d.base.has(kTendonModel);

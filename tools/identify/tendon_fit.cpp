@@ -66,7 +66,8 @@ auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
 
 }  // namespace
 
-auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form) -> LawForm {
+auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
+    -> LawForm {
   constexpr std::size_t kFollowed = 3;
   const Thinned few = thinned(design, target, rows, kRowsToSearch);
   const auto left = [](const Thinned& data, const LawForm& law) {

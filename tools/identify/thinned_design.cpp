@@ -37,7 +37,8 @@ auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Block
     const auto count = static_cast<Eigen::Index>(all.size()) / factor;
     Samples own;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(all.size()); ++i) {
-      place[static_cast<std::size_t>(begin + i)] = static_cast<Eigen::Index>(means.size()) + std::min(i / factor, count);
+      place[static_cast<std::size_t>(begin + i)] =
+          static_cast<Eigen::Index>(means.size()) + std::min(i / factor, count);
     }
     for (Eigen::Index i = 0; i < count; ++i) {
       own.push_back(mean_sample(all, static_cast<std::size_t>(i * factor), static_cast<std::size_t>(factor)));

@@ -26,10 +26,10 @@ struct Joint {
 
 template <typename Scalar>
 auto make(const Joint& j) -> Tendon<Scalar> {
-  return Tendon<Scalar>(one_khz<Scalar>(),
-                        {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
-                         number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous),
-                         number<Scalar>(j.inertia)});
+  return Tendon<Scalar>(
+      one_khz<Scalar>(),
+      {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
+       number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous), number<Scalar>(j.inertia)});
 }
 template <typename Scalar>
 auto stretch(Tendon<Scalar>& term, double tau) -> double {
@@ -196,10 +196,8 @@ RC_GTEST_PROP(TendonProperties, FixedPointFollowsDoubleAndStartsAnewAsNewlyMade,
 }
 
 TEST(Tendon, OutOfRangeTorqueIsNoEstimate) {
-  MotionLaw<Q24> motion = test::LawBuilder()
-                              .coefficient("motor_angle", "beta", 1.0)
-                              .coefficient("tendon", "compliance", -3.0)
-                              .law<Q24>();
+  MotionLaw<Q24> motion =
+      test::LawBuilder().coefficient("motor_angle", "beta", 1.0).coefficient("tendon", "compliance", -3.0).law<Q24>();
   EXPECT_FALSE(motion.update(number<Q24>(0.1), number<Q24>(7.9)).saturated);
   EXPECT_TRUE(motion.update(number<Q24>(0.1), number<Q24>(8.1)).saturated);
 }

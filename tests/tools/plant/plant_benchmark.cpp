@@ -130,8 +130,8 @@ class Benchmark {
       std::fflush(stdout);
     }
     for (const auto& one : switches()) {
-      const bool wanted =
-          options_.only.empty() || std::find(options_.only.begin(), options_.only.end(), one.name) != options_.only.end();
+      const bool wanted = options_.only.empty() ||
+                          std::find(options_.only.begin(), options_.only.end(), one.name) != options_.only.end();
       for (const double strength : options_.strengths) {
         if (wanted && !options_.healthy) {
           one_switch(plant, one, healthy, log, motion, seed, strength);
@@ -199,9 +199,9 @@ class Benchmark {
   }
 
   static auto middle(std::vector<double> values) -> double {
-    return values.empty() ? 0.0
-                          : median(Eigen::Map<const Eigen::VectorXd>(values.data(),
-                                                                     static_cast<Eigen::Index>(values.size())));
+    return values.empty()
+               ? 0.0
+               : median(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   }
 
   void summarise() const {
@@ -211,9 +211,10 @@ class Benchmark {
     std::printf("by base law:\n");
     print(healthy_confusion_);
     if (listed_ + foreign_ > 0) {
-      std::printf("listed switches: %d, named first %d, in the answer %d; foreign: %d, named %d; after over camera noise: "
-                  "median %.3f\n",
-                  listed_, first_, contained_, foreign_, foreign_named_, middle(after_));
+      std::printf(
+          "listed switches: %d, named first %d, in the answer %d; foreign: %d, named %d; after over camera noise: "
+          "median %.3f\n",
+          listed_, first_, contained_, foreign_, foreign_named_, middle(after_));
       std::printf("by switch:\n");
       print(confusion_);
     }
