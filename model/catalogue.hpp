@@ -19,6 +19,7 @@
 #include "capstan/model/terms/slip_propagation.hpp"
 #include "capstan/model/terms/stiffness_hardening.hpp"
 #include "capstan/model/terms/table.hpp"
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/model/terms/tendon_elongation.hpp"
 #include "capstan/model/terms/thermal_drift.hpp"
 #include "capstan/model/terms/transmission_viscous.hpp"
@@ -50,7 +51,7 @@ using InputTerms = TermList<Hysteresis>;
 using SumTerms = TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset,
                           ReversalMemory, SlipPropagation, Play, Presliding, Gravity, AxisCoupling, ViscoelasticCreep,
                           ThermalDrift, AnglePeriodic, StiffnessHardening, LoadInertia, CurvedRatio, CoupledHysteresis,
-                          CoupledHysteresis2, CoupledHysteresis3, Table>;
+                          CoupledHysteresis2, CoupledHysteresis3, Table, Tendon>;
 /// Effects of the joint's own sensor, applied to the finished sum in this order.
 using OutputTerms = TermList<TransportDelay>;
 

@@ -39,6 +39,7 @@ struct Sample {
   Scalar dq1{};            ///< its filtered rate, rad/s
   Scalar tau{};            ///< motor-side torque, N m
   bool forward = true;     ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
+  bool advances = false;   ///< the motor is further in that direction than ever since it turned: it moves for certain
   bool saturated = false;  ///< this sample's angle, torque or rate met the end of its range
   /// The motor angle behind the input terms, rad: what is left of it after hysteresis in front of the ratio. q1 where
   /// there is none.
@@ -139,7 +140,8 @@ class SampleConditioner {
       sample_.q1_reversal = extreme_;
       sample_.tau_reversal = torque_at_extreme_;
     }
-    if (turned || beyond > Scalar{}) {
+    sample_.advances = turned || beyond > Scalar{};
+    if (sample_.advances) {
       extreme_ = now.q1;
       torque_at_extreme_ = now.tau;
     }

@@ -23,8 +23,8 @@ auto widest(const ForceConfig::Law::Grid::Table& grid) -> Q24 {
 }
 
 void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& force) {
-  if (force.law == 0) {
-    return;
+  if (force.law == 0 && joint.joint_torque_phase == ForcePhase::kUnknown) {
+    return;  // neither a law of forces nor tendons in the law of motion
   }
   out << " force " << joint.joint_torque_nm << " Nm";
   if (joint.mode == ControlMode::kForce) {

@@ -14,6 +14,7 @@ Estimator::Estimator(const AxisConfig& config) : law_(kPeriod, config.law), moni
 
 void Estimator::rt_make_law(const LawParameters<Q24>& parameters) {
   std::construct_at(&law_, kPeriod, parameters);
+  estimate_.joint_torque = {};
 }
 
 auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
@@ -31,6 +32,9 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
   const Estimate<Q24> estimate = law_.update(now);
   estimate_.q2_rad = estimate.q2;
   estimate_.q2_reported_rad = estimate.q2_reported;
+  if (law_.has_tendons()) {
+    estimate_.joint_torque = law_.joint_torque();
+  }
   estimate_.valid = !estimate.saturated;
   if (estimate.saturated) {
     estimate_.faults = bit(Fault::kEstimatorRange);

@@ -14,10 +14,11 @@ struct Neighbours {
 
 /// What the law makes of one joint in this cycle.
 struct JointEstimate {
-  Q24 q2_rad;           ///< joint angle
-  Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
-  bool valid = false;   ///< both are of this cycle
-  FaultSet faults = 0;  ///< of the law itself
+  Q24 q2_rad;                       ///< joint angle
+  Q24 q2_reported_rad;              ///< what a joint sensor with the law's sensor effects would say
+  ForceEstimate<Q24> joint_torque;  ///< by the law's tendons, if it has them
+  bool valid = false;               ///< all are of this cycle
+  FaultSet faults = 0;              ///< of the law itself
 };
 
 /// The law of one joint, and the monitor that says whether it still fits.

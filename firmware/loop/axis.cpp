@@ -181,12 +181,11 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.drive_a = gate_.drive_a();
   telemetry_.limits = static_cast<LimitSet>(reference.limits | gate_.limits());
   telemetry_.faults = faults;
-  if (modes_.force().has_law()) {
-    const ForceEstimate<Q24>& force = modes_.force().estimate();
-    telemetry_.joint_torque_nm = force.force;
-    telemetry_.joint_torque_known = force.known;
-    telemetry_.joint_torque_phase = force.phase;
-  }
+  // A law of forces was made for the torque; the tendons of the law of motion know it beside the angle.
+  const ForceEstimate<Q24>& force = modes_.force().has_law() ? modes_.force().estimate() : estimate.joint_torque;
+  telemetry_.joint_torque_nm = force.force;
+  telemetry_.joint_torque_known = force.known;
+  telemetry_.joint_torque_phase = force.phase;
   telemetry_.law_torque_nm = effort_.estimate().law_nm;
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;

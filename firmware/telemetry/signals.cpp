@@ -25,7 +25,7 @@ constexpr std::array<SignalInfo, 20> kJointSignals = {
          offsetof(AxisTelemetry, q1_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
     real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
-    real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law", offsetof(AxisTelemetry, joint_torque_nm)),
+    real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law, or by the tendons of the law", offsetof(AxisTelemetry, joint_torque_nm)),
     real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
          offsetof(AxisTelemetry, joint_torque_reference_nm)),
     real("law_torque", "tau_est_Nm", "Nm", "motor torque by the effort law, of effort.window / 4 ago",

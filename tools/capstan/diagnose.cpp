@@ -86,7 +86,8 @@ void add_diagnose(CLI::App& app, int& exit_status) {
   options->logs.add_to(*command, true);
   command->add_option(
       "--base", options->base,
-      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), "
+      "law to start from: kinematic, pseudo_kinematic (default where torque is logged), tendon (two tendons with "
+      "friction and pretension; takes the default's place where only it leaves no more than noise), "
       "rigid_dynamics (default where the target is an effort) or inertia, pull_push or preisach (joint torque "
       "from motor torque); or a joint file, whose law is fitted anew");
   command->add_option("--target", options->target,

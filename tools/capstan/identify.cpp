@@ -51,10 +51,11 @@ void add_identify(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("identify", "fit a law to logs of one joint");
   options->logs.add_to(*command, true);
   command
-      ->add_option("--model", options->model,
-                   "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof; of the joint torque: "
-                   "pull_push, preisach; of an effort: "
-                   "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
+      ->add_option(
+          "--model", options->model,
+          "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; of the joint torque: "
+          "pull_push, preisach; of an effort: "
+          "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -162,13 +164,15 @@ auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
 }
 
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
-/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor.
+/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor; or
+/// the law of two tendons, which took the usual one's place for that.
 auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
   if (d.base.catalogue->target() != TargetKind::kAngle) {
     return chosen_effort_law(p, d);
   }
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
-  if (named || (p.repeats && d.verdict == Verdict::kNothingMissing)) {
+  const bool complete = p.repeats || d.base.has(kTendonModel);
+  if (named || (complete && d.verdict == Verdict::kNothingMissing)) {
     const JointFile& law = named ? *d.found : d.base;
     // Where the running switch is late, no law of this encoder knows better.
     const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
@@ -226,9 +230,21 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
   return std::nullopt;
 }
 
-/// Searches, judges and reports.
-void examine(const Preparation& p, const LawForm& base, const DiagnoseOptions& options, Diagnosis& d) {
-  const Search search = search_effects(p, base, options.progress);
+/// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
+/// predicts better than that with its effects.
+void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
+  Search search = search_effects(p, base, options.progress);
+  if (d.base_model == kDefaultModel && options.base_model.empty() && !options.base_law) {
+    options.progress("trying the law of two tendons");
+    if (const auto tendons = better_base(p, base, search)) {
+      base = *tendons;
+      d.base_model = kTendonModel;
+      search = search_effects(p, base, options.progress);
+    }
+  }
+  if (base.has(kTendonModel)) {
+    search = without_form_error(p, base, std::move(search));
+  }
   d.rounds = search.rounds;
   d.explained_share = search.share.value;
   d.explained_share_lower = search.share.lower;
@@ -272,15 +288,16 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
     return d;
   }
   const Preparation p = prepare(std::move(logs), *base);
+  const LawForm law = settled_base(p, *base);
   d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
   d.repeats = p.repeats ? p.repeats->count : 1;
-  if (const auto names = undetermined(p, *base); !names.empty()) {
+  if (const auto names = undetermined(p, law); !names.empty()) {
     d.verdict = Verdict::kNotIdentifiable;
     d.reason = "This log can not determine " + joined(names) + " of the base law.";
     d.next_experiment = kEverything;
     return d;
   }
-  examine(p, *base, options, d);
+  examine(p, law, options, d);
   return d;
 }
 

@@ -44,9 +44,12 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
 }
 
 auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
+  const JointFile& law = d.found ? *d.found : d.law;
+  // Another pretension of the law's own tendons is no term of its own.
+  const std::string term = law.has("tendon") && !law.has(effect.name) ? "tendon" : effect.name;
   return {{"name", effect.name},
           {"alternatives", effect.alternatives},
-          {"parameters", parameters_json(d.found ? *d.found : d.law, {effect.name}, d.undetermined)},
+          {"parameters", parameters_json(law, {term}, d.undetermined)},
           {"evidence",
            {{"p_value", effect.p_value},
             {"log_evidence_nats", effect.log_evidence},

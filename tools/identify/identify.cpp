@@ -6,6 +6,7 @@
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -71,6 +72,9 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == "multi_dof") {  // a row of (6.8)
     return {"motor_angle", "joint_offset", "tendon_elongation", "axis_coupling"};
   }
+  if (model == kTendonModel) {
+    return {"motor_angle", "joint_offset", "tendon"};
+  }
   if (model == kEffortModel) {
     return {"inertia", "viscous_friction"};
   }
@@ -82,7 +86,7 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   }
   throw BadInput(
       "there is no model " + model +
-      "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, rigid_dynamics, inertia, " +
+      "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon, rigid_dynamics, inertia, " +
       "pull_push and preisach");
 }
 
@@ -326,7 +330,8 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
   const Blocks halves = even_blocks(first_design.log_rows(), 2);
   conditioner = choose_rate_filter(logs, target, halves, start, conditioner);
   const LawDesign design = design_for(logs, start, conditioner);
-  const LawForm form = search_shapes(design, target, halves, start);
+  const LawForm form = start.has(kTendonModel) ? fit_tendon(design, target, halves, start)
+                                               : search_shapes(design, target, halves, start);
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
   const LinearFit first = fit_columns(columns, target, halves, signs);

@@ -33,6 +33,14 @@ LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samp
   }
 }
 
+LawDesign::LawDesign(std::vector<Samples> samples, std::vector<double> periods_s)
+    : samples_(std::move(samples)), reach_(reach_of(samples_)), periods_(std::move(periods_s)) {
+  for (const auto& one : samples_) {
+    log_rows_.push_back(static_cast<Eigen::Index>(one.size()));
+    rows_ += log_rows_.back();
+  }
+}
+
 auto LawDesign::behind(const LawForm& form) const -> LawDesign {
   LawDesign result = *this;
   for (const auto* term : ordered_terms(form)) {

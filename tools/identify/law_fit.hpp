@@ -22,6 +22,9 @@ class LawDesign {
   /// samples of the mean that is taken twice over every column of a term; the target needs the same.
   LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing = 0);
 
+  /// With samples that are no log's, as means over several: the period of each series, s.
+  LawDesign(std::vector<Samples> samples, std::vector<double> periods_s);
+
   [[nodiscard]] auto rows() const -> Eigen::Index { return rows_; }
   [[nodiscard]] auto log_rows() const -> const std::vector<Eigen::Index>& { return log_rows_; }
   [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
@@ -58,6 +61,7 @@ struct LawForm {
   const Catalogue* catalogue = &term_catalogue();
   std::vector<std::string> terms;
   Shapes shapes = catalogue->initial_shapes();
+  std::vector<std::string> held = {};  ///< terms whose shapes no fit moves
 
   [[nodiscard]] auto shapes_of(const CatalogueTerm& term) const -> Shapes;
   void set_shapes(const CatalogueTerm& term, const Shapes& shapes);

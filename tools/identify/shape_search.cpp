@@ -219,7 +219,8 @@ auto shape_step(const ShapeInfo& info, double value) -> double {
 auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool {
   const ShapeInfo& info = term.shapes[shape];
   const int switched = info.idle_without;
-  return !term.shapes_are_given && info.of != ShapeOf::kGiven &&
+  const bool held = std::find(form.held.begin(), form.held.end(), term.name) != form.held.end();
+  return !held && !term.shapes_are_given && info.of != ShapeOf::kGiven &&
          (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
 }
 

@@ -246,6 +246,20 @@ auto Catalogue::initial_shapes() const -> Shapes {
   return initial;
 }
 
+auto fine_tendon_catalogue() -> const Catalogue& {
+  static const Catalogue kCatalogue = [] {
+    constexpr std::size_t kPlaces = 32;
+    std::vector<CatalogueTerm> terms(term_catalogue().begin(), term_catalogue().end());
+    for (auto& term : terms) {
+      if (term.name == Tendon<double>::kInfo.name) {
+        term.columns = sum_columns<TendonOf<double, kPlaces>>;
+      }
+    }
+    return Catalogue(TargetKind::kAngle, "rad", "rad", std::move(terms));
+  }();
+  return kCatalogue;
+}
+
 auto term_catalogue() -> const Catalogue& {
   static const Catalogue kTransmission = transmission();
   return kTransmission;

@@ -88,6 +88,8 @@ class Catalogue {
 
 /// Motor angle and torque to joint angle: InputTerms, SumTerms, OutputTerms, as the firmware numbers them.
 auto term_catalogue() -> const Catalogue&;
+/// The same, its tendons seen at 32 places each: for a fit of what the tendons are made of.
+auto fine_tendon_catalogue() -> const Catalogue&;
 /// Motion to effort: EffortTerms, the terms of the joint angle that a torque may hold as well, then OutputTerms.
 /// Inertia is in kg m2 (kg): the firmware's krad/s2 is for fixed point.
 auto effort_catalogue(AxisKind axis) -> const Catalogue&;

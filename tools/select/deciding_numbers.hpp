@@ -85,5 +85,14 @@ struct EffortNumbers {
 inline constexpr double kAboveFloor = 1.2;
 /// And, where no cycles repeat, that no effect of this share of the target's rms could hide; the contract's.
 inline constexpr double kLargestHiddenShare = 0.1;
+/// The law of two tendons becomes the base where the usual law leaves more than so many floors on unseen rows, and it
+/// no more than kAboveFloor. Set before a drawn plant was looked at (November 2026).
+inline constexpr double kMuchIsMissing = 1.5;
+/// Or where the effects found are what tendons look like to whoever does not ask the torque, and it leaves no more,
+/// rms, than so much of what the law with them does: `worth_a_name`, which is in the mean square.
+inline constexpr double kAsGoodABase = 1.025;
+/// Or where it leaves this share, rms, of what the usual law with the effects found does: with seven shapes it has to
+/// be clearly better.
+inline constexpr double kWorthABase = 0.8;
 
 }  // namespace capstan::tools

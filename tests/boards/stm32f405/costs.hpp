@@ -42,7 +42,20 @@ template <typename Scalar>
   return estimate;
 }
 
-/// Every effect on, so that nothing is left out.
+/// Where the coefficient of the tendons stands.
+template <typename Scalar>
+consteval auto place_of_tendons() -> std::size_t {
+  std::size_t next = 0;
+  std::size_t place = 0;
+  SumTerms::for_each<Scalar>([&]<typename Term>() {
+    place = std::is_same_v<Term, Tendon<Scalar>> ? next : place;
+    next += kCoefficientsOf<Term>;
+  });
+  return place;
+}
+
+/// Every effect on, so that nothing is left out, but for the tendons themselves: they stand for the elongation and most
+/// of what builds on it, in laws of their own.
 template <typename Scalar>
 consteval auto law_parameters() -> LawParameters<Scalar> {
   LawParameters<Scalar> parameters;
@@ -57,6 +70,20 @@ consteval auto law_parameters() -> LawParameters<Scalar> {
     }
   };
   for_each_term<Scalar>(add);
+  parameters.coefficients[place_of_tendons<Scalar>()] = Scalar{};
+  return parameters;
+}
+/// Ratio, offset and tendons: what `capstan identify --model tendon` finds.
+template <typename Scalar>
+consteval auto tendon_parameters() -> LawParameters<Scalar> {
+  LawParameters<Scalar> parameters = law_parameters<Scalar>();
+  parameters.coefficients.fill(Scalar{});
+  parameters.coefficients[0] = from<Scalar>(1.08);
+  parameters.coefficients[1] = from<Scalar>(0.02);
+  parameters.coefficients[place_of_tendons<Scalar>()] = from<Scalar>(-5.8);
+  for (std::size_t i = 0; i < InputTerms::kShapes; ++i) {
+    parameters.shapes[i] = Scalar{};
+  }
   return parameters;
 }
 template <typename Scalar>
@@ -214,6 +241,32 @@ void measure_force_laws(Print& out) {
         both = state.update(admitted(walk.q1, beyond), admitted(tau, beyond), true);
         both.saturated |= beyond;
         touch(both);
+      });
+}
+
+/// The joint of two tendons, as a walk of the motor drives it and under torques that jump.
+template <typename Scalar>
+void measure_tendon_law(Print& out) {
+  static constexpr LawParameters<Scalar> kTendons = tendon_parameters<Scalar>();
+  static MotionLaw<Scalar> law(period<Scalar>(), kTendons);
+  Walk<Scalar> walk;
+  Estimate<Scalar> estimate;
+  measure(
+      out, "tendon_law", [&](int i) { walk.step(i); },
+      [&] {
+        estimate = update(law, walk.q1, walk.tau);
+        touch(estimate);
+      });
+  Scalar tau;
+  measure(
+      out, "tendon_law_jumps",
+      [&](int i) {
+        walk.step(i);
+        tau = chance<Scalar>.within(from<Scalar>(0.25));
+      },
+      [&] {
+        estimate = update(law, walk.q1, tau);
+        touch(estimate);
       });
 }
 

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "capstan/model/exponential.hpp"
+
+namespace capstan {
+
+/// The tension along one tendon at `Nodes` places, ends included, in torque at the motor (tension times r1). A place
+/// keeps its tension as long as the input end's stays within the factor that friction holds there: that is the moving
+/// slip front, (2.6) and (2.7), exact at the places. Between them tension goes by e^(-eta phi) one way or the other,
+/// and the sum below is exact for both.
+template <typename Scalar, std::size_t Nodes>
+class FrictionChain {
+  static_assert(Nodes >= 2);
+
+ public:
+  struct Sum {
+    Scalar integral{};  ///< of the tension over phi
+    Scalar slope{};     ///< d integral / d input tension
+  };
+
+  constexpr FrictionChain() = default;
+  constexpr FrictionChain(Scalar eta, Scalar tension) {
+    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+    constexpr Scalar kLength = ScalarTraits<Scalar>::from(1.0 / static_cast<double>(Nodes - 1));
+    const Scalar step = eta * kLength;
+    const auto decay = [&](Scalar x) { return kOne - kOne * share_gone(x, kOne); };
+    // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends; halved, as the sums
+    // below count every place but the ends twice.
+    weight_ = kLength * mean_decay(step) / (kOne + decay(step));
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      places_[i].low = decay(eta * kPlaces[i]);
+      places_[i].high = kOne / places_[i].low;
+    }
+    even_out(tension);
+  }
+  /// The same tension everywhere, as if newly made.
+  constexpr void even_out(Scalar tension) {
+    for (Place& place : places_) {
+      place.tension = tension;
+      place.down = tension * place.low;
+      place.up = tension * place.high;
+    }
+  }
+
+  /// What the integral would be with another tension at the input end; changes nothing.
+  [[nodiscard]] constexpr auto trial(Scalar input) const -> Sum {
+    // Held tensions, and how many input tensions the places have that move.
+    Scalar held{};
+    Scalar slope{};
+    const auto add = [&](const Place& place) __attribute__((always_inline)) {
+      if (place.up < input) {
+        slope += place.low;
+      } else if (input < place.down) {
+        slope += place.high;
+      } else {
+        held += place.tension;
+      }
+    };
+    for (std::size_t i = 1; i + 1 < Nodes; ++i) {
+      add(places_[i]);
+    }
+    held += held;
+    slope += slope + ScalarTraits<Scalar>::from(1.0);
+    add(places_[Nodes - 1]);
+    return {(held + input * slope) * weight_, slope * weight_};
+  }
+
+  /// Takes the input end to a tension. Returns whether every place has moved.
+  constexpr auto pull_to(Scalar input) -> bool {
+    bool all = true;
+    for (std::size_t i = 1; i < Nodes; ++i) {
+      Place& place = places_[i];
+      if (place.up < input) {
+        place.tension = input * place.low;
+        place.up = input;
+        place.down = place.tension * place.low;
+      } else if (input < place.down) {
+        place.tension = input * place.high;
+        place.down = input;
+        place.up = place.tension * place.high;
+      } else {
+        all = false;
+      }
+    }
+    places_[0].tension = input;
+    return all;
+  }
+
+  /// Mean tension along the tendon per tension of its input end, while all of it slides after a pull or a push there.
+  [[nodiscard]] constexpr auto pulled() const -> Scalar { return mean(&Place::low); }
+  [[nodiscard]] constexpr auto pushed() const -> Scalar { return mean(&Place::high); }
+
+  /// The tendon slides, or is about to, in its whole length: the output end's tension hangs on the input end's.
+  [[nodiscard]] constexpr auto is_active() const -> bool {
+    return places_[Nodes - 1].up <= input() || input() <= places_[Nodes - 1].down;
+  }
+
+  [[nodiscard]] constexpr auto input() const -> Scalar { return places_[0].tension; }
+  [[nodiscard]] constexpr auto output() const -> Scalar { return places_[Nodes - 1].tension; }
+
+ private:
+  struct Place {
+    Scalar low{};  ///< tension per input tension while friction holds all it can against a pull
+    Scalar high{};
+    Scalar tension{};
+    Scalar down{};  ///< it keeps its tension as long as the input's is within these
+    Scalar up{};
+  };
+  /// phi of each place.
+  static constexpr std::array<Scalar, Nodes> kPlaces = [] {
+    std::array<Scalar, Nodes> places{};
+    for (std::size_t i = 0; i < Nodes; ++i) {
+      places[i] = ScalarTraits<Scalar>::from(static_cast<double>(i) / static_cast<double>(Nodes - 1));
+    }
+    return places;
+  }();
+
+  [[nodiscard]] constexpr auto mean(Scalar Place::*share) const -> Scalar {
+    Scalar inner{};
+    for (std::size_t i = 1; i + 1 < Nodes; ++i) {
+      inner += places_[i].*share;
+    }
+    return (inner + inner + places_[0].*share + places_[Nodes - 1].*share) * weight_;
+  }
+
+  std::array<Place, Nodes> places_{};
+  Scalar weight_{};
+};
+
+}  // namespace capstan

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/model/tension_balance.hpp"
+#include "capstan/model/term.hpp"
+
+namespace capstan {
+
+/// Both tendons with the friction along them: the joint lags by how much longer than at rest the tendon is that it
+/// hangs on, whatever the tip touches,
+///   -C (s Int T_t dphi - s T_t0),  s = c_t / (c_t + c_b),  C = beta (c_t + c_b),
+/// the tensions those of TensionBalance under the torque that the motor gives to its pulley,
+///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where
+///   it
+/// was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
+/// Weight, inertia and drag of the joint need no terms of their own: they are in that torque, and the tendon that
+/// carries them is the one that stretches.
+/// @tparam Nodes  places along each tendon
+template <typename Scalar, std::size_t Nodes>
+class TendonOf {
+ public:
+  /// Of pretension and of torque: sums over the places of what either may bring stay in fixed point's range.
+  static constexpr double kMostNm = 8.0;
+
+  static constexpr TermInfo<1, 7> kInfo = {
+      .name = "tendon",
+      .equation = "C (s Int T_t dphi - rest): both tendons' tensions under tau - b q1' - m q1'' less friction +-f",
+      .source = "(2.4)-(2.16), (5.18); thesis 8.2.1 and 8.2.2 name it as open",
+      .confusable_with = "tendon_elongation with play where all strokes are long and alike",
+      .exciting_motion = "loops within loops: reversals at many angles and torques",
+      .coefficients = {{{"compliance", "rad/Nm", Sign::kAny, "-beta (c_t + c_b): joint angle per torque, both tendons",
+                         Sign::kNonPositive, "the torque is counted against the motor's direction"}}},
+      .shapes =
+          {{{"eta_top", "1", 0.0, 3.0, 0.5, "friction-bending number mu L / R of the top tendon", ShapeScale::kPeriods},
+            {"eta_bottom", "1", 0.0, 3.0, 0.5, "the same of the bottom tendon", ShapeScale::kPeriods},
+            {"pretension", "Nm", 1e-4, kMostNm, 0.05,
+             "I r1: both tendons' mean tensions together, times the motor pulley's radius", ShapeScale::kRatio},
+            {"top_share", "1", 0.1, 0.9, 0.5, "c_t / (c_t + c_b): how the compliance divides", ShapeScale::kPeriods},
+            {"friction", "Nm", 0.0, kMostNm, 0.0, "Coulomb friction ahead of the tendons, within tau",
+             ShapeScale::kPeriods},
+            {"viscous", "Nms/rad", 0.0, 8.0, 0.0, "viscous friction ahead of the tendons, within tau",
+             ShapeScale::kPeriods},
+            {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau", ShapeScale::kPeriods}}},
+      .relations = {.doubles = {"tendon_elongation", "play", "presliding"},
+                    .special_cases = {"tendon_elongation", "pretension_offset", "slip_propagation"},
+                    .shown_by = Motion::kLoops,
+                    .open_shapes = true,
+                    .placed = true},
+  };
+
+  constexpr TendonOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 7>& shape)
+      : friction_(shape[4]),
+        viscous_(shape[5]),
+        inertia_(shape[6]),
+        tendons_(parameters_of(shape), clamp(shape[2], Scalar{}, kMost) * kTolerance) {}
+  constexpr void restart() {
+    tendons_.restart();
+    torque_ = {};
+  }
+
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
+    const Scalar given = given_torque(s);
+    if (s.advances) {
+      torque_ = s.forward ? given - friction_ : given + friction_;
+    } else {
+      torque_ = clamp(torque_, given - friction_, given + friction_);
+    }
+    if (kMost < abs(torque_)) [[unlikely]] {
+      return {kOutOfRange};
+    }
+    return {tendons_.pull(torque_)};
+  }
+  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+    const Scalar given = given_torque(s);
+    return {tendons_.settled(clamp(s.forward ? given - friction_ : given + friction_, -kMost, kMost), s.forward)};
+  }
+
+  [[nodiscard]] constexpr auto tendons() const -> const TensionBalance<Scalar, Nodes>& { return tendons_; }
+
+ private:
+  static constexpr Scalar kMost = ScalarTraits<Scalar>::from(kMostNm);
+  /// In fixed point the law sees that it is no number of its range; in double no joint has such a torque.
+  static constexpr Scalar kOutOfRange = ScalarTraits<Scalar>::from(1e3);
+  /// Of the sum of both elongations, per pretension: the loop at rest is about as wide as that.
+  static constexpr Scalar kTolerance = ScalarTraits<Scalar>::from(5e-5);
+
+  /// Shapes that are out of their range count as the nearest that is in it.
+  static constexpr auto parameters_of(const std::array<Scalar, 7>& shape) -> TensionBalanceParameters<Scalar> {
+    const auto within = [](Scalar x, double low, double high) {
+      return clamp(x, ScalarTraits<Scalar>::from(low), ScalarTraits<Scalar>::from(high));
+    };
+    const Scalar top = within(shape[3], 0.1, 0.9);
+    return {within(shape[0], 0.0, 3.0), within(shape[1], 0.0, 3.0), clamp(shape[2], Scalar{}, kMost), top,
+            ScalarTraits<Scalar>::from(1.0) - top};
+  }
+  /// What the motor gives but for its Coulomb friction.
+  [[nodiscard]] constexpr auto given_torque(const Sample<Scalar>& s) const -> Scalar {
+    return s.tau - viscous_ * s.dq1 - inertia_ * s.ddq1;
+  }
+
+  Scalar friction_;
+  Scalar viscous_;
+  Scalar inertia_;
+  TensionBalance<Scalar, Nodes> tendons_;
+  Scalar torque_{};  ///< x
+};
+
+/// On the board. A front between two places is not seen, so friction and pretension have to be looked for with more of
+/// them; with those of 32 places these 8 err by a tenth more of the joint camera's noise than 32 do (simulated
+/// forceps).
+template <typename Scalar>
+using Tendon = TendonOf<Scalar, 8>;
+
+}  // namespace capstan

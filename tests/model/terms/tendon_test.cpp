@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/model/terms/tendon.hpp"
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "capstan/tests/model/support.hpp"
+
+namespace capstan {
+namespace {
+
+using test::number;
+using test::one_khz;
+using test::value_of;
+
+static_assert(SumTerm<Tendon<double>, double> && SumTerm<Tendon<Q24>, Q24>);
+
+struct Joint {
+  double eta_top = 1.1, eta_bottom = 0.9, pretension = 0.072, top_share = 0.55, friction = 0.0, viscous = 0.0,
+         inertia = 0.0;
+};
+
+template <typename Scalar>
+auto make(const Joint& j) -> Tendon<Scalar> {
+  return Tendon<Scalar>(
+      one_khz<Scalar>(),
+      {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
+       number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous), number<Scalar>(j.inertia)});
+}
+template <typename Scalar>
+auto stretch(Tendon<Scalar>& term, double tau) -> double {
+  return value_of(term.update({.tau = number<Scalar>(tau)})[0]);
+}
+
+/// One tendon as many short pieces, each of which holds its tension while its neighbour's on the input side stays
+/// within a factor of it: the friction of the definition, place by place, and nothing of the term's own ways.
+struct Pieces {
+  Pieces(double eta, double start) : ratio(std::exp(-eta / kCount)), tension(kCount + 1, start) {}
+  static constexpr int kCount = 200;
+  double ratio;
+  std::vector<double> tension;
+  [[nodiscard]] auto pulled(double input) const -> Pieces {
+    Pieces next = *this;
+    next.tension[0] = input;
+    for (std::size_t i = 1; i < tension.size(); ++i) {
+      next.tension[i] = std::clamp(next.tension[i], next.tension[i - 1] * ratio, next.tension[i - 1] / ratio);
+    }
+    return next;
+  }
+  [[nodiscard]] auto integral() const -> double {
+    double sum = 0.5 * (tension.front() + tension.back());
+    for (std::size_t i = 1; i + 1 < tension.size(); ++i) {
+      sum += tension[i];
+    }
+    return sum / kCount;
+  }
+};
+
+/// Both tendons between their pulleys, by bisection.
+struct SlowPair {
+  explicit SlowPair(const Joint& j)
+      : joint(j),
+        top(j.eta_top, j.pretension * (1.0 - j.top_share)),
+        bottom(j.eta_bottom, j.pretension * j.top_share),
+        rest(j.top_share * top.integral()) {}
+  Joint joint;
+  Pieces top, bottom;
+  double rest;
+  auto pull(double x) -> double {
+    double low = std::max(x, 0.0);
+    double high = low + 10.0 * joint.pretension;
+    const auto excess = [&](double input) {
+      return joint.top_share * top.pulled(input).integral() +
+             (1.0 - joint.top_share) * bottom.pulled(input - x).integral() - 2.0 * rest;
+    };
+    const bool slack = excess(low) >= 0.0;
+    for (int i = 0; i < 50 && !slack; ++i) {
+      const double middle = 0.5 * (low + high);
+      (excess(middle) < 0.0 ? low : high) = middle;
+    }
+    top = top.pulled(low);
+    bottom = bottom.pulled(low - x);
+    return slack && x < 0.0 ? rest - (1.0 - joint.top_share) * bottom.integral()
+                            : joint.top_share * top.integral() - rest;
+  }
+};
+
+TEST(Tendon, FollowsManyShortPiecesThroughLoopsWithinLoops) {
+  for (const Joint& joint : {Joint{}, Joint{.eta_top = 0.3, .eta_bottom = 0.4, .pretension = 0.3, .top_share = 0.5},
+                             Joint{.eta_top = 2.0, .eta_bottom = 1.5, .pretension = 0.02, .top_share = 0.35}}) {
+    const double size = 1.2 * joint.pretension * joint.eta_top;
+    Tendon<double> term = make<double>(joint);
+    SlowPair slow(joint);
+    double range = 0.0;
+    double worst = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      const double t = 0.024 * i;
+      const double tau = size * (std::sin(t) + 0.5 * std::sin(3.7 * t)) / 1.5;
+      const double wanted = slow.pull(tau);
+      worst = std::max(worst, std::fabs(stretch(term, tau) - wanted));
+      range = std::max(range, std::fabs(wanted));
+    }
+    EXPECT_LT(worst, 0.05 * range) << "eight places know a front to a part of a cell";
+    EXPECT_GT(range, 0.04 * joint.pretension);
+  }
+}
+
+// The tip free and all of it sliding: T = T_o e^(eta (1 - phi)) above and e^-(...) below, so tau = I r1 eta, and the
+// top tendon is longer by I/2 tanh(eta/2) than at rest.
+TEST(Tendon, SettlesToTheLoopOfAFreeTip) {
+  for (const double eta : {0.2, 0.7, 1.14, 2.5}) {
+    const Joint joint{.eta_top = eta, .eta_bottom = eta, .pretension = 0.1, .top_share = 0.5};
+    Tendon<double> term = make<double>(joint);
+    const double tau = joint.pretension * eta;
+    const double wanted = 0.5 * 0.5 * joint.pretension * std::tanh(0.5 * eta);
+    EXPECT_NEAR(term.settled({.tau = tau, .forward = true})[0], wanted, 1e-12);
+    EXPECT_NEAR(term.settled({.tau = -tau, .forward = false})[0], -wanted, 1e-12);
+  }
+}
+
+TEST(Tendon, SettlesOnceBothTendonsSlideInTheirWholeLength) {
+  for (const double eta : {0.2, 1.14, 2.5}) {
+    const Joint joint{.eta_top = eta, .eta_bottom = 0.8 * eta, .pretension = 0.1, .top_share = 0.6};
+    Tendon<double> term = make<double>(joint);
+    const double most = 1.6 * joint.pretension * eta;
+    double last = 0.0;
+    for (int i = 0; i <= 600; ++i) {
+      last = stretch(term, i < 200 ? -most * i / 200.0 : most * (i - 400) / 200.0);
+    }
+    EXPECT_TRUE(term.tendons().is_known());
+    EXPECT_NEAR(last, term.settled({.tau = most, .forward = true})[0], 1e-4 * joint.pretension) << eta;
+  }
+}
+
+TEST(Tendon, HangsOnTheOneTendonThatIsLeftWhenTheOtherIsSlack) {
+  const Joint joint{.eta_top = 0.8, .eta_bottom = 0.6, .pretension = 0.05, .top_share = 0.4};
+  Tendon<double> term = make<double>(joint);
+  const double mean = (1.0 - std::exp(-0.8)) / 0.8;
+  const double rest = 0.4 * 0.6 * 0.05;
+  EXPECT_NEAR(stretch(term, 0.5), 0.4 * 0.5 * mean - rest, 1e-9);
+  EXPECT_NEAR(term.settled({.tau = 0.5, .forward = true})[0], 0.4 * 0.5 * mean - rest, 1e-9);
+  EXPECT_EQ(term.tendons().phase(), ForcePhase::kOneSlack);
+  const double bottom_mean = (1.0 - std::exp(-0.6)) / 0.6;
+  EXPECT_NEAR(stretch(term, -0.5), rest - 0.6 * 0.5 * bottom_mean, 1e-9);
+  EXPECT_NEAR(term.settled({.tau = -0.5, .forward = false})[0], rest - 0.6 * 0.5 * bottom_mean, 1e-9);
+}
+
+TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {
+  const Joint bare;
+  const Joint with{.friction = 0.01, .viscous = 0.002, .inertia = 0.02};
+  Tendon<double> term = make<double>(with);
+  Tendon<double> other = make<double>(bare);
+  const Sample<double> sample{.dq1 = 3.0, .tau = 0.09, .forward = true, .advances = true, .ddq1 = 0.1};
+  EXPECT_DOUBLE_EQ(term.update(sample)[0], stretch(other, 0.09 - 0.01 - 0.006 - 0.002));
+  const Sample<double> back{.dq1 = -3.0, .tau = -0.09, .forward = false, .advances = true, .ddq1 = 0.1};
+  EXPECT_DOUBLE_EQ(term.update(back)[0], stretch(other, -0.09 + 0.01 + 0.006 - 0.002));
+}
+
+// At a reversal the torque falls by twice the friction before the motor moves, and the tendons feel nothing of it.
+TEST(Tendon, FrictionHoldsTheTensionWhileTheMotorStands) {
+  Tendon<double> term = make<double>(Joint{.friction = 0.01});
+  const double moving = term.update({.tau = 0.06, .forward = true, .advances = true})[0];
+  EXPECT_GT(moving, 0.0);
+  for (const double tau : {0.055, 0.05, 0.0401}) {
+    EXPECT_DOUBLE_EQ(term.update({.tau = tau, .forward = true})[0], moving) << tau;
+  }
+  EXPECT_LT(term.update({.tau = 0.03, .forward = true})[0], moving);
+}
+
+RC_GTEST_PROP(TendonProperties, FixedPointFollowsDoubleAndStartsAnewAsNewlyMade, ()) {
+  const auto share = [](int low, int high) { return 1e-3 * *rc::gen::inRange(low, high); };
+  const Joint joint{.eta_top = share(0, 3000),
+                    .eta_bottom = share(0, 3000),
+                    .pretension = share(5, 4000),
+                    .top_share = share(150, 850)};
+  Tendon<double> exact = make<double>(joint);
+  Tendon<Q24> fixed = make<Q24>(joint);
+  const double size = 1.5 * joint.pretension;
+  const auto steps = *rc::gen::container<std::vector<int>>(rc::gen::inRange(-1000, 1001));
+  std::vector<double> first;
+  for (const int step : steps) {
+    const double tau = 1e-3 * step * size;
+    const double wanted = stretch(exact, tau);
+    // What the search for the balance may leave in either, twice, and the last places of fourteen tensions.
+    RC_ASSERT(std::fabs(stretch(fixed, tau) - wanted) <= 2e-3 * (joint.pretension + std::fabs(tau)) + 1e-5);
+    first.push_back(wanted);
+  }
+  exact.restart();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    RC_ASSERT(stretch(exact, 1e-3 * steps[i] * size) == first[i]);
+  }
+}
+
+TEST(Tendon, OutOfRangeTorqueIsNoEstimate) {
+  MotionLaw<Q24> motion =
+      test::LawBuilder().coefficient("motor_angle", "beta", 1.0).coefficient("tendon", "compliance", -3.0).law<Q24>();
+  EXPECT_FALSE(motion.update(number<Q24>(0.1), number<Q24>(7.9)).saturated);
+  EXPECT_TRUE(motion.update(number<Q24>(0.1), number<Q24>(8.1)).saturated);
+}
+
+}  // namespace
+}  // namespace capstan

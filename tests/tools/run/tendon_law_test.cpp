@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+// The law of two tendons against the plant, which shares no formula with it: what a healthy joint obeys, what its
+// numbers mean, and what it says when one of them has moved.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/diagnose/compare.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/run/run.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+const std::string kScenarios = CAPSTAN_SOURCE_DIR "/tools/scenarios/";
+constexpr double kCameraNoiseRad = 0.0017;  // of the micro-forceps' camera
+
+struct Recorded {
+  RunSummary summary;
+  AxisLog log;
+  Eigen::VectorXd joint_torque_nm;  ///< the plant's
+};
+
+auto record(const std::string& name, const std::vector<std::string>& model = {}, double pretension_change_n = 0.0)
+    -> Recorded {
+  sim::Scenario scenario = sim::load_scenario(kScenarios + name);
+  scenario.seed = 4711;
+  scenario.plant.effects.pretension_change_n = pretension_change_n;
+  std::ostringstream text;
+  FileBanks banks = FileBanks::temporary();
+  Recorded result;
+  result.summary = run_scenario(scenario, model, banks, &text);
+  const CsvLog csv = CsvLog::parse(text.str(), name);
+  result.log = read_axis(csv, {.needs_torque = true});
+  result.joint_torque_nm = csv.column("axis0/tau_out_Nm");
+  return result;
+}
+
+auto shape_of(const JointFile& law, const std::string& name) -> double {
+  const auto& term = catalogue_term(kTendonModel);
+  for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+    if (term.shapes[i].name == name) {
+      return law.parameters.shapes[term.first_shape + i];
+    }
+  }
+  ADD_FAILURE() << "the term has no " << name;
+  return 0.0;
+}
+
+auto identified(const AxisLog& log) -> JointFile {
+  return identify({log}, form_of_model(kTendonModel, {log})).joint;
+}
+
+// The instrument's own numbers: eta 1.1414 and 1.1404, I r1 = 27.6984 N x 2.6 mm, friction of the motor 3 mN m. A free
+// tip tells eta from pretension only by how the loop bends, 0.1 mrad of its 116: their product is found, each alone
+// within a factor of two (five seeds: eta 0.73 to 1.2, I r1 0.064 to 0.105 N m).
+TEST(TendonLaw, FindsWhatTheForcepsAreMadeOf) {
+  const JointFile law = identified(record("identify.toml").log);
+  const double pretension = shape_of(law, "pretension");
+  const double eta = 0.5 * (shape_of(law, "eta_top") + shape_of(law, "eta_bottom"));
+  EXPECT_NEAR(pretension * eta, 27.6984 * 2.6e-3 * 1.1409, 0.1 * 27.6984 * 2.6e-3 * 1.1409);
+  EXPECT_LT(std::abs(std::log(eta / 1.1409)), std::log(2.0));
+  EXPECT_NEAR(shape_of(law, "top_share"), 0.5, 0.02);
+  EXPECT_NEAR(shape_of(law, "friction"), 0.003, 0.001);
+  EXPECT_NEAR(law.parameters.coefficients[0], 2.6 / 2.4, 0.005);
+}
+
+TEST(TendonLaw, IsTheBaseOfAHealthyJointWhichThenLacksNothing) {
+  const Recorded recorded = record("identify.toml");
+  const Diagnosis diagnosis = diagnose({recorded.log}, {});
+  EXPECT_EQ(diagnosis.base_model, kTendonModel);
+  EXPECT_EQ(diagnosis.verdict, Verdict::kNothingMissing) << diagnosis.reason;
+  EXPECT_TRUE(diagnosis.effects.empty());
+  EXPECT_LT(diagnosis.after.rmse, 1.2 * kCameraNoiseRad);
+}
+
+TEST(TendonLaw, RunsOnTheBoardAndGivesAngleAndTorqueOfAnotherMotion) {
+  const JointFile law = identified(record("identify.toml").log);
+  const Recorded plain = record("validate.toml");
+  const Recorded run = record("validate.toml", model_lines(law, 0));
+  ASSERT_EQ(run.summary.fault, "");
+  EXPECT_LT(run.summary.joints[0].estimation_rmse_rad, 2.2 * kCameraNoiseRad);
+  EXPECT_LT(run.summary.joints[0].estimation_rmse_rad, 0.1 * plain.summary.joints[0].estimation_rmse_rad);
+  MotionLaw<Q24> board(SamplePeriod<Q24>(1000), to_fixed(motion_parameters(law)));
+  Eigen::VectorXd error(run.log.samples());
+  for (Eigen::Index i = 0; i < run.log.samples(); ++i) {
+    board.update(Q24::from_double(run.log.q1_rad[i]), Q24::from_double(run.log.tau_nm[i]));
+    error[i] = board.joint_torque().force.to_double() - run.joint_torque_nm[i];
+  }
+  // The tip is free: the joint's own friction, 2 mN m, is all that the tendons bear of the motor's 90.
+  EXPECT_LT(rms(error.tail(run.log.samples() - 5000)), 0.15 * run.log.tau_nm.cwiseAbs().maxCoeff());
+}
+
+TEST(TendonLaw, NamesPretensionThatCameAndSaysHowMuch) {
+  const JointFile healthy = identified(record("identify.toml").log);
+  DiagnoseOptions options;
+  options.base_law = form_of(healthy);
+  options.base_model = "healthy.toml";
+  const Diagnosis same = diagnose({record("identify.toml").log}, options);
+  EXPECT_EQ(same.verdict, Verdict::kNothingMissing) << same.reason;
+  const Diagnosis tighter = diagnose({record("identify.toml", {}, 10.0).log}, options);
+  ASSERT_FALSE(tighter.effects.empty()) << tighter.reason;
+  EXPECT_EQ(tighter.effects.front().name, "pretension_offset");
+  const double ratio = shape_of(tighter.law, "pretension") / shape_of(healthy, "pretension");
+  EXPECT_NEAR(ratio, (27.6984 + 10.0) / 27.6984, 0.1);
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/base_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto fitted_tendons(const Preparation& p, const LawForm& start) -> LawForm {
+  return fit_tendon(p.causal, p.target, refined(p.split, p.factor).learned(), start);
+}
+
+/// What a law leaves, rms, of the rows to choose by, its coefficients fitted to the rows to fit.
+auto left_to_choose(const Preparation& p, const LawForm& law) -> double {
+  const Split fine = refined(p.split, p.factor);
+  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  const LinearFit fit = fit_columns(columns, p.target, fine.of(Role::kFit), law_signs(law));
+  return rms(stacked(p.target - columns * fit.theta, fine.of(Role::kChoose)));
+}
+
+/// Noise of the target: of repeated cycles, else at most what the law found leaves.
+auto noise_of(const Preparation& p, const Search& search) -> double {
+  return p.repeats ? search.noise_floor : std::min(search.noise_floor, left_to_choose(p, search.law));
+}
+
+auto with_effects(const LawForm& base, const LawForm& all, const std::vector<AddedEffect>& effects, std::size_t count)
+    -> LawForm {
+  LawForm law = all;
+  law.terms = base.terms;
+  for (std::size_t i = 0; i < count; ++i) {
+    law.terms.push_back(effects[i].name);
+  }
+  return law;
+}
+
+}  // namespace
+
+auto settled_base(const Preparation& p, LawForm base) -> LawForm {
+  if (!base.has(kTendonModel)) {
+    return base;
+  }
+  if (base.shapes == base.catalogue->initial_shapes()) {
+    base = fitted_tendons(p, base);
+  }
+  base.held.emplace_back(kTendonModel);
+  return base;
+}
+
+namespace {
+
+/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
+auto may_be_tendons(const Search& search) -> bool {
+  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
+  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
+    const auto is_it = [&](const std::string& name) { return name == effect.name; };
+    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
+           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
+  });
+}
+
+}  // namespace
+
+auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<LawForm> {
+  const bool torque = std::all_of(p.logs.begin(), p.logs.end(), [](const auto& log) { return log.has_torque; });
+  const double noise = noise_of(p, search);
+  const double found = left_to_choose(p, search.law);
+  // A law with effects of another kind that leaves no more than noise needs no tendons.
+  const bool another_kind = !may_be_tendons(search) && found <= kAboveFloor * noise;
+  if (!torque || another_kind) {
+    return std::nullopt;
+  }
+  LawForm tendons;
+  tendons.terms = terms_of_model(kTendonModel);
+  tendons = settled_base(p, tendons);
+  const double left = left_to_choose(p, tendons);
+  const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
+  const bool as_good = may_be_tendons(search) && left <= kAsGoodABase * found;
+  return complete || as_good || left <= kWorthABase * found ? std::optional(tendons) : std::nullopt;
+}
+
+auto without_form_error(const Preparation& p, const LawForm& tendons, Search search) -> Search {
+  const double enough = kAboveFloor * noise_of(p, search);
+  const double left = left_to_choose(p, tendons);
+  const auto answer = [&](const LawForm& law, double left_by_it, std::vector<AddedEffect> effects) {
+    search.law = law;
+    search.effects = std::move(effects);
+    search.unlisted.clear();
+    search.lacks_something = false;
+    const double share = 1.0 - left_by_it * left_by_it / (left * left);
+    search.share = {share, share};
+    return search;
+  };
+  if (left <= enough) {
+    return answer(tendons, left, {});
+  }
+  const LawForm moved = with_other_pretension(p.causal, p.target, refined(p.split, p.factor).learned(), tendons);
+  const double left_by_moved = left_to_choose(p, moved);
+  if (left_by_moved <= enough) {
+    AddedEffect pretension;
+    pretension.name = "pretension_offset";
+    pretension.explained = 1.0 - left_by_moved * left_by_moved / (left * left);
+    return answer(moved, left_by_moved, {pretension});
+  }
+  for (std::size_t count = 1; count < search.effects.size(); ++count) {
+    const LawForm law = with_effects(tendons, search.law, search.effects, count);
+    const double left_by_law = left_to_choose(p, law);
+    if (left_by_law <= enough) {
+      return answer(law, left_by_law, {search.effects.begin(), search.effects.begin() + static_cast<long>(count)});
+    }
+  }
+  return search;
+}
+
+}  // namespace capstan::tools

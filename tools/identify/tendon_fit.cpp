@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/tendon_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capstan/tools/identify/thinned_design.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// Enough to tell one start from another, and to settle. Each trial goes through the whole motion.
+constexpr Eigen::Index kRowsToSearch = 2000;
+constexpr Eigen::Index kRowsToSettle = 8000;
+
+/// Half the distance between the torques forward and backward: the friction of everything while the joint is free.
+auto friction_torque(const Thinned& data) -> double {
+  double forward = 0.0;
+  double backward = 0.0;
+  double forward_count = 0.0;
+  double backward_count = 0.0;
+  for (const auto& samples : data.design.samples()) {
+    for (const auto& sample : samples) {
+      const double way = std::abs(sample.dq1);
+      (sample.forward ? forward : backward) += way * sample.tau;
+      (sample.forward ? forward_count : backward_count) += way;
+    }
+  }
+  return forward_count > 0.0 && backward_count > 0.0
+             ? std::abs(0.5 * (forward / forward_count - backward / backward_count))
+             : 0.0;
+}
+
+auto torque_range(const Thinned& data) -> double {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  for (const auto& samples : data.design.samples()) {
+    for (const auto& sample : samples) {
+      low = std::min(low, sample.tau);
+      high = std::max(high, sample.tau);
+    }
+  }
+  return high - low;
+}
+
+/// While both tendons slide and the tip is free, tau = eta I r1 (from (2.16) with equal tensions at the joint): so the
+/// friction seen gives the pretension to each friction number.
+auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
+  const CatalogueTerm& term = form.catalogue->term(kTendonModel);
+  const double friction = std::max(friction_torque(data), 0.02 * torque_range(data));
+  std::vector<LawForm> all;
+  for (const double eta : {0.15, 0.4, 0.8, 1.2, 2.0}) {
+    for (const double share : {0.1, 0.4}) {  // of the friction, ahead of the tendons
+      Shapes shapes = form.shapes_of(term);
+      shapes[0] = shapes[1] = eta;
+      shapes[2] = std::clamp((1.0 - share) * friction / eta, term.shapes[2].minimum, term.shapes[2].maximum);
+      shapes[3] = 0.5;
+      shapes[4] = share * friction;
+      all.push_back(form);
+      all.back().set_shapes(term, shapes);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
+    -> LawForm {
+  constexpr std::size_t kFollowed = 3;
+  const Thinned few = thinned(design, target, rows, kRowsToSearch);
+  const auto left = [](const Thinned& data, const LawForm& law) {
+    return fit_law(data.design, data.target, data.rows, law).rmse;
+  };
+  std::vector<std::pair<double, LawForm>> tried;
+  LawForm fine = form;
+  fine.catalogue = &fine_tendon_catalogue();
+  for (auto& start : starts(few, fine)) {
+    tried.emplace_back(left(few, start), std::move(start));
+  }
+  const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
+  std::sort(tried.begin(), tried.end(), by_error);
+  tried.resize(std::min(kFollowed, tried.size()));
+  for (auto& [error, law] : tried) {
+    law = refine_shapes(few.design, few.target, few.rows, law);
+    error = left(few, law);
+  }
+  const Thinned many = thinned(design, target, rows, kRowsToSettle);
+  LawForm best = std::min_element(tried.begin(), tried.end(), by_error)->second;
+  best = refine_shapes(many.design, many.target, many.rows, best);
+  best.catalogue = form.catalogue;
+  return best;
+}
+
+auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
+    -> LawForm {
+  constexpr std::size_t kPretension = 2;
+  constexpr double kMostTimes = 4.0;
+  constexpr int kHalvings = 24;  // of the golden section: to a thousandth
+  constexpr double kGolden = 0.6180339887498949;
+  const Thinned few = thinned(design, target, rows, kRowsToSearch);
+  const CatalogueTerm& term = form.catalogue->term(kTendonModel);
+  const double now = form.shapes[term.first_shape + kPretension];
+  LawForm fine = form;
+  fine.catalogue = &fine_tendon_catalogue();
+  const auto left = [&](double place) {
+    fine.shapes[term.first_shape + kPretension] =
+        std::clamp(now * std::exp(place), term.shapes[kPretension].minimum, term.shapes[kPretension].maximum);
+    return fit_law(few.design, few.target, few.rows, fine).rmse;
+  };
+  double low = -std::log(kMostTimes);
+  double high = std::log(kMostTimes);
+  double inner[2] = {high - kGolden * (high - low), low + kGolden * (high - low)};
+  double error[2] = {left(inner[0]), left(inner[1])};
+  for (int i = 0; i < kHalvings; ++i) {
+    if (error[0] < error[1]) {
+      high = inner[1];
+      inner[1] = inner[0];
+      error[1] = error[0];
+      error[0] = left(inner[0] = high - kGolden * (high - low));
+    } else {
+      low = inner[0];
+      inner[0] = inner[1];
+      error[0] = error[1];
+      error[1] = left(inner[1] = low + kGolden * (high - low));
+    }
+  }
+  left(0.5 * (low + high));
+  form.shapes = fine.shapes;
+  return form;
+}
+
+}  // namespace capstan::tools

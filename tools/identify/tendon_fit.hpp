@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/tools/identify/law_fit.hpp"
+
+namespace capstan::tools {
+
+/// The base law whose tendons have friction, pretension and stiffness of their own.
+inline constexpr const char* kTendonModel = "tendon";
+
+/// Finds the shapes of a law's term `tendon` from a motion of q1, tau and the target: from several starts that the
+/// torque of steady motion suggests, on means over few rows first. Leaves the other shapes as they are.
+/// @param rows  samples that take part, in order
+auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
+    -> LawForm;
+
+/// The law with the pretension that fits these rows best, its other shapes as they are.
+auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
+    -> LawForm;
+
+}  // namespace capstan::tools

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/thinned_design.hpp"
+
+#include <algorithm>
+
+namespace capstan::tools {
+namespace {
+
+auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -> Sample<double> {
+  Sample<double> mean = samples[begin + count - 1];
+  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = 0.0;
+  const double share = 1.0 / static_cast<double>(count);
+  for (std::size_t i = begin; i < begin + count; ++i) {
+    mean.q1 += share * samples[i].q1;
+    mean.h += share * samples[i].h;
+    mean.dq1 += share * samples[i].dq1;
+    mean.dh += share * samples[i].dh;
+    mean.ddq1 += share * samples[i].ddq1;
+    mean.tau += share * samples[i].tau;
+    mean.advances = mean.advances || samples[i].advances;
+  }
+  return mean;
+}
+
+}  // namespace
+
+auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, Eigen::Index wanted)
+    -> Thinned {
+  const Eigen::Index factor = std::max<Eigen::Index>(1, rows_in(rows) / wanted);
+  std::vector<Samples> samples;
+  std::vector<double> periods;
+  std::vector<Eigen::Index> place(static_cast<std::size_t>(design.rows()) + 1);  // of each row among the means
+  std::vector<double> means;
+  Eigen::Index begin = 0;
+  for (std::size_t log = 0; log < design.samples().size(); ++log) {
+    const Samples& all = design.samples()[log];
+    const auto count = static_cast<Eigen::Index>(all.size()) / factor;
+    Samples own;
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(all.size()); ++i) {
+      place[static_cast<std::size_t>(begin + i)] =
+          static_cast<Eigen::Index>(means.size()) + std::min(i / factor, count);
+    }
+    for (Eigen::Index i = 0; i < count; ++i) {
+      own.push_back(mean_sample(all, static_cast<std::size_t>(i * factor), static_cast<std::size_t>(factor)));
+      means.push_back(target.segment(begin + i * factor, factor).mean());
+    }
+    begin += static_cast<Eigen::Index>(all.size());
+    samples.push_back(std::move(own));
+    periods.push_back(design.period_s(log) * static_cast<double>(factor));
+  }
+  place.back() = static_cast<Eigen::Index>(means.size());
+  Blocks kept;
+  for (const auto& block : rows) {
+    const RowRange coarse = {place[static_cast<std::size_t>(block.begin)],
+                             place[static_cast<std::size_t>(block.end - 1)]};
+    if (coarse.size() > 0) {
+      kept.push_back(coarse);
+    }
+  }
+  return {LawDesign(std::move(samples), std::move(periods)),
+          Eigen::Map<const Eigen::VectorXd>(means.data(), static_cast<Eigen::Index>(means.size())), std::move(kept)};
+}
+
+}  // namespace capstan::tools

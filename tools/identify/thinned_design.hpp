@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/tools/identify/law_fit.hpp"
+
+namespace capstan::tools {
+
+/// A design of means over several samples, with its target and the rows that take part.
+struct Thinned {
+  LawDesign design;
+  Eigen::VectorXd target;
+  Blocks rows;
+};
+
+/// Means over so many samples that about `wanted` rows are left of those that take part; the tension along a tendon
+/// hangs on the way of the torque and not on time. Each log by itself; a rest too short for a mean is left out.
+auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, Eigen::Index wanted)
+    -> Thinned;
+
+}  // namespace capstan::tools
