@@ -142,8 +142,8 @@ class MotionLaw {
   /// What the tendons give to the joint, N m, where the law has them (`tendon`); nothing, unknown, where not.
   [[nodiscard]] constexpr auto joint_torque() const -> ForceEstimate<Scalar> {
     ForceEstimate<Scalar> estimate;
-    if (is_active<Tendon<Scalar>>()) {
-      const auto& tendons = std::get<kPlace<Tendon<Scalar>>>(terms_).tendons();
+    if (is_active<Tendons<Scalar>>()) {
+      const auto& tendons = std::get<kPlace<Tendons<Scalar>>>(terms_).tendons();
       estimate.force = per_beta(tendons.output());
       estimate.known = tendons.is_known();
       estimate.phase = tendons.phase();
@@ -151,7 +151,7 @@ class MotionLaw {
     }
     return estimate;
   }
-  [[nodiscard]] constexpr auto has_tendons() const -> bool { return is_active<Tendon<Scalar>>(); }
+  [[nodiscard]] constexpr auto has_tendons() const -> bool { return is_active<Tendons<Scalar>>(); }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
   /// `motion` (its direction, speed and torque) has settled. From (5.28): h = (q2 - rest) / beta, the curve of the

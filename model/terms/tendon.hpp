@@ -17,7 +17,7 @@ namespace capstan {
 /// carries them is the one that stretches.
 /// @tparam Nodes  places along each tendon
 template <typename Scalar, std::size_t Nodes>
-class TendonOf {
+class TendonsOf {
  public:
   /// Of pretension and of torque: sums over the places of what either may bring stay in fixed point's range.
   static constexpr double kMostNm = 8.0;
@@ -48,7 +48,7 @@ class TendonOf {
                     .placed = true},
   };
 
-  constexpr TendonOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 7>& shape)
+  constexpr TendonsOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 7>& shape)
       : friction_(shape[4]),
         viscous_(shape[5]),
         inertia_(shape[6]),
@@ -109,6 +109,6 @@ class TendonOf {
 /// them; with those of 32 places these 8 err by a tenth more of the joint camera's noise than 32 do (simulated
 /// forceps).
 template <typename Scalar>
-using Tendon = TendonOf<Scalar, 8>;
+using Tendons = TendonsOf<Scalar, 8>;
 
 }  // namespace capstan

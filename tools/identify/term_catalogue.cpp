@@ -251,8 +251,8 @@ auto fine_tendon_catalogue() -> const Catalogue& {
     constexpr std::size_t kPlaces = 32;
     std::vector<CatalogueTerm> terms(term_catalogue().begin(), term_catalogue().end());
     for (auto& term : terms) {
-      if (term.name == Tendon<double>::kInfo.name) {
-        term.columns = sum_columns<TendonOf<double, kPlaces>>;
+      if (term.name == Tendons<double>::kInfo.name) {
+        term.columns = sum_columns<TendonsOf<double, kPlaces>>;
       }
     }
     return Catalogue(TargetKind::kAngle, "rad", "rad", std::move(terms));

@@ -48,7 +48,7 @@ consteval auto place_of_tendons() -> std::size_t {
   std::size_t next = 0;
   std::size_t place = 0;
   SumTerms::for_each<Scalar>([&]<typename Term>() {
-    place = std::is_same_v<Term, Tendon<Scalar>> ? next : place;
+    place = std::is_same_v<Term, Tendons<Scalar>> ? next : place;
     next += kCoefficientsOf<Term>;
   });
   return place;

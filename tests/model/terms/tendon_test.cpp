@@ -17,7 +17,7 @@ using test::number;
 using test::one_khz;
 using test::value_of;
 
-static_assert(SumTerm<Tendon<double>, double> && SumTerm<Tendon<Q24>, Q24>);
+static_assert(SumTerm<Tendons<double>, double> && SumTerm<Tendons<Q24>, Q24>);
 
 struct Joint {
   double eta_top = 1.1, eta_bottom = 0.9, pretension = 0.072, top_share = 0.55, friction = 0.0, viscous = 0.0,
@@ -25,14 +25,14 @@ struct Joint {
 };
 
 template <typename Scalar>
-auto make(const Joint& j) -> Tendon<Scalar> {
-  return Tendon<Scalar>(
+auto make(const Joint& j) -> Tendons<Scalar> {
+  return Tendons<Scalar>(
       one_khz<Scalar>(),
       {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
        number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous), number<Scalar>(j.inertia)});
 }
 template <typename Scalar>
-auto stretch(Tendon<Scalar>& term, double tau) -> double {
+auto stretch(Tendons<Scalar>& term, double tau) -> double {
   return value_of(term.update({.tau = number<Scalar>(tau)})[0]);
 }
 
@@ -93,7 +93,7 @@ TEST(Tendon, FollowsManyShortPiecesThroughLoopsWithinLoops) {
   for (const Joint& joint : {Joint{}, Joint{.eta_top = 0.3, .eta_bottom = 0.4, .pretension = 0.3, .top_share = 0.5},
                              Joint{.eta_top = 2.0, .eta_bottom = 1.5, .pretension = 0.02, .top_share = 0.35}}) {
     const double size = 1.2 * joint.pretension * joint.eta_top;
-    Tendon<double> term = make<double>(joint);
+    Tendons<double> term = make<double>(joint);
     SlowPair slow(joint);
     double range = 0.0;
     double worst = 0.0;
@@ -114,7 +114,7 @@ TEST(Tendon, FollowsManyShortPiecesThroughLoopsWithinLoops) {
 TEST(Tendon, SettlesToTheLoopOfAFreeTip) {
   for (const double eta : {0.2, 0.7, 1.14, 2.5}) {
     const Joint joint{.eta_top = eta, .eta_bottom = eta, .pretension = 0.1, .top_share = 0.5};
-    Tendon<double> term = make<double>(joint);
+    Tendons<double> term = make<double>(joint);
     const double tau = joint.pretension * eta;
     const double wanted = 0.5 * 0.5 * joint.pretension * std::tanh(0.5 * eta);
     EXPECT_NEAR(term.settled({.tau = tau, .forward = true})[0], wanted, 1e-12);
@@ -125,7 +125,7 @@ TEST(Tendon, SettlesToTheLoopOfAFreeTip) {
 TEST(Tendon, SettlesOnceBothTendonsSlideInTheirWholeLength) {
   for (const double eta : {0.2, 1.14, 2.5}) {
     const Joint joint{.eta_top = eta, .eta_bottom = 0.8 * eta, .pretension = 0.1, .top_share = 0.6};
-    Tendon<double> term = make<double>(joint);
+    Tendons<double> term = make<double>(joint);
     const double most = 1.6 * joint.pretension * eta;
     double last = 0.0;
     for (int i = 0; i <= 600; ++i) {
@@ -138,7 +138,7 @@ TEST(Tendon, SettlesOnceBothTendonsSlideInTheirWholeLength) {
 
 TEST(Tendon, HangsOnTheOneTendonThatIsLeftWhenTheOtherIsSlack) {
   const Joint joint{.eta_top = 0.8, .eta_bottom = 0.6, .pretension = 0.05, .top_share = 0.4};
-  Tendon<double> term = make<double>(joint);
+  Tendons<double> term = make<double>(joint);
   const double mean = (1.0 - std::exp(-0.8)) / 0.8;
   const double rest = 0.4 * 0.6 * 0.05;
   EXPECT_NEAR(stretch(term, 0.5), 0.4 * 0.5 * mean - rest, 1e-9);
@@ -152,8 +152,8 @@ TEST(Tendon, HangsOnTheOneTendonThatIsLeftWhenTheOtherIsSlack) {
 TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {
   const Joint bare;
   const Joint with{.friction = 0.01, .viscous = 0.002, .inertia = 0.02};
-  Tendon<double> term = make<double>(with);
-  Tendon<double> other = make<double>(bare);
+  Tendons<double> term = make<double>(with);
+  Tendons<double> other = make<double>(bare);
   const Sample<double> sample{.dq1 = 3.0, .tau = 0.09, .forward = true, .advances = true, .ddq1 = 0.1};
   EXPECT_DOUBLE_EQ(term.update(sample)[0], stretch(other, 0.09 - 0.01 - 0.006 - 0.002));
   const Sample<double> back{.dq1 = -3.0, .tau = -0.09, .forward = false, .advances = true, .ddq1 = 0.1};
@@ -162,7 +162,7 @@ TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {
 
 // At a reversal the torque falls by twice the friction before the motor moves, and the tendons feel nothing of it.
 TEST(Tendon, FrictionHoldsTheTensionWhileTheMotorStands) {
-  Tendon<double> term = make<double>(Joint{.friction = 0.01});
+  Tendons<double> term = make<double>(Joint{.friction = 0.01});
   const double moving = term.update({.tau = 0.06, .forward = true, .advances = true})[0];
   EXPECT_GT(moving, 0.0);
   for (const double tau : {0.055, 0.05, 0.0401}) {
@@ -177,8 +177,8 @@ RC_GTEST_PROP(TendonProperties, FixedPointFollowsDoubleAndStartsAnewAsNewlyMade,
                     .eta_bottom = share(0, 3000),
                     .pretension = share(5, 4000),
                     .top_share = share(150, 850)};
-  Tendon<double> exact = make<double>(joint);
-  Tendon<Q24> fixed = make<Q24>(joint);
+  Tendons<double> exact = make<double>(joint);
+  Tendons<Q24> fixed = make<Q24>(joint);
   const double size = 1.5 * joint.pretension;
   const auto steps = *rc::gen::container<std::vector<int>>(rc::gen::inRange(-1000, 1001));
   std::vector<double> first;
