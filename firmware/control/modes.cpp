@@ -87,8 +87,9 @@ auto Modes::rt_take_stream(const JointView& joint, const AxisCommand& command) -
   if (reference_.mode != ControlMode::kPosition) {
     rt_hold_here(joint.estimate, Start::kKeepsTorque);
   }
-  follow_target_ = clamp(command.position_rad, limits.joint_min_rad, limits.joint_max_rad);
-  const bool inside = follow_target_ == command.position_rad;
+  const Q24 target = clamp(command.position_rad, limits.joint_min_rad, limits.joint_max_rad);
+  const bool inside = target == command.position_rad;
+  trajectory_.rt_stream(target, following_ ? cycles_since_reference_ : 1, reference_.q2_rad);
   if (!inside) {
     rt_flag(Limit::kReference);
   }
@@ -204,14 +205,10 @@ auto Modes::rt_next_position(const LimitConfig& limits) -> Q24 {
   if (!following_) {
     return trajectory_.rt_step(limits.joint_acceleration_rad_s2);
   }
-  // A streamed reference may not run faster than moves may, so a wrong first value can not throw the joint.
-  const Q24 step = per_cycle(limits.joint_speed_rad_s);
-  const Q24 last = reference_.q2_rad;
-  const Q24 next = clamp(follow_target_, last - step, last + step);
-  if (next != follow_target_) {
+  const Q24 next = trajectory_.rt_follow(limits);
+  if (!trajectory_.on_stream()) {
     rt_flag(Limit::kReference);
   }
-  trajectory_.rt_track(next);
   return next;
 }
 

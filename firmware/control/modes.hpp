@@ -145,7 +145,6 @@ class Modes {
   bool following_ = false;  // a stream, of positions or torques
   bool braking_ = false;
   Start start_ = Start::kNone;
-  Q24 follow_target_;
   Q24 torque_target_nm_;
   Q24 trailing_q2_;  // in torque: the joint's angle, as long ago as kTrailS
   std::int32_t cycles_since_reference_ = 0;

@@ -6,6 +6,10 @@
 namespace capstan {
 namespace {
 
+// A stream is followed as it comes up to this many milliseconds between two of its references, which is the delay that
+// costs; one that comes more rarely makes a step now and then.
+constexpr std::int32_t kMostInterval = 20;
+
 constexpr std::int64_t kUnits = std::int64_t{kCycleRateHz} * kCycleRateHz;
 
 auto position_of(Q24 angle_rad) -> std::int64_t {
@@ -78,6 +82,7 @@ void Trajectory::rt_reset(Q24 position_rad) {
   ahead_ = Q24{};
   sum_ = std::int64_t{position_rad.raw()} << doublings_;
   taken_ = to_settle_ = 0;
+  streaming_ = false;
 }
 
 auto Trajectory::rt_mean(Q24 position) -> Q24 {
@@ -93,26 +98,79 @@ auto Trajectory::rt_mean(Q24 position) -> Q24 {
   return Q24::from_wide((sum_ + (length >> 1U)) >> doublings_);
 }
 
-void Trajectory::rt_track(Q24 position_rad) {
-  const std::int64_t next = position_of(position_rad);
-  if (next == position_) {  // it stands, so what follows begins at rest
-    rt_reset(position_rad);
-    return;
+void Trajectory::rt_stream(Q24 position_rad, std::int32_t interval, Q24 from_rad) {
+  if (!streaming_) {
+    streaming_ = true;
+    position_ = position_of(from_rad);
+    stream_at_ = from_rad;
   }
-  speed_ = next - position_;
-  speed_limit_ = std::abs(speed_);
-  position_ = next;
-  target_ = next;
-  ahead_ = position_rad - rt_mean(position_rad);
+  stream_end_ = position_rad;
+  stream_cycles_ = static_cast<std::uint8_t>(std::clamp<std::int32_t>(interval, 1, kMostInterval));
+}
+
+auto Trajectory::rt_pursue(const LimitConfig& limits, std::int64_t to_go, std::int64_t along) const -> std::int64_t {
+  const std::int64_t limit = speed_of(limits.joint_speed_rad_s);
+  const std::int64_t step = step_of(limits.joint_acceleration_rad_s2);
+  // Beside the stream, which runs on meanwhile.
+  const std::int64_t stream = std::clamp(along, -limit, limit);
+  const std::int64_t distance = to_go - stream;
+  const std::int64_t sign = distance < 0 ? -1 : 1;
+  const std::int64_t speed = stream + sign * next_speed(sign * (speed_ - stream), sign * distance, 2 * limit, step);
+  return std::clamp(std::clamp(speed, -limit, limit), speed_ - step, speed_ + step);
+}
+
+auto Trajectory::rt_before_end(const LimitConfig& limits, std::int64_t speed) const -> std::int64_t {
+  const std::int64_t sign = speed < 0 ? -1 : 1;
+  const Q24 end = speed < 0 ? limits.joint_min_rad : limits.joint_max_rad;
+  const std::int64_t distance = std::max<std::int64_t>(sign * (position_of(end) - position_), 0);
+  // Far from it no division is needed: v^2 < 2 a d for the largest v.
+  const std::int64_t raw = (distance - std::min(distance, 2 * sign * speed)) >> 20;  // of 2^-24 rad, and a little less
+  if (wide_product(limits.joint_speed_rad_s.raw(), limits.joint_speed_rad_s.raw()) / 2 <
+      raw * limits.joint_acceleration_rad_s2.raw()) {
+    return speed;
+  }
+  const std::int64_t step = step_of(limits.joint_acceleration_rad_s2);
+  const std::int64_t most = next_speed(sign * speed_, distance, speed_of(limits.joint_speed_rad_s), step);
+  return sign * std::min(sign * speed, std::max(most, sign * speed_ - step));
+}
+
+auto Trajectory::rt_follow(const LimitConfig& limits) -> Q24 {
+  // A stream is rounded, twice in a second difference.
+  constexpr std::int64_t kRounding = 4 * kUnits;
+  const Q24 before = stream_at_;
+  if (stream_cycles_ > 0) {
+    stream_at_ += stream_cycles_ == 1 ? stream_end_ - stream_at_
+                                      : Q24::from_raw((stream_end_ - stream_at_).raw() / stream_cycles_);
+    --stream_cycles_;
+  }
+  const std::int64_t to_go = position_of(stream_at_) - position_;
+  const bool possible = std::abs(to_go) <= speed_of(limits.joint_speed_rad_s) &&
+                        std::abs(to_go - speed_) <= step_of(limits.joint_acceleration_rad_s2) + kRounding;
+  const std::int64_t along = position_of(stream_at_) - position_of(before);
+  speed_ = rt_before_end(limits, possible ? to_go : rt_pursue(limits, to_go, along));
+  on_stream_ = speed_ == to_go;
+  position_ += speed_;
+  target_ = position_;
+  const Q24 reference = angle_of(position_);
+  ahead_ = reference - rt_mean(reference);
   to_settle_ = static_cast<std::uint8_t>((1U << doublings_) - 1);
+  if (speed_ == 0) {  // it stands, so what follows begins at rest
+    rest_ = reference;
+    ahead_ = Q24{};
+    sum_ = std::int64_t{reference.raw()} << doublings_;
+    taken_ = to_settle_ = 0;
+  }
+  return reference;
 }
 
 void Trajectory::rt_start(Q24 target_rad, Q24 speed_rad_s) {
+  streaming_ = false;
   target_ = position_of(target_rad - ahead_);
   speed_limit_ = speed_of(speed_rad_s);
 }
 
 void Trajectory::rt_stop(Q24 acceleration_rad_s2) {
+  streaming_ = false;
   const std::int64_t distance = braking_distance(std::abs(speed_), step_of(acceleration_rad_s2));
   target_ = speed_ < 0 ? position_ - distance : position_ + distance;
 }

@@ -25,8 +25,15 @@ class Trajectory {
   void rt_configure(const LimitConfig& limits);
   /// Stands still at a position, rad.
   void rt_reset(Q24 position_rad);
-  /// Goes along with a streamed reference, rad, of this cycle: what follows begins with the speed that it has.
-  void rt_track(Q24 position_rad);
+  /// A streamed reference has come, rad, `interval` cycles after the last one; in as many cycles rt_follow goes there.
+  /// @param from_rad  the reference of the last cycle, where this is the first of a stream
+  void rt_stream(Q24 position_rad, std::int32_t interval, Q24 from_rad);
+  /// Advances by one cycle along the stream and returns the reference, rad: the stream itself as long as it keeps
+  /// limits.joint_speed and joint_acceleration and can still stand before joint_min and joint_max, else what comes
+  /// nearest to it within them. A stream is not averaged. A move or a stop after it begins with the speed that it has.
+  auto rt_follow(const LimitConfig& limits) -> Q24;
+  /// The last rt_follow returned the stream itself.
+  [[nodiscard]] auto on_stream() const -> bool { return on_stream_; }
   /// Heads for a target, rad, from wherever it is, at no more than the given speed, rad/s.
   void rt_start(Q24 target_rad, Q24 speed_rad_s);
   /// Brakes and stays where that ends.
@@ -37,6 +44,10 @@ class Trajectory {
   [[nodiscard]] auto finished() const -> bool { return position_ == target_ && speed_ == 0 && to_settle_ == 0; }
 
  private:
+  /// The next speed that rt_follow may have, where the stream's own, to_go in a cycle, is not within the limits.
+  [[nodiscard]] auto rt_pursue(const LimitConfig& limits, std::int64_t to_go, std::int64_t along) const -> std::int64_t;
+  /// `speed`, or less of it where the joint's range ends too near.
+  [[nodiscard]] auto rt_before_end(const LimitConfig& limits, std::int64_t speed) const -> std::int64_t;
   /// Takes one more position into the mean and returns it.
   auto rt_mean(Q24 position) -> Q24;
 
@@ -55,6 +66,12 @@ class Trajectory {
   std::uint8_t next_ = 0;
   std::uint8_t taken_ = 0;      // of past_, since it stood
   std::uint8_t to_settle_ = 0;  // cycles until the mean stands too
+
+  bool streaming_ = false;
+  bool on_stream_ = false;
+  std::uint8_t stream_cycles_ = 0;  // that are left until stream_end_
+  Q24 stream_at_;
+  Q24 stream_end_;
 };
 
 }  // namespace capstan

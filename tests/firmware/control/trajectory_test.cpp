@@ -329,15 +329,20 @@ TEST(TrajectoryJerk, StopAndNewTargetsOnTheWayKeepItToo) {
 TEST(TrajectoryJerk, AfterAStreamTheReferenceGoesOnFromWhereItWasAndEndsOnTheTarget) {
   for (const double speed : {0.8, 0.0}) {
     Soft soft(1.0);
-    for (int i = 1; i <= 200; ++i) {
-      const double now = 0.8e-3 * std::min(i, speed > 0.0 ? 200 : 195);
-      soft.trajectory.rt_track(Q24::from_double(now));
-      soft.take(Q24::from_double(now).to_double());
+    for (int i = 1; i <= 300; ++i) {
+      const double to = std::min(i, 200) * 1e-3;  // it gets to 0.8 rad/s within 0.2 s, stays there or brakes likewise
+      const double rest = std::max(i - 200, 0) * 1e-3;
+      const double now = 2.0 * to * to + (speed > 0.0 ? 0.8 * rest : 0.8 * rest - 4.0 * rest * rest);
+      soft.trajectory.rt_stream(Q24::from_double(now), 1, Q24{});
+      soft.take(soft.trajectory.rt_follow(soft_limits(1.0)).to_double());
+    }
+    for (int i = 0; i < 2; ++i) {  // speed 0: it stands now
+      soft.take(soft.trajectory.rt_follow(soft_limits(1.0)).to_double());
     }
     const double at = soft.last;
+    soft.trajectory.rt_start(Q24::from_double(0.5), Q24::from_double(1.0));
     soft.step();
     EXPECT_NEAR(soft.last - at, speed * 1e-3, 0.3e-3) << "no jump, and the speed that it had";
-    soft.trajectory.rt_start(Q24::from_double(0.5), Q24::from_double(1.0));
     soft.run();
     EXPECT_EQ(Q24::from_double(soft.last), Q24::from_double(0.5));
   }

@@ -114,12 +114,19 @@ TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
   }
 }
 
+/// After i cycles of a stream that gets to `speed` at 10 rad/s2.
+auto ramped(double speed, int i) -> double {
+  const double time = 0.001 * i;
+  const double rise = std::fabs(speed) / 10.0;
+  return speed * (time < rise ? time * time / (2.0 * rise) : time - rise / 2.0);
+}
+
 TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
   AxisBench axis(AxisConfig{});
   arm_at_rest(axis);
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < 200; ++i) {
     axis.estimate(sensed_at(0.0, 0.0));
-    static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(0.001 * i), {}}));
+    static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(ramped(1.0, i)), {}}));
     static_cast<void>(axis.control());
   }
   const Q24 before = axis.telemetry().q2_reference_rad;
@@ -137,7 +144,7 @@ TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce
     Q24 last;
     for (int i = 1; i <= 500; ++i) {
       axis.estimate(sensed_at(0.0, 0.0));
-      static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(0.001 * speed * i), {}}));
+      static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(ramped(speed, i)), {}}));
       static_cast<void>(axis.control());
       last = axis.telemetry().q2_reference_rad;
     }
