@@ -89,7 +89,7 @@ TEST(TermCatalogue, AnUnusualSignHasItsReason) {
       either += c.usual != Sign::kAny ? 1 : 0;
     }
   }
-  EXPECT_EQ(either, 5) << "viscous drag twice, pretension, inertia, the slip front";
+  EXPECT_EQ(either, 6) << "viscous drag twice, pretension, inertia, the slip front, the tendons' compliance";
 }
 
 TEST(EffortCatalogue, HasEveryNameOfTheContract) {
