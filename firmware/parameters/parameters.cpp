@@ -74,7 +74,7 @@ constexpr std::array kFixedParameters = {
          125.0, kSafety),
     real("limits", "joint_speed", "rad/s", "largest speed of a reference",
          kLimits + offsetof(LimitConfig, joint_speed_rad_s), 0.001, 100.0, kSafety),
-    real("limits", "joint_acceleration", "rad/s2", "acceleration of moves",
+    real("limits", "joint_acceleration", "rad/s2", "acceleration of moves and streams",
          kLimits + offsetof(LimitConfig, joint_acceleration_rad_s2), 0.01, 60.0, kSafety),
     real("limits", "joint_jerk", "krad/s3", "change of the acceleration of moves, 1 krad/s3 being 1 rad/s2 in 1 ms",
          kLimits + offsetof(LimitConfig, joint_jerk_krad_s3), 0.01, 120.0, kSafety),
