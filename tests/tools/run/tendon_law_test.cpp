@@ -58,7 +58,7 @@ auto identified(const AxisLog& log) -> JointFile {
 
 // The instrument's own numbers: eta 1.1414 and 1.1404, I r1 = 27.6984 N x 2.6 mm, friction of the motor 3 mN m. A free
 // tip tells eta from pretension only by how the loop bends, 0.1 mrad of its 116: their product is found, each alone
-// within a factor of two (five seeds: eta 0.73 to 1.2, I r1 0.064 to 0.105 N m).
+// within a factor of two (on the logs tried: eta 0.73 to 1.2, I r1 0.064 to 0.105 N m).
 TEST(TendonLaw, FindsWhatTheForcepsAreMadeOf) {
   const JointFile law = identified(record("identify.toml").log);
   const double pretension = shape_of(law, "pretension");
