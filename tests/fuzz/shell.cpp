@@ -34,14 +34,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   capstan::ShellInput input(bench.shell);
   const std::string_view text(reinterpret_cast<const char*>(data), std::min(size, kLongest));
   const bool may_arm = text.empty() || text.front() % 2 == 0;
-  for (const char c : text) {
-    if (!may_arm && (c == 'm' || c == '\t')) {
-      continue;  // without this letter nobody can arm, whatever is edited, dropped, mistaken or completed
-    }
+  const auto make_room = [&] {  // what takes characters owes it; none comes while a stream runs
     for (int i = 0; i < kPatience && input.room() == 0; ++i) {
       bench.application.rt_tick();
       input.poll();
     }
+  };
+  for (const char c : text) {
+    if (!may_arm && (c == 'm' || c == '\t')) {
+      continue;  // without this letter nobody can arm, whatever is edited, dropped, mistaken or completed
+    }
+    make_room();
     if (input.room() == 0) {
       input.take('\x03');  // it streams: as a person would end it
     } else {
@@ -53,6 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       look(bench, may_arm);
     }
   }
+  make_room();
   input.take('\x03');
   for (int i = 0; i < kPatience && (bench.shell.busy() || !input.empty()); ++i) {
     bench.application.rt_tick();
