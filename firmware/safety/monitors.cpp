@@ -66,7 +66,8 @@ auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& moto
     still_reference_ = wanted;
     still_cycles_ = 1;
   } else if (lasts(true, still_cycles_, kFrozenCycles) &&
-             abs(wanted - still_reference_) > limits.following_error_rad * kHalf) {
+             abs(wanted - there) - abs(still_reference_ - there) > limits.following_error_rad * kHalf) {
+    // Further away, not only elsewhere: a joint that presses with all its current stands while its reference returns.
     faults |= bit(Fault::kEncoderFrozen);
   }
   return faults;
