@@ -4,28 +4,28 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
-#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
 
+/// Tendons that are not known yet, fitted to the rows to learn from; their compliance is tied to what it is there.
 auto fitted_tendons(const Preparation& p, const LawForm& start) -> LawForm {
-  return fit_tendon(p.causal, p.target, refined(p.split, p.factor).learned(), start);
+  const Blocks learned = refined(p.split, p.factor).learned();
+  LawForm law = fit_tendon(p.causal, p.target, learned, start);
+  return base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
 }
 
-/// What a law leaves, rms, of the rows to choose by, its coefficients fitted to the rows to fit.
-auto left_to_choose(const Preparation& p, const LawForm& law) -> double {
-  const Split fine = refined(p.split, p.factor);
-  const Eigen::MatrixXd columns = law_columns(p.causal, law);
-  const LinearFit fit = fit_columns(columns, p.target, fine.of(Role::kFit), law_signs(law));
-  return rms(stacked(p.target - columns * fit.theta, fine.of(Role::kChoose)));
-}
-
-/// Noise of the target: of repeated cycles, else at most what the law found leaves.
-auto noise_of(const Preparation& p, const Search& search) -> double {
-  return p.repeats ? search.noise_floor : std::min(search.noise_floor, left_to_choose(p, search.law));
+/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
+auto may_be_tendons(const Search& search) -> bool {
+  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
+  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
+    const auto is_it = [&](const std::string& name) { return name == effect.name; };
+    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
+           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
+  });
 }
 
 auto with_effects(const LawForm& base, const LawForm& all, const std::vector<AddedEffect>& effects, std::size_t count)
@@ -51,27 +51,13 @@ auto settled_base(const Preparation& p, LawForm base) -> LawForm {
   return base;
 }
 
-namespace {
-
-/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
-auto may_be_tendons(const Search& search) -> bool {
-  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
-  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
-    const auto is_it = [&](const std::string& name) { return name == effect.name; };
-    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
-           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
-  });
-}
-
-}  // namespace
-
 auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<LawForm> {
   const bool torque = std::all_of(p.logs.begin(), p.logs.end(), [](const auto& log) { return log.has_torque; });
-  const double noise = noise_of(p, search);
   const double found = left_to_choose(p, search.law);
+  const double noise = noise_of(p, search, found);
+  const bool tendons_likely = may_be_tendons(search);
   // A law with effects of another kind that leaves no more than noise needs no tendons.
-  const bool another_kind = !may_be_tendons(search) && found <= kAboveFloor * noise;
-  if (!torque || another_kind) {
+  if (!torque || (!tendons_likely && found <= kAboveFloor * noise)) {
     return std::nullopt;
   }
   LawForm tendons;
@@ -79,12 +65,12 @@ auto better_base(const Preparation& p, const LawForm& usual, const Search& searc
   tendons = settled_base(p, tendons);
   const double left = left_to_choose(p, tendons);
   const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
-  const bool as_good = may_be_tendons(search) && left <= kAsGoodABase * found;
+  const bool as_good = tendons_likely && left <= kAsGoodABase * found;
   return complete || as_good || left <= kWorthABase * found ? std::optional(tendons) : std::nullopt;
 }
 
 auto without_form_error(const Preparation& p, const LawForm& tendons, Search search) -> Search {
-  const double enough = kAboveFloor * noise_of(p, search);
+  const double enough = kAboveFloor * noise_of(p, search, left_to_choose(p, search.law));
   const double left = left_to_choose(p, tendons);
   const auto answer = [&](const LawForm& law, double left_by_it, std::vector<AddedEffect> effects) {
     search.law = law;

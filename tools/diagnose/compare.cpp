@@ -69,7 +69,7 @@ auto compare(const std::vector<AxisLog>& healthy, const std::vector<AxisLog>& no
   result.moved = moved_between(identify(healthy, form_of(law)).joint, identify(now, form_of(law)).joint);
   DiagnoseOptions from_healthy = options;
   if (law.catalogue->target() == TargetKind::kAngle) {
-    from_healthy.base_law = form_of(law);
+    from_healthy.base_law = law;
     from_healthy.base_model = "the healthy joint's law";
   }
   result.now = diagnose(now, from_healthy);

@@ -5,6 +5,7 @@
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -219,7 +220,7 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
   std::string unfit = reason_unfit(logs);
   if (unfit.empty()) {
     try {
-      return options.base_law ? *options.base_law : form_of_model(d.base_model, logs);
+      return options.base_law ? base_of(*options.base_law) : form_of_model(d.base_model, logs);
     } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
       unfit = refusal.what();
     }
@@ -233,7 +234,8 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
 /// predicts better than that with its effects.
 void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
-  Search search = search_effects(p, base, options.progress);
+  const auto by_its_loop = options.base_law ? by_loop(p, *options.base_law, base, options.progress) : std::nullopt;
+  Search search = by_its_loop ? *by_its_loop : search_effects(p, base, options.progress);
   if (d.base_model == kDefaultModel && options.base_model.empty() && !options.base_law) {
     options.progress("trying the law of two tendons");
     if (const auto tendons = better_base(p, base, search)) {
@@ -242,7 +244,7 @@ void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options,
       search = search_effects(p, base, options.progress);
     }
   }
-  if (base.has(kTendonModel)) {
+  if (base.has(kTendonModel) && !by_its_loop) {
     search = without_form_error(p, base, std::move(search));
   }
   d.rounds = search.rounds;
@@ -251,6 +253,7 @@ void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options,
   d.noise_floor = search.noise_floor;
   d.floor_from = p.repeats ? "repeats" : "flexible model";
   d.detectable = search.detectable;
+  d.warnings.insert(d.warnings.end(), search.notes.begin(), search.notes.end());
   d.verdict = judge(search, d);
   options.progress("measuring the error on rows set aside");
   d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);

@@ -130,8 +130,8 @@ struct Diagnosis {
 struct DiagnoseOptions {
   std::string
       base_model;  ///< empty: rigid_dynamics for an effort, pseudo_kinematic where torque is logged, else kinematic
-  std::vector<AxisLog> test_logs = {};   ///< take no part in fit or choice
-  std::optional<LawForm> base_law = {};  ///< a joint angle's law to start from instead, called base_model
+  std::vector<AxisLog> test_logs = {};     ///< take no part in fit or choice
+  std::optional<JointFile> base_law = {};  ///< a joint angle's law to start from instead, called base_model
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 

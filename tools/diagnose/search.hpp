@@ -16,6 +16,7 @@ struct Search {
   ExplainedShare share;  ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
   double base_reducible = 0.0;               ///< share of the base law's residual energy that is no noise
+  std::vector<std::string> notes;            ///< what was measured beside, for people
   std::vector<DetectableEffect> detectable;  ///< smallest effects that would have shown in the last round
 };
 

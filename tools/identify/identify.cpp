@@ -288,6 +288,9 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
   std::vector<std::string> undetermined;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     const double size = rms(columns.col(i));
+    if (form.tied_compliance && size <= 0.0 && names[static_cast<std::size_t>(i)].starts_with(kTendonModel)) {
+      continue;  // it goes with beta
+    }
     // An interval within which this term alone could make half of all motion says nothing.
     const bool loose = half_interval(fit, i) * size > 0.5 * motion;
     if (size <= 0.0 || copied[static_cast<std::size_t>(i)] || loose) {

@@ -17,6 +17,32 @@ auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape
   return samples;
 }
 
+constexpr const char* kTendon = "tendon";
+constexpr const char* kMotorAngle = "motor_angle";
+
+/// Columns of a form whose compliance is tied.
+struct Tie {
+  Eigen::Index motor = -1;
+  Eigen::Index tendon = -1;
+};
+
+auto tie_of(const LawForm& form) -> std::optional<Tie> {
+  if (!form.tied_compliance || !form.has(kTendon) || !form.has(kMotorAngle)) {
+    return std::nullopt;
+  }
+  Tie tie;
+  Eigen::Index next = 0;
+  for (const auto* term : ordered_terms(form)) {
+    if (term->name == kTendon) {
+      tie.tendon = next;
+    } else if (term->name == kMotorAngle) {
+      tie.motor = next;
+    }
+    next += static_cast<Eigen::Index>(term->coefficients.size());
+  }
+  return tie;
+}
+
 }  // namespace
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner)
@@ -110,6 +136,24 @@ auto form_of(const JointFile& joint) -> LawForm {
   return {joint.catalogue, joint.terms, joint.parameters.shapes};
 }
 
+auto base_of(const JointFile& joint) -> LawForm {
+  LawForm form = form_of(joint);
+  if (joint.has(kTendon) && joint.has(kMotorAngle)) {
+    const auto coefficient = [&](const char* term) {
+      return joint.parameters.coefficients[joint.catalogue->term(term).first_coefficient];
+    };
+    form.tied_compliance = coefficient(kTendon) / coefficient(kMotorAngle);
+  }
+  return form;
+}
+
+auto untied(const LawForm& form, Eigen::VectorXd theta) -> Eigen::VectorXd {
+  if (const auto tie = tie_of(form)) {
+    theta[tie->tendon] += *form.tied_compliance * theta[tie->motor];
+  }
+  return theta;
+}
+
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {
   std::vector<const CatalogueTerm*> terms;
   for (const auto& term : *form.catalogue) {
@@ -132,6 +176,7 @@ auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixX
   }
   Eigen::MatrixXd columns(design.rows(), count);
   Eigen::Index next = 0;
+  const auto tie = tie_of(form);
   for (const auto* term : terms) {
     if (term->acts_on_output) {
       columns = design.apply(*term, form.shapes_of(*term), columns);
@@ -140,6 +185,10 @@ auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixX
       const LawDesign& seen = behind && term->reads_input ? *behind : design;
       columns.middleCols(next, own) = seen.columns(*term, form.shapes_of(*term));
       next += own;
+      if (tie && next == tie->tendon + 1) {
+        columns.col(tie->motor) += *form.tied_compliance * columns.col(tie->tendon);
+        columns.col(tie->tendon).setZero();
+      }
     }
   }
   return columns;
@@ -163,16 +212,18 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
 auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd {
   std::vector<Eigen::VectorXd> changes;
   Eigen::Index first = 0;  // of the term's own coefficients
+  const Eigen::VectorXd all = untied(form, theta);
   for (const auto* term : ordered_terms(form)) {
     const auto own = static_cast<Eigen::Index>(term->coefficients.size());
     LawForm part = form;  // of the law, that moves with the term's shapes
-    Eigen::VectorXd weights = theta;
+    part.tied_compliance.reset();
+    Eigen::VectorXd weights = all;
     if (!term->acts_on_output && !term->acts_on_input) {
       std::erase_if(part.terms, [&](const auto& name) {
         const auto& other = form.catalogue->term(name);
         return name != term->name && !other.acts_on_output && !(other.acts_on_input && term->reads_input);
       });
-      weights = theta.segment(first, own);
+      weights = all.segment(first, own);
     }
     first += own;
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {
@@ -222,6 +273,8 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
     }
   }
   const LinearFit full = fit_columns(all, target, blocks, signs);
+  const Eigen::VectorXd theta = untied(form, plain.theta);
+  const auto tie = tie_of(form);
   JointFile joint(*form.catalogue);
   joint.parameters.shapes = form.shapes;
   joint.parameters.conditioner = conditioner;
@@ -230,11 +283,12 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
   for (const auto* term : ordered_terms(form)) {
     joint.terms.push_back(term->name);
     for (std::size_t i = 0; i < term->coefficients.size(); ++i, ++next) {
-      joint.parameters.coefficients[term->first_coefficient + i] = plain.theta[next];
-      if (!plain.at_bound[static_cast<std::size_t>(next)]) {
+      joint.parameters.coefficients[term->first_coefficient + i] = theta[next];
+      const bool given = tie && next == tie->tendon;
+      if (!given && !plain.at_bound[static_cast<std::size_t>(next)]) {
         const double half = half_interval(full, next);
         joint.coefficient_ci95[term->first_coefficient + i] =
-            Interval{plain.theta[next] - half, plain.theta[next] + half};
+            Interval{theta[next] - half, theta[next] + half};
       }
     }
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {

@@ -14,24 +14,6 @@ namespace {
 constexpr Eigen::Index kRowsToSearch = 2000;
 constexpr Eigen::Index kRowsToSettle = 8000;
 
-/// Half the distance between the torques forward and backward: the friction of everything while the joint is free.
-auto friction_torque(const Thinned& data) -> double {
-  double forward = 0.0;
-  double backward = 0.0;
-  double forward_count = 0.0;
-  double backward_count = 0.0;
-  for (const auto& samples : data.design.samples()) {
-    for (const auto& sample : samples) {
-      const double way = std::abs(sample.dq1);
-      (sample.forward ? forward : backward) += way * sample.tau;
-      (sample.forward ? forward_count : backward_count) += way;
-    }
-  }
-  return forward_count > 0.0 && backward_count > 0.0
-             ? std::abs(0.5 * (forward / forward_count - backward / backward_count))
-             : 0.0;
-}
-
 auto torque_range(const Thinned& data) -> double {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -48,7 +30,8 @@ auto torque_range(const Thinned& data) -> double {
 /// friction seen gives the pretension to each friction number.
 auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
   const CatalogueTerm& term = form.catalogue->term(kTendonModel);
-  const double friction = std::max(friction_torque(data), 0.02 * torque_range(data));
+  const double friction =
+      std::max(friction_torque(data.design, pieces_of(data.design.log_rows())), 0.02 * torque_range(data));
   std::vector<LawForm> all;
   for (const double eta : {0.15, 0.4, 0.8, 1.2, 2.0}) {
     for (const double share : {0.1, 0.4}) {  // of the friction, ahead of the tendons
@@ -65,6 +48,25 @@ auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
 }
 
 }  // namespace
+
+auto friction_torque(const LawDesign& design, const Blocks& rows) -> double {
+  double torque[2] = {0.0, 0.0};  // times the way, backward and forward
+  double way[2] = {0.0, 0.0};
+  Eigen::Index first = 0;  // of the log
+  for (const auto& samples : design.samples()) {
+    const auto end = first + static_cast<Eigen::Index>(samples.size());
+    for (const auto& block : rows) {
+      for (Eigen::Index i = std::max(block.begin, first); i < std::min(block.end, end); ++i) {
+        const auto& sample = samples[static_cast<std::size_t>(i - first)];
+        const double speed = std::abs(sample.dq1);
+        torque[sample.forward] += speed * sample.tau;
+        way[sample.forward] += speed;
+      }
+    }
+    first = end;
+  }
+  return way[0] > 0.0 && way[1] > 0.0 ? std::abs(0.5 * (torque[1] / way[1] - torque[0] / way[0])) : 0.0;
+}
 
 auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
     -> LawForm {

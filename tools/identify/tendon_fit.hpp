@@ -8,6 +8,10 @@ namespace capstan::tools {
 /// The base law whose tendons have friction, pretension and stiffness of their own.
 inline constexpr const char* kTendonModel = "tendon";
 
+/// Half the distance between the torques forward and backward on these rows, the faster the more weight: the friction
+/// of everything while the joint is free. 0 where the motor moves one way only.
+auto friction_torque(const LawDesign& design, const Blocks& rows) -> double;
+
 /// Finds the shapes of a law's term `tendon` from a motion of q1, tau and the target: from several starts that the
 /// torque of steady motion suggests, on means over few rows first. Leaves the other shapes as they are.
 /// @param rows  samples that take part, in order

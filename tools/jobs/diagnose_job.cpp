@@ -2,6 +2,7 @@
 #include "capstan/tools/jobs/diagnose_job.hpp"
 
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -33,14 +34,15 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   JobLogs logs = job.logs;
   if (job.base.ends_with(".toml")) {
     const JointFile base = read_joint_file(job.base);
-    wanted.base_law = form_of(base);
+    wanted.base_law = base;
     couple_as(base, job.base, logs);
     if (request.effort || request.force) {
       throw BadInput("the law of " + job.base + " explains a joint angle, and " + job.target +
                      " is an effort; leave --target out, or choose --base rigid_dynamics, pull_push or preisach");
     }
   }
-  request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") : job.base == kDefaultModel;
+  request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") || wanted.base_law->has(kTendonModel)
+                                         : job.base == kDefaultModel;
   const auto axes = read_axes(logs, request, warn);
   logs.files = job.tests;
   wanted.test_logs = read_axes(logs, request, warn);

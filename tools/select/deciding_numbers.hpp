@@ -94,5 +94,11 @@ inline constexpr double kAsGoodABase = 1.025;
 /// Or where it leaves this share, rms, of what the usual law with the effects found does: with seven shapes it has to
 /// be clearly better.
 inline constexpr double kWorthABase = 0.8;
+/// Change of a loop's width or torque, as a share, that counts as one. Healthy joints drawn by chance come out within
+/// 1 % (seeds 400 to 405, November 2026).
+inline constexpr double kLoopTold = 0.03;
+/// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
+/// this share of the other's: some of the torque is not the tendons'.
+inline constexpr double kLeastTogether = 0.5;
 
 }  // namespace capstan::tools

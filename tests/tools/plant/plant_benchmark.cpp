@@ -20,6 +20,7 @@ struct Options {
   int joints = 1;
   std::vector<double> strengths = {4.0};
   std::vector<std::string> only;
+  std::string keep;
   bool healthy = false, from_nothing = false, compare = false, all_motions = false, verbose = false;
 };
 
@@ -111,7 +112,7 @@ class Benchmark {
     AxisLog log;
     Diagnosis healthy;
     try {
-      log = log_of(plant, motion, seed);
+      log = log_of(plant, motion, seed, kept("healthy", seed, motion));
       healthy = diagnose({log}, {});
     } catch (const std::exception& error) {
       std::printf("seed %llu %s: %s\n", static_cast<unsigned long long>(seed), name_of(motion).c_str(), error.what());
@@ -145,7 +146,7 @@ class Benchmark {
     try {
       const double wanted = strength * plant.camera_noise_rad;
       const sim::PlantParameters sick = with_switch(plant, one, healthy.law, log, motion, seed, wanted);
-      const AxisLog now = log_of(sick, motion, seed + 1);
+      const AxisLog now = log_of(sick, motion, seed + 1, kept(one.name, seed, motion));
       const double size = size_of_effect(healthy.law, now, log) / plant.camera_noise_rad;
       if (size < 0.5 * strength) {
         ++too_small_[one.name];
@@ -166,7 +167,7 @@ class Benchmark {
         DiagnoseOptions options;
         if (!options_.from_nothing) {
           options.base_model = "healthy.toml";
-          options.base_law = form_of(healthy.law);
+          options.base_law = healthy.law;
         }
         answer = answer_of(diagnose({now}, options), plant.camera_noise_rad);
       }
@@ -175,6 +176,12 @@ class Benchmark {
       std::printf("%s, seed %llu: %s\n", one.name.c_str(), static_cast<unsigned long long>(seed), error.what());
       ++unfit_;
     }
+  }
+
+  [[nodiscard]] auto kept(const std::string& name, std::uint64_t seed, PlantMotion motion) const -> std::string {
+    return options_.keep.empty()
+               ? ""
+               : options_.keep + "/" + name + "_" + std::to_string(seed) + "_" + name_of(motion) + ".csv";
   }
 
   void judge(const Switch& one, const Answer& answer, double strength, double size, std::uint64_t seed,
@@ -244,6 +251,7 @@ auto main(int argc, char** argv) -> int {
   app.add_option("--joints", options.joints, "how many joints are drawn (default 1)");
   app.add_option("--strengths", options.strengths, "rms of an effect beside the healthy law, in camera noises");
   app.add_option("--only", options.only, "some switches only");
+  app.add_option("--keep", options.keep, "folder that the logs are written to");
   app.add_flag("--healthy", options.healthy, "healthy joints only");
   app.add_flag("--from-nothing", options.from_nothing, "the usual base law instead of the healthy joint's");
   app.add_flag("--compare", options.compare, "ask `capstan compare` instead");

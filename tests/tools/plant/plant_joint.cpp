@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tests/tools/plant/plant_joint.hpp"
 
+#include <fstream>
 #include <sstream>
 
 #include "capstan/boards/common/file_banks.hpp"
@@ -29,6 +30,7 @@ auto scenario_of(PlantMotion motion) -> std::string {
 
 auto switches() -> const std::vector<Switch>& {
   using E = sim::Effects;
+  // Foreign are also those that the catalogue has and a log of this joint alone can not show: the other joint's angle.
   static const std::vector<Switch> kAll = {
       {"transmission_viscous", "transmission_viscous", &E::transmission_viscous_forward_ns_per_m, 20.0, 2000.0},
       {"play", "play", &E::play_half_width_rad, 0.02, 0.3},
@@ -40,7 +42,7 @@ auto switches() -> const std::vector<Switch>& {
       {"angle_periodic", "angle_periodic", &E::angle_periodic_rad, 0.01, 0.2},
       {"hardening", "stiffness_hardening", &E::hardening_per_n, 0.01, 0.5},
       {"load_inertia", "load_inertia", &E::load_inertia_kgm2, 2e-4, 5e-3},
-      {"axis_coupling", "axis_coupling", &E::axis_coupling_rad, 0.05, 1.0},
+      {"axis_coupling", "", &E::axis_coupling_rad, 0.05, 1.0},
       {"presliding", "presliding", &E::presliding_nm, 0.01, 0.1},
       {"wear", "", &E::wear_per_rad, 0.002, 0.05},
       {"sticky_spot", "", &E::sticky_spot_nm, 0.02, 0.08},
@@ -76,7 +78,8 @@ auto drawn_plant(std::uint64_t seed) -> sim::PlantParameters {
   return plant;
 }
 
-auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed) -> AxisLog {
+auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep)
+    -> AxisLog {
   sim::Scenario scenario = sim::load_scenario(kScenarios + scenario_of(motion));
   scenario.plant = plant;
   scenario.seed = seed;
@@ -85,6 +88,9 @@ auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t
   const RunSummary summary = run_scenario(scenario, {}, banks, &text);
   if (!summary.fault.empty()) {
     throw Refusal("the firmware stopped: " + summary.fault);
+  }
+  if (!keep.empty()) {
+    std::ofstream(keep) << text.str();
   }
   return read_axis(CsvLog::parse(text.str(), name_of(motion)), {.needs_torque = true});
 }

@@ -30,6 +30,8 @@ auto name_of(PlantMotion motion) -> std::string;
 auto drawn_plant(std::uint64_t seed) -> sim::PlantParameters;
 
 /// The log of a plant that the firmware moves, its law the ratio alone. Throws Refusal where the firmware stops.
-auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed) -> AxisLog;
+/// @param keep  file that the log is also written to; none if empty
+auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep = {})
+    -> AxisLog;
 
 }  // namespace capstan::tools::plant

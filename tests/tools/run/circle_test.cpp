@@ -78,7 +78,7 @@ TEST(Circle, UndeclaredPlayIsNamedAndTheCorrectedFirmwareTracksBetter) {
   EXPECT_LT(again.summary.joints[0].estimation_rmse_rad, 0.25 * recorded.summary.joints[0].estimation_rmse_rad);
   DiagnoseOptions corrected;
   corrected.base_model = "corrected.toml";
-  corrected.base_law = form_of(diagnosis.law);
+  corrected.base_law = diagnosis.law;
   const Diagnosis second = diagnose(again.logs, corrected);
   EXPECT_EQ(second.verdict, Verdict::kNothingMissing) << second.reason;
 }

@@ -26,11 +26,11 @@ struct Recorded {
   Eigen::VectorXd joint_torque_nm;  ///< the plant's
 };
 
-auto record(const std::string& name, const std::vector<std::string>& model = {}, double pretension_change_n = 0.0)
+auto record(const std::string& name, const std::vector<std::string>& model = {}, const sim::Effects& effects = {})
     -> Recorded {
   sim::Scenario scenario = sim::load_scenario(kScenarios + name);
   scenario.seed = 4711;
-  scenario.plant.effects.pretension_change_n = pretension_change_n;
+  scenario.plant.effects = effects;
   std::ostringstream text;
   FileBanks banks = FileBanks::temporary();
   Recorded result;
@@ -99,15 +99,52 @@ TEST(TendonLaw, RunsOnTheBoardAndGivesAngleAndTorqueOfAnotherMotion) {
 TEST(TendonLaw, NamesPretensionThatCameAndSaysHowMuch) {
   const JointFile healthy = identified(record("identify.toml").log);
   DiagnoseOptions options;
-  options.base_law = form_of(healthy);
+  options.base_law = healthy;
   options.base_model = "healthy.toml";
   const Diagnosis same = diagnose({record("identify.toml").log}, options);
   EXPECT_EQ(same.verdict, Verdict::kNothingMissing) << same.reason;
-  const Diagnosis tighter = diagnose({record("identify.toml", {}, 10.0).log}, options);
+  const Diagnosis tighter = diagnose({record("identify.toml", {}, {.pretension_change_n = 10.0}).log}, options);
   ASSERT_FALSE(tighter.effects.empty()) << tighter.reason;
   EXPECT_EQ(tighter.effects.front().name, "pretension_offset");
   const double ratio = shape_of(tighter.law, "pretension") / shape_of(healthy, "pretension");
   EXPECT_NEAR(ratio, (27.6984 + 10.0) / 27.6984, 0.1);
+}
+
+/// What has come to the micro-forceps, by a healthy joint's law.
+auto asked(const sim::Effects& effects) -> Diagnosis {
+  static const JointFile kHealthy = identified(record("identify.toml").log);
+  DiagnoseOptions options;
+  options.base_law = kHealthy;
+  options.base_model = "healthy.toml";
+  return diagnose({record("identify.toml", {}, effects).log}, options);
+}
+
+auto first_name(const Diagnosis& diagnosis) -> std::string {
+  return diagnosis.effects.empty() ? "" : diagnosis.effects.front().name;
+}
+
+// A gap, stiffer tendons and drag all change the loop that a free tip draws; the torque tells them apart, and a late
+// camera from drag.
+TEST(TendonLaw, TellsByTheTorqueWhatChangedTheLoop) {
+  EXPECT_EQ(first_name(asked({.play_half_width_rad = 0.01})), "play");
+  EXPECT_EQ(first_name(asked({.hardening_per_n = 0.01})), "stiffness_hardening");
+  EXPECT_EQ(first_name(asked(
+                {.transmission_viscous_forward_ns_per_m = 300.0, .transmission_viscous_backward_ns_per_m = 300.0})),
+            "transmission_viscous");
+  EXPECT_EQ(first_name(asked({.transport_delay_s = 0.02})), "transport_delay");
+}
+
+TEST(TendonLaw, NamesTendonsThatCreep) {
+  EXPECT_EQ(first_name(asked({.creep_ratio = 0.3})), "viscoelastic_creep");
+}
+
+// Neither moves the joint: the motor's cogging and its fading magnets are in the torque alone, and have no name.
+TEST(TendonLaw, NamesNothingWhereOnlyTheTorqueChanged) {
+  for (const sim::Effects& effects : {sim::Effects{.magnetic_detent_nm = 0.02}, sim::Effects{.torque_fade = 0.3}}) {
+    const Diagnosis diagnosis = asked(effects);
+    EXPECT_TRUE(diagnosis.effects.empty()) << first_name(diagnosis);
+    EXPECT_EQ(diagnosis.verdict, Verdict::kUnknown);
+  }
 }
 
 }  // namespace

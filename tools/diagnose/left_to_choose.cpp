@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/left_to_choose.hpp"
+
+#include <algorithm>
+
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+
+auto left_to_choose(const Preparation& p, const LawForm& law) -> double {
+  const Split fine = refined(p.split, p.factor);
+  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  const LinearFit fit = fit_columns(columns, p.target, fine.of(Role::kFit), law_signs(law));
+  return rms(stacked(p.target - columns * fit.theta, fine.of(Role::kChoose)));
+}
+
+auto noise_of(const Preparation& p, const Search& search, double left_by_found) -> double {
+  return p.repeats ? search.noise_floor : std::min(search.noise_floor, left_by_found);
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/loop_gauge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "capstan/model/terms/tendon.hpp"
+#include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr const char* kPlay = "play";
+
+/// Whether tendons would explain it themselves, so that beside a loop it is no name.
+auto belongs_to_tendons(const std::string& effect) -> bool {
+  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
+  const auto among = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), effect) != names.end();
+  };
+  return among(tendon.doubles) || among(tendon.special_cases);
+}
+
+auto torque_of(const SteadyTorque& torque) -> double {
+  return 0.5 * std::abs(torque.forward_nm - torque.backward_nm);
+}
+
+auto law_of_loop(const Preparation& p, const Loop& healthy) -> LawForm {
+  LawForm law;
+  law.terms = {"motor_angle", "joint_offset", kPlay};
+  law.set_shapes(law.catalogue->term(kPlay), {healthy.half_width_rad});
+  return refine_shapes(p.hindsight, p.target, p.certain(), law);
+}
+
+/// What a change of the loop alone is called; empty: the tendons' torque changed and their motion did not.
+auto name_of_change(double width, double torque) -> std::string {
+  const bool wider = width > 1.0 + kLoopTold;
+  const bool narrower = width < 1.0 - kLoopTold;
+  const bool same_torque = std::abs(torque - 1.0) <= kLoopTold;
+  if (!wider && !narrower) {
+    return {};
+  }
+  const double together = std::log(torque) / std::log(width);
+  if (together > kLeastTogether && together < 1.0 / kLeastTogether) {
+    return "pretension_offset";
+  }
+  if (narrower) {
+    return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
+  }
+  return same_torque ? kPlay : "";
+}
+
+/// The rows of the blocks that are `begin` to `end` of all of them, counted through.
+auto share_of(const Blocks& blocks, Eigen::Index begin, Eigen::Index end) -> Blocks {
+  Blocks share;
+  Eigen::Index before = 0;
+  for (const auto& block : blocks) {
+    const RowRange here{block.begin + std::max<Eigen::Index>(0, begin - before),
+                        std::min(block.end, block.begin + end - before)};
+    if (here.begin < here.end) {
+      share.push_back(here);
+    }
+    before += block.size();
+  }
+  return share.size() > 1 ? share : even_parts(share, 2);
+}
+
+auto loop_in(const Preparation& p, const LawForm& loop, const Blocks& rows) -> Loop {
+  const LawForm now = refine_shapes(p.hindsight, p.target, rows, loop);
+  return {now.shapes_of(now.catalogue->term(kPlay)).front(), friction_torque(p.hindsight, rows)};
+}
+
+/// How the loop changed from the first fifth of the logs over the middle one to the last.
+struct Course {
+  double width = 1.0;  ///< last over first
+  double torque = 1.0;
+  bool early = false;  ///< most of the change of width came before the middle
+
+  [[nodiscard]] auto narrows() const -> bool { return width < 1.0 - kLoopTold && torque < 1.0 - kLoopTold; }
+  [[nodiscard]] auto widens() const -> bool { return width > 1.0 + kLoopTold && torque > 1.0 + kLoopTold; }
+};
+
+auto course_of(const Preparation& p, const LawForm& loop) -> Course {
+  constexpr Eigen::Index kParts = 5;
+  constexpr double kMost = 2.0;
+  const Blocks rows = p.certain();
+  const Eigen::Index all = rows_in(rows);
+  const auto part = [&](Eigen::Index i) {
+    return loop_in(p, loop, share_of(rows, all * i / kParts, all * (i + 1) / kParts));
+  };
+  const Loop first = part(0);
+  const Loop middle = part(kParts / 2);
+  const Loop last = part(kParts - 1);
+  return {last.half_width_rad / first.half_width_rad, last.torque_nm / first.torque_nm,
+          std::abs(middle.half_width_rad - first.half_width_rad) >
+              kMost * std::abs(last.half_width_rad - middle.half_width_rad)};
+}
+
+/// Tendons with the one number changed that has the name; others as they are.
+auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
+  if (name == "pretension_offset") {
+    constexpr std::size_t kPretension = 2;
+    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPretension] *= width;
+  } else if (name == "stiffness_hardening") {
+    *tendons.tied_compliance *= width;
+  }
+  return tendons;
+}
+
+/// What a healthy law left of its own log, which no camera but a noisier one exceeds: that one shows it from sample to
+/// sample.
+auto noise_known(const Preparation& p, const JointFile& healthy) -> double {
+  if (!healthy.fit) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Eigen::Index rows = p.target.size() - 1;
+  const Eigen::VectorXd steps = p.target.tail(rows) - p.target.head(rows);
+  return std::max(healthy.fit->rmse, rms(steps) / std::sqrt(2.0));
+}
+
+/// A search from a loop of any width, and what its end says.
+class LoopSearch {
+ public:
+  LoopSearch(const Preparation& p, const JointFile& healthy, const Loop& before, const SteadyTorque& torque,
+             const LawForm& tendons, const std::function<void(const std::string&)>& progress)
+      : p_(p),
+        tendons_(tendons),
+        loop_(law_of_loop(p, before)),
+        search_(search_effects(p, loop_, progress)),
+        left_(left_to_choose(p, tendons)),
+        left_by_loop_(left_to_choose(p, loop_)),
+        left_by_found_(left_to_choose(p, search_.law)),
+        enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
+    const Loop now{search_.law.shapes_of(search_.law.catalogue->term(kPlay)).front(), torque_of(torque)};
+    width_ = now.half_width_rad / before.half_width_rad;
+    force_ = now.torque_nm / before.torque_nm;
+    search_.notes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
+                            " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
+                            " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
+                            rounded(before.torque_nm, 3) + " Nm");
+  }
+
+  auto answer() -> std::optional<Search> {
+    if (left_ <= enough_) {
+      return complete(tendons_, left_, {});
+    }
+    if (left_ < left_by_found_) {
+      return std::nullopt;
+    }
+    return left_by_loop_ <= enough_ ? of_the_loop_alone() : of_what_came_beside();
+  }
+
+ private:
+  auto of_the_loop_alone() -> Search {
+    const std::string name = name_of_change(width_, force_);
+    if (name.empty()) {
+      search_.law = loop_;
+      return nameless("a torque that the tendons do not carry");
+    }
+    const LawForm moved = changed_tendons(tendons_, name, width_);
+    const double left_by_moved = left_to_choose(p_, moved);
+    const bool tendons_say_it = left_by_moved <= enough_;
+    return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {named(name)});
+  }
+
+  auto of_what_came_beside() -> Search {
+    for (auto& effect : search_.effects) {
+      if (effect.name == "transport_delay" || effect.name == "transmission_viscous") {
+        // Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
+        effect.name = force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";
+        effect.alternatives.clear();
+      }
+    }
+    const auto& found = search_.effects;
+    const bool about_tendons =
+        std::any_of(found.begin(), found.end(), [](const auto& effect) { return belongs_to_tendons(effect.name); });
+    if (!found.empty() && !about_tendons && left_by_found_ <= enough_) {
+      return complete(search_.law, left_by_found_, found);
+    }
+    const Course course = course_of(p_, loop_);
+    if (!found.empty() && found.front().name == "thermal_drift") {
+      // What grows on one side lengthens or shortens the tendons too: their pretension goes with the drift.
+      return course.narrows() || course.widens() ? complete(search_.law, left_by_found_, {found.front()})
+                                                 : nameless("a slip");
+    }
+    if (course.narrows() && course.early) {
+      return complete(search_.law, left_by_found_, {named("viscoelastic_creep")});
+    }
+    if (about_tendons || course.widens()) {
+      return nameless(course.widens() ? "wear" : "");
+    }
+    Search answer = search_;
+    answer.lacks_something = true;
+    return answer;
+  }
+
+  [[nodiscard]] auto named(const std::string& name) const -> AddedEffect {
+    AddedEffect effect;
+    effect.name = name;
+    effect.explained = explained_by(left_by_found_);
+    return effect;
+  }
+  [[nodiscard]] auto explained_by(double left) const -> double { return 1.0 - left * left / (left_ * left_); }
+
+  /// @param effects  that leave nothing but noise, in this law
+  auto complete(const LawForm& law, double left, std::vector<AddedEffect> effects) -> Search {
+    Search answer = search_;
+    answer.law = law;
+    answer.effects = std::move(effects);
+    answer.unlisted.clear();
+    answer.lacks_something = false;
+    answer.share = {explained_by(left), explained_by(left)};
+    return answer;
+  }
+  /// @param like  what it is most like; may be empty
+  auto nameless(const std::string& like) -> Search {
+    Search answer = search_;
+    answer.effects.clear();
+    answer.unlisted = like;
+    answer.lacks_something = true;
+    return answer;
+  }
+
+  const Preparation& p_;
+  const LawForm& tendons_;
+  LawForm loop_;
+  Search search_;
+  double left_;  ///< by the healthy tendons, rms, of the rows to choose by; and by the others
+  double left_by_loop_;
+  double left_by_found_;
+  double enough_;
+  double width_ = 1.0;  ///< of the loop, over the healthy joint's
+  double force_ = 1.0;  ///< its torque
+};
+
+}  // namespace
+
+auto loop_of(const JointFile& joint) -> std::optional<Loop> {
+  if (!joint.steady_torque || !joint.has(kTendonModel) || !joint.has("motor_angle")) {
+    return std::nullopt;
+  }
+  const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
+  std::array<double, 7> shapes{};
+  std::copy_n(joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape), shapes.size(),
+              shapes.begin());
+  const TendonsOf<double, 32> tendons(SamplePeriod<double>(1e-3), shapes);
+  const auto lag = [&](double torque, bool forward) {
+    Sample<double> s;
+    s.tau = torque;
+    s.forward = forward;
+    return tendons.settled(s)[0];
+  };
+  const SteadyTorque& torque = *joint.steady_torque;
+  const double compliance = base_of(joint).tied_compliance.value_or(0.0);
+  return Loop{std::abs(0.5 * compliance * (lag(torque.forward_nm, true) - lag(torque.backward_nm, false))),
+              torque_of(torque)};
+}
+
+auto by_loop(const Preparation& p, const JointFile& healthy, const LawForm& tendons,
+             const std::function<void(const std::string&)>& progress) -> std::optional<Search> {
+  const auto before = loop_of(healthy);
+  const auto torque = steady_torque(p.logs, p.causal);
+  if (!before || !torque || before->half_width_rad <= 0.0 || before->torque_nm <= 0.0) {
+    return std::nullopt;
+  }
+  progress("comparing the loop with the healthy joint's");
+  return LoopSearch(p, healthy, *before, *torque, tendons, progress).answer();
+}
+
+}  // namespace capstan::tools
