@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -17,6 +17,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr const char* kPlay = "play";
+constexpr const char* kPretension = "pretension_offset";
 
 /// Whether tendons would explain it themselves, so that beside a loop it is no name.
 auto belongs_to_tendons(const std::string& effect) -> bool {
@@ -25,17 +26,6 @@ auto belongs_to_tendons(const std::string& effect) -> bool {
     return std::find(names.begin(), names.end(), effect) != names.end();
   };
   return among(tendon.doubles) || among(tendon.special_cases);
-}
-
-auto torque_of(const SteadyTorque& torque) -> double {
-  return 0.5 * std::abs(torque.forward_nm - torque.backward_nm);
-}
-
-auto law_of_loop(const Preparation& p, const Loop& healthy) -> LawForm {
-  LawForm law;
-  law.terms = {"motor_angle", "joint_offset", kPlay};
-  law.set_shapes(law.catalogue->term(kPlay), {healthy.half_width_rad});
-  return refine_shapes(p.hindsight, p.target, p.certain(), law);
 }
 
 /// What a change of the loop alone is called; empty: the tendons' torque changed and their motion did not.
@@ -48,7 +38,7 @@ auto name_of_change(double width, double torque) -> std::string {
   }
   const double together = std::log(torque) / std::log(width);
   if (together > kLeastTogether && together < 1.0 / kLeastTogether) {
-    return "pretension_offset";
+    return kPretension;
   }
   if (narrower) {
     return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
@@ -73,7 +63,7 @@ auto share_of(const Blocks& blocks, Eigen::Index begin, Eigen::Index end) -> Blo
 
 auto loop_in(const Preparation& p, const LawForm& loop, const Blocks& rows) -> Loop {
   const LawForm now = refine_shapes(p.hindsight, p.target, rows, loop);
-  return {now.shapes_of(now.catalogue->term(kPlay)).front(), friction_torque(p.hindsight, rows)};
+  return {half_width_of(now), friction_torque(p.hindsight, rows)};
 }
 
 /// How the loop changed from the first fifth of the logs over the middle one to the last.
@@ -104,9 +94,9 @@ auto course_of(const Preparation& p, const LawForm& loop) -> Course {
 
 /// Tendons with the one number changed that has the name; others as they are.
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
-  if (name == "pretension_offset") {
-    constexpr std::size_t kPretension = 2;
-    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPretension] *= width;
+  if (name == kPretension) {
+    constexpr std::size_t kPlace = 2;
+    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPlace] *= width;
   } else if (name == "stiffness_hardening") {
     *tendons.tied_compliance *= width;
   }
@@ -131,13 +121,13 @@ class LoopSearch {
              const LawForm& tendons, const std::function<void(const std::string&)>& progress)
       : p_(p),
         tendons_(tendons),
-        loop_(law_of_loop(p, before)),
+        loop_(fit_loop(p.hindsight, p.target, p.certain(), before)),
         search_(search_effects(p, loop_, progress)),
         left_(left_to_choose(p, tendons)),
         left_by_loop_(left_to_choose(p, loop_)),
         left_by_found_(left_to_choose(p, search_.law)),
         enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
-    const Loop now{search_.law.shapes_of(search_.law.catalogue->term(kPlay)).front(), torque_of(torque)};
+    const Loop now{half_width_of(search_.law), friction_of(torque)};
     width_ = now.half_width_rad / before.half_width_rad;
     force_ = now.torque_nm / before.torque_nm;
     search_.notes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
@@ -163,6 +153,13 @@ class LoopSearch {
       search_.law = loop_;
       return nameless("a torque that the tendons do not carry");
     }
+    if (name == kPretension) {  // or it was another one only later
+      const Course course = course_of(p_, loop_);
+      if (course.narrows() || course.widens()) {
+        return course.narrows() && course.early ? complete(loop_, left_by_loop_, {named("viscoelastic_creep")})
+                                                : nameless(course.widens() ? "wear" : "");
+      }
+    }
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;
@@ -172,8 +169,7 @@ class LoopSearch {
   auto of_what_came_beside() -> Search {
     for (auto& effect : search_.effects) {
       if (effect.name == "transport_delay" || effect.name == "transmission_viscous") {
-        // Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
-        effect.name = force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";
+        effect.name = name_of_lateness();
         effect.alternatives.clear();
       }
     }
@@ -182,6 +178,10 @@ class LoopSearch {
         std::any_of(found.begin(), found.end(), [](const auto& effect) { return belongs_to_tendons(effect.name); });
     if (!found.empty() && !about_tendons && left_by_found_ <= enough_) {
       return complete(search_.law, left_by_found_, found);
+    }
+    const LawForm late = late_loop();
+    if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
+      return complete(late, left_by_it, {named(name_of_lateness())});
     }
     const Course course = course_of(p_, loop_);
     if (!found.empty() && found.front().name == "thermal_drift") {
@@ -200,6 +200,16 @@ class LoopSearch {
     return answer;
   }
 
+  /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
+  [[nodiscard]] auto name_of_lateness() const -> std::string {
+    return force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";
+  }
+  [[nodiscard]] auto late_loop() const -> LawForm {
+    LawForm law = loop_;
+    law.terms.emplace_back("transport_delay");
+    law.set_shapes(law.catalogue->term("transport_delay"), {p_.coarse_period_s});
+    return refine_shapes(p_.hindsight, p_.target, p_.certain(), law);
+  }
   [[nodiscard]] auto named(const std::string& name) const -> AddedEffect {
     AddedEffect effect;
     effect.name = name;
@@ -241,32 +251,11 @@ class LoopSearch {
 
 }  // namespace
 
-auto loop_of(const JointFile& joint) -> std::optional<Loop> {
-  if (!joint.steady_torque || !joint.has(kTendonModel) || !joint.has("motor_angle")) {
-    return std::nullopt;
-  }
-  const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
-  std::array<double, 7> shapes{};
-  std::copy_n(joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape), shapes.size(),
-              shapes.begin());
-  const TendonsOf<double, 32> tendons(SamplePeriod<double>(1e-3), shapes);
-  const auto lag = [&](double torque, bool forward) {
-    Sample<double> s;
-    s.tau = torque;
-    s.forward = forward;
-    return tendons.settled(s)[0];
-  };
-  const SteadyTorque& torque = *joint.steady_torque;
-  const double compliance = base_of(joint).tied_compliance.value_or(0.0);
-  return Loop{std::abs(0.5 * compliance * (lag(torque.forward_nm, true) - lag(torque.backward_nm, false))),
-              torque_of(torque)};
-}
-
 auto by_loop(const Preparation& p, const JointFile& healthy, const LawForm& tendons,
              const std::function<void(const std::string&)>& progress) -> std::optional<Search> {
   const auto before = loop_of(healthy);
   const auto torque = steady_torque(p.logs, p.causal);
-  if (!before || !torque || before->half_width_rad <= 0.0 || before->torque_nm <= 0.0) {
+  if (!before || !torque) {
     return std::nullopt;
   }
   progress("comparing the loop with the healthy joint's");

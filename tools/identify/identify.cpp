@@ -6,6 +6,7 @@
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -323,6 +324,9 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
     summary.logs.push_back(log.name);
   }
   joint.fit = summary;
+  if (const auto loop = loop_of(joint)) {
+    joint.fit->loop_half_width = half_width_of(fit_loop(design, target, even_blocks(design.log_rows(), 2), *loop));
+  }
 }
 
 auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identification {

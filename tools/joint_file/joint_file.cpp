@@ -74,6 +74,9 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
     text += "motor_range = [" + exact((*fit.motor_range)[0]) + ", " + exact((*fit.motor_range)[1]) + "]\n" +
             "joint_range = " + exact(fit.joint_range) + "\n";
   }
+  if (fit.loop_half_width) {
+    text += "loop_half_width = " + quantity(*fit.loop_half_width, "rad", {});
+  }
   text += "logs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);

@@ -31,8 +31,9 @@ struct FitSummary {
   double rmse = 0.0;  ///< in the target's unit
   double gof_percent = 0.0;
   long samples = 0;
-  std::optional<Interval> motor_range = {};  ///< of the motor angle in the logs, rad
-  double joint_range = 0.0;                  ///< of the target in the logs: its way from end to end
+  std::optional<Interval> motor_range = {};    ///< of the motor angle in the logs, rad
+  std::optional<double> loop_half_width = {};  ///< of a law with tendons: of the loop in the logs, at the motor, rad
+  double joint_range = 0.0;                    ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };
 

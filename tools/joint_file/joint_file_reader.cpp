@@ -307,7 +307,8 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   if (table == nullptr) {
     return;
   }
-  reader.only(*table, {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "logs"}, "[fit]");
+  reader.only(*table, {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "logs"},
+              "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
   if (const auto* gof = table->get("gof_percent")) {
@@ -321,6 +322,9 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   }
   if (const auto* range = table->get("joint_range")) {
     fit.joint_range = reader.number(*range, "joint_range");
+  }
+  if (table->contains("loop_half_width")) {
+    fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargest});
   }
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {

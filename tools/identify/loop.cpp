@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/loop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "capstan/model/terms/tendon.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr const char* kPlay = "play";
+
+/// Half the width of the loop at these torques, both tendons sliding.
+auto width_by_law(const JointFile& joint, const SteadyTorque& torque) -> double {
+  const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
+  std::array<double, 7> shapes{};
+  std::copy_n(joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape), shapes.size(),
+              shapes.begin());
+  const TendonsOf<double, 32> tendons(SamplePeriod<double>(1e-3), shapes);
+  const auto lag = [&](double torque_nm, bool forward) {
+    Sample<double> s;
+    s.tau = torque_nm;
+    s.forward = forward;
+    return tendons.settled(s)[0];
+  };
+  const double compliance = base_of(joint).tied_compliance.value_or(0.0);
+  return std::abs(0.5 * compliance * (lag(torque.forward_nm, true) - lag(torque.backward_nm, false)));
+}
+
+}  // namespace
+
+auto loop_of(const JointFile& joint) -> std::optional<Loop> {
+  if (!joint.steady_torque || !joint.has(kTendonModel) || !joint.has("motor_angle")) {
+    return std::nullopt;
+  }
+  const bool measured = joint.fit && joint.fit->loop_half_width;
+  const double width = measured ? *joint.fit->loop_half_width : width_by_law(joint, *joint.steady_torque);
+  const Loop loop{width, friction_of(*joint.steady_torque)};
+  return loop.half_width_rad > 0.0 && loop.torque_nm > 0.0 ? std::optional(loop) : std::nullopt;
+}
+
+auto fit_loop(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const Loop& known)
+    -> LawForm {
+  LawForm law;
+  law.terms = {"motor_angle", "joint_offset", kPlay};
+  law.set_shapes(law.catalogue->term(kPlay), {known.half_width_rad});
+  return refine_shapes(design, target, rows, law);
+}
+
+auto half_width_of(const LawForm& loop) -> double {
+  return loop.shapes_of(loop.catalogue->term(kPlay)).front();
+}
+
+auto friction_of(const SteadyTorque& torque) -> double {
+  return 0.5 * std::abs(torque.forward_nm - torque.backward_nm);
+}
+
+}  // namespace capstan::tools

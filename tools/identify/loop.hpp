@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/tools/identify/law_fit.hpp"
+
+namespace capstan::tools {
+
+/// The loop between motor and joint that tendons draw under a free tip: half its width, at the motor, and the torque
+/// that it takes, half the distance between both directions. Both tendons slide then before the joint moves, so its
+/// angle is exactly play(q1), and the two numbers say what its shape can not: a gap widens the loop and takes no
+/// torque, stiffer tendons narrow it, more pretension does both, and a torque that the tendons do not carry changes the
+/// torque alone.
+struct Loop {
+  double half_width_rad = 0.0;
+  double torque_nm = 0.0;
+};
+
+/// Of a law with tendons: of the logs that it is from, or else as the law itself says. Nothing of another law, or of a
+/// file without steady torque.
+auto loop_of(const JointFile& joint) -> std::optional<Loop>;
+
+/// The law that has a loop and nothing else, its width fitted from one that is known.
+auto fit_loop(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const Loop& known) -> LawForm;
+auto half_width_of(const LawForm& loop) -> double;
+
+auto friction_of(const SteadyTorque& torque) -> double;
+
+}  // namespace capstan::tools
