@@ -160,6 +160,7 @@ class LoopSearch {
                                                 : nameless(course.widens() ? "wear" : "");
       }
     }
+    search_.notes.push_back(size_of(name));
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;
@@ -200,6 +201,17 @@ class LoopSearch {
     return answer;
   }
 
+  /// How large a change of the loop alone is, for people.
+  [[nodiscard]] auto size_of(const std::string& name) const -> std::string {
+    if (name == kPlay) {
+      const double beta = fit_law(p_.causal, p_.target, p_.certain(), loop_).theta[0];
+      const double gap = beta * half_width_of(loop_) * (1.0 - 1.0 / width_);
+      return "the gap is " + rounded(gap, 3) + " rad to either side, at the joint";
+    }
+    const double more = name == kPretension ? width_ - 1.0 : 1.0 / width_ - 1.0;
+    return std::string(name == kPretension ? "pretension is " : "the tendons' stiffness is ") +
+           rounded(100.0 * std::abs(more), 3) + (more > 0.0 ? " % larger" : " % smaller") + " than the healthy joint's";
+  }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
     return force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";

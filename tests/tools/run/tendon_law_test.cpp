@@ -3,7 +3,9 @@
 // numbers mean, and what it says when one of them has moved.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 #include "capstan/boards/common/file_banks.hpp"
@@ -126,7 +128,13 @@ auto first_name(const Diagnosis& diagnosis) -> std::string {
 // A gap, stiffer tendons and drag all change the loop that a free tip draws; the torque tells them apart, and a late
 // camera from drag.
 TEST(TendonLaw, TellsByTheTorqueWhatChangedTheLoop) {
-  EXPECT_EQ(first_name(asked({.play_half_width_rad = 0.01})), "play");
+  const Diagnosis gap = asked({.play_half_width_rad = 0.01});
+  EXPECT_EQ(first_name(gap), "play");
+  const auto says_size = [](const std::string& warning) {
+    double gap_rad = 0.0;
+    return std::sscanf(warning.c_str(), "the gap is %lf rad", &gap_rad) == 1 && std::abs(gap_rad - 0.01) < 0.001;
+  };
+  EXPECT_TRUE(std::any_of(gap.warnings.begin(), gap.warnings.end(), says_size));
   EXPECT_EQ(first_name(asked({.hardening_per_n = 0.01})), "stiffness_hardening");
   EXPECT_EQ(first_name(asked(
                 {.transmission_viscous_forward_ns_per_m = 300.0, .transmission_viscous_backward_ns_per_m = 300.0})),
