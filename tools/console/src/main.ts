@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The console page: joins the board with its views.
+import { Board } from './board';
+import { BreakView } from './break_view';
+import { byId, options } from './dom';
+import { parseTables, type Status } from './knowledge';
+import { LiveView } from './live_view';
+import { MoveView } from './move_view';
+import { ParameterView } from './parameter_view';
+import { Safety } from './safety';
+import { ShellView } from './shell_view';
+import { SimulatorLink } from './simulator_link';
+import { StateView } from './state_view';
+import { connectTabs } from './tabs';
+
+const say = (text: string) => (byId('message').textContent = text);
+
+const board: Board = new Board({
+  status: (status) => show(status),
+  schema: (schema) => live.schema(schema),
+  sample: (tick, values) => live.sample(tick, values),
+  remark: (text) => shell.show(text),
+  connected: () => void connected(),
+  lost: (why) => say(why),
+});
+const live = new LiveView(board, say);
+const states = new StateView(board);
+const parameters = new ParameterView(board, say);
+const move = new MoveView(board, say);
+const breaking = new BreakView(board, (effects) => startSimulator(effects));
+const shell = new ShellView(board);
+const safety = new Safety(
+  board,
+  (text) => {
+    say(text);
+    states.happened(text);
+  },
+  (lines, error) => {
+    say([...lines, error].join(' '));
+    states.list(lines);
+  },
+);
+
+function show(status: Status | undefined): void {
+  states.show(status);
+  move.show(status);
+  safety.show(status !== undefined, board.mayHaveTorque);
+}
+
+async function connected(): Promise<void> {
+  parameters.forget();
+  await live.connected();
+  await board.askStatus();
+  byId('tab-break').hidden = board.link?.simulated !== true;
+  if (board.link?.simulated === true) {
+    await breaking.connected(board.status?.joints.length ?? 1);
+  }
+  viewShown(visible);
+}
+
+let visible = '';
+function viewShown(id: string): void {
+  visible = id;
+  if (id === 'parameters') void parameters.load();
+  if (id === 'move') void move.load();
+  if (id === 'states') void states.askFaults();
+}
+connectTabs(viewShown);
+
+const simulator = new SimulatorLink(board.linkEvents);
+const instrument = byId<HTMLSelectElement>('instrument');
+
+/** Starts the simulated board anew; returns a sentence if that is not possible. */
+async function startSimulator(effects: string): Promise<string> {
+  const problem = await simulator.start(`instrument = "${instrument.value}.toml"\n[effects]\n${effects}\n`);
+  if (problem === '') {
+    board.attach(simulator);
+  }
+  return problem;
+}
+
+void simulator.tables.then(async (text) => {
+  const tables = parseTables(text);
+  board.safeStates = new Set(tables.states.filter((state) => !state.torque).map((state) => state.name));
+  states.know(tables);
+  breaking.know(tables);
+  options(instrument, tables.instruments.map((one) => one.name));
+  instrument.disabled = false;
+  say(await startSimulator(''));
+});
+instrument.addEventListener('change', () => void startSimulator('').then(say));
+byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));
