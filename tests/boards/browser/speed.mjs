@@ -2,7 +2,7 @@
 // node speed.mjs MODULE: prints how many times faster than real time the module is, armed and moving. A figure, no test.
 import { Board } from './module.mjs';
 
-for (const [name, scenario] of [['one axis', ''], ['four axes', 'instrument = "da_vinci_wrist.toml"']]) {
+for (const [name, scenario] of [['one axis', ''], ['three axes', 'instrument = "da_vinci_wrist.toml"']]) {
   const board = new Board(process.argv[2]);
   board.start(scenario);
   board.ask('arm');

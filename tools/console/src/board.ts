@@ -98,6 +98,9 @@ export class Board {
     if (status !== undefined) {
       this.status = status;
       this.mayHaveTorque = !this.safeStates.has(status.state);
+      if (!this.mayHaveTorque) {
+        window.clearTimeout(this.insist);
+      }
       this.events.status(status);
     }
   }

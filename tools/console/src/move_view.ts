@@ -25,6 +25,7 @@ export class MoveView {
       const limits = parseParameters((await this.board.ask(`list ${joint}.limits`)).lines);
       const limit = (name: string) => Number(limits.find((one) => one.name === `limits.${name}`)?.value ?? 0) * kDegrees;
       boxes.push(this.box(joint, limit('joint_min'), limit('joint_max')));
+      this.aim(joint, (this.board.status?.joints.find((one) => one.name === joint)?.angleRad ?? 0) * kDegrees); // nothing moves by 'Go' alone
     }
     this.joints = joints;
     byId('joints').replaceChildren(...boxes);
@@ -46,7 +47,7 @@ export class MoveView {
   }
 
   private box(joint: string, low: number, high: number): HTMLElement {
-    const target = make('input', { type: 'range', min: low.toFixed(1), max: high.toFixed(1), step: '0.1', value: '0', 'aria-label': `target of ${joint}, degrees` });
+    const target = make('input', { type: 'range', min: String(Math.ceil(low * 10) / 10), max: String(Math.floor(high * 10) / 10), step: '0.1', value: '0', 'aria-label': `target of ${joint}, degrees` });
     const number = make('output', {}, '0.0 deg');
     target.addEventListener('input', () => (number.textContent = `${Number(target.value).toFixed(1)} deg`));
     const angle = make('output', {}, '');
@@ -69,13 +70,18 @@ export class MoveView {
     );
   }
 
+  private aim(joint: string, degrees: number): void {
+    const target = this.targets.get(joint)!;
+    target.value = String(degrees);
+    target.dispatchEvent(new Event('input'));
+  }
+
   private async go(joint: string, degrees: number): Promise<void> {
     this.say((await this.board.ask(`move ${joint} ${degrees.toFixed(1)} deg`)).error ?? '');
   }
   private async step(joint: string, degrees: number): Promise<void> {
     const target = this.targets.get(joint)!;
-    target.value = String(Number(target.value) + degrees);
-    target.dispatchEvent(new Event('input'));
+    this.aim(joint, Number(target.value) + degrees);
     await this.go(joint, Number(target.value));
   }
   private async hold(joint: string): Promise<void> {

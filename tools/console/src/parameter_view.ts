@@ -163,6 +163,7 @@ export class ParameterView {
       refusal = this.refusals.size > 0 ? `${this.refusals.size} refused, and nothing was changed` : (await this.board.ask('commit')).error;
       if (refusal !== undefined) {
         await this.board.ask('abandon');
+        this.blame(refusal);
       }
     }
     if (refusal === undefined) {
@@ -172,6 +173,15 @@ export class ParameterView {
     this.mark();
     this.filter();
     this.say(refusal ?? 'taken; save them to keep them over a restart');
+  }
+
+  /** Some of a set are refused at its commit only; the sentence names them. */
+  private blame(refusal: string): void {
+    for (const name of this.staged.keys()) {
+      if (!this.refusals.has(name) && refusal.includes(`${name.slice(name.indexOf('.') + 1)} `)) {
+        this.refusals.set(name, refusal);
+      }
+    }
   }
 
   private async refresh(): Promise<void> {

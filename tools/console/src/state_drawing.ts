@@ -3,7 +3,7 @@
 import { draw } from './dom';
 import type { Tables } from './knowledge';
 
-const kWidth = 560;
+const kWidth = 620;
 const kBox = { width: 110, height: 34 };
 
 interface Place {
@@ -11,15 +11,16 @@ interface Place {
   y: number;
 }
 
-/** States without torque stand in a column on the left, the others on a ring on the right. */
-function places(states: Tables['states']): Map<string, Place> {
+/** States without torque stand in a column on the left, where it begins at the top; the others on a ring on the right. */
+function places({ states, transitions }: Tables): Map<string, Place> {
   const at = new Map<string, Place>();
-  const without = states.filter((state) => !state.torque);
+  const entered = (name: string) => Number(transitions.some((row) => row.to === name));
+  const without = states.filter((state) => !state.torque).sort((a, b) => entered(a.name) - entered(b.name));
   const torque = states.filter((state) => state.torque);
   without.forEach((state, i) => at.set(state.name, { x: 70, y: 60 + (i * 220) / Math.max(1, without.length - 1) }));
   torque.forEach((state, i) => {
     const angle = Math.PI + (2 * Math.PI * i) / torque.length;
-    at.set(state.name, { x: 400 + 95 * Math.cos(angle), y: 170 + 115 * Math.sin(angle) });
+    at.set(state.name, { x: 435 + 120 * Math.cos(angle), y: 170 + 120 * Math.sin(angle) });
   });
   return at;
 }
@@ -41,10 +42,10 @@ export function drawStates(tables: Tables): SVGElement {
   const marker = draw('marker', { id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 8, markerHeight: 8, orient: 'auto' });
   marker.append(draw('path', { d: 'M0 0L8 4L0 8z' }));
   svg.append(marker);
-  const at = places(tables.states);
+  const at = places(tables);
   const torque = tables.states.filter((state) => state.torque).map((state) => state.name);
   const shared = (trigger: string, to: string) => torque.every((from) => tables.transitions.some((row) => row.from === from && row.trigger === trigger && row.to === to));
-  svg.append(draw('rect', { class: 'group', x: 240, y: 20, width: 312, height: 304, rx: 8 }), draw('text', { class: 'label', x: 396, y: 174 }, 'torque on'));
+  svg.append(draw('rect', { class: 'group', x: 240, y: 20, width: 372, height: 304, rx: 8 }), draw('text', { class: 'label', x: 580, y: 40 }, 'torque on'));
   const drawn = new Set<string>();
   for (const { from, trigger, to } of tables.transitions) {
     const all = torque.includes(from) && shared(trigger, to);
