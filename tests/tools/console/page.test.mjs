@@ -114,9 +114,11 @@ test('one signal against another', async () => {
   const one = await fresh();
   await arm(one);
   await view(one, 'move');
-  await one.page.click('text="+10 deg"');
-  await state(one, 'moving');
-  await state(one, 'holding');
+  for (const button of ['+10 deg', '-10 deg', '+10 deg']) {
+    await one.page.click(`text="${button}"`);
+    await state(one, 'moving');
+    await state(one, 'holding');
+  }
   await view(one, 'live');
   await one.page.selectOption('#plot-kind', 'xy');
   await one.page.waitForTimeout(200);

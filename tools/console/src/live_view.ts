@@ -100,7 +100,7 @@ export class LiveView {
       ),
     );
     options(this.add, this.offered());
-    for (const [select, fallback] of [[this.across, 'joint0.q1'], [this.up, 'joint0.q2']] as const) {
+    for (const [select, fallback] of [[this.across, 'joint0.q1'], [this.up, 'joint0.torque']] as const) {
       const names = this.chosen.map((one) => one.name);
       options(select, names, names.includes(select.value) ? select.value : fallback);
     }
@@ -119,7 +119,8 @@ export class LiveView {
 
   private window(): [number, number] {
     const last = this.series.lastTick;
-    return this.frozen ?? [last - Number(byId<HTMLSelectElement>('window').value) * 1000, last];
+    const first = this.series.size > 0 ? this.series.tick(0) : 0;
+    return this.frozen ?? [Math.max(first, last - Number(byId<HTMLSelectElement>('window').value) * 1000), last];
   }
 
   private pause(stop: boolean): void {

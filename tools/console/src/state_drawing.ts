@@ -4,6 +4,8 @@ import { draw } from './dom';
 import type { Tables } from './knowledge';
 
 const kWidth = 620;
+/** How much lower the arrow that all states with torque share ends than the others. */
+const kShared = 8;
 const kBox = { width: 110, height: 34 };
 
 interface Place {
@@ -53,10 +55,10 @@ export function drawStates(tables: Tables): SVGElement {
     if (!drawn.has(key)) {
       drawn.add(key);
       const end = at.get(to)!;
-      svg.append(draw('path', { d: all ? `M240 ${end.y}L${end.x + kBox.width / 2 + 3} ${end.y}` : arrow(at.get(from)!, end), 'marker-end': 'url(#tip)' }));
+      svg.append(draw('path', { d: all ? `M240 ${end.y + kShared}L${end.x + kBox.width / 2 + 3} ${end.y + kShared}` : arrow(at.get(from)!, end), 'marker-end': 'url(#tip)' }));
       if (all || !torque.includes(from)) {
         const start = all ? { x: 240, y: end.y } : at.get(from)!;
-        svg.append(draw('text', { class: 'label', x: (start.x + end.x) / 2 + 30, y: (start.y + end.y) / 2 - 6 }, trigger));
+        svg.append(draw('text', { class: 'label', x: all ? 180 : (start.x + end.x) / 2 + 34, y: (start.y + end.y) / 2 + (all ? kShared + 13 : end.x > start.x ? -17 : 4) }, trigger));
       }
     }
   }

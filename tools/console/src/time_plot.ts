@@ -32,7 +32,8 @@ export class TimePlot {
       scale: `unit ${unit}`,
       side: i === 0 ? 3 : 1,
       label: unit === '' ? 'number' : unit,
-      size: 62,
+      size: 66,
+      values: (_, splits) => splits.map((value) => String(Number(value.toPrecision(4)))),
       grid: { ...common.grid, show: i === 0 },
     }));
     const series = signals.map((signal, i): uPlot.Series => {
