@@ -43,9 +43,26 @@ export class Board {
     });
   }
 
-  /** What a line is to tell this board. */
-  get linkEvents(): LinkEvents {
-    return { bytes: (bytes) => this.frames.feed(bytes), lost: (why) => this.lost(why) };
+  /** What a line is to tell this board; it is heard while it is the one attached. */
+  eventsOf(link: () => Link): LinkEvents {
+    const heard = () => this.link !== undefined && this.link === link();
+    return {
+      bytes: (bytes) => heard() && this.frames.feed(bytes),
+      lost: (why) => heard() && this.lost(why),
+    };
+  }
+
+  /** Takes the torque away and lets go of the line. */
+  async detach(): Promise<void> {
+    const link = this.link;
+    if (link !== undefined) {
+      this.shell.disarm();
+      link.leave();
+      this.lost('');
+      if (!link.simulated) {
+        await link.close();
+      }
+    }
   }
 
   attach(link: Link): void {
@@ -106,6 +123,7 @@ export class Board {
   }
 
   private lost(why: string): void {
+    const left = why !== '' && this.mayHaveTorque && this.link?.simulated === false;
     window.clearInterval(this.poll);
     window.clearTimeout(this.insist);
     this.link = undefined;
@@ -113,6 +131,6 @@ export class Board {
     this.mayHaveTorque = false;
     this.shell.lost();
     this.events.status(undefined);
-    this.events.lost(why);
+    this.events.lost(left ? `${why}. The joints may still have torque: press the emergency stop` : why);
   }
 }

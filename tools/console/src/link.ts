@@ -14,5 +14,5 @@ export interface Link {
   send(bytes: Uint8Array): void;
   /** Nobody watches any more: the board shall take the torque away by itself, where its line can tell it. */
   leave(): void;
-  close(): void;
+  close(): void | Promise<void>;
 }

@@ -8,6 +8,7 @@ import { LiveView } from './live_view';
 import { MoveView } from './move_view';
 import { ParameterView } from './parameter_view';
 import { Safety } from './safety';
+import { SerialLink, serialOfBrowser } from './serial_link';
 import { ShellView } from './shell_view';
 import { SimulatorLink } from './simulator_link';
 import { StateView } from './state_view';
@@ -67,11 +68,14 @@ function viewShown(id: string): void {
 }
 connectTabs(viewShown);
 
-const simulator = new SimulatorLink(board.linkEvents);
+const simulator: SimulatorLink = new SimulatorLink(board.eventsOf(() => simulator));
 const instrument = byId<HTMLSelectElement>('instrument');
 
 /** Starts the simulated board anew; returns a sentence if that is not possible. */
 async function startSimulator(effects: string): Promise<string> {
+  if (board.link !== simulator) {
+    await board.detach();
+  }
   const problem = await simulator.start(`instrument = "${instrument.value}.toml"\n[effects]\n${effects}\n`);
   if (problem === '') {
     board.attach(simulator);
@@ -90,3 +94,21 @@ void simulator.tables.then(async (text) => {
 });
 instrument.addEventListener('change', () => void startSimulator('').then(say));
 byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));
+
+const serial = serialOfBrowser();
+const serialButton = byId<HTMLButtonElement>('serial');
+serialButton.hidden = serial === undefined;
+/** A board on a serial line takes the simulator's place; choosing an instrument leads back. */
+async function connectSerial(): Promise<void> {
+  try {
+    const port = await serial!.requestPort();
+    await board.detach();
+    const link = await SerialLink.open(port);
+    say('a board on a serial line: real joints may move');
+    board.attach(link);
+    link.listen(board.eventsOf(() => link));
+  } catch (problem) {
+    say(problem instanceof Error ? problem.message : String(problem));
+  }
+}
+serialButton.addEventListener('click', () => void connectSerial());
