@@ -128,6 +128,41 @@ test('one signal against another', async () => {
   await one.page.screenshot({ path: join(pictures, 'xy.png') });
 });
 
+test('an experiment runs, is drawn and ends in a log; another is stopped, and one unarmed is refused', async () => {
+  const one = await fresh();
+  const answer = (part) => until(one, (wanted) => document.getElementById('experiment-answer').textContent.includes(wanted), part);
+  await view(one, 'move');
+  await one.page.selectOption('#experiment-recipe', 'triangle');
+  await one.page.fill('#experiment-options', 'amplitude=0.1 speeds=1 cycles=1 repeats=1 every=1');
+  await one.page.click('#experiment-run');
+  await answer('not_holding: ');
+  await arm(one);
+  await one.page.click('#experiment-run');
+  await answer('done: ');
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#experiment-save')]);
+  const rows = readFileSync(await download.path(), 'utf8').trim().split('\n');
+  assert.match(rows[0], /^time_s,axis0\/q1_rad,/);
+  assert.ok(rows.length > 300, `${rows.length} rows`);
+  await view(one, 'live');
+  await until(one, () => document.getElementById('plot').textContent.includes('axis0/q1_rad'));
+  await one.page.click('#go-on');
+  await until(one, () => document.getElementById('plot').textContent.includes('joint0.q2'));
+  await view(one, 'move');
+  await one.page.fill('#experiment-options', 'amplitude=0.1 speeds=0.2 cycles=20');
+  await one.page.click('#experiment-run');
+  await until(one, () => /^runs: \d\d/.test(document.getElementById('experiment-answer').textContent));
+  await one.page.click('#experiment-stop');
+  await answer('ended early');
+  await state(one, 'holding');
+});
+
+test('a picture is saved', async () => {
+  const one = await fresh();
+  await one.page.waitForTimeout(300);
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#png')]);
+  assert.equal(readFileSync(await download.path()).toString('latin1', 1, 4), 'PNG');
+});
+
 test('a parameter is staged, taken whole, and marked; what is refused changes nothing', async () => {
   const one = await fresh();
   await view(one, 'parameters');

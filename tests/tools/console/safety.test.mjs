@@ -91,6 +91,18 @@ test('DISARM twice at once leaves the talk with the board in order', async () =>
   assert.match(await type(one, 'timing'), /cycles \d+ of 1 ms.*\nok/s);
 });
 
+test('DISARM ends an experiment', async () => {
+  await armed();
+  await view(one, 'move');
+  await one.page.selectOption('#experiment-recipe', 'triangle');
+  await one.page.fill('#experiment-options', 'amplitude=0.1 speeds=0.2 cycles=20');
+  await one.page.click('#experiment-run');
+  await one.page.waitForFunction(() => /^runs: \d\d/.test(document.getElementById('experiment-answer').textContent), null, { timeout: kPatience });
+  await one.page.click('#disarm');
+  await state(one, 'disarmed');
+  await one.page.waitForFunction(() => document.getElementById('experiment-answer').textContent.startsWith('ended early'), null, { timeout: kPatience });
+});
+
 test('the space bar takes the torque, wherever the focus is', async () => {
   await armed();
   await one.page.focus('#pause');

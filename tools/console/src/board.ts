@@ -80,6 +80,11 @@ export class Board {
       : this.shell.ask(line, heard);
   }
 
+  /** Frames are about to begin. */
+  expectSchema(): void {
+    this.frames.expectSchema();
+  }
+
   /** Gives torque. Who calls it has seen to it that the operator means it. */
   async arm(): Promise<Answer> {
     this.mayHaveTorque = true;

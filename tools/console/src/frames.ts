@@ -58,6 +58,11 @@ export class FrameSplitter {
 
   constructor(private readonly sink: FrameSink) {}
 
+  /** The next schema is told even if it is the last one again. */
+  expectSchema(): void {
+    this.schemaCrc = -1;
+  }
+
   feed(bytes: Uint8Array): void {
     let text = '';
     for (const byte of bytes) {

@@ -28,6 +28,9 @@ export class LiveView {
   /** ms; set while paused. */
   private frozen: [number, number] | undefined;
   private whole: [number, number] | undefined;
+  /** What the picture shows; it is drawn again when that changes. */
+  private drawn = '';
+  private shapes = 0;
   private frames = 0;
   private framesSince = performance.now();
 
@@ -39,6 +42,8 @@ export class LiveView {
     this.add.addEventListener('change', () => void this.choose([...this.chosen.map((one) => one.name), this.add.value]));
     this.kind.addEventListener('change', () => this.showKind());
     byId('csv').addEventListener('click', () => this.save());
+    byId('png').addEventListener('click', () => this.savePicture());
+    byId('go-on').addEventListener('click', () => void this.goOn());
     this.plot.onZoom = (range) => this.zoom(range);
     window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.shape());
     const draw = () => {
@@ -54,6 +59,22 @@ export class LiveView {
     await this.choose(before.length > 0 ? before : kFirst);
   }
 
+  /** Leaves the board's recorder to another; what was shown stays. */
+  async standBack(): Promise<void> {
+    await this.board.ask('frames off');
+    byId('go-on').hidden = false;
+  }
+  goOn(): Promise<void> {
+    return this.choose(this.chosen.map((one) => one.name));
+  }
+
+  /** Rows of a log come instead of frames; its columns tell the units. */
+  columns(columns: string[]): void {
+    this.series.reset(columns, 1);
+    this.shown = columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
+    this.pause(false);
+    this.shape();
+  }
   schema(schema: Schema): void {
     this.series.reset(schema.columns, schema.everyMs);
     this.shown = this.chosen;
@@ -72,6 +93,8 @@ export class LiveView {
     }
     const every = this.board.link?.simulated === true ? kSimulatedEveryMs : kLineEveryMs;
     await this.board.ask('frames off');
+    this.board.expectSchema();
+    byId('go-on').hidden = true;
     this.chosen = chosen;
     this.pause(false);
     for (let i = 0; chosen.length > 0 && i < 5; ++i) {
@@ -107,6 +130,7 @@ export class LiveView {
   }
 
   private shape(): void {
+    ++this.shapes;
     this.plot.shape(this.shown);
   }
 
@@ -140,11 +164,22 @@ export class LiveView {
     download('capstan.csv', [this.series.csv(from, to)], 'text/csv');
   }
 
+  private savePicture(): void {
+    const canvas = this.kind.value === 'xy' ? byId<HTMLCanvasElement>('xy-plot') : byId('plot').querySelector('canvas');
+    canvas?.toBlob((blob) => blob !== null && download('capstan.png', [blob], 'image/png'));
+  }
+
   private draw(): void {
     if (byId('live').hidden || document.hidden) {
       return;
     }
     const [from, to] = this.window();
+    const what = [from, to, this.kind.value, this.across.value, this.up.value, this.plot.width, this.shapes].join();
+    this.count();
+    if (what === this.drawn) {
+      return;
+    }
+    this.drawn = what;
     const data = this.series.view(from, to, Math.min(2000, this.plot.width));
     if (this.kind.value === 'xy') {
       const names = this.shown.map((one) => one.name);
@@ -154,7 +189,6 @@ export class LiveView {
     } else {
       this.plot.show(data, from / 1000, to / 1000);
     }
-    this.count();
   }
 
   private count(): void {

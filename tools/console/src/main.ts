@@ -3,6 +3,7 @@
 import { Board } from './board';
 import { BreakView } from './break_view';
 import { byId, options } from './dom';
+import { ExperimentView } from './experiment_view';
 import { parseTables, type Status } from './knowledge';
 import { LiveView } from './live_view';
 import { MoveView } from './move_view';
@@ -28,6 +29,7 @@ const live = new LiveView(board, say);
 const states = new StateView(board);
 const parameters = new ParameterView(board, say);
 const move = new MoveView(board, say);
+const experiments = new ExperimentView(board, live);
 const breaking = new BreakView(board, (effects) => startSimulator(effects));
 const shell = new ShellView(board);
 const safety = new Safety(
@@ -52,6 +54,7 @@ async function connected(): Promise<void> {
   parameters.forget();
   await live.connected();
   await board.askStatus();
+  await experiments.connected(board.status?.joints.length ?? 1);
   byId('tab-break').hidden = board.link?.simulated !== true;
   if (board.link?.simulated === true) {
     await breaking.connected(board.status?.joints.length ?? 1);
