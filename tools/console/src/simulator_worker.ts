@@ -27,6 +27,7 @@ function leave(): void {
 
 function step(): void {
   const now = performance.now();
+  aliveMs += Math.max(0, now - lastMs - kMostBehindMs); // while this thread slept, nobody was heard
   owedMs = Math.min(owedMs + (now - lastMs) * speed, Math.max(kMostBehindMs, kStepMs * speed));
   lastMs = now;
   if (firmware === undefined || !running) {
