@@ -156,6 +156,31 @@ test('an experiment runs, is drawn and ends in a log; another is stopped, and on
   await state(one, 'holding');
 });
 
+test('the scope captures around a trigger, with what was before; a level that is none is refused', async () => {
+  const one = await fresh();
+  const answer = (part) => until(one, (wanted) => document.getElementById('scope-answer').textContent.includes(wanted), part);
+  await one.page.click('#scope summary');
+  await one.page.fill('#scope-level', 'high');
+  await one.page.click('#scope-form button[type="submit"]');
+  await answer('not_a_level');
+  await one.page.fill('#scope-level', '5 deg');
+  await one.page.fill('#scope-samples', '400');
+  await one.page.fill('#scope-before', '100');
+  await one.page.click('#scope-form button[type="submit"]');
+  await answer('waiting for its trigger');
+  await arm(one);
+  await view(one, 'move');
+  await one.page.waitForSelector('#joints .joint');
+  await one.page.click('text="+10 deg"');
+  await view(one, 'live');
+  await answer('captured 400 samples');
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#csv')]);
+  const rows = readFileSync(await download.path(), 'utf8').trim().split('\n').slice(1).map((row) => row.split(',').map(Number));
+  assert.equal(rows.length, 400);
+  assert.deepEqual([rows[0][0], rows[100][0]], [-0.1, 0]);
+  assert.ok(rows[99][1] < (5 * Math.PI) / 180 && rows[100][1] >= (5 * Math.PI) / 180 - 1e-6, 'the reference crosses 5 degrees there');
+});
+
 test('a picture is saved', async () => {
   const one = await fresh();
   await one.page.waitForTimeout(300);
@@ -268,7 +293,9 @@ test('everything that was asked of the server is the page itself', () => {
 });
 
 test('the page works from the folder, without a server', async () => {
+  const began = performance.now();
   const one = await open(browser, `file://${site}/index.html`);
+  console.log(`console page: signals ${Math.round(performance.now() - began)} ms after it was opened`);
   opened.push(one);
   await arm(one);
 });
@@ -294,6 +321,7 @@ for (const colorScheme of ['light', 'dark']) {
   test(`axe finds nothing serious, ${colorScheme}`, async () => {
     const one = await fresh({ colorScheme, bypassCSP: true });
     await one.page.addScriptTag({ path: axe });
+    await one.page.evaluate(() => document.querySelectorAll('details').forEach((one) => (one.open = true)));
     for (const name of kViews) {
       await view(one, name);
       await one.page.waitForTimeout(name === 'parameters' ? 1500 : 400);

@@ -39,7 +39,7 @@ export class LiveView {
     private readonly say: (text: string) => void,
   ) {
     this.pauseButton.addEventListener('click', () => this.pause(this.frozen === undefined));
-    this.add.addEventListener('change', () => void this.choose([...this.chosen.map((one) => one.name), this.add.value]));
+    this.add.addEventListener('change', () => void this.choose([...this.chosenNames, this.add.value]));
     this.kind.addEventListener('change', () => this.showKind());
     byId('csv').addEventListener('click', () => this.save());
     byId('png').addEventListener('click', () => this.savePicture());
@@ -59,13 +59,21 @@ export class LiveView {
     await this.choose(before.length > 0 ? before : kFirst);
   }
 
+  /** Names of the signals that the board has, and of those shown. */
+  get known(): string[] {
+    return this.all.map((one) => one.name);
+  }
+  get chosenNames(): string[] {
+    return this.chosen.map((one) => one.name);
+  }
+
   /** Leaves the board's recorder to another; what was shown stays. */
   async standBack(): Promise<void> {
     await this.board.ask('frames off');
     byId('go-on').hidden = false;
   }
   goOn(): Promise<void> {
-    return this.choose(this.chosen.map((one) => one.name));
+    return this.choose(this.chosenNames);
   }
 
   /** Rows of a log come instead of frames; its columns tell the units. */
@@ -74,6 +82,11 @@ export class LiveView {
     this.shown = columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
     this.pause(false);
     this.shape();
+  }
+  /** A log that is complete: all of it, and it stands still. */
+  showAll(): void {
+    this.pause(true);
+    this.whole = this.frozen = [this.series.tick(0), this.series.lastTick];
   }
   schema(schema: Schema): void {
     this.series.reset(schema.columns, schema.everyMs);
@@ -124,7 +137,7 @@ export class LiveView {
     );
     options(this.add, this.offered());
     for (const [select, fallback] of [[this.across, 'joint0.q1'], [this.up, 'joint0.torque']] as const) {
-      const names = this.chosen.map((one) => one.name);
+      const names = this.chosenNames;
       options(select, names, names.includes(select.value) ? select.value : fallback);
     }
   }

@@ -9,6 +9,7 @@ import { LiveView } from './live_view';
 import { MoveView } from './move_view';
 import { ParameterView } from './parameter_view';
 import { Safety } from './safety';
+import { ScopeView } from './scope_view';
 import { SerialLink, serialOfBrowser } from './serial_link';
 import { ShellView } from './shell_view';
 import { SimulatorLink } from './simulator_link';
@@ -30,6 +31,7 @@ const states = new StateView(board);
 const parameters = new ParameterView(board, say);
 const move = new MoveView(board, say);
 const experiments = new ExperimentView(board, live);
+const scope = new ScopeView(board, live);
 const breaking = new BreakView(board, (effects) => startSimulator(effects));
 const shell = new ShellView(board);
 const safety = new Safety(
@@ -53,6 +55,7 @@ function show(status: Status | undefined): void {
 async function connected(): Promise<void> {
   parameters.forget();
   await live.connected();
+  scope.connected();
   await board.askStatus();
   await experiments.connected(board.status?.joints.length ?? 1);
   byId('tab-break').hidden = board.link?.simulated !== true;
