@@ -141,6 +141,19 @@ test('an undeclared effect changes the plant, and the firmware is not told', () 
   assert.equal(still.ask('dump'), worn.ask('dump'));
 });
 
+test('a plant that diverges ends its board by a sentence, and another one starts', () => {
+  const board = started('instrument = "micro_forceps.toml"\n[effects]\nstiffness_hardening = 100\n');
+  assert.throws(() => {
+    board.ask('arm');
+    board.ask('move joint0 60 deg');
+    board.tick(5000);
+  }, /the plant diverged: .*; /);
+  assert.equal(board.wasm.capstan_tick(10), 0);
+  assert.equal(board.wasm.capstan_receive(board.put('status\n')), 0);
+  assert.equal(board.start(), '');
+  assert.equal(board.state(), 'disarmed none');
+});
+
 test('a scenario that is none is answered by a sentence, and the board before goes on', () => {
   const board = started();
   assert.match(board.start('instrument = "no_such.toml"'), /no_such/);

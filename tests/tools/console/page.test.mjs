@@ -280,6 +280,30 @@ test('an effect that the firmware does not know, and one that is none', async ()
   await arm(one);
 });
 
+test('a plant that diverges is told, and a start anew leads on', async () => {
+  const one = await fresh();
+  await view(one, 'break');
+  await one.page.selectOption('#effect', 'stiffness_hardening.per_n');
+  await one.page.fill('#effect-value', '100');
+  await one.page.click('text="Start anew with it"');
+  await until(one, () => document.getElementById('effect-answer').textContent.startsWith('started anew'));
+  await state(one, 'disarmed');
+  await one.page.click('#arm');
+  await one.page.click('#arm-confirm');
+  await view(one, 'move');
+  await one.page.waitForSelector('#joints .joint');
+  for (let i = 0; i < 6 && (await text(one, '#state')) !== 'not connected'; ++i) {
+    await one.page.click('text="+10 deg"', { timeout: 1000 }).catch(() => undefined);
+    await one.page.waitForTimeout(200);
+  }
+  await until(one, () => document.getElementById('message').textContent.includes('the plant diverged'));
+  await state(one, 'not connected');
+  await view(one, 'break');
+  await one.page.click('#effect-none');
+  await state(one, 'disarmed');
+  await arm(one);
+});
+
 test('another instrument has its own joints', async () => {
   const one = await fresh();
   await one.page.selectOption('#instrument', 'da_vinci_wrist');
