@@ -24,7 +24,11 @@ const board: Board = new Board({
   sample: (tick, values) => live.sample(tick, values),
   remark: (text) => shell.show(text),
   connected: () => void connected(),
-  lost: (why) => say(why),
+  lost: (why) => {
+    if (why !== '') {
+      window.setTimeout(() => say(why)); // after those whose answers it cut off have had their word
+    }
+  },
 });
 const live = new LiveView(board, say);
 const states = new StateView(board);
