@@ -65,6 +65,20 @@ export async function arm(console_) {
   await state(console_, 'holding');
 }
 
+/** Waits until the first joint stands there, degrees. */
+export function moved({ page }, degrees) {
+  return page.waitForFunction((wanted) => Math.abs(parseFloat(document.querySelector('#joints output').textContent) - wanted) < 0.7, degrees, { timeout: kPatience });
+}
+
+/** Asks again until it is so. */
+export async function eventually(check, what) {
+  const end = performance.now() + kPatience;
+  while (!(await check())) {
+    if (performance.now() > end) throw new Error(`not within ${kPatience} ms: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+}
+
 export async function view({ page }, name) {
   await page.click(`#tab-${name}`);
 }

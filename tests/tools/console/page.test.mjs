@@ -5,7 +5,7 @@ import { mkdirSync, readFileSync, readdirSync, statSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import test, { after, afterEach, before } from 'node:test';
-import { arm, kPatience, launch, open, serve, site, state, type, view } from './browser.mjs';
+import { arm, eventually, kPatience, launch, moved, open, serve, site, state, type, view } from './browser.mjs';
 
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
@@ -48,9 +48,7 @@ test('arms, moves by a click, and the trace shows it', async () => {
   await view(one, 'move');
   await one.page.click('text="+10 deg"');
   await one.page.click('text="+10 deg"');
-  await state(one, 'moving');
-  await state(one, 'holding');
-  await until(one, () => Math.abs(parseFloat(document.querySelector('#joints output').textContent) - 20) < 0.5);
+  await moved(one, 20);
   await view(one, 'live');
   const ink = () => one.page.evaluate(() => {
     const canvas = document.querySelector('#plot canvas');
@@ -59,8 +57,7 @@ test('arms, moves by a click, and the trace shows it', async () => {
     for (let i = 0; i < data.length; i += 4) blue += data[i] < 40 && data[i + 2] > 140 && data[i + 3] > 200 ? 1 : 0;
     return blue;
   });
-  await one.page.waitForTimeout(300);
-  assert.ok((await ink()) > 300, 'the trace of the reference');
+  await eventually(async () => (await ink()) > 300, 'the trace of the reference');
   await one.page.screenshot({ path: join(pictures, 'live.png') });
 });
 
@@ -84,7 +81,7 @@ test('samples come at 1 kHz and none is lost', async () => {
 
 test('a log that is saved is one by the contract', async () => {
   const one = await fresh();
-  await one.page.waitForTimeout(500);
+  await one.page.waitForTimeout(1500);
   await one.page.click('#pause');
   const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#csv')]);
   const rows = readFileSync(await download.path(), 'utf8').trim().split('\n');
@@ -97,27 +94,28 @@ test('pause stops the picture, a drag zooms, a double click shows all again', as
   const one = await fresh();
   await one.page.waitForTimeout(600);
   await one.page.click('#pause');
-  const axis = async () => (await one.page.waitForTimeout(200), one.page.evaluate(() => document.querySelector('#plot canvas').toDataURL()));
-  const still = await axis();
-  assert.equal(await axis(), still);
+  const picture = () => one.page.evaluate(() => document.querySelector('#plot canvas').toDataURL());
+  await one.page.waitForTimeout(500);
+  const still = await picture();
+  await one.page.waitForTimeout(500);
+  assert.equal(await picture(), still);
   const box = await one.page.locator('#plot .u-over').boundingBox();
   await one.page.mouse.move(box.x + box.width * 0.9, box.y + 80);
   await one.page.mouse.down();
   await one.page.mouse.move(box.x + box.width * 0.95, box.y + 80, { steps: 4 });
   await one.page.mouse.up();
-  assert.notEqual(await axis(), still);
+  await eventually(async () => (await picture()) !== still, 'another picture');
   await one.page.mouse.dblclick(box.x + box.width / 2, box.y + 80);
-  assert.equal(await axis(), still);
+  await eventually(async () => (await picture()) === still, 'the picture before');
 });
 
 test('one signal against another', async () => {
   const one = await fresh();
   await arm(one);
   await view(one, 'move');
-  for (const button of ['+10 deg', '-10 deg', '+10 deg']) {
+  for (const [button, degrees] of [['+10 deg', 10], ['-10 deg', 0], ['+10 deg', 10]]) {
     await one.page.click(`text="${button}"`);
-    await state(one, 'moving');
-    await state(one, 'holding');
+    await moved(one, degrees);
   }
   await view(one, 'live');
   await one.page.selectOption('#plot-kind', 'xy');
@@ -240,7 +238,7 @@ test('a fault by a click is shown with cause and cure, and blocks arming until i
   await view(one, 'break');
   await one.page.selectOption('#fault-target', 'encoder');
   await one.page.selectOption('#fault-kind', 'off');
-  await one.page.fill('#fault-for', '2.5');
+  await one.page.fill('#fault-for', '15');
   await one.page.click('text="Break it now"');
   await state(one, 'faulted by sensor_missing');
   await view(one, 'states');
@@ -253,7 +251,8 @@ test('a fault by a click is shown with cause and cure, and blocks arming until i
   await one.page.click('#arm-confirm');
   await until(one, () => document.getElementById('message').textContent.includes('blocked by sensor_missing'));
   assert.equal(await text(one, '#state'), 'disarmed');
-  await one.page.waitForTimeout(2600);
+  await one.page.selectOption('#speed', '5');
+  await until(one, () => !/present|blocked/.test(document.getElementById('faults').textContent));
   await arm(one);
 });
 

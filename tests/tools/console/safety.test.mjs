@@ -29,7 +29,7 @@ test('one action gives no torque, and the second comes too late after three seco
   one = await open(browser, server.address);
   assert.ok(await one.page.isDisabled('#arm-confirm'));
   await one.page.click('#arm');
-  await one.page.waitForTimeout(3300);
+  await one.page.waitForTimeout(4000);
   assert.ok(await one.page.isDisabled('#arm-confirm'));
   assert.equal(await one.page.textContent('#state'), 'disarmed');
 });
@@ -61,9 +61,11 @@ test('DISARM takes the torque', async () => {
 
 test('DISARM takes the torque in the middle of a motion, and the joint is not moved again', async () => {
   await armed();
+  await one.page.selectOption('#speed', '0.1');
   await type(one, 'move joint0 60 deg');
   await one.page.click('#disarm');
   await state(one, 'disarmed');
+  await one.page.selectOption('#speed', '1');
   await arm(one);
   await one.page.waitForTimeout(800);
   assert.ok((await angle(one)) < 50);
@@ -128,6 +130,7 @@ test('the keyboard alone arms, moves and disarms', async () => {
   await one.page.keyboard.press('Enter');
   await one.page.keyboard.press('Enter');
   await state(one, 'holding');
+  await one.page.selectOption('#speed', '0.1');  // time for a look while it moves
   await one.page.focus('#tab-live');
   await one.page.keyboard.press('ArrowRight');
   await one.page.keyboard.press('ArrowRight');

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import test, { after, afterEach, before } from 'node:test';
 import { Board } from '../../boards/browser/module.mjs';
-import { arm, kPatience, launch, open, serve, state, type, view } from './browser.mjs';
+import { arm, kPatience, launch, moved, open, serve, state, type, view } from './browser.mjs';
 
 let browser;
 let server;
@@ -89,8 +89,7 @@ test('arms, moves and disarms a board on a serial line, and shows its signals', 
   await view(one, 'move');
   await one.page.waitForSelector('#joints .joint');
   await one.page.click('text="+10 deg"');
-  await state(one, 'moving');
-  await state(one, 'holding');
+  await moved(one, 10);
   await one.page.keyboard.press('Space');
   await state(one, 'disarmed');
   assert.match(board.heard, /move joint0 10\.0 deg\n/);

@@ -57,13 +57,17 @@ function show(status: Status | undefined): void {
 }
 
 async function connected(): Promise<void> {
+  const simulated = board.link?.simulated === true;
+  byId('tab-break').hidden = !simulated;
+  if (!simulated && visible === 'break') {
+    byId('tab-live').click();
+  }
   parameters.forget();
   await live.connected();
   scope.connected();
   await board.askStatus();
   await experiments.connected(board.status?.joints.length ?? 1);
-  byId('tab-break').hidden = board.link?.simulated !== true;
-  if (board.link?.simulated === true) {
+  if (simulated) {
     await breaking.connected(board.status?.joints.length ?? 1);
   }
   viewShown(visible);
