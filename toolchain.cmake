@@ -1,15 +1,28 @@
 # SPDX-License-Identifier: Apache-2.0
 # Cross compilers only. CAPSTAN_TARGET chooses the board; what its processor needs comes from boards/<board>/cpu.cmake, which sets
 #   CAPSTAN_COMPILER_PREFIX  CAPSTAN_CPU_FLAGS  CAPSTAN_SYSTEM_NAME  CAPSTAN_SYSTEM_PROCESSOR
-set(CAPSTAN_TARGET "stm32f405" CACHE STRING "stm32f405 or linux_rt_aarch64")
+set(CAPSTAN_TARGET "stm32f405" CACHE STRING "stm32f405, linux_rt_aarch64 or browser")
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CAPSTAN_TARGET)
+
+if(CAPSTAN_TARGET STREQUAL "browser")  # emscripten brings a description of its own
+  include(${CMAKE_CURRENT_LIST_DIR}/boards/browser/cpu.cmake)
+  if(NOT EXISTS ${CAPSTAN_EMSCRIPTEN})
+    message(FATAL_ERROR "emscripten is not installed; run tools/setup.")
+  endif()
+  include(${CAPSTAN_EMSCRIPTEN})
+  foreach(language C CXX)
+    set(CMAKE_${language}_FLAGS_INIT "${CAPSTAN_CPU_FLAGS}")
+  endforeach()
+  set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
+  return()
+endif()
 
 if(CAPSTAN_TARGET STREQUAL "stm32f405")
   set(capstan_board "stm32f405")
 elseif(CAPSTAN_TARGET STREQUAL "linux_rt_aarch64")
   set(capstan_board "linux_rt")
 else()
-  message(FATAL_ERROR "CAPSTAN_TARGET is '${CAPSTAN_TARGET}', which toolchain.cmake does not know; use stm32f405 or linux_rt_aarch64.")
+  message(FATAL_ERROR "CAPSTAN_TARGET is '${CAPSTAN_TARGET}', which toolchain.cmake does not know; use stm32f405, linux_rt_aarch64 or browser.")
 endif()
 include(${CMAKE_CURRENT_LIST_DIR}/boards/${capstan_board}/cpu.cmake)
 

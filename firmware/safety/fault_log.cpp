@@ -2,7 +2,6 @@
 #include "capstan/firmware/safety/fault_log.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <string_view>
 
 namespace capstan {
@@ -17,9 +16,18 @@ auto packed(const FaultEntry& entry) -> std::uint32_t {
          static_cast<std::uint32_t>(entry.joints) << 16U;
 }
 
+// The memory is plain words, which outlive this object. std::atomic_ref would say the same, and clang 14's library
+// lacks it.
+auto acquire(const std::uint32_t& word) -> std::uint32_t {
+  return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
+}
+void rt_release(std::uint32_t& word, std::uint32_t value) {
+  __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+}
+
 /// What the cycle writes while others may copy the memory.
 void rt_put(std::uint32_t& word, std::uint32_t value) {
-  std::atomic_ref(word).store(value, std::memory_order_relaxed);
+  __atomic_store_n(&word, value, __ATOMIC_RELAXED);
 }
 
 auto joints_with(Fault fault, std::span<const AxisTelemetry> axes) -> std::uint8_t {
@@ -64,14 +72,14 @@ FaultLog::FaultLog(std::span<std::uint32_t> memory, std::size_t axes)
 }
 
 auto FaultLog::phase() const -> std::uint32_t {
-  return memory_.empty() ? std::uint32_t{kFree} : std::atomic_ref(memory_[kPhase]).load(std::memory_order_acquire);
+  return memory_.empty() ? std::uint32_t{kFree} : acquire(memory_[kPhase]);
 }
 void FaultLog::set_phase(std::uint32_t phase) {
-  std::atomic_ref(memory_[kPhase]).store(phase, std::memory_order_release);
+  rt_release(memory_[kPhase], phase);
 }
 
 auto FaultLog::count() const -> std::uint32_t {
-  return memory_.empty() ? 0 : std::atomic_ref(memory_[kFaults]).load(std::memory_order_acquire);
+  return memory_.empty() ? 0 : acquire(memory_[kFaults]);
 }
 
 auto FaultLog::unpack(std::uint32_t number) const -> FaultEntry {
@@ -126,7 +134,7 @@ void FaultLog::rt_add(const FaultEntry& entry) {
   rt_put(words[1], entry.tick);
   rt_put(words[2], packed(entry));
   rt_put(words[3], entry.conditions);
-  std::atomic_ref(memory_[kFaults]).store(memory_[kFaults] + 1, std::memory_order_release);
+  rt_release(memory_[kFaults], memory_[kFaults] + 1);
 }
 
 void FaultLog::rt_store(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) {

@@ -2,8 +2,8 @@
 #include "capstan/firmware/safety/motor_commissioning.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstdlib>
+#include <cstring>
 #include <numeric>
 
 #include "capstan/firmware/control/experiment.hpp"
@@ -67,7 +67,11 @@ auto square_root(float value) -> float {
   if (!(value > 0.0F)) {
     return 0.0F;
   }
-  auto root = std::bit_cast<float>((std::bit_cast<std::uint32_t>(value) >> 1U) + 0x1FBD1DF5U);
+  std::uint32_t bits = 0;
+  std::memcpy(&bits, &value, sizeof bits);  // std::bit_cast would say the same, and clang 14's library lacks it
+  bits = (bits >> 1U) + 0x1FBD1DF5U;
+  float root = 0.0F;
+  std::memcpy(&root, &bits, sizeof root);
   for (int i = 0; i < 3; ++i) {
     root = 0.5F * (root + value / root);
   }

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+// node --test parts.test.mjs: the page's parts without a page, against the firmware itself.
+import assert from 'node:assert/strict';
+import { createRequire } from 'node:module';
+import { dirname, join } from 'node:path';
+import test from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { Board } from '../../boards/browser/module.mjs';
+
+const require = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
+const sources = join(dirname(fileURLToPath(import.meta.url)), '../../../tools/console/src');
+globalThis.window = globalThis;  // for its timers
+async function part(name) {
+  const { outputFiles } = await require('esbuild').build({ entryPoints: [join(sources, `${name}.ts`)], bundle: true, write: false, format: 'esm' });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString('base64')}`);
+}
+const { FrameSplitter, crc16 } = await part('frames');
+const { Series } = await part('series');
+const { ShellClient } = await part('shell_client');
+const knowledge = await part('knowledge');
+
+function started() {
+  const board = new Board(process.env.CAPSTAN_MODULE);
+  assert.equal(board.start(), '');
+  return board;
+}
+const lines = (answer) => answer.split(/\r?\n/).slice(0, -1);
+function collector() {
+  const got = { text: '', schemas: [], samples: [] };
+  const splitter = new FrameSplitter({ text: (text) => (got.text += text), schema: (schema) => got.schemas.push(schema), sample: (tick, values) => got.samples.push([tick, ...values]) });
+  return { got, splitter };
+}
+// TextDecoder's latin1 is windows-1252, which changes bytes; this is the real one.
+function bytesOf(board) {
+  board.decoder = { decode: (bytes) => Buffer.from(bytes).toString('latin1') };
+  return board;
+}
+
+test('the CRC is that of the standard', () => assert.equal(crc16(Buffer.from('123456789')), 0x29b1));
+
+/** 300 ms of frames as bytes, with a status in the middle. */
+function frames() {
+  const board = bytesOf(started());
+  board.text = '';
+  board.wasm.capstan_receive(board.put('frames 1 joint0.q1 machine.state\n'));
+  board.tick(150);
+  board.wasm.capstan_receive(board.put('status\n'));
+  board.tick(150);
+  return Buffer.from(board.text, 'latin1');
+}
+
+test('text and frames of the firmware come apart, in pieces of any size', () => {
+  const bytes = frames();
+  for (const size of [1, 7, 100000]) {
+    const { got, splitter } = collector();
+    for (let at = 0; at < bytes.length; at += size) splitter.feed(bytes.subarray(at, at + size));
+    assert.deepEqual(got.schemas, [{ everyMs: 1, columns: ['axis0/q1_rad', 'state'] }]);
+    assert.ok(got.samples.length > 290);
+    assert.ok(got.samples.every(([tick], i) => i === 0 || tick === got.samples[i - 1][0] + 1));
+    assert.match(got.text, /^ok\r\nstate disarmed .*ok\r\n$/s);
+    assert.equal(splitter.damaged, 0);
+  }
+});
+
+test('a damaged frame is dropped and counted, and nothing else is lost', () => {
+  const bytes = Buffer.from(frames());
+  const whole = collector();
+  whole.splitter.feed(bytes);
+  const at = bytes.indexOf(Buffer.from('T\x01', 'latin1'), bytes.length / 2);
+  bytes[at + 3] ^= 0x40;
+  const { got, splitter } = collector();
+  splitter.feed(bytes);
+  assert.equal(got.samples.length, whole.got.samples.length - 1);
+  assert.equal(got.text, whole.got.text);
+  assert.equal(splitter.damaged, 1);
+});
+
+test('noise is no sample', () => {
+  const { got, splitter } = collector();
+  let random = 1;
+  splitter.feed(Uint8Array.from({ length: 100000 }, () => (random = (random * 48271) % 2147483647) & 0xff));
+  assert.deepEqual(got.samples, []);
+});
+
+test('a value below zero stays below zero', () => {
+  const board = bytesOf(started());
+  board.ask('arm');
+  board.ask('move joint0 -30 deg');
+  board.tick(3000);
+  board.text = '';
+  board.wasm.capstan_receive(board.put('frames 1 joint0.q2\n'));
+  board.tick(50);
+  const { got, splitter } = collector();
+  splitter.feed(Buffer.from(board.text, 'latin1'));
+  assert.ok(Math.abs(got.samples.at(-1)[1] + Math.PI / 6) < 0.02);
+});
+
+test('every parameter, signal, state and fault that the firmware prints is understood', () => {
+  const board = started();
+  const count = Number(/parameters (\d+)/.exec(board.ask('version'))[1]);
+  const parameters = knowledge.parseParameters(lines(board.ask('list')));
+  assert.equal(parameters.length, count);
+  for (const group of new Set(parameters.map((one) => one.name.split('.')[0]))) knowledge.addHelp(parameters, lines(board.ask(`help ${group}`)));
+  for (const one of parameters) {
+    assert.ok(one.fallback !== '' && one.when !== '' && one.meaning !== '', JSON.stringify(one));
+    assert.equal(one.value, one.fallback, `${one.name} of a new board`);
+    assert.ok(Number(one.low) <= Number(one.value) && Number(one.value) <= Number(one.high), one.name);
+  }
+  assert.deepEqual({ ...parameters.find((one) => one.name === 'limits.current') }, {
+    joint: 'joint0', name: 'limits.current', value: '3', unit: 'A', low: '0.001', high: '100', meaning: 'peak current', fallback: '3', when: 'changes while disarmed and in maintenance',
+  });
+  const answer = lines(board.ask('scope signals'));
+  assert.equal(knowledge.parseSignals(answer).length, answer.length);
+  assert.equal(knowledge.parseStatus(lines(board.ask('status'))).state, 'disarmed');
+  assert.equal(knowledge.parseStatus(['what is this']), undefined);
+  assert.ok(knowledge.parseKnown(board.ask('fail ?')).includes('encoder'));
+});
+
+test('faults are read with cause and cure', () => {
+  const board = started();
+  board.ask('fail encoder off');
+  board.tick(5);
+  const blocked = knowledge.parseFaults(lines(board.ask('arm')))[0];
+  assert.equal(blocked.kind, 'blocked by');
+  assert.equal(blocked.name, 'sensor_missing');
+  assert.match(blocked.cure, /cable/);
+});
+
+test('a plot of many samples keeps the smallest and the largest', () => {
+  const series = new Series();
+  series.reset(['a'], 1);
+  for (let i = 0; i < 50000; ++i) series.push(i, [i === 31234 ? 5 : i === 31240 ? -7 : Math.sin(i / 900)]);
+  const [times, values] = series.view(0, 50000, 500);
+  assert.ok(times.length <= 1000 && times.every((time, i) => i === 0 || time > times[i - 1]));
+  assert.equal(Math.max(...values), 5);
+  assert.equal(Math.min(...values), -7);
+});
+
+test('the series forgets what is older than its room, counts what is lost and begins anew with the board', () => {
+  const series = new Series();
+  series.reset(['a'], 2);
+  for (let i = 0; i < 70000; ++i) series.push(2 * i, [i]);
+  assert.equal(series.size, 61000);
+  assert.equal(series.value(0, 0), 9000);
+  assert.equal(series.lost, 0);
+  series.push(2 * 70000 + 6, [1]);
+  assert.equal(series.lost, 3);
+  series.push(4, [2]);
+  assert.equal(series.size, 1);
+  assert.equal(series.csv(), 'time_s,a\n0.004,2\n');
+});
+
+/** A client whose board is this test. */
+function talk() {
+  const sent = [];
+  const client = new ShellClient((text) => sent.push(text));
+  return { client, sent };
+}
+const quiet = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+test('a line waits for the answer before it', async () => {
+  const { client, sent } = talk();
+  const first = client.ask('one');
+  const second = client.ask('two');
+  assert.deepEqual(sent, ['one\n']);
+  client.receive('capstan> one\r\nvalue\r\n# a remark\r\nok\r');
+  client.receive('\n');
+  assert.deepEqual(await first, { lines: ['value'] });
+  assert.deepEqual(sent, ['one\n', 'two\n']);
+  client.receive('error name: sentence; cure\r\n');
+  assert.deepEqual(await second, { lines: [], error: 'name: sentence; cure' });
+});
+
+test('disarm waits for nothing, what waited is told so, and the answers find their questions again', async () => {
+  const { client, sent } = talk();
+  const [streaming, waiting] = [client.ask('log joint0 1000'), client.ask('move joint0 1')];
+  client.disarm();
+  client.disarm();
+  assert.equal(sent.slice(1).join(''), '\x03disarm\nversion\n\x03disarm\nversion\n');
+  assert.match((await streaming).error, /interrupted/);
+  assert.match((await waiting).error, /interrupted/);
+  const after = client.ask('status');
+  client.receive('1,2,3\r\nerror cancelled: x; y\r\nok\r\ncapstan 0.1.0 board sim\r\nok\r\nok\r\n');
+  await quiet(20);
+  client.receive('capstan 0.1.0 board sim\r\nok\r\n');
+  await quiet(120);
+  assert.equal(sent.at(-1), 'status\n');
+  client.receive('state disarmed\r\nok\r\n');
+  assert.deepEqual(await after, { lines: ['state disarmed'] });
+  assert.ok(!sent.includes('move joint0 1\n'), 'no motion comes after all');
+});
+
+test('a line that is lost leaves nobody waiting', async () => {
+  const { client } = talk();
+  const answer = client.ask('status');
+  client.lost();
+  assert.match((await answer).error, /^line: /);
+});

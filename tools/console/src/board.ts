@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+// The board that the page is connected to: its line, its shell, its frames, and how it stands.
+import { FrameSplitter, type Schema } from './frames';
+import { parseStatus, type Status } from './knowledge';
+import type { Link, LinkEvents } from './link';
+import { ShellClient, type Answer } from './shell_client';
+
+const kStatusEveryMs = 150;
+/** After this without `disarmed`, DISARM is sent again and the line is left. */
+const kDisarmWithinMs = 500;
+
+export interface BoardEvents {
+  /** Something was learned of the state; `undefined`: nothing is known any more. */
+  status(status: Status | undefined): void;
+  schema(schema: Schema): void;
+  sample(tick: number, values: number[]): void;
+  /** What the board says by itself. */
+  remark(text: string): void;
+  connected(): void;
+  lost(why: string): void;
+}
+
+export class Board {
+  readonly shell: ShellClient;
+  status: Status | undefined;
+  /** Until the board has said that it has none. */
+  mayHaveTorque = true;
+  link: Link | undefined;
+  /** States without torque, from the firmware's table; whatever else a board says may have it. */
+  safeStates = new Set<string>();
+  private readonly frames: FrameSplitter;
+  private poll = 0;
+  private insist = 0;
+  private asking = false;
+
+  constructor(private readonly events: BoardEvents) {
+    this.shell = new ShellClient((text) => this.link?.send(Uint8Array.from(text, (c) => c.charCodeAt(0))));
+    this.shell.onRemark = (line) => events.remark(line);
+    this.frames = new FrameSplitter({
+      text: (text) => this.shell.receive(text),
+      schema: (schema) => events.schema(schema),
+      sample: (tick, values) => events.sample(tick, values),
+    });
+  }
+
+  /** What a line is to tell this board; it is heard while it is the one attached. */
+  eventsOf(link: () => Link): LinkEvents {
+    const heard = () => this.link !== undefined && this.link === link();
+    return {
+      bytes: (bytes) => heard() && this.frames.feed(bytes),
+      lost: (why) => heard() && this.lost(why),
+    };
+  }
+
+  /** Takes the torque away and lets go of the line. */
+  async detach(): Promise<void> {
+    const link = this.link;
+    if (link !== undefined) {
+      this.shell.disarm();
+      link.leave();
+      this.lost('');
+      if (!link.simulated) {
+        await link.close();
+      }
+    }
+  }
+
+  attach(link: Link): void {
+    this.link = link;
+    this.mayHaveTorque = true;
+    this.shell.cancel(); // whatever was half said before
+    window.clearInterval(this.poll);
+    this.poll = window.setInterval(() => void this.askStatus(), kStatusEveryMs);
+    this.events.connected();
+  }
+
+  ask(line: string, heard?: (line: string) => void): Promise<Answer> {
+    return this.link === undefined
+      ? Promise.resolve({ lines: [], error: 'line: no board is connected; connect one' })
+      : this.shell.ask(line, heard);
+  }
+
+  /** Frames are about to begin. */
+  expectSchema(): void {
+    this.frames.expectSchema();
+  }
+
+  /** Gives torque. Who calls it has seen to it that the operator means it. */
+  async arm(): Promise<Answer> {
+    this.mayHaveTorque = true;
+    const answer = await this.ask('arm');
+    await this.askStatus();
+    return answer;
+  }
+
+  /** Takes the torque away, whatever is under way. */
+  disarm(): void {
+    if (this.link === undefined) {
+      return;
+    }
+    this.mayHaveTorque = true;
+    this.shell.disarm();
+    void this.askStatus(true);
+    window.clearTimeout(this.insist);
+    this.insist = window.setTimeout(() => {
+      if (this.mayHaveTorque && this.link !== undefined) {
+        this.shell.disarm();
+        this.link.leave();
+      }
+    }, kDisarmWithinMs);
+  }
+
+  async askStatus(now = false): Promise<void> {
+    if (this.asking && !now) {
+      return;
+    }
+    this.asking = true;
+    const status = parseStatus((await this.ask('status')).lines);
+    this.asking = false;
+    if (status !== undefined) {
+      this.status = status;
+      this.mayHaveTorque = !this.safeStates.has(status.state);
+      if (!this.mayHaveTorque) {
+        window.clearTimeout(this.insist);
+      }
+      this.events.status(status);
+    }
+  }
+
+  private lost(why: string): void {
+    const left = why !== '' && this.mayHaveTorque && this.link?.simulated === false;
+    window.clearInterval(this.poll);
+    window.clearTimeout(this.insist);
+    this.link = undefined;
+    this.status = undefined;
+    this.mayHaveTorque = false;
+    this.shell.lost();
+    this.events.status(undefined);
+    this.events.lost(left ? `${why}. The joints may still have torque: press the emergency stop` : why);
+  }
+}

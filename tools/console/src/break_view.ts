@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// Breaks the simulated joint: faults now, effects from a start anew.
+import type { Board } from './board';
+import { byId, options } from './dom';
+import { parseKnown, type Tables } from './knowledge';
+
+export class BreakView {
+  private tables: Tables | undefined;
+  private readonly effect = byId<HTMLSelectElement>('effect');
+
+  constructor(
+    private readonly board: Board,
+    private readonly startAnew: (effects: string) => Promise<string>,
+  ) {
+    byId('fault-form').addEventListener('submit', (event) => {
+      event.preventDefault();
+      void this.fail();
+    });
+    byId('effect-form').addEventListener('submit', (event) => {
+      event.preventDefault();
+      void this.start(`${this.effect.value} = ${byId<HTMLInputElement>('effect-value').value}`);
+    });
+    byId('effect-none').addEventListener('click', () => void this.start(''));
+    this.effect.addEventListener('change', () => this.showRange());
+  }
+
+  know(tables: Tables): void {
+    this.tables = tables;
+    options(this.effect, tables.effects.filter((one) => one.primary).map((one) => `${one.effect}.${one.field}`));
+    this.showRange();
+  }
+
+  /** What can fail, and how, is what the board says when it does not understand. */
+  async connected(joints: number): Promise<void> {
+    const targets = parseKnown((await this.board.ask('fail ?')).error ?? '');
+    options(byId<HTMLSelectElement>('fault-target'), targets);
+    options(byId<HTMLSelectElement>('fault-kind'), parseKnown((await this.board.ask(`fail ${targets[0] ?? ''} ?`)).error ?? ''));
+    options(byId<HTMLSelectElement>('fault-joint'), Array.from({ length: joints }, (_, i) => String(i)));
+  }
+
+  private showRange(): void {
+    const found = this.tables?.effects.find((one) => `${one.effect}.${one.field}` === this.effect.value);
+    byId('effect-range').textContent = found === undefined ? '' : `${found.low} to ${found.high}`;
+  }
+
+  private async fail(): Promise<void> {
+    const value = (id: string) => byId<HTMLInputElement>(id).value.trim();
+    const words = ['fail', value('fault-target'), value('fault-kind')];
+    for (const [word, id] of [['for', 'fault-for'], ['amount', 'fault-amount']] as const) {
+      if (value(id) !== '') {
+        words.push(word, value(id));
+      }
+    }
+    words.push('axis', value('fault-joint'));
+    const answer = await this.board.ask(words.join(' '));
+    byId('fault-answer').textContent = answer.error ?? `${words.join(' ')}: done. What the firmware makes of it is under State.`;
+  }
+
+  private async start(effects: string): Promise<void> {
+    const problem = await this.startAnew(effects);
+    byId('effect-answer').textContent = problem !== '' ? problem : effects === '' ? 'started anew, as it should be' : `started anew with ${effects}; the firmware does not know`;
+  }
+}

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// The firmware's recipes of motion: runs one, draws its rows as they come and offers them as a log.
+import type { Board } from './board';
+import { byId, download, options } from './dom';
+import type { LiveView } from './live_view';
+
+export class ExperimentView {
+  private rows: string[] = [];
+  private running = false;
+  private readonly words = byId('experiment-answer');
+  private readonly run = byId<HTMLButtonElement>('experiment-run');
+  private readonly stop = byId<HTMLButtonElement>('experiment-stop');
+  private readonly save = byId<HTMLButtonElement>('experiment-save');
+
+  constructor(
+    private readonly board: Board,
+    private readonly live: LiveView,
+  ) {
+    byId('experiment-form').addEventListener('submit', (event) => {
+      event.preventDefault();
+      void this.begin();
+    });
+    this.stop.addEventListener('click', () => this.board.shell.cancel());
+    this.save.addEventListener('click', () => download('capstan_experiment.csv', [`${this.rows.join('\n')}\n`], 'text/csv'));
+    this.show();
+  }
+
+  /** Recipes and their options are those of the board's own help. */
+  async connected(joints: number): Promise<void> {
+    const help = (await this.board.ask('help experiment')).lines.map((line) => /^ *experiment jointN (\S+) (.*)$/.exec(line)).find((found) => found !== null);
+    options(byId<HTMLSelectElement>('experiment-recipe'), help?.[1]!.split('|') ?? []);
+    byId('experiment-options-help').textContent = help?.[2] ?? '';
+    options(byId<HTMLSelectElement>('experiment-joint'), Array.from({ length: joints }, (_, i) => `joint${i}`));
+  }
+
+  private async begin(): Promise<void> {
+    if (this.running) {
+      return;
+    }
+    this.running = true;
+    this.rows = [];
+    this.show();
+    const value = (id: string) => byId<HTMLInputElement>(id).value.trim();
+    await this.live.standBack();
+    const line = `experiment ${value('experiment-joint')} ${value('experiment-recipe')} ${value('experiment-options')}`.trim();
+    const answer = await this.board.ask(line, (row) => this.take(row));
+    this.running = false;
+    const whole = answer.error === undefined ? `done: ${this.rows.length - 1} rows` : answer.error;
+    this.words.textContent = answer.error !== undefined && this.rows.length > 1 ? `ended early after ${this.rows.length - 1} rows: ${whole}` : whole;
+    this.show();
+    if (this.rows.length === 0) {
+      await this.live.goOn(); // nothing was drawn meanwhile
+    }
+  }
+
+  private take(row: string): void {
+    this.rows.push(row);
+    const cells = row.split(',');
+    if (this.rows.length === 1) {
+      this.live.columns(cells.slice(1));
+    } else {
+      this.live.sample(Math.round(Number(cells[0]) * 1000), cells.slice(1).map(Number));
+    }
+    this.words.textContent = `runs: ${this.rows.length - 1} rows`;
+  }
+
+  private show(): void {
+    this.run.disabled = this.running;
+    this.stop.disabled = !this.running;
+    this.save.disabled = this.running || this.rows.length < 2;
+  }
+}

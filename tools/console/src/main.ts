@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+// The console page: joins the board with its views.
+import { Board } from './board';
+import { BreakView } from './break_view';
+import { byId, options } from './dom';
+import { ExperimentView } from './experiment_view';
+import { parseTables, type Status } from './knowledge';
+import { LiveView } from './live_view';
+import { MoveView } from './move_view';
+import { ParameterView } from './parameter_view';
+import { Safety } from './safety';
+import { ScopeView } from './scope_view';
+import { SerialLink, serialOfBrowser } from './serial_link';
+import { ShellView } from './shell_view';
+import { SimulatorLink } from './simulator_link';
+import { StateView } from './state_view';
+import { connectTabs } from './tabs';
+
+const say = (text: string) => (byId('message').textContent = text);
+
+const board: Board = new Board({
+  status: (status) => show(status),
+  schema: (schema) => live.schema(schema),
+  sample: (tick, values) => live.sample(tick, values),
+  remark: (text) => shell.show(text),
+  connected: () => void connected(),
+  lost: (why) => {
+    if (why !== '') {
+      window.setTimeout(() => say(why)); // after those whose answers it cut off have had their word
+    }
+  },
+});
+const live = new LiveView(board, say);
+const states = new StateView(board);
+const parameters = new ParameterView(board, say);
+const move = new MoveView(board, say);
+const experiments = new ExperimentView(board, live);
+const scope = new ScopeView(board, live);
+const breaking = new BreakView(board, (effects) => startSimulator(effects));
+const shell = new ShellView(board);
+const safety = new Safety(
+  board,
+  (text) => {
+    say(text);
+    states.happened(text);
+  },
+  (lines, error) => {
+    say([...lines, error].join(' '));
+    states.list(lines);
+  },
+);
+
+function show(status: Status | undefined): void {
+  states.show(status);
+  move.show(status);
+  safety.show(status !== undefined, board.mayHaveTorque);
+}
+
+async function connected(): Promise<void> {
+  const simulated = board.link?.simulated === true;
+  byId('tab-break').hidden = !simulated;
+  if (!simulated && visible === 'break') {
+    byId('tab-live').click();
+  }
+  parameters.forget();
+  await live.connected();
+  scope.connected();
+  await board.askStatus();
+  await experiments.connected(board.status?.joints.length ?? 1);
+  if (simulated) {
+    await breaking.connected(board.status?.joints.length ?? 1);
+  }
+  viewShown(visible);
+}
+
+let visible = '';
+function viewShown(id: string): void {
+  visible = id;
+  if (id === 'parameters') void parameters.load();
+  if (id === 'move') void move.load();
+  if (id === 'states') void states.askFaults();
+}
+connectTabs(viewShown);
+
+const simulator: SimulatorLink = new SimulatorLink(board.eventsOf(() => simulator));
+const instrument = byId<HTMLSelectElement>('instrument');
+
+/** Starts the simulated board anew; returns a sentence if that is not possible. */
+async function startSimulator(effects: string): Promise<string> {
+  if (board.link !== simulator) {
+    await board.detach();
+  }
+  const problem = await simulator.start(`instrument = "${instrument.value}.toml"\n[effects]\n${effects}\n`);
+  if (problem === '') {
+    board.attach(simulator);
+  }
+  return problem;
+}
+
+void simulator.tables.then(async (text) => {
+  const tables = parseTables(text);
+  board.safeStates = new Set(tables.states.filter((state) => !state.torque).map((state) => state.name));
+  states.know(tables);
+  breaking.know(tables);
+  options(instrument, tables.instruments.map((one) => one.name));
+  instrument.disabled = false;
+  say(await startSimulator(''));
+});
+instrument.addEventListener('change', () => void startSimulator('').then(say));
+byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));
+
+const serial = serialOfBrowser();
+const serialButton = byId<HTMLButtonElement>('serial');
+serialButton.hidden = serial === undefined;
+/** A board on a serial line takes the simulator's place; choosing an instrument leads back. */
+async function connectSerial(): Promise<void> {
+  try {
+    const port = await serial!.requestPort();
+    await board.detach();
+    const link = await SerialLink.open(port);
+    say('a board on a serial line: real joints may move');
+    board.attach(link);
+    link.listen(board.eventsOf(() => link));
+  } catch (problem) {
+    say(problem instanceof Error ? problem.message : String(problem));
+  }
+}
+serialButton.addEventListener('click', () => void connectSerial());

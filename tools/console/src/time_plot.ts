@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// Signals over time, one scale for each unit.
+import uPlot from 'uplot';
+import type { Signal } from './knowledge';
+import { stroke, themed } from './palette';
+
+const kMostAxes = 3;
+
+function height(): number {
+  return Math.max(260, Math.round(window.innerHeight * 0.5));
+}
+
+export class TimePlot {
+  private plot: uPlot | undefined;
+  /** Dragging across the plot: from and to, s; undefined: everything. */
+  onZoom: (range: [number, number] | undefined) => void = () => undefined;
+
+  constructor(private readonly place: HTMLElement) {
+    new ResizeObserver(() => this.plot?.setSize({ width: this.width, height: height() })).observe(place);
+  }
+
+  get width(): number {
+    return Math.max(200, this.place.clientWidth);
+  }
+
+  shape(signals: Signal[]): void {
+    this.plot?.destroy();
+    const units = [...new Set(signals.map((signal) => signal.unit))];
+    const common = { stroke: themed('ink'), grid: { stroke: themed('grid'), width: 1 }, ticks: { stroke: themed('grid'), width: 1 } };
+    const axes: uPlot.Axis[] = units.slice(0, kMostAxes).map((unit, i) => ({
+      ...common,
+      scale: `unit ${unit}`,
+      side: i === 0 ? 3 : 1,
+      label: unit === '' ? 'number' : unit,
+      size: 66,
+      values: (_, splits) => splits.map((value) => String(Number(value.toPrecision(4)))),
+      grid: { ...common.grid, show: i === 0 },
+    }));
+    const series = signals.map((signal, i): uPlot.Series => {
+      const { colour, dash } = stroke(i);
+      return { label: signal.name, scale: `unit ${signal.unit}`, stroke: colour, width: 1.5, dash, points: { show: false }, value: (_, value) => (value === null || value === undefined ? '' : `${value.toPrecision(5)} ${signal.unit}`) };
+    });
+    this.plot = new uPlot(
+      {
+        width: this.width,
+        height: height(),
+        scales: { x: { time: false, auto: false }, ...Object.fromEntries(units.map((unit) => [`unit ${unit}`, { range: readable }])) },
+        axes: [{ ...common, label: 'time since start, s' }, ...axes],
+        series: [{ label: 'time', value: (_, value) => (value === null || value === undefined ? '' : `${value.toFixed(3)} s`) }, ...series],
+        cursor: { drag: { x: true, y: false, setScale: false } },
+        hooks: { setSelect: [(plot) => this.selected(plot)] },
+      },
+      [[], ...signals.map((): number[] => [])] as uPlot.AlignedData,
+      this.place,
+    );
+    this.plot.over.addEventListener('dblclick', () => this.onZoom(undefined));
+  }
+
+  show(data: number[][], from: number, to: number): void {
+    if (this.plot !== undefined && data.length === this.plot.series.length) {
+      this.plot.batch(() => {
+        this.plot!.setData(data as uPlot.AlignedData, true);
+        this.plot!.setScale('x', { min: from, max: Math.max(to, from + 0.001) });
+      });
+    }
+  }
+
+  private selected(plot: uPlot): void {
+    if (plot.select.width > 4) {
+      const from = plot.posToVal(plot.select.left, 'x');
+      const to = plot.posToVal(plot.select.left + plot.select.width, 'x');
+      plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+      this.onZoom([from, to]);
+    }
+  }
+}
+
+/** Room around what there is; noise of a joint at rest does not fill the plot. */
+function readable(_: uPlot, low: number | null, high: number | null): uPlot.Range.MinMax {
+  const least = 1e-3;
+  const [from, to] = [low ?? 0, high ?? 0];
+  const margin = Math.max((to - from) * 0.08, least);
+  return [from - margin, to + margin];
+}
