@@ -32,6 +32,9 @@ void print_diagnosis(const Diagnosis& d) {
   if (d.traces.measured.size() == 0) {
     return;
   }
+  for (const auto& size : d.sizes) {
+    std::cout << "  " << size << "\n";
+  }
   if (d.unnamed) {
     std::cout << "  " << d.unnamed->sentence << "\n";
   }

@@ -253,7 +253,7 @@ void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options,
   d.noise_floor = search.noise_floor;
   d.floor_from = p.repeats ? "repeats" : "flexible model";
   d.detectable = search.detectable;
-  d.warnings.insert(d.warnings.end(), search.notes.begin(), search.notes.end());
+  d.sizes = search.sizes;
   d.verdict = judge(search, d);
   options.progress("measuring the error on rows set aside");
   d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);

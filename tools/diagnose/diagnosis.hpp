@@ -106,6 +106,7 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
+  std::vector<std::string> sizes;       ///< how large what came is, as far as the effects' coefficients do not say it
   JointFile base, law;                  ///< the law before, and with the effects; equal if none was added
   std::optional<EffortLaw> effort_law;  ///< of an effort: `law` with what it takes to run it
   std::optional<JointFile> found;       ///< the law with the effects that were found; it need not be the one delivered

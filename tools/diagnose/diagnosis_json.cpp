@@ -101,6 +101,7 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
                  {"terms", d.law.terms},
                  {"file", d.law_file ? Json(*d.law_file) : Json(nullptr)}};
   json["verdict"] = verdict_word(d.verdict);
+  json["sizes"] = d.sizes;
   json["effects"] = Json::array();
   for (const auto& effect : d.effects) {
     json["effects"].push_back(effect_json(d, effect));

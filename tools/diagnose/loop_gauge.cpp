@@ -130,7 +130,7 @@ class LoopSearch {
     const Loop now{half_width_of(search_.law), friction_of(torque)};
     width_ = now.half_width_rad / before.half_width_rad;
     force_ = now.torque_nm / before.torque_nm;
-    search_.notes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
+    search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
@@ -160,7 +160,7 @@ class LoopSearch {
                                                 : nameless(course.widens() ? "wear" : "");
       }
     }
-    search_.notes.push_back(size_of(name));
+    search_.sizes.push_back(size_of(name));
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;

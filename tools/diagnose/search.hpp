@@ -16,7 +16,7 @@ struct Search {
   ExplainedShare share;  ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
   double base_reducible = 0.0;               ///< share of the base law's residual energy that is no noise
-  std::vector<std::string> notes;            ///< what was measured beside, for people
+  std::vector<std::string> sizes;            ///< sentences on how large what came is
   std::vector<DetectableEffect> detectable;  ///< smallest effects that would have shown in the last round
 };
 

@@ -291,6 +291,9 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
       std::to_string(d.samples) + " samples at " + rounded(d.rate_hz) + " Hz, " +
       (d.repeats > 1 ? std::to_string(d.repeats) + " repeated cycles" : std::string("no repeated cycles")) +
       ", base law " + escaped(d.base_model) + ".</p>\n";
+  for (const auto& size : d.sizes) {
+    html += "<p>" + escaped(size) + "</p>\n";
+  }
   if (!pictures.empty()) {
     html += error_table(d);
     html += "<h2>Pictures</h2>\n";

@@ -134,7 +134,7 @@ TEST(TendonLaw, TellsByTheTorqueWhatChangedTheLoop) {
     double gap_rad = 0.0;
     return std::sscanf(warning.c_str(), "the gap is %lf rad", &gap_rad) == 1 && std::abs(gap_rad - 0.01) < 0.001;
   };
-  EXPECT_TRUE(std::any_of(gap.warnings.begin(), gap.warnings.end(), says_size));
+  EXPECT_TRUE(std::any_of(gap.sizes.begin(), gap.sizes.end(), says_size));
   EXPECT_EQ(first_name(asked({.hardening_per_n = 0.01})), "stiffness_hardening");
   EXPECT_EQ(first_name(asked(
                 {.transmission_viscous_forward_ns_per_m = 300.0, .transmission_viscous_backward_ns_per_m = 300.0})),
