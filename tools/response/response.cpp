@@ -135,6 +135,20 @@ class Periods {
     return std::norm(spectrum_at(shaken, starts_.front(), kPeriod, phases_, table_, harmonic));
   }
 
+  /// Over the windows in which the motor goes that way.
+  [[nodiscard]] auto mean_torque(bool forward) const -> double {
+    double sum = 0.0;
+    int count = 0;
+    for (const Eigen::Index from : starts_) {
+      const double way = log_.q1_rad[from + kPeriod - 1] - log_.q1_rad[from];
+      if ((way > 0.0) == forward) {
+        sum += log_.torque_nm.segment(from, kPeriod).mean();
+        ++count;
+      }
+    }
+    return count > 0 ? sum / count : 0.0;
+  }
+
   /// A joint that travels adds a ramp: its slope beside the lines that shake, by least squares. A period of rows has
   /// every phase once, so lines are orthogonal to each other and to a constant, and only the ramp is not.
   void find_slopes(const std::vector<std::size_t>& lines, const std::array<const Eigen::VectorXd*, kSignals>& signals) {
@@ -261,6 +275,8 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
   const std::vector<std::size_t> lines = lines_of(periods, signals);
   if (response.travels) {
     periods.find_slopes(lines, signals);
+    response.backward_nm = periods.mean_torque(false);
+    response.forward_nm = periods.mean_torque(true);
   }
   for (const std::size_t line : lines) {
     response.points.push_back(

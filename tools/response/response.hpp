@@ -51,8 +51,9 @@ struct Response {
   Distortion distortion;
   bool multisine = true;
   bool on_torque = true;
-  std::size_t windows = 0;  ///< periods averaged; of a chirp 1
-  bool travels = false;     ///< the joint was on its way meanwhile
+  std::size_t windows = 0;                     ///< periods averaged; of a chirp 1
+  bool travels = false;                        ///< the joint was on its way meanwhile
+  double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
 };
 
 /// The period of the board's multisine; a test compares it with the firmware's.
