@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "capstan/model/scalar.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -23,11 +24,15 @@ constexpr double kServoReserveDeg = 6.0;  // that the joint loop may take of the
 constexpr double kEncoderShare = 0.02;    // rms torque of the encoder's steps, of the continuous torque
 constexpr double kResonanceDb = 6.0;      // above the model of motor and delay
 constexpr double kLeastCoherence = 0.8;
-constexpr double kMostCircle = 0.5;   // radius over value; above, the phase is anybody's guess
-constexpr double kAboveFirst = 1.5;   // crossover over the first clear line: below it, the loop is not known
-constexpr double kAboveAsked = 1.15;  // crossover over the one that was asked for
-constexpr double kCascade = 0.1;      // joint loop over servo: a cascade's usual distance, and little to hunt with
-constexpr double kStepUp = 1.12;      // how much more gain is tried to see what limits
+constexpr double kMostCircle = 0.5;    // radius over value; above, the phase is anybody's guess
+constexpr double kAboveFirst = 1.5;    // crossover over the first clear line: below it, the loop is not known
+constexpr double kAboveAsked = 1.15;   // crossover over the one that was asked for
+constexpr double kCascade = 0.1;       // joint loop over servo: a cascade's usual distance, and little to hunt with
+constexpr double kMostMismatch = 0.1;  // of measured loop and gains; 0.01 to 0.03 where they belong together
+constexpr std::size_t kLeastLines = 5;
+constexpr double kNeighbourOctaves = 0.35;  // either way: two to four lines of a multisine
+constexpr double kTwoSigma = 2.0;
+constexpr double kStepUp = 1.12;  // how much more gain is tried to see what limits
 constexpr double kMostStiffness = 100.0, kMostDamping = 10.0, kMostKi = 100.0;  // of the parameters
 
 /// What control makes of an angle at one frequency.
@@ -37,7 +42,7 @@ struct Law {
 };
 auto law_of(const LoopGains& gains, double hz) -> Law {
   const Complex back = std::polar(1.0, -2.0 * kPi * hz * kCycleS);
-  const double gain = gains.rate_time_constant_s > 0.0 ? 1.0 - std::exp(-kCycleS / gains.rate_time_constant_s) : 1.0;
+  const double gain = SamplePeriod<double>(kCycleS).filter_gain(gains.rate_time_constant_s);
   const Complex rate = (1.0 - back) / kCycleS;
   return {.servo = gains.stiffness + gains.damping * rate * gain / (1.0 - (1.0 - gain) * back),
           .joint = gains.kp + gains.ki_per_s * kCycleS / (1.0 - back) + gains.kd_s * rate};
@@ -63,16 +68,46 @@ auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
       clear.push_back(point);
     }
   }
-  if (clear.size() < 5) {
+  if (clear.size() < kLeastLines) {
     throw Refusal(response.name + ": only " + std::to_string(clear.size()) +
                   " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
   }
   return clear;
 }
 
+/// Friction that turns its sign now and then repeats from period to period, so no circle shows it, but it differs from
+/// line to line. So the response over the model of motor and delay is averaged over neighbours, each by its circle, and
+/// by how much they differ the circle grows.
+auto smoothed(const std::vector<ResponsePoint>& points, const MotorModel& model) -> std::vector<ResponsePoint> {
+  std::vector<ResponsePoint> smooth = points;
+  for (ResponsePoint& point : smooth) {
+    Complex sum{};
+    double weights = 0.0;
+    double squares = 0.0;
+    int count = 0;
+    for (const ResponsePoint& beside : points) {
+      if (std::fabs(std::log2(beside.hz / point.hz)) > kNeighbourOctaves) {
+        continue;
+      }
+      const Complex ratio = beside.motor.value / model.at(beside.hz);
+      const double weight = 1.0 / (1e-6 + std::pow(beside.motor.radius95 / std::abs(beside.motor.value), 2));
+      sum += weight * ratio;
+      squares += weight * std::norm(ratio);
+      weights += weight;
+      ++count;
+    }
+    const Complex mean = sum / weights;
+    const double apart = std::max(0.0, squares / weights - std::norm(mean));
+    const double scatter = count > 1 ? apart / (count - 1) : 0.0;
+    point.motor.value = mean * model.at(point.hz);
+    point.motor.radius95 = std::abs(point.motor.value) * std::sqrt(1.0 / weights + kTwoSigma * kTwoSigma * scatter);
+  }
+  return smooth;
+}
+
 auto dense(const Response& response) -> Dense {
   Dense all;
-  const std::vector<ResponsePoint> points = clear_points(response);
+  const std::vector<ResponsePoint> points = smoothed(clear_points(response), fit_motor(response));
   const auto add = [&all](const ResponsePoint& a, const ResponsePoint& b, double share) {
     const auto mix = [share](double x, double y) { return x + share * (y - x); };
     all.hz.push_back(a.hz * std::pow(b.hz / a.hz, share));
@@ -251,6 +286,26 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
   return "nothing up to " + rounded(last_hz, 3) + " Hz, where the log ends; shake up to a higher frequency";
 }
 
+/// The measured loop is the plant's response times the present gains', or these are not the gains of the log.
+void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
+  const std::vector<LoopPoint> loop = loop_of(all, present);
+  double sum = 0.0;
+  int count = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    if (std::abs(all.loop[i]) > 1.0 / 3.0 && std::abs(all.loop[i]) < 3.0) {
+      sum += std::norm(loop[i].value / all.loop[i] - 1.0);
+      ++count;
+    }
+  }
+  const double off = count > 0 ? std::sqrt(sum / count) : 0.0;
+  if (off > kMostMismatch) {
+    throw Refusal(
+        response.name + ": the loop that was measured is " + rounded(100.0 * off, 2) +
+        " % off the one of these gains, so the log was made with others; give the board's 'dump' of that time "
+        "with --dump");
+  }
+}
+
 }  // namespace
 
 auto read_gains(const std::string& dump, int axis) -> LoopGains {
@@ -296,6 +351,11 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
   return gains;
 }
 
+auto MotorModel::at(double hz) const -> Complex {
+  const double w = 2.0 * kPi * hz;
+  return std::polar(1.0, -w * delay_s) / Complex(stiffness_nm - inertia_kgm2 * w * w, viscous_nms * w);
+}
+
 auto fit_motor(const Response& response) -> MotorModel {
   MotorModel best;
   best.share_left = 1e9;
@@ -326,9 +386,7 @@ auto fit_motor(const Response& response) -> MotorModel {
   }
   double furthest = std::pow(10.0, kResonanceDb / 20.0);
   for (const ResponsePoint& point : points) {
-    const double w = 2.0 * kPi * point.hz;
-    const Complex model = 1.0 / Complex(best.stiffness_nm - best.inertia_kgm2 * w * w, best.viscous_nms * w);
-    const double above = (std::abs(point.motor.value) - point.motor.radius95) / std::abs(model);
+    const double above = (std::abs(point.motor.value) - point.motor.radius95) / std::abs(best.at(point.hz));
     if (above > furthest) {
       furthest = above;
       best.resonance_hz = point.hz;
@@ -408,6 +466,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                   "'experiment joint0 multisine on=torque'");
   }
   const Dense all = dense(response);
+  require_same_gains(response, all, present);
   const std::vector<LoopPoint> known = measured_loop(response);
   const auto servo = tune_servo(all, known, present, wanted);
   if (!servo) {

@@ -44,6 +44,7 @@ struct MotorModel {
   double inertia_kgm2 = 0.0, viscous_nms = 0.0, stiffness_nm = 0.0, delay_s = 0.0;
   double resonance_hz = 0.0;  ///< where the response is furthest above the model, by 6 dB at least; 0: nowhere
   double share_left = 0.0;    ///< rms of what it does not explain, relative
+  [[nodiscard]] auto at(double hz) const -> Complex;
 };
 auto fit_motor(const Response& response) -> MotorModel;
 
