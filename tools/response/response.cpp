@@ -20,9 +20,8 @@ constexpr Eigen::Index kRampMs = 256;  // the board's, at either end
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 and 2; what is reported in
 // docs/tuning.md is of other seeds.
 constexpr double kLeastCoherence = 0.8;
-constexpr double kBand = 3.0;  // the loop's gain is between 1/3 and 3 where margins are decided
-constexpr double kMostDistortion =
-    0.25;  // a stuck joint had 0.3 to 1.1 of odd distortion, a travelling one 0.01 to 0.1
+constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
+constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
 constexpr std::size_t kLeastWindows = 4;  // for a spread that means anything
 constexpr int kSettleMs = 500;            // after a turn of a joint that travels
 constexpr double kTurnRadS = 2e-3;        // change of the reference's rate in a row that is a turn, not rounding

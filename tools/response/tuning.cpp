@@ -32,6 +32,7 @@ constexpr double kMostMismatch = 0.1;  // of measured loop and gains; 0.01 to 0.
 constexpr std::size_t kLeastLines = 5;
 constexpr double kNeighbourOctaves = 0.35;  // either way: two to four lines of a multisine
 constexpr double kTwoSigma = 2.0;
+constexpr double kLowGain = 1.0 / 3.0;
 constexpr double kStepUp = 1.12;  // how much more gain is tried to see what limits
 constexpr double kMostStiffness = 100.0, kMostDamping = 10.0, kMostKi = 100.0;  // of the parameters
 
@@ -64,7 +65,9 @@ auto between(Complex a, Complex b, double share) -> Complex {
 auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
   std::vector<ResponsePoint> clear;
   for (const ResponsePoint& point : response.points) {
-    if (point.coherence >= kLeastCoherence && point.motor.radius95 < kMostCircle * std::abs(point.motor.value)) {
+    // Where the gain is low the circle alone decides, for the gain margin is looked for there.
+    const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
+    if (coherent && point.motor.radius95 < kMostCircle * std::abs(point.motor.value)) {
       clear.push_back(point);
     }
   }
@@ -442,6 +445,12 @@ auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle) -> Margins
         margins.gain_hz = loop[i].hz;
       }
     }
+  }
+  // Where the phase does not come to 180 deg by the last line, the gain there bounds the margin.
+  const double last = std::abs(loop.back().value) + (with_circle ? loop.back().radius95 : 0.0);
+  if (margins.gain_hz < margins.crossover_hz && last < 1.0) {
+    margins.gain_db = std::min(margins.gain_db, -20.0 * std::log10(last));
+    margins.gain_hz = loop.back().hz;
   }
   return margins;
 }
