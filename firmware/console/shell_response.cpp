@@ -6,9 +6,9 @@ namespace capstan {
 namespace {
 
 constexpr std::array<std::string_view, 6> kLogged = {"q1", "drive_torque", "q2", "reference", "current", kResponseMark};
-/// Of the torque of limits.continuous_current: 15 mNm on the forceps, five times its motor's own friction. Chosen in
-/// November 2026 on the simulated forceps and wrist, seed 1, for a coherence above 0.95 up to 100 Hz.
-constexpr Q24 kUsualShare = Q24::from_double(0.1);
+/// Of the torque of limits.continuous_current: 7.5 mNm on the forceps, two and a half times its motor's own friction.
+/// docs/tuning.md was measured with 8 mNm before and 5 mNm after.
+constexpr Q24 kUsualShare = Q24::from_double(0.05);
 constexpr Q24 kUsualReference = Q24::from_double(0.01);
 constexpr Q24 kUsualSpeedShare = Q24::from_double(0.05);  // of limits.joint_speed
 constexpr std::int32_t kLongest = 600;

@@ -474,6 +474,11 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                   ": the reference was shaken, and gains need the loop at the torque; record "
                   "'experiment joint0 multisine on=torque'");
   }
+  if (!response.multisine) {
+    throw Refusal(response.name + ": a chirp does not show whether friction holds the joint, and gains for a held joint "
+                                  "are far too high for one that moves; record 'experiment joint0 multisine on=torque "
+                                  "travel=0.4 speed=0.2'");
+  }
   const Dense all = dense(response);
   require_same_gains(response, all, present);
   const std::vector<LoopPoint> known = measured_loop(response);

@@ -179,6 +179,16 @@ TEST(Tuning, ALogOfOtherGainsIsRefused) {
   }
 }
 
+TEST(Tuning, AChirpOrAShakenReferenceGivesNoGains) {
+  const Motor motor;
+  Response response = motor.response(gentle());
+  response.multisine = false;
+  EXPECT_THROW(static_cast<void>(tune(response, gentle(), {})), Refusal);
+  response.multisine = true;
+  response.on_torque = false;
+  EXPECT_THROW(static_cast<void>(tune(response, gentle(), {})), Refusal);
+}
+
 TEST(Tuning, AMarginIsTakenFromGainBothWaysAndFromTheCircle) {
   // -0.5 at a phase of 180 deg: 6.02 dB; with a circle of 0.1, 20 log10(0.6).
   std::vector<LoopPoint> loop;
