@@ -17,8 +17,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDegreesPerTurn = 360.0;
 constexpr double kCycleS = 1e-3;
 
-// Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 and 2; what is reported in
-// docs/tuning.md is of other seeds.
+// Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
+// response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
 constexpr double kServoReserveDeg = 6.0;  // that the joint loop may take of the servo's phase margin
 constexpr double kEncoderShare = 0.02;    // rms torque of the encoder's steps, of the continuous torque
 constexpr double kAboveFirst = 1.5;       // crossover over the first clear line: below it, the loop is not known
