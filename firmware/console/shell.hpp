@@ -88,7 +88,8 @@ class Shell {
   void refuse_commissioning(const char* problem);
   void take_commissioned();
   auto begin_recording(std::size_t axis, std::uint32_t every) -> bool;
-  void end_recording();
+  auto begin_recording(std::uint32_t every) -> bool;
+  auto end_recording() -> std::uint32_t;
   void print_row(const SignalSample& sample);
   void print_stiffness();
   void go_on_dumping();

@@ -51,12 +51,16 @@ constexpr std::array<ShellCommand, 31> kCommands = {
                  "says at which motor angle the joint stands now (disarmed only)", ShellCommands::zero},
     ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms",
                  ShellCommands::log},
-    ShellCommand{"experiment",
-                 "jointN sine_ladder|multisine|decaying_sine|triangle|speed_ladder|reversals|torque_triangle "
-                 "[amplitude=A] [offset=A] [frequencies=F,F..|speeds=V,V..|rates=R] [decay=D] [levels=N] [duration=S] "
-                 "[cycles=N] [repeats=N] [every=MS]",
-                 kAnyNumber, "moves a joint as a law needs it to be identified, within its limits, and prints the log",
-                 ShellCommands::experiment, true},
+    ShellCommand{
+        "experiment",
+        "jointN sine_ladder|multisine|decaying_sine|triangle|speed_ladder|reversals|torque_triangle "
+        "[amplitude=A] [offset=A] [frequencies=F,F..|speeds=V,V..|rates=R] [decay=D] [levels=N] [duration=S] "
+        "[cycles=N] [repeats=N] [every=MS] | jointN multisine|chirp on=torque|reference [amplitude=A] "
+        "[from=HZ] [to=HZ] [duration=S] [offset=A] [travel=A] [speed=V] [corridor=A] [every=MS]",
+        kAnyNumber,
+        "moves a joint as a law needs it to be identified, within its limits, and prints the log; with 'on=' it "
+        "shakes the joint for 'capstan tune' to read its frequency response from the log",
+        ShellCommands::experiment, true},
     ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE]", kAnyNumber,
                  "moves a joint to and fro about where it stands and shakes its motor a little, to find what the motor "
                  "observer needs; takes the torque away and sets observer.* (in maintenance only)",

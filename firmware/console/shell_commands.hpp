@@ -24,6 +24,11 @@ struct RecipeInfo;
 /// What `experiment` takes.
 auto recipe_names() -> std::span<const char* const>;
 
+/// Whether an experiment is one that measures a frequency response, by its name and the words behind it.
+auto asks_for_response(std::string_view recipe, std::string_view arguments) -> bool;
+/// The last signal that the log of such an experiment prints, and no other log.
+inline constexpr std::string_view kResponseMark = "excitation";
+
 /// Every command there is; `help` prints from it.
 auto shell_commands() -> std::span<const ShellCommand>;
 
@@ -79,6 +84,9 @@ struct ShellCommands {
   static void maintenance_open(Shell& shell, std::string_view key);
   static void maintenance_key(Shell& shell, std::string_view key);
   static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
+  static void begin_response(Shell& shell, std::string_view recipe, std::size_t axis, std::string_view arguments);
+  /// Begins what was checked and recorded_ shows, or says why not.
+  static void start_experiment(Shell& shell, const ExperimentSetup& setup, std::uint32_t every);
   static void palpation_map(Shell& shell);
   static void fault_history(Shell& shell);
   static void fault_second(Shell& shell);

@@ -75,11 +75,12 @@ auto usual_setup(const RecipeInfo& recipe, std::size_t axis) -> ExperimentSetup 
   return setup;
 }
 
-constexpr auto make_recipe_names() -> std::array<const char*, kRecipes.size()> {
-  std::array<const char*, kRecipes.size()> names{};
-  for (std::size_t i = 0; i < names.size(); ++i) {
+constexpr auto make_recipe_names() -> std::array<const char*, kRecipes.size() + 1> {
+  std::array<const char*, kRecipes.size() + 1> names{};
+  for (std::size_t i = 0; i < kRecipes.size(); ++i) {
     names[i] = kRecipes[i].name;
   }
+  names.back() = "chirp";
   return names;
 }
 constexpr auto kRecipeNames = make_recipe_names();
@@ -179,6 +180,11 @@ auto Shell::begin_recording(std::size_t axis, std::uint32_t every) -> bool {
     return false;
   }
   recorded_ = signals_of(axis);
+  return begin_recording(every);
+}
+
+/// Of what is in recorded_, whose last signal is not printed.
+auto Shell::begin_recording(std::uint32_t every) -> bool {
   recorded_.every = every;
   if (!machine_.recorder().start(this, recorded_)) {
     error("busy", "the recorder is in use, by another console or still by the last command", "send the line again");
@@ -186,7 +192,7 @@ auto Shell::begin_recording(std::size_t axis, std::uint32_t every) -> bool {
   }
   log_dropped_before_ = machine_.recorder().dropped();
   out_ << "time_s" << (log_site_ >= 0 ? ",site" : "");
-  for (std::size_t i = 0; i < kLogged.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < recorded_.count; ++i) {
     out_ << ',';
     print_column(out_, recorded_.signals[i]);
   }
@@ -199,18 +205,20 @@ void Shell::print_row(const SignalSample& sample) {
   if (log_site_ >= 0) {
     out_ << ',' << log_site_;
   }
-  for (std::size_t i = 0; i < kLogged.size(); ++i) {
+  for (std::size_t i = 0; i + 1 < recorded_.count; ++i) {
     out_ << ',';
     print_raw(out_, recorded_.signals[i], sample.raw[i]);
   }
   out_ << "\r\n";
 }
 
-void Shell::end_recording() {
+auto Shell::end_recording() -> std::uint32_t {
   machine_.recorder().stop(this);
-  if (const std::uint32_t dropped = machine_.recorder().dropped() - log_dropped_before_; dropped != 0) {
+  const std::uint32_t dropped = machine_.recorder().dropped() - log_dropped_before_;
+  if (dropped != 0) {
     out_ << "# " << dropped << " samples found no room; log every " << 2 * recorded_.every << " or fewer at a time\r\n";
   }
+  return dropped;
 }
 
 void Shell::go_on_logging() {
@@ -220,20 +228,24 @@ void Shell::go_on_logging() {
     print_row(sample);
   }
   if (log_left_ == 0) {
-    end_recording();
+    static_cast<void>(end_recording());
     ok();
   }
 }
 
 void ShellCommands::experiment(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
-  const RecipeInfo* recipe = recipe_named(next_word(arguments));
+  const std::string_view name = next_word(arguments);
+  const RecipeInfo* recipe = recipe_named(name);
   std::size_t axis = 0;
   if (!shell.parse_axis(joint, axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'experiment joint0 sine_ladder'");
+  } else if (asks_for_response(name, arguments)) {
+    begin_response(shell, name, axis, arguments);
   } else if (recipe == nullptr) {
-    shell.error("unknown_recipe", "there is no such recipe, and nothing moved",
-                "sine_ladder, multisine, decaying_sine, triangle, speed_ladder, reversals and torque_triangle are");
+    shell.error(
+        "unknown_recipe", "there is no such recipe, and nothing moved",
+        "sine_ladder, multisine, chirp, decaying_sine, triangle, speed_ladder, reversals and torque_triangle are");
   } else {
     begin_experiment(shell, *recipe, axis, arguments);
   }
@@ -284,26 +296,31 @@ void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std
     shell.prompt();
     return;
   }
+  if (recipe.recipe == Recipe::kMultisine && shell.machine_.telemetry().state == State::kHolding) {
+    scale_tones(setup);
+  }
+  shell.log_site_ = options.site;
+  shell.recorded_ = signals_of(axis);
+  start_experiment(shell, setup, static_cast<std::uint32_t>(options.every));
+}
+
+void ShellCommands::start_experiment(Shell& shell, const ExperimentSetup& setup, std::uint32_t every) {
+  shell.palpating_ = false;
   if (shell.machine_.telemetry().state != State::kHolding) {
     shell.error("not_holding", "an experiment begins with torque on and every joint at rest",
                 "'arm' first, or wait until the joints stand");
     return;
-  }
-  if (recipe.recipe == Recipe::kMultisine) {
-    scale_tones(setup);
   }
   if (shell.framing_) {
     shell.error("frames_on", "frames are being sent, one recorder serves both, and nothing moved",
                 "'frames off' first");
     return;
   }
-  shell.log_site_ = options.site;
-  shell.palpating_ = false;
   if (!shell.machine_.settled()) {
     shell.error("busy", "the cycle has not taken the last request yet, and nothing moved", "send the line again");
     return;
   }
-  if (!shell.begin_recording(axis, static_cast<std::uint32_t>(options.every))) {
+  if (!shell.begin_recording(every)) {
     return;
   }
   static_cast<void>(shell.machine_.begin_experiment(setup));  // its way to the cycle is free, see above
@@ -318,7 +335,7 @@ void Shell::go_on_experimenting() {
   const MachineTelemetry now = machine_.telemetry();
   SignalSample sample;
   while (machine_.recorder().next(sample)) {
-    if (sample.raw[kLogged.size()] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
+    if (sample.raw[recorded_.count - 1] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
       print_row(sample);
       if (palpating_) {
         machine_.palpation().add(Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]));
@@ -331,8 +348,12 @@ void Shell::go_on_experimenting() {
   if (now.experiment != ExperimentPhase::kDone && now.experiment != ExperimentPhase::kEnded) {
     return;
   }
-  end_recording();
-  if (now.experiment == ExperimentPhase::kDone) {
+  const std::uint32_t dropped = end_recording();
+  const bool response = std::string_view(recorded_.signals[recorded_.count - 2].info->name) == kResponseMark;
+  if (now.experiment == ExperimentPhase::kDone && response && dropped != 0) {
+    error("dropped", "the console is too slow for this many rows, and a response needs every one",
+          "give a multisine a larger odd 'every', such as 11 at 115200 baud, and a duration to go with it");
+  } else if (now.experiment == ExperimentPhase::kDone) {
     if (palpating_) {
       print_stiffness();
     }
@@ -341,7 +362,7 @@ void Shell::go_on_experimenting() {
     print_fault("ended by ", info(now.first_fault));
     error("aborted", "a fault took the torque away before the experiment was over", "read 'faults', then 'disarm'");
   } else {
-    error("aborted", "the experiment was ended before it was over, or a joint driven by torque left its limits",
+    error("aborted", "the experiment was ended before it was over, or the joint left its limits or its corridor",
           "lower what was asked for, or begin it again");
   }
 }

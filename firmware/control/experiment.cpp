@@ -115,6 +115,9 @@ auto check_moves(const ExperimentSetup& setup, const LimitConfig& limits) -> con
 }  // namespace
 
 auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) -> const char* {
+  if (setup.recipe == Recipe::kResponse) {
+    return check_excitation(setup.excitation, setup.offset_rad, config);
+  }
   if (config.motor.fitted == 0) {
     return "there is no joint (motor.fitted is 0); choose another";
   }
@@ -185,6 +188,9 @@ auto Experiment::rt_step(const Axis& axis) -> AxisCommand {
   if (setup_.recipe == Recipe::kTorqueTriangle) {
     return rt_run_torque(axis);
   }
+  if (setup_.recipe == Recipe::kResponse) {
+    return rt_run_response(axis);
+  }
   return is_tonal(setup_.recipe) ? rt_run_tones() : rt_run_moves(axis);
 }
 
@@ -201,6 +207,7 @@ auto Experiment::rt_approach(const Axis& axis) -> AxisCommand {
     phase_ = ExperimentPhase::kRunning;
     moving_ = false;
     t_ms_ = 0;
+    trailing_q2_ = axis.telemetry().q2_rad;
   }
   return {};
 }
@@ -294,6 +301,41 @@ auto Experiment::rt_run_torque(const Axis& axis) -> AxisCommand {
     return rt_finish();
   }
   return {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_wide(torque_ / kCycleRateHz)};
+}
+
+/// Outside its corridor, or faster than moves may be; a mean over 20 ms, for a rate from counts is mostly noise.
+auto Experiment::rt_strays(const Axis& axis) -> bool {
+  constexpr Q24 kTrailS = Q24::from_double(0.02);
+  constexpr Q30 kTrailGain = SamplePeriod<Q24>{kCycleRateHz}.filter_gain(kTrailS);
+  const Q24 q2 = axis.telemetry().q2_rad;
+  trailing_q2_ += (q2 - trailing_q2_) * kTrailGain;
+  const ExcitationSetup& own = setup_.excitation;
+  return abs(q2 - setup_.offset_rad) > own.travel_rad + own.corridor_rad ||
+         abs(q2 - trailing_q2_) > axis.config().limits.joint_speed_rad_s * kTrailS;
+}
+
+auto Experiment::rt_run_response(const Axis& axis) -> AxisCommand {
+  if (rt_strays(axis)) {
+    phase_ = ExperimentPhase::kEnded;
+    return {.kind = AxisCommand::Kind::kStop};
+  }
+  const ExcitationSetup& own = setup_.excitation;
+  if (t_ms_ == own.length_ms) {
+    return rt_finish();
+  }
+  const Q24 value = excitation_.rt_next(own, t_ms_++);
+  if (own.point == ExcitationSetup::Point::kJointReference) {
+    return {.kind = AxisCommand::Kind::kFollow, .position_rad = setup_.offset_rad + value};
+  }
+  if (own.travel_rad == Q24{} || (moving_ && axis.in_motion())) {
+    return {.dither_nm = value};
+  }
+  moving_ = true;
+  const Q24 end = corner_++ % 2 == 0 ? own.travel_rad : -own.travel_rad;
+  return {.kind = AxisCommand::Kind::kMove,
+          .position_rad = setup_.offset_rad + end,
+          .speed_rad_s = own.speed_rad_s,
+          .dither_nm = value};
 }
 
 }  // namespace capstan

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capstan/firmware/control/excitation.hpp"
 #include "capstan/firmware/loop/cycle.hpp"
 
 namespace capstan {
@@ -16,6 +17,7 @@ enum class Recipe : std::uint8_t {
   kReversals,       ///< first-order reversals: from the lower end to higher and higher levels; one speed
   kTorqueTriangle,  ///< to and fro in torque; one rate, N m/s. The joint goes where the torque takes it.
   kDither,          ///< as kSpeedLadder, and two tones of torque on top, by which the motor's inertia shows
+  kResponse,        ///< shaken by the setup's excitation where it stands, or while it goes to and fro
 };
 
 /// What an experiment does. Plain numbers; check_experiment() says whether a joint can do it.
@@ -33,7 +35,8 @@ struct ExperimentSetup {
   std::uint32_t length_ms = 0;  ///< multisine, decaying sine
   std::int32_t cycles = 1;      ///< of each rung
   std::int32_t repeats = 1;
-  std::int32_t levels = 8;  ///< reversals
+  std::int32_t levels = 8;       ///< reversals
+  ExcitationSetup excitation{};  ///< response
 };
 
 /// nullptr, or what is wrong with it for this joint, "sentence; cure". For the background.
@@ -71,6 +74,8 @@ class Experiment {
   auto rt_run_tones() -> AxisCommand;
   auto rt_run_moves(const Axis& axis) -> AxisCommand;
   auto rt_run_torque(const Axis& axis) -> AxisCommand;
+  auto rt_run_response(const Axis& axis) -> AxisCommand;
+  auto rt_strays(const Axis& axis) -> bool;
   auto rt_dither() -> Q24;
   auto rt_next_rung() -> bool;
   [[nodiscard]] auto rt_corners() const -> std::int32_t;
@@ -85,6 +90,8 @@ class Experiment {
   std::uint32_t t_ms_ = 0;   // since the rung began; approach: since it stood still
   std::int64_t torque_ = 0;  // 2^-24 N m / kCycleRateHz
   bool moving_ = false;      // the move to corner_ was sent
+  Excitation excitation_;
+  Q24 trailing_q2_;  // response: where the joint was a moment ago
 };
 
 }  // namespace capstan

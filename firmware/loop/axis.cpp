@@ -155,6 +155,7 @@ auto Axis::rt_reference(const MotorState& motor, const JointEstimate& estimate, 
 
 auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive {
   const bool driven = energised && fitted();
+  dither_nm_ = driven ? dither_nm_ : Q24{};
   if (driven && !motor.follows) {
     observer_.rt_arm();
     AxisDrive waiting = gate_.rt_step(config_.limits, motor, Q24{}, false);
@@ -179,6 +180,8 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.mode = reference.mode;
   telemetry_.moving = reference.moving;
   telemetry_.drive_a = gate_.drive_a();
+  telemetry_.drive_nm = gate_.drive_a() * config_.motor.torque_per_current_nm_per_a;
+  telemetry_.excitation_nm = dither_nm_;
   telemetry_.limits = static_cast<LimitSet>(reference.limits | gate_.limits());
   telemetry_.faults = faults;
   // A law of forces was made for the torque; the tendons of the law of motion know it beside the angle.

@@ -17,6 +17,8 @@ struct AxisTelemetry {
   Q24 q1_reference_rad;           ///< where the servo holds the motor; its own angle while there is none
   Q24 current_a;                  ///< measured
   Q24 drive_a;                    ///< commanded
+  Q24 drive_nm;                   ///< the torque of that
+  Q24 excitation_nm;              ///< of it, what an experiment added
   Q24 joint_torque_nm;            ///< by the force law or the tendons of the law, 0 without either
   Q24 joint_torque_reference_nm;  ///< wanted, in force control
   Q24 law_torque_nm;              ///< by the effort law for the motion a quarter of its window ago, 0 without one

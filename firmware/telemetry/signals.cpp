@@ -14,7 +14,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 20> kJointSignals = {
+constexpr std::array<SignalInfo, 22> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -25,6 +25,9 @@ constexpr std::array<SignalInfo, 20> kJointSignals = {
          offsetof(AxisTelemetry, q1_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
     real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
+    real("drive_torque", "tau_cmd_Nm", "Nm", "motor torque that the amplifier was told",
+         offsetof(AxisTelemetry, drive_nm)),
+    real("excitation", "tau_exc_Nm", "Nm", "torque that an experiment adds", offsetof(AxisTelemetry, excitation_nm)),
     real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law, or by the tendons of the law",
          offsetof(AxisTelemetry, joint_torque_nm)),
     real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",

@@ -20,6 +20,8 @@ void add_compare(CLI::App& app, int& exit_status);
 void add_dbc(CLI::App& app, int& exit_status);
 void add_mjcf(CLI::App& app, int& exit_status);
 void add_flash(CLI::App& app, int& exit_status);
+void add_response(CLI::App& app, int& exit_status);
+void add_tune(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 
 }  // namespace capstan::tools

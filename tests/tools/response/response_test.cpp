@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// The estimator against a loop whose response is known in closed form.
+#include "capstan/tools/response/response.hpp"
+
+#include <gtest/gtest.h>
+
+#include "capstan/firmware/control/excitation.hpp"
+#include "capstan/tests/tools/response/known_loop.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using test::KnownLoop;
+using test::random_multisine;
+constexpr long kRows = 20 * 2048 + 1;
+
+static_assert(kMultisinePeriodMs == ExcitationSetup::kPeriodMs);
+
+auto refusal_of(const Response& response) -> std::string {
+  try {
+    require_usable(response);
+  } catch (const Refusal& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+TEST(Response, WithoutNoiseItIsThePlantTheJointAndTheLoop) {
+  const KnownLoop known;
+  const Response response = estimate_response(known.run(random_multisine(1, 0.01, kRows), kRows, 1));
+  EXPECT_TRUE(response.multisine);
+  EXPECT_TRUE(response.on_torque);
+  ASSERT_EQ(response.points.size(), 15U);
+  EXPECT_EQ(response.windows, 18U) << "less the one that settles and the one that fades";
+  for (const ResponsePoint& point : response.points) {
+    EXPECT_LT(std::abs(point.motor.value / known.plant(point.hz) - 1.0), 1e-4) << point.hz;
+    EXPECT_LT(std::abs(point.loop.value / known.loop(point.hz) - 1.0), 1e-4) << point.hz;
+    EXPECT_LT(std::abs(point.joint.value - 1.1), 1e-9) << point.hz;
+    EXPECT_GT(point.coherence, 0.9999) << point.hz;
+  }
+  EXPECT_LT(response.distortion.odd, 1e-3);
+  EXPECT_LT(response.distortion.even, 1e-3);
+}
+
+// Feedback carries the load's noise into the torque, which biases a plain H1; what shakes as the instrument does not.
+TEST(Response, InClosedLoopWithNoiseTheTruthLiesInTheCircleInNinetyFiveOfAHundred) {
+  KnownLoop known;
+  known.noise_nm = 0.002;
+  known.sensor_rad = 1e-4;
+  int held = 0;
+  int loops = 0;
+  int asked = 0;
+  for (unsigned seed = 100; seed < 140; ++seed) {
+    const Response response = estimate_response(known.run(random_multisine(seed, 0.01, kRows), kRows, seed));
+    for (const ResponsePoint& point : response.points) {
+      held += std::abs(point.motor.value - known.plant(point.hz)) <= point.motor.radius95 ? 1 : 0;
+      loops += std::abs(point.loop.value - known.loop(point.hz)) <= point.loop.radius95 ? 1 : 0;
+      ++asked;
+    }
+  }
+  // 600 draws of 0.95 have a standard deviation of 0.9 %; neighbours share noise, so three of them are allowed.
+  EXPECT_NEAR(static_cast<double>(held) / asked, 0.95, 0.027);
+  EXPECT_NEAR(static_cast<double>(loops) / asked, 0.95, 0.027);
+  std::printf("truth in the 95 %% circle: plant %d, loop %d of %d\n", held, loops, asked);
+}
+
+TEST(Response, ACircleShrinksAsTheRootOfTheTime) {
+  KnownLoop known;
+  known.noise_nm = 0.002;
+  const auto radius = [&known](long rows) {
+    double sum = 0.0;
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      for (const ResponsePoint& point :
+           estimate_response(known.run(random_multisine(seed, 0.01, rows), rows, seed)).points) {
+        sum += point.loop.radius95 / std::abs(point.loop.value);
+      }
+    }
+    return sum;
+  };
+  EXPECT_NEAR(radius(18 * 2048 + 1) / radius(66 * 2048 + 1), 2.0 * 1.055, 0.25) << "16 and 64 windows";
+}
+
+TEST(Response, ATravellingJointsRampIsNoResponseAndItsTurnsAreLeftOut) {
+  const KnownLoop known;
+  const long rows = 40 * 2048 + 1;
+  ResponseLog log = known.run(random_multisine(3, 0.01, rows), rows, 3);
+  for (long i = 0; i < rows; ++i) {
+    const double place = std::fmod(static_cast<double>(i), 12'000.0);  // 0.2 rad/s to and fro
+    const double way = 2e-4 * (place < 6000.0 ? place : 12'000.0 - place);
+    log.reference_rad[i] += way;
+    log.q1_rad[i] += way + (place > 6000.0 ? 0.01 * std::exp(-(place - 6000.0) / 50.0) : 0.0);
+    log.q2_rad[i] += 1.1 * way;
+  }
+  const Response response = estimate_response(log);
+  EXPECT_TRUE(response.travels);
+  EXPECT_GE(response.windows, 20U);
+  for (const ResponsePoint& point : response.points) {
+    EXPECT_LT(std::abs(point.motor.value / known.plant(point.hz) - 1.0), 1e-3) << point.hz;
+  }
+}
+
+TEST(Response, AChirpShowsTheSamePlant) {
+  KnownLoop known;
+  known.noise_nm = 2e-4;
+  const auto chirp = [](long i) {
+    const double t = 1e-3 * static_cast<double>(i);
+    const double ramp = std::min({1.0, t / 0.256, (30.0 - t) / 0.256});
+    const double rate = std::log(200.0) / 30.0;
+    return t > 30.0 ? 0.0 : 0.01 * ramp * std::sin(2.0 * std::numbers::pi * (std::exp(rate * t) - 1.0) / rate);
+  };
+  const Response response = estimate_response(known.run(chirp, 30'001, 9));
+  EXPECT_FALSE(response.multisine);
+  ASSERT_GE(response.points.size(), 20U);
+  int good = 0;
+  for (const ResponsePoint& point : response.points) {
+    good += std::abs(point.loop.value / known.loop(point.hz) - 1.0) < 0.1 ? 1 : 0;
+    EXPECT_LT(std::abs(point.loop.value / known.loop(point.hz) - 1.0), 0.3) << point.hz;
+  }
+  EXPECT_GE(good, static_cast<int>(0.9 * static_cast<double>(response.points.size())));
+}
+
+TEST(Response, RowsElevenMillisecondsApartShowWhatEveryRowShows) {
+  const KnownLoop known;
+  const long rows = 11 * 7 * 2048 + 1;
+  const ResponseLog dense = known.run(random_multisine(4, 0.01, rows), rows, 4);
+  ResponseLog log{.name = "sparse"};
+  const Eigen::Index count = (rows + 10) / 11;
+  const auto thin = [count](const Eigen::VectorXd& all) {
+    Eigen::VectorXd some(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      some[i] = all[11 * i];
+    }
+    return some;
+  };
+  log.time_s = thin(dense.time_s);
+  log.q1_rad = thin(dense.q1_rad);
+  log.torque_nm = thin(dense.torque_nm);
+  log.q2_rad = thin(dense.q2_rad);
+  log.reference_rad = thin(dense.reference_rad);
+  log.excitation_nm = thin(dense.excitation_nm);
+  const Response response = estimate_response(log);
+  ASSERT_EQ(response.points.size(), 15U);
+  for (const ResponsePoint& point : response.points) {
+    EXPECT_LT(std::abs(point.loop.value / known.loop(point.hz) - 1.0), 1e-3) << point.hz;
+  }
+}
+
+TEST(Response, EvenAndOddNonlinearityShowOnTheirOwnLines) {
+  for (const bool odd : {true, false}) {
+    KnownLoop known;
+    (odd ? known.cubic : known.square) = 0.3;
+    known.sensor_rad = 1e-6;
+    const Response response = estimate_response(known.run(random_multisine(5, 0.01, kRows), kRows, 5));
+    const Distortion& seen = response.distortion;
+    ASSERT_TRUE(seen.known);
+    EXPECT_GT(odd ? seen.odd : seen.even, 0.01);
+    EXPECT_LT(odd ? seen.even : seen.odd, 0.2 * (odd ? seen.odd : seen.even));
+  }
+}
+
+TEST(Response, WhatNoiseBuriesWhereMarginsAreDecidedIsRefusedWithACure) {
+  KnownLoop known;
+  EXPECT_EQ(refusal_of(estimate_response(known.run(random_multisine(6, 0.01, kRows), kRows, 6))), "");
+  known.noise_nm = 0.1;
+  const std::string refusal = refusal_of(estimate_response(known.run(random_multisine(6, 0.01, kRows), kRows, 6)));
+  EXPECT_NE(refusal.find("80 %"), std::string::npos) << refusal;
+  EXPECT_NE(refusal.find("larger amplitude"), std::string::npos) << refusal;
+}
+
+TEST(Response, TooFewPeriodsOrNothingThatShakesIsRefused) {
+  const KnownLoop known;
+  EXPECT_THROW(
+      static_cast<void>(estimate_response(known.run(random_multisine(7, 0.01, 5 * 2048 + 1), 5 * 2048 + 1, 7))),
+      Refusal);
+  EXPECT_THROW(static_cast<void>(estimate_response(known.run([](long) { return 0.0; }, kRows, 7))), Refusal);
+}
+
+TEST(Response, ALogWithALostRowNamesTheLine) {
+  std::string text = "time_s,axis0/q1_rad,axis0/tau_cmd_Nm,axis0/q2_est_rad,axis0/q2_ref_rad,axis0/tau_exc_Nm\n";
+  for (int i = 0; i < 9000; ++i) {
+    text += i == 5000 ? "" : std::to_string(0.001 * i) + ",0,0,0,0,0.01\n";
+  }
+  try {
+    static_cast<void>(read_response(CsvLog::parse(text, "run.csv"), 0));
+    FAIL();
+  } catch (const BadInput& bad) {
+    EXPECT_NE(std::string(bad.what()).find("run.csv:5002: a row is missing"), std::string::npos) << bad.what();
+  }
+  EXPECT_THROW(static_cast<void>(read_response(CsvLog::parse(text, "run.csv"), 1)), BadInput);
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+// Gains against a motor whose loop is known in closed form, and against that motor run with them.
+#include "capstan/tools/response/tuning.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "capstan/tools/response/response_report.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A motor on a viscous bearing behind `delay` cycles, exactly discretised for a torque that is held: nothing of the
+/// product's. The control is written out as the firmware's documentation gives it.
+struct Motor {
+  double inertia = 2e-5, drag = 2e-4;
+  int delay = 1;
+  double swing_hz = 0.0;  ///< a mass on a spring beyond the encoder; 0: none
+
+  [[nodiscard]] auto plant(double hz) const -> Complex {
+    const Complex back = std::polar(1.0, -2e-3 * kPi * hz);
+    const double a = std::exp(-drag / inertia * 1e-3);
+    const double b1 = 1e-3 / drag - inertia / (drag * drag) * (1.0 - a);
+    const double b2 = inertia / (drag * drag) * (1.0 - a) - 1e-3 / drag * a;
+    Complex value = std::pow(back, delay) * (b1 * back + b2 * back * back) / ((1.0 - back) * (1.0 - a * back));
+    if (swing_hz > 0.0) {
+      const double ratio = hz / swing_hz;
+      value *= 1.0 + ratio * ratio / (Complex(1.0 - ratio * ratio, 0.04 * ratio));
+    }
+    return value;
+  }
+  [[nodiscard]] static auto control(const LoopGains& gains, double hz) -> Complex {
+    const Complex back = std::polar(1.0, -2e-3 * kPi * hz);
+    const double share = 0.001 / (gains.rate_time_constant_s + 0.001);
+    return gains.stiffness * (1.0 + gains.kp + gains.ki_per_s * 1e-3 / (1.0 - back)) +
+           gains.damping * (1.0 - back) * 1e3 * share / (1.0 - (1.0 - share) * back);
+  }
+
+  /// As a perfect log would show it.
+  [[nodiscard]] auto response(const LoopGains& gains, double circle = 1e-3) const -> Response {
+    Response all{.name = "known", .points = {}, .distortion = {}};
+    for (double hz = 1.0; hz < 400.0; hz *= 1.12) {
+      ResponsePoint point{.hz = hz};
+      point.motor = {plant(hz), circle * std::abs(plant(hz))};
+      point.joint = {1.0, 0.0};
+      point.loop = {plant(hz) * control(gains, hz), circle * std::abs(plant(hz) * control(gains, hz))};
+      point.coherence = 1.0;
+      all.points.push_back(point);
+    }
+    return all;
+  }
+
+  /// Where a loop of `factor` times all gains ends after 3 s from a small push: growth over the push.
+  [[nodiscard]] auto grows(const LoopGains& gains, double factor) const -> bool {
+    const double a = std::exp(-drag / inertia * 1e-3);
+    const double share = 0.001 / (gains.rate_time_constant_s + 0.001);
+    double angle = 1e-3;
+    double speed = 0.0;
+    double rate = 0.0;
+    double before = angle;
+    double integral = 0.0;
+    std::vector<double> torques(static_cast<std::size_t>(delay), 0.0);
+    double early = 0.0;
+    double late = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+      rate += share * ((angle - before) * 1e3 - rate);
+      before = angle;
+      integral += gains.ki_per_s * 1e-3 * angle;
+      torques.push_back(-factor * (gains.stiffness * (angle * (1.0 + gains.kp) + integral) + gains.damping * rate));
+      const double torque = torques[torques.size() - 1 - static_cast<std::size_t>(delay)];
+      angle += inertia / drag * (1.0 - a) * (speed - torque / drag) + torque / drag * 1e-3;
+      speed = a * speed + (1.0 - a) * torque / drag;
+      (i < 1500 ? early : late) = std::max(i < 1500 ? early : late, i < 500 ? 0.0 : std::fabs(angle));
+    }
+    return late > early;
+  }
+};
+
+/// With which the motor is stable, as one whose log there is.
+auto gentle() -> LoopGains {
+  LoopGains gains;
+  gains.stiffness = 0.2;
+  gains.damping = 0.003;
+  return gains;
+}
+
+/// On a grid a thousand times finer than the lines.
+auto true_margins(const Motor& motor, const LoopGains& gains) -> Margins {
+  Margins margins;
+  Complex before = motor.plant(1.0) * Motor::control(gains, 1.0);
+  for (double hz = 1.0; hz < 400.0; hz *= 1.0002) {
+    const Complex now = motor.plant(hz) * Motor::control(gains, hz);
+    margins.modulus = std::min(margins.modulus, std::abs(1.0 + now));
+    if ((std::abs(before) > 1.0) != (std::abs(now) > 1.0)) {
+      margins.crossover_hz = hz;
+      margins.phase_deg = std::min(margins.phase_deg, std::fabs(std::arg(-now)) * 180.0 / kPi);
+    }
+    if (now.real() < 0.0 && (before.imag() < 0.0) != (now.imag() < 0.0)) {
+      margins.gain_db = std::min(margins.gain_db, std::fabs(20.0 * std::log10(std::abs(now))));
+    }
+    before = now;
+  }
+  return margins;
+}
+
+TEST(Tuning, MarginsPromisedAreTheTrueOnesOfManyMotors) {
+  for (const double inertia : {4e-6, 2e-5, 1e-4}) {
+    for (const int delay : {0, 1, 3}) {
+      const Motor motor{.inertia = inertia, .drag = 10.0 * inertia, .delay = delay};
+      LoopGains present;
+      present.stiffness = 5e3 * inertia;
+      present.damping = 200.0 * inertia;
+      present.continuous_nm = 1e3 * inertia;
+      const Tuning tuning = tune(motor.response(present), present, {});
+      const Margins truth = true_margins(motor, tuning.gains);
+      EXPECT_GE(truth.phase_deg, 45.0) << inertia << ' ' << delay;
+      EXPECT_GE(truth.gain_db, 6.0) << inertia << ' ' << delay;
+      EXPECT_GE(truth.modulus, 0.5) << inertia << ' ' << delay;
+      EXPECT_NEAR(tuning.whole_nominal.phase_deg, truth.phase_deg, 1.0) << inertia << ' ' << delay;
+      EXPECT_NEAR(tuning.whole_nominal.gain_db, truth.gain_db, 0.3) << inertia << ' ' << delay;
+      EXPECT_NEAR(tuning.whole_nominal.modulus, truth.modulus, 0.01) << inertia << ' ' << delay;
+      EXPECT_NEAR(tuning.motor.inertia_kgm2, inertia, 0.05 * inertia) << delay;
+      EXPECT_NEAR(1e3 * tuning.motor.delay_s, delay + 0.5, 0.1) << "half a cycle is the hold's";
+      ASSERT_FALSE(motor.grows(present, 1.0)) << "a log is of a stable loop";
+      EXPECT_FALSE(motor.grows(tuning.gains, 1.0)) << inertia << ' ' << delay;
+      EXPECT_FALSE(motor.grows(tuning.gains, std::pow(10.0, (truth.gain_db - 0.7) / 20.0))) << delay;
+      EXPECT_TRUE(motor.grows(tuning.gains, std::pow(10.0, (truth.gain_db + 0.7) / 20.0))) << delay;
+    }
+  }
+}
+
+TEST(Tuning, ABandwidthThatIsAskedForIsTheCrossoverAndTooMuchIsRefused) {
+  const Motor motor;
+  const LoopGains present = gentle();
+  Wanted wanted;
+  wanted.bandwidth_hz = 15.0;
+  const Tuning tuning = tune(motor.response(present), present, wanted);
+  EXPECT_GE(tuning.servo.crossover_hz, 15.0);
+  EXPECT_LE(tuning.servo.crossover_hz, 15.0 * 1.15);
+  wanted.bandwidth_hz = 250.0;
+  EXPECT_THROW(static_cast<void>(tune(motor.response(present), present, wanted)), Refusal);
+}
+
+TEST(Tuning, WiderCirclesLeaveLessGain) {
+  const Motor motor;
+  const LoopGains present = gentle();
+  const Tuning sure = tune(motor.response(present, 1e-3), present, {});
+  const Tuning unsure = tune(motor.response(present, 0.15), present, {});
+  EXPECT_LT(unsure.gains.stiffness, 0.9 * sure.gains.stiffness);
+  EXPECT_GT(unsure.whole_nominal.phase_deg, sure.whole_nominal.phase_deg + 3.0);
+}
+
+TEST(Tuning, ItSaysWhatLimits) {
+  const LoopGains present = gentle();
+  const std::string delay = tune(Motor{.delay = 4}.response(present), present, {}).limited_by;
+  EXPECT_EQ(delay.rfind("delay", 0), 0U) << delay;
+  EXPECT_NE(delay.find("4.5 ms"), std::string::npos) << delay;
+  LoopGains coarse = present;
+  coarse.counts_per_turn = 2000.0;
+  coarse.rate_time_constant_s = 0.0005;
+  const Tuning limited = tune(Motor{.delay = 0}.response(coarse), coarse, {});
+  EXPECT_EQ(limited.limited_by.rfind("encoder", 0), 0U) << limited.limited_by;
+}
+
+TEST(Tuning, ALogOfOtherGainsIsRefused) {
+  const Motor motor;
+  LoopGains others = gentle();
+  others.stiffness = 0.28;
+  try {
+    static_cast<void>(tune(motor.response(others), gentle(), {}));
+    FAIL();
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("--dump"), std::string::npos) << refusal.what();
+  }
+}
+
+TEST(Tuning, AChirpOrAShakenReferenceGivesNoGains) {
+  const Motor motor;
+  Response response = motor.response(gentle());
+  response.multisine = false;
+  EXPECT_THROW(static_cast<void>(tune(response, gentle(), {})), Refusal);
+  response.multisine = true;
+  response.on_torque = false;
+  EXPECT_THROW(static_cast<void>(tune(response, gentle(), {})), Refusal);
+}
+
+TEST(Tuning, AMarginIsTakenFromGainBothWaysAndFromTheCircle) {
+  // -0.5 at a phase of 180 deg: 6.02 dB; with a circle of 0.1, 20 log10(0.6).
+  std::vector<LoopPoint> loop;
+  for (int i = 0; i <= 200; ++i) {
+    const double turn = -kPi * (0.5 + 0.005 * i);
+    loop.push_back({1.0 + i, std::polar(2.0 * std::pow(0.5, i / 50.0), turn), 0.1});
+  }
+  const Margins bare = margins_of(loop, false);
+  EXPECT_NEAR(bare.gain_db, 6.02, 0.05);
+  EXPECT_NEAR(bare.phase_deg, 45.0, 0.1) << "a gain of 1 at -135 deg";
+  const Margins worst = margins_of(loop);
+  EXPECT_NEAR(worst.gain_db, -20.0 * std::log10(0.6), 0.05);
+  EXPECT_NEAR(worst.phase_deg, 45.0 - std::asin(0.1) * 180.0 / kPi, 0.1);
+}
+
+TEST(Tuning, ADumpGivesTheGainsAndAnotherTextIsRefused) {
+  const LoopGains gains = read_gains(
+      "begin\nset joint1.control.kp 0.3\nset joint0.control.kp 0.7\nset joint1.control.stiffness 1.5 Nm/rad\n"
+      "set joint1.conditioner.rate_time_constant 0.004 s\nset joint1.motor.torque_per_current 0.05 Nm/A\n"
+      "set joint1.limits.continuous_current 2 A\ncommit\n",
+      1);
+  EXPECT_EQ(gains.kp, 0.3);
+  EXPECT_EQ(gains.stiffness, 1.5);
+  EXPECT_EQ(gains.rate_time_constant_s, 0.004);
+  EXPECT_NEAR(gains.continuous_nm, 0.1, 1e-12);
+  EXPECT_THROW(static_cast<void>(read_gains("hello", 0)), BadInput);
+  EXPECT_THROW(static_cast<void>(read_gains("set joint0.control.kp much", 0)), BadInput);
+}
+
+TEST(Tuning, ThePageShowsBodeAndNyquist) {
+  const Motor motor;
+  const LoopGains present = gentle();
+  const Response response = motor.response(present);
+  const std::string path =
+      write_response_report(testing::TempDir() + "response_report", response, tune(response, present, {}));
+  const std::string page = read_text_file(path);
+  for (const char* words : {"Motor angle per torque: gain", "Coherence", "Nyquist", "set joint0.control.stiffness"}) {
+    EXPECT_NE(page.find(words), std::string::npos) << words;
+  }
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Responses and gains of the firmware on the simulated forceps: what is promised is measured again with the new gains.
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
+#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tools/response/tuning.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+/// A board on a simulated joint, with an operator.
+struct Rig {
+  explicit Rig(const sim::Scenario& scenario) : board(scenario, banks, sink, false) { board.tick(); }
+  auto say(const std::string& line) -> std::string {
+    for (const char c : line + "\n") {
+      board.shell().receive(c);
+    }
+    for (long i = 0; i < 200'000 && board.shell().busy(); ++i) {
+      board.tick();
+      board.shell().poll();
+    }
+    return sink.take();
+  }
+
+  FileBanks banks = FileBanks::temporary();
+  capstan::test::StringSink sink;
+  SimBoard board;
+};
+
+/// What a joint answers, with these lines typed before it is armed.
+auto respond(const sim::Scenario& scenario, const Lines& lines, const std::string& options) -> Response {
+  Rig rig(scenario);
+  rig.say("maintenance open");
+  for (const std::string& line : lines) {
+    EXPECT_EQ(rig.say(line).find("error "), std::string::npos) << line;
+  }
+  rig.say("arm");
+  const std::string text = rig.say("experiment joint0 multisine on=torque from=1Hz to=200Hz " + options);
+  EXPECT_NE(text.find("\r\nok"), std::string::npos)
+      << text.substr(text.size() - std::min<std::size_t>(300, text.size()));
+  std::istringstream all(text);
+  std::string log;
+  for (std::string line; std::getline(all, line);) {
+    const bool row = line.find(',') != std::string::npos && line.front() != '#';
+    log += row ? line + "\n" : "";
+  }
+  return estimate_response(read_response(CsvLog::parse(log, "run.csv"), 0));
+}
+
+const std::string kTravelling = "travel=1.8 speed=1 duration=120 ";
+
+TEST(ResponseOnPlant, MarginsPromisedAreMeasuredWithTheNewGainsWithinFiveDegreesAndOneDecibel) {
+  struct Case {
+    const char* what;
+    double inertia, bandwidth_hz;
+    std::optional<double> asked_hz;
+  };
+  for (const Case& one : {Case{"forceps", 2e-5, 300.0, {}}, Case{"forceps, 30 Hz asked", 2e-5, 300.0, 30.0},
+                          Case{"inertia 3e-5", 3e-5, 300.0, {}}, Case{"amplifier of 150 Hz", 2e-5, 150.0, {}}}) {
+    sim::Scenario scenario;
+    scenario.seed = 31;
+    scenario.plant.motor_inertia_kgm2 = one.inertia;
+    scenario.plant.current_bandwidth_hz = one.bandwidth_hz;
+    const Lines gentle = {"set joint0.control.stiffness 0.5", "set joint0.control.damping 0.005"};
+    LoopGains present;
+    present.stiffness = 0.5;
+    present.damping = 0.005;
+    const Response before = respond(scenario, gentle, kTravelling + "amplitude=8mNm");
+    require_usable(before);
+    Wanted wanted;
+    wanted.bandwidth_hz = one.asked_hz;
+    const Tuning tuning = tune(before, present, wanted);
+    scenario.seed = 32;
+    const Margins after = margins_of(
+        measured_loop(respond(scenario, tuning_lines(tuning.gains, 0), kTravelling + "amplitude=5mNm")), false);
+    const Margins& promised = tuning.whole_nominal;
+    std::printf(
+        "%s: inertia %.3g g m2; %.1f Hz; phase margin %.1f deg promised, %.1f measured; gain margin %.1f, %.1f dB; "
+        "modulus %.3f, %.3f\n",
+        one.what, 1e3 * tuning.motor.inertia_kgm2, after.crossover_hz, promised.phase_deg, after.phase_deg,
+        promised.gain_db, after.gain_db, promised.modulus, after.modulus);
+    EXPECT_NEAR(after.phase_deg, promised.phase_deg, 5.0) << one.what;
+    EXPECT_NEAR(after.gain_db, promised.gain_db, 1.0) << one.what;
+    EXPECT_GE(after.phase_deg, 43.0) << one.what;
+    EXPECT_NEAR(tuning.motor.inertia_kgm2, one.inertia, 0.12 * one.inertia) << "the tendons' own comes to it";
+  }
+}
+
+TEST(ResponseOnPlant, AJointThatFrictionHoldsIsRefusedAndToldToTravel) {
+  sim::Scenario scenario;
+  scenario.seed = 43;
+  for (const char* amplitude : {"amplitude=4mNm", "amplitude=7mNm", "amplitude=15mNm"}) {
+    const Response stuck = respond(scenario, {}, std::string("duration=40 ") + amplitude);
+    try {
+      require_usable(stuck);
+      ADD_FAILURE() << amplitude << " gives " << stuck.distortion.odd;
+    } catch (const Refusal& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find("travel"), std::string::npos) << refusal.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+// `response` and `tune`: what a log of chirp or multisine says of a joint, and the gains that follow.
+#include <cctype>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/response/response_report.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct TuneOptions {
+  std::string log, dump, report;
+  std::vector<std::string> maps;
+  int axis = 0;
+  double bandwidth_hz = 0.0;
+};
+
+/// What a terminal showed: the log without prompt, remarks and the last `ok`. Any other form is the log reader's.
+auto rows_of(const std::string& text) -> std::string {
+  std::istringstream all(text);
+  std::string rows;
+  for (std::string line; std::getline(all, line);) {
+    const bool header = line.rfind("time_s,", 0) == 0;
+    const bool row = !rows.empty() && !line.empty() && std::isdigit(static_cast<unsigned char>(line.front())) != 0;
+    if (header && !rows.empty()) {
+      throw BadInput("there are two logs in one file; give each its own");
+    }
+    rows += header || row ? line + "\n" : "";
+  }
+  return rows;
+}
+
+auto read(const TuneOptions& options) -> Response {
+  const std::string rows = rows_of(read_text_file(options.log));
+  const auto mappings = parse_mappings(options.maps);
+  const CsvLog log = rows.empty() ? CsvLog::read(options.log, mappings) : CsvLog::parse(rows, options.log, mappings);
+  for (const auto& warning : log.warnings()) {
+    std::cerr << "warning: " << warning << "\n";
+  }
+  return estimate_response(read_response(log, options.axis));
+}
+
+void report(const TuneOptions& options, const Response& response, const std::optional<Tuning>& tuning) {
+  if (!options.report.empty()) {
+    std::cerr << "wrote " << write_response_report(options.report, response, tuning) << "\n";
+  }
+}
+
+auto run_response(const TuneOptions& options) -> int {
+  const Response response = read(options);
+  std::cout << response_text(response);
+  report(options, response, {});
+  require_usable(response);
+  return kExitDone;
+}
+
+auto run_tune(const TuneOptions& options) -> int {
+  const LoopGains present = options.dump.empty() ? LoopGains{} : read_gains(read_text_file(options.dump), options.axis);
+  const Response response = read(options);
+  require_usable(response);
+  Wanted wanted;
+  if (options.bandwidth_hz > 0.0) {
+    wanted.bandwidth_hz = options.bandwidth_hz;
+  }
+  const Tuning tuning = tune(response, present, wanted);
+  std::cerr << tuning_text(tuning, present);
+  for (const std::string& line : tuning_lines(tuning.gains, options.axis)) {
+    std::cout << line << "\n";
+  }
+  report(options, response, tuning);
+  return kExitDone;
+}
+
+void add_log(CLI::App& command, TuneOptions& options) {
+  command.add_option("log", options.log, "log of 'experiment jointN chirp' or 'multisine on=torque'")->required();
+  command.add_option("--map", options.maps, "column of another name, as for identify");
+  command.add_option("--axis", options.axis, "number of the axis")->check(CLI::Range(0, 99));
+  command.add_option("--report", options.report, "folder for a page with Bode, coherence and Nyquist");
+}
+
+}  // namespace
+
+void add_response(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<TuneOptions>();
+  CLI::App* command =
+      app.add_subcommand("response", "frequency response of a joint with intervals, from a log of chirp or multisine");
+  add_log(*command, *options);
+  command->callback([options, &exit_status] { exit_status = run_response(*options); });
+}
+
+void add_tune(CLI::App& app, int& exit_status) {
+  auto options = std::make_shared<TuneOptions>();
+  CLI::App* command =
+      app.add_subcommand("tune", "gains with margins from such a log, as lines for the board's prompt on stdout");
+  add_log(*command, *options);
+  command->add_option("--dump", options->dump,
+                      "the board's 'dump' when the log was made; without it the firmware's defaults are taken");
+  command
+      ->add_option("--bandwidth", options->bandwidth_hz,
+                   "Hz, crossover of the motor servo; without it as much as the margins allow")
+      ->check(CLI::Range(0.5, 400.0));
+  command->callback([options, &exit_status] { exit_status = run_tune(*options); });
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a response and gains make of the loop, and how far that is from -1.
+#include "capstan/tools/response/loop.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "capstan/model/scalar.hpp"
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kCycleS = 1e-3;
+constexpr int kBetween = 8;  // points from line to line
+
+// Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
+// response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
+constexpr double kResonanceDb = 6.0;  // above the model of motor and delay
+constexpr double kLeastCoherence = 0.8;
+constexpr double kMostCircle = 0.5;  // radius over value; above, the phase is anybody's guess
+constexpr std::size_t kLeastLines = 5;
+constexpr double kNeighbourOctaves = 0.35;  // either way: two to four lines of a multisine
+constexpr double kTwoSigma = 2.0;
+constexpr double kLowGain = 1.0 / 3.0;
+
+auto between(Complex a, Complex b, double share) -> Complex {
+  const double turn = std::arg(b / a);
+  return std::polar(std::abs(a) * std::pow(std::abs(b) / std::abs(a), share), std::arg(a) + share * turn);
+}
+
+/// Friction that turns its sign now and then repeats from period to period, so no circle shows it, but it differs from
+/// line to line. So the response over the model of motor and delay is averaged over neighbours, each by its circle, and
+/// by how much they differ the circle grows.
+auto smoothed(const std::vector<ResponsePoint>& points, const MotorModel& model) -> std::vector<ResponsePoint> {
+  std::vector<ResponsePoint> smooth = points;
+  for (ResponsePoint& point : smooth) {
+    Complex sum{};
+    double weights = 0.0;
+    double squares = 0.0;
+    int count = 0;
+    for (const ResponsePoint& beside : points) {
+      if (std::fabs(std::log2(beside.hz / point.hz)) > kNeighbourOctaves) {
+        continue;
+      }
+      const Complex ratio = beside.motor.value / model.at(beside.hz);
+      const double weight = 1.0 / (1e-6 + std::pow(beside.motor.radius95 / std::abs(beside.motor.value), 2));
+      sum += weight * ratio;
+      squares += weight * std::norm(ratio);
+      weights += weight;
+      ++count;
+    }
+    const Complex mean = sum / weights;
+    const double apart = std::max(0.0, squares / weights - std::norm(mean));
+    const double scatter = count > 1 ? apart / (count - 1) : 0.0;
+    point.motor.value = mean * model.at(point.hz);
+    point.motor.radius95 = std::abs(point.motor.value) * std::sqrt(1.0 / weights + kTwoSigma * kTwoSigma * scatter);
+  }
+  return smooth;
+}
+
+/// The joint turns against the motor where the transmission is crossed, and the firmware corrects that way round.
+auto sense_of(const Dense& all) -> double {
+  double sum = 0.0;
+  for (const Complex& one : all.joint) {
+    sum += one.real();
+  }
+  return sum < 0.0 ? -1.0 : 1.0;
+}
+
+}  // namespace
+
+auto law_of(const LoopGains& gains, double hz) -> Law {
+  const Complex back = std::polar(1.0, -2.0 * kPi * hz * kCycleS);
+  const double gain = SamplePeriod<double>(kCycleS).filter_gain(gains.rate_time_constant_s);
+  const Complex rate = (1.0 - back) / kCycleS;
+  return {.servo = gains.stiffness + gains.damping * rate * gain / (1.0 - (1.0 - gain) * back),
+          .joint = gains.kp + gains.ki_per_s * kCycleS / (1.0 - back) + gains.kd_s * rate};
+}
+
+auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
+  std::vector<ResponsePoint> clear;
+  for (const ResponsePoint& point : response.points) {
+    // Where the gain is low the circle alone decides, for the gain margin is looked for there.
+    const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
+    if (coherent && point.motor.radius95 < kMostCircle * std::abs(point.motor.value)) {
+      clear.push_back(point);
+    }
+  }
+  if (clear.size() < kLeastLines) {
+    throw Refusal(response.name + ": only " + std::to_string(clear.size()) +
+                  " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
+  }
+  return clear;
+}
+
+auto dense(const Response& response) -> Dense {
+  Dense all;
+  const std::vector<ResponsePoint> points = smoothed(clear_points(response), fit_motor(response));
+  const auto add = [&all](const ResponsePoint& a, const ResponsePoint& b, double share) {
+    const auto mix = [share](double x, double y) { return x + share * (y - x); };
+    all.hz.push_back(a.hz * std::pow(b.hz / a.hz, share));
+    all.motor.push_back(between(a.motor.value, b.motor.value, share));
+    all.joint.push_back(between(a.joint.value, b.joint.value, share));
+    all.loop.push_back(between(a.loop.value, b.loop.value, share));
+    all.motor_share.push_back(
+        mix(a.motor.radius95 / std::abs(a.motor.value), b.motor.radius95 / std::abs(b.motor.value)));
+    all.joint_share.push_back(
+        mix(a.joint.radius95 / std::abs(a.joint.value), b.joint.radius95 / std::abs(b.joint.value)));
+    all.loop_radius.push_back(mix(a.loop.radius95, b.loop.radius95));
+  };
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    for (int k = 0; k < kBetween; ++k) {
+      add(points[i], points[i + 1], static_cast<double>(k) / kBetween);
+    }
+  }
+  add(points.back(), points.back(), 0.0);
+  return all;
+}
+
+auto loop_of(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint> {
+  const double sense = sense_of(all);
+  std::vector<LoopPoint> loop;
+  for (std::size_t i = 0; i < all.hz.size(); ++i) {
+    const Law law = law_of(gains, all.hz[i]);
+    const Complex through_joint = sense * gains.stiffness * law.joint * all.joint[i];
+    const Complex feedback = law.servo + through_joint;
+    const double radius = std::abs(all.motor[i]) *
+                          (all.motor_share[i] * std::abs(feedback) + all.joint_share[i] * std::abs(through_joint));
+    loop.push_back({all.hz[i], all.motor[i] * feedback, radius});
+  }
+  return loop;
+}
+
+auto outer_loop(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint> {
+  const double sense = sense_of(all);
+  std::vector<LoopPoint> loop;
+  for (std::size_t i = 0; i < all.hz.size(); ++i) {
+    const Law law = law_of(gains, all.hz[i]);
+    const Complex inner = 1.0 + all.motor[i] * law.servo;
+    loop.push_back({all.hz[i], sense * gains.stiffness * law.joint * all.joint[i] * all.motor[i] / inner, 0.0});
+  }
+  return loop;
+}
+
+auto MotorModel::at(double hz) const -> Complex {
+  const double w = 2.0 * kPi * hz;
+  return std::polar(1.0, -w * delay_s) / Complex(stiffness_nm - inertia_kgm2 * w * w, viscous_nms * w);
+}
+
+auto fit_motor(const Response& response) -> MotorModel {
+  MotorModel best;
+  best.share_left = 1e9;
+  const std::vector<ResponsePoint> points = clear_points(response);
+  const auto rows = static_cast<Eigen::Index>(points.size());
+  // 1 / G = (k - J w2 + j w b) exp(j w T): linear but for T, which is looked for every 20 us.
+  for (double delay = 0.0; delay < 0.01; delay += 2e-5) {
+    Eigen::MatrixXd columns(2 * rows, 3);
+    Eigen::VectorXd one(2 * rows);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      const ResponsePoint& point = points[static_cast<std::size_t>(i)];
+      const double w = 2.0 * kPi * point.hz;
+      const Complex turned = point.motor.value * std::polar(1.0, w * delay);
+      const double weight = 1.0 / (0.02 + point.motor.radius95 / std::abs(point.motor.value));
+      const std::array<Complex, 3> parts = {-w * w * turned, Complex(0.0, w) * turned, turned};
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        columns(2 * i, c) = weight * parts[static_cast<std::size_t>(c)].real();
+        columns(2 * i + 1, c) = weight * parts[static_cast<std::size_t>(c)].imag();
+      }
+      one[2 * i] = weight;
+      one[2 * i + 1] = 0.0;
+    }
+    const Eigen::VectorXd x = columns.colPivHouseholderQr().solve(one);
+    const double left = (columns * x - one).norm() / one.norm();
+    if (left < best.share_left) {
+      best = {.inertia_kgm2 = x[0], .viscous_nms = x[1], .stiffness_nm = x[2], .delay_s = delay, .share_left = left};
+    }
+  }
+  double furthest = std::pow(10.0, kResonanceDb / 20.0);
+  for (const ResponsePoint& point : points) {
+    const double above = (std::abs(point.motor.value) - point.motor.radius95) / std::abs(best.at(point.hz));
+    if (above > furthest) {
+      furthest = above;
+      best.resonance_hz = point.hz;
+    }
+  }
+  return best;
+}
+
+auto predicted_loop(const Response& response, const LoopGains& gains) -> std::vector<LoopPoint> {
+  return loop_of(dense(response), gains);
+}
+
+auto measured_loop(const Response& response) -> std::vector<LoopPoint> {
+  const Dense all = dense(response);
+  std::vector<LoopPoint> loop;
+  for (std::size_t i = 0; i < all.hz.size(); ++i) {
+    loop.push_back({all.hz[i], all.loop[i], all.loop_radius[i]});
+  }
+  return loop;
+}
+
+auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle) -> Margins {
+  Margins margins;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const double radius = with_circle ? loop[i].radius95 : 0.0;
+    const double size = std::abs(loop[i].value);
+    if (const double modulus = std::abs(1.0 + loop[i].value) - radius; modulus < margins.modulus) {
+      margins.modulus = modulus;
+      margins.modulus_hz = loop[i].hz;
+    }
+    if (i == 0) {
+      continue;
+    }
+    const Complex before = loop[i - 1].value;
+    const Complex now = loop[i].value;
+    if ((std::abs(before) > 1.0) != (size > 1.0)) {
+      margins.crossover_hz = loop[i].hz;
+      const double share = std::log(1.0 / std::abs(before)) / std::log(size / std::abs(before));
+      const Complex at = between(before, now, share);
+      const double off = std::asin(std::min(1.0, radius)) * 180.0 / kPi;
+      const double phase = std::fabs(std::arg(-at)) * 180.0 / kPi - off;  // from -1, either way round
+      if (phase < margins.phase_deg) {
+        margins.phase_deg = phase;
+        margins.phase_hz = loop[i].hz;
+      }
+    }
+    if (before.real() < 0.0 && now.real() < 0.0 && (before.imag() < 0.0) != (now.imag() < 0.0)) {
+      const double share = before.imag() / (before.imag() - now.imag());
+      const double at = std::abs(before + share * (now - before));
+      const double db = at < 1.0 ? -20.0 * std::log10(at + radius) : 20.0 * std::log10(std::max(1e-9, at - radius));
+      if (db < margins.gain_db) {
+        margins.gain_db = db;
+        margins.gain_hz = loop[i].hz;
+      }
+    }
+  }
+  // Where the phase does not come to 180 deg by the last line, the gain there bounds the margin.
+  const double last = std::abs(loop.back().value) + (with_circle ? loop.back().radius95 : 0.0);
+  if (margins.gain_hz < margins.crossover_hz && last < 1.0) {
+    margins.gain_db = std::min(margins.gain_db, -20.0 * std::log10(last));
+    margins.gain_hz = loop.back().hz;
+  }
+  return margins;
+}
+
+auto as_stable_as(const std::vector<LoopPoint>& loop, const std::vector<LoopPoint>& known) -> bool {
+  double turned = 0.0;
+  Complex before = (1.0 + loop.front().value) / (1.0 + known.front().value);
+  double first = std::arg(before);
+  for (std::size_t i = 1; i < loop.size(); ++i) {
+    const Complex now = (1.0 + loop[i].value) / (1.0 + known[i].value);
+    turned += std::arg(now / before);
+    before = now;
+  }
+  // From its value at the first line to that at the last, without a turn round zero.
+  return std::fabs(first + turned) < kPi;
+}
+
+}  // namespace capstan::tools

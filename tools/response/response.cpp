@@ -1,0 +1,373 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/response/response.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr int kPeriod = kMultisinePeriodMs;
+constexpr Eigen::Index kRampMs = 256;  // the board's, at either end
+
+// Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
+// response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
+constexpr std::size_t kLeastWindows = 4;  // for a spread that means anything
+constexpr int kSettleMs = 500;            // after a turn of a joint that travels
+constexpr double kTurnRadS = 2e-3;        // change of the reference's rate in a row that is a turn, not rounding
+constexpr double kExcited = 0.1;          // of the strongest line
+constexpr std::size_t kLeastBins = 8;     // of a chirp in one point
+constexpr double kOctaveShare = 1.0 / 6.0;
+
+enum Signal : std::size_t { kShaken, kTorque, kMotor, kJoint, kSignals };
+/// One window, or one bin: the spectra of all signals at one frequency.
+using Spectra = std::array<Complex, kSignals>;
+
+auto signals_of(const ResponseLog& log, bool on_torque) -> std::array<const Eigen::VectorXd*, kSignals> {
+  return {on_torque ? &log.excitation_nm : &log.reference_rad, &log.torque_nm, &log.q1_rad, &log.q2_rad};
+}
+
+/// Radius of the circle that holds the mean of M complex values with probability 0.95, in standard errors: the root of
+/// the quantile of F(2, 2 M - 2), which has a closed form.
+auto circle95(std::size_t count) -> double {
+  const double half = static_cast<double>(count) - 1.0;
+  return std::sqrt(half * (std::pow(0.05, -1.0 / half) - 1.0));
+}
+
+/// out / in by way of what shakes, over windows or bins.
+auto ratio_of(const std::vector<Spectra>& all, Signal out, Signal in) -> Estimate {
+  Complex over{};
+  Complex under{};
+  double shaken = 0.0;
+  for (const Spectra& one : all) {
+    over += one[out] * std::conj(one[kShaken]);
+    under += one[in] * std::conj(one[kShaken]);
+    shaken += std::norm(one[kShaken]);
+  }
+  Estimate estimate{.value = over / under};
+  double left = 0.0;
+  for (const Spectra& one : all) {
+    left += std::norm(one[out] - estimate.value * one[in]);
+  }
+  const double variance = left / static_cast<double>(all.size() - 1) * shaken / std::norm(under);
+  estimate.radius95 = circle95(all.size()) * std::sqrt(variance);
+  return estimate;
+}
+
+auto coherence_of(const std::vector<Spectra>& all, Signal a) -> double {
+  Complex cross{};
+  double own = 0.0;
+  double shaken = 0.0;
+  for (const Spectra& one : all) {
+    cross += one[a] * std::conj(one[kShaken]);
+    own += std::norm(one[a]);
+    shaken += std::norm(one[kShaken]);
+  }
+  return own * shaken > 0.0 ? std::norm(cross) / (own * shaken) : 0.0;
+}
+
+auto point_of(double hz, const std::vector<Spectra>& all, bool on_torque) -> ResponsePoint {
+  ResponsePoint point{.hz = hz};
+  point.motor = ratio_of(all, kMotor, kTorque);
+  point.joint = ratio_of(all, kJoint, kMotor);
+  if (on_torque) {
+    point.loop = ratio_of(all, kShaken, kTorque);  // u = d - L u
+    point.loop.value -= 1.0;
+  }
+  point.coherence = std::min(coherence_of(all, kTorque), coherence_of(all, kMotor));
+  return point;
+}
+
+/// Sum of x[i] exp(-j w tick[i]).
+auto spectrum_at(const Eigen::VectorXd& x, Eigen::Index from, Eigen::Index rows, const std::vector<int>& phases,
+                 const std::vector<Complex>& table, std::size_t harmonic) -> Complex {
+  Complex sum{};
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const std::size_t place = harmonic * static_cast<std::size_t>(phases[static_cast<std::size_t>(from + i)]);
+    sum += x[from + i] * table[place % kPeriod];
+  }
+  return sum * (2.0 / static_cast<double>(rows));
+}
+
+/// Windows of one period each, in which the joint goes one way or stands.
+class Periods {
+ public:
+  explicit Periods(const ResponseLog& log, bool on_torque) : log_(log) {
+    for (int i = 0; i < kPeriod; ++i) {
+      table_.push_back(std::polar(1.0, -kTwoPi * i / kPeriod));
+    }
+    for (Eigen::Index i = 0; i < log.time_s.size(); ++i) {
+      phases_.push_back(static_cast<int>(std::llround((log.time_s[i] - log.time_s[0]) * 1e3) % kPeriod));
+    }
+    step_ms_ = static_cast<int>(std::llround((log.time_s[1] - log.time_s[0]) * 1e3));
+    find(on_torque);
+  }
+  [[nodiscard]] auto count() const -> std::size_t { return starts_.size(); }
+  [[nodiscard]] auto travels() const -> bool { return travels_; }
+
+  /// Spectra of each window at one harmonic, less the ramps that find_slopes found.
+  [[nodiscard]] auto at(std::size_t harmonic, const std::array<const Eigen::VectorXd*, kSignals>& signals) const
+      -> std::vector<Spectra> {
+    std::vector<Spectra> all(starts_.size());
+    for (std::size_t w = 0; w < starts_.size(); ++w) {
+      const Complex ramp = spectrum_at(ramp_, starts_[w], kPeriod, phases_, table_, harmonic);
+      for (std::size_t s = 0; s < kSignals; ++s) {
+        all[w][s] = spectrum_at(*signals[s], starts_[w], kPeriod, phases_, table_, harmonic) -
+                    (slopes_.empty() ? 0.0 : slopes_[w][s]) * ramp;
+      }
+    }
+    return all;
+  }
+
+  /// Of the first window alone: what shakes has no noise.
+  [[nodiscard]] auto shaken_power(std::size_t harmonic, const Eigen::VectorXd& shaken) const -> double {
+    return std::norm(spectrum_at(shaken, starts_.front(), kPeriod, phases_, table_, harmonic));
+  }
+
+  /// Over the windows in which the motor goes that way.
+  [[nodiscard]] auto mean_torque(bool forward) const -> double {
+    double sum = 0.0;
+    int count = 0;
+    for (const Eigen::Index from : starts_) {
+      const double way = log_.q1_rad[from + kPeriod - 1] - log_.q1_rad[from];
+      if ((way > 0.0) == forward) {
+        sum += log_.torque_nm.segment(from, kPeriod).mean();
+        ++count;
+      }
+    }
+    return count > 0 ? sum / count : 0.0;
+  }
+
+  /// A joint that travels adds a ramp: its slope beside the lines that shake, by least squares. A period of rows has
+  /// every phase once, so lines are orthogonal to each other and to a constant, and only the ramp is not.
+  void find_slopes(const std::vector<std::size_t>& lines, const std::array<const Eigen::VectorXd*, kSignals>& signals) {
+    std::vector<std::array<double, kSignals>> slopes(starts_.size());
+    for (std::size_t w = 0; w < starts_.size(); ++w) {
+      Eigen::VectorXd rest = ramp_.segment(starts_[w], kPeriod);
+      rest.array() -= rest.mean();
+      for (const std::size_t line : lines) {
+        const Complex own = spectrum_at(ramp_, starts_[w], kPeriod, phases_, table_, line);
+        for (Eigen::Index i = 0; i < kPeriod; ++i) {
+          const std::size_t place = line * static_cast<std::size_t>(phases_[static_cast<std::size_t>(starts_[w] + i)]);
+          rest[i] -= (own * std::conj(table_[place % kPeriod])).real();
+        }
+      }
+      for (std::size_t s = 0; s < kSignals; ++s) {
+        slopes[w][s] = rest.dot(signals[s]->segment(starts_[w], kPeriod)) / rest.squaredNorm();
+      }
+    }
+    slopes_ = std::move(slopes);
+  }
+
+ private:
+  void find(bool on_torque) {
+    const Eigen::VectorXd& reference = log_.reference_rad;
+    ramp_ = log_.time_s.array() - log_.time_s[0];
+    const Eigen::Index rows = reference.size();
+    Eigen::Index from = static_cast<Eigen::Index>(kPeriod);  // the first period settles
+    for (Eigen::Index i = 2; i < rows; ++i) {
+      const double turn = (reference[i] - 2.0 * reference[i - 1] + reference[i - 2]) * 1e3 / step_ms_;
+      if (on_torque && std::fabs(turn) > kTurnRadS) {
+        travels_ = true;
+        from = i + kSettleMs / step_ms_;
+      } else if (i + 1 - from == kPeriod && (i + 1) * step_ms_ <= rows * step_ms_ - kRampMs) {
+        starts_.push_back(from);
+        from = i + 1;
+      }
+    }
+  }
+
+  const ResponseLog& log_;
+  std::vector<Complex> table_;
+  std::vector<int> phases_;
+  std::vector<Eigen::Index> starts_;
+  std::vector<std::array<double, kSignals>> slopes_;
+  Eigen::VectorXd ramp_;
+  int step_ms_ = 1;
+  bool travels_ = false;
+};
+
+auto mean_power(const std::vector<Spectra>& all, Signal signal) -> double {
+  double sum = 0.0;
+  for (const Spectra& one : all) {
+    sum += std::norm(one[signal]);
+  }
+  return sum / static_cast<double>(all.size());
+}
+
+/// Power of what repeats, without bias (so it may be below 0), and of what does not in a mean over the windows.
+auto repeating_power(const std::vector<Spectra>& all, Signal signal) -> std::array<double, 2> {
+  Complex mean{};
+  for (const Spectra& one : all) {
+    mean += one[signal];
+  }
+  const auto count = static_cast<double>(all.size());
+  mean /= count;
+  const double scatter = (mean_power(all, signal) - std::norm(mean)) / (count - 1.0);
+  return {std::norm(mean) - scatter, scatter};
+}
+
+auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines,
+                   const std::array<const Eigen::VectorXd*, kSignals>& signals) -> Distortion {
+  std::vector<double> power;
+  for (const std::size_t line : lines) {
+    power.push_back(mean_power(periods.at(line, signals), kMotor));
+  }
+  std::array<double, 2> sums{};
+  std::array<int, 2> counts{};
+  double noise = 0.0;
+  for (std::size_t i = 0; i + 1 < lines.size(); ++i) {
+    for (std::size_t h = lines[i] + 1; h < std::min(lines[i + 1], lines[i] + 9); ++h) {
+      const auto [repeats, rest] = repeating_power(periods.at(h, signals), kMotor);
+      const double beside = std::sqrt(power[i] * power[i + 1]);
+      sums[h % 2] += repeats / beside;
+      noise += rest / beside;
+      ++counts[h % 2];
+    }
+  }
+  if (counts[0] == 0 || counts[1] == 0) {
+    return {};
+  }
+  return {.known = true,
+          .even = std::sqrt(std::max(0.0, sums[0] / counts[0])),
+          .odd = std::sqrt(std::max(0.0, sums[1] / counts[1])),
+          .noise = std::sqrt(noise / (counts[0] + counts[1]))};
+}
+
+auto lines_of(const Periods& periods, const std::array<const Eigen::VectorXd*, kSignals>& signals)
+    -> std::vector<std::size_t> {
+  std::vector<double> power(kPeriod / 2);
+  for (std::size_t h = 1; h < power.size(); ++h) {
+    power[h] = periods.shaken_power(h, *signals[kShaken]);
+  }
+  const double least = kExcited * kExcited * *std::max_element(power.begin(), power.end());
+  std::vector<std::size_t> lines;
+  for (std::size_t h = 1; h < power.size(); ++h) {
+    if (power[h] > least) {
+      lines.push_back(h);
+    }
+  }
+  return lines;
+}
+
+auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
+  Periods periods(log, response.on_torque);
+  response.windows = periods.count();
+  response.travels = periods.travels();
+  if (periods.count() < kLeastWindows) {
+    throw Refusal(log.name + ": has " + std::to_string(periods.count()) +
+                  " whole periods of 2.048 s in which the joint goes one way, and the noise is told from " +
+                  std::to_string(kLeastWindows) +
+                  "; shake for longer, and give a joint that travels legs (2 travel / speed) of 3 s or more");
+  }
+  const auto signals = signals_of(log, response.on_torque);
+  const std::vector<std::size_t> lines = lines_of(periods, signals);
+  if (response.travels) {
+    periods.find_slopes(lines, signals);
+    response.backward_nm = periods.mean_torque(false);
+    response.forward_nm = periods.mean_torque(true);
+  }
+  for (const std::size_t line : lines) {
+    response.points.push_back(
+        point_of(1e3 * static_cast<double>(line) / kPeriod, periods.at(line, signals), response.on_torque));
+  }
+  response.distortion = distortion_of(periods, lines, signals);
+  return response;
+}
+
+/// The next length that a fast transform likes; a few rows of zeros more.
+auto smooth_length(Eigen::Index rows) -> Eigen::Index {
+  const auto is_smooth = [](Eigen::Index n) {
+    for (const Eigen::Index factor : {2, 3, 5}) {
+      while (n % factor == 0) {
+        n /= factor;
+      }
+    }
+    return n == 1;
+  };
+  while (!is_smooth(rows)) {
+    ++rows;
+  }
+  return rows;
+}
+
+/// A sweep begins and ends at rest, so its spectrum is that of the whole log; points are means over neighbouring bins.
+auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
+  response.windows = 1;
+  const auto signals = signals_of(log, response.on_torque);
+  const Eigen::Index rows = log.time_s.size();
+  const double period_s = (log.time_s[rows - 1] - log.time_s[0]) / static_cast<double>(rows - 1);
+  const Eigen::Index padded = smooth_length(rows);
+  const double resolution = 1.0 / (static_cast<double>(padded) * period_s);
+  const auto bins = static_cast<std::size_t>(0.45 / period_s / resolution);
+  std::vector<Spectra> all(bins);
+  Eigen::FFT<double> transform;
+  for (std::size_t s = 0; s < kSignals; ++s) {
+    const Eigen::VectorXd& x = *signals[s];
+    const double slope = (x[rows - 1] - x[0]) / static_cast<double>(rows - 1);
+    std::vector<double> rest(static_cast<std::size_t>(padded), 0.0);
+    for (Eigen::Index i = 0; i < rows; ++i) {
+      rest[static_cast<std::size_t>(i)] = x[i] - x[0] - slope * static_cast<double>(i);
+    }
+    std::vector<Complex> spectrum;
+    transform.fwd(spectrum, rest);
+    for (std::size_t k = 1; k < bins; ++k) {
+      all[k][s] = spectrum[k];
+    }
+  }
+  double most = 0.0;  // each octave takes as long, so a sweep's amplitude falls as 1 / sqrt(f)
+  for (const Spectra& one : all) {
+    most = std::max(most, std::abs(one[kShaken]));
+  }
+  for (std::size_t k = 1; k < bins;) {
+    const auto width = static_cast<std::size_t>(static_cast<double>(k) * (std::exp2(kOctaveShare) - 1.0));
+    const std::size_t next = k + std::max(kLeastBins, width);
+    if (next > bins) {
+      break;
+    }
+    const std::vector<Spectra> some(all.begin() + static_cast<std::ptrdiff_t>(k),
+                                    all.begin() + static_cast<std::ptrdiff_t>(next));
+    double shaken = 0.0;
+    for (const Spectra& one : some) {
+      shaken += std::norm(one[kShaken]) / static_cast<double>(some.size());
+    }
+    const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
+    if (std::sqrt(shaken) > 0.02 * most) {
+      response.points.push_back(point_of(hz, some, response.on_torque));
+    }
+    k = next;
+  }
+  return response;
+}
+
+auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
+  // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
+  const Eigen::Index first = kPeriod / 2;
+  if (shaken.size() < first + 2 * kPeriod) {
+    return false;
+  }
+  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
+  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
+  return (now - later).norm() < 0.01 * now.norm();
+}
+
+}  // namespace
+
+auto estimate_response(const ResponseLog& log) -> Response {
+  Response response{.name = log.name, .points = {}, .distortion = {}};
+  response.on_torque = log.excitation_nm.cwiseAbs().maxCoeff() > 0.0;
+  const Eigen::VectorXd& shaken = response.on_torque ? log.excitation_nm : log.reference_rad;
+  if (shaken.maxCoeff() - shaken.minCoeff() < 1e-7) {
+    throw Refusal(log.name + ": nothing shakes the joint; record it with 'experiment joint0 multisine on=torque'");
+  }
+  response.multisine = is_multisine(shaken);
+  return response.multisine ? estimate_multisine(log, std::move(response)) : estimate_chirp(log, std::move(response));
+}
+
+}  // namespace capstan::tools

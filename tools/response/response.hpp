@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/log/csv_log.hpp"
+
+namespace capstan::tools {
+
+using Complex = std::complex<double>;
+
+/// The log of `experiment jointN chirp` or `multisine on=...`.
+struct ResponseLog {
+  std::string name;
+  Eigen::VectorXd time_s{}, q1_rad{}, torque_nm{}, q2_rad{}, reference_rad{};
+  Eigen::VectorXd excitation_nm{};  ///< what was added to the torque; zero where the reference was shaken
+};
+
+/// Throws BadInput: a missing column, rows that are not evenly spaced, or nothing that shakes.
+auto read_response(const CsvLog& log, int axis) -> ResponseLog;
+
+/// A ratio of two spectra at one frequency.
+struct Estimate {
+  Complex value{};
+  double radius95 = 0.0;  ///< the true value lies in this circle in 95 of 100 estimates
+};
+
+struct ResponsePoint {
+  double hz = 0.0;
+  Estimate motor{};  ///< motor angle per torque, rad/Nm
+  Estimate joint{};  ///< estimated joint angle per motor angle
+  Estimate loop{};   ///< of the closed loop, broken at the torque; nothing where the reference was shaken
+  /// Of torque and motor angle with what shakes, the lower one: the share of the power that repeats with it.
+  double coherence = 0.0;
+};
+
+/// Power of the motor angle where nothing shakes, over what the lines beside it have.
+struct Distortion {
+  bool known = false;  ///< of a multisine only
+  double even = 0.0;   ///< amplitude over that of the lines: asymmetric nonlinearity, such as a spring with a stop
+  double odd = 0.0;    ///< symmetric: friction, play, saturation
+  double noise = 0.0;  ///< what does not repeat from period to period, at the same lines
+};
+
+struct Response {
+  std::string name;
+  std::vector<ResponsePoint> points;  ///< by rising frequency
+  Distortion distortion;
+  bool multisine = true;
+  bool on_torque = true;
+  std::size_t windows = 0;                     ///< periods averaged; of a chirp 1
+  bool travels = false;                        ///< the joint was on its way meanwhile
+  double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
+};
+
+/// The period of the board's multisine; a test compares it with the firmware's.
+inline constexpr int kMultisinePeriodMs = 2048;
+
+/// H1 with what shakes as the instrument: S_yr / S_ur, which no feedback biases; plain H1 where that is the torque
+/// itself. Periods in which a travelling joint turns are left out. Throws Refusal with the cure where there are too
+/// few.
+auto estimate_response(const ResponseLog& log) -> Response;
+
+/// Throws Refusal where the coherence is below 0.8 in the band that matters, where the loop's gain is 1/3 to 3 (without
+/// a loop: everywhere), or distortion rules; the sentence says what to change.
+void require_usable(const Response& response);
+
+}  // namespace capstan::tools

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a response is read from, and whether it is good enough to decide by.
+#include <cmath>
+
+#include "capstan/tools/response/response.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr int kPeriod = kMultisinePeriodMs;
+
+// Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
+// response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
+constexpr double kLeastCoherence = 0.8;
+constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
+constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
+
+}  // namespace
+
+auto read_response(const CsvLog& log, int axis) -> ResponseLog {
+  const std::string prefix = "axis" + std::to_string(axis) + "/";
+  if (!log.has(prefix + "tau_exc_Nm")) {
+    throw BadInput(log.name() + ": has no column " + prefix +
+                   "tau_exc_Nm, so it is not a log of 'experiment jointN chirp' or 'multisine on=torque'; record one");
+  }
+  ResponseLog result{.name = log.name(),
+                     .time_s = log.time(),
+                     .q1_rad = log.column(prefix + "q1_rad"),
+                     .torque_nm = log.column(prefix + "tau_cmd_Nm"),
+                     .q2_rad = log.column(prefix + "q2_est_rad"),
+                     .reference_rad = log.column(prefix + "q2_ref_rad"),
+                     .excitation_nm = log.column(prefix + "tau_exc_Nm")};
+  const Eigen::Index rows = result.time_s.size();
+  if (rows < 4 * kPeriod) {
+    throw BadInput(log.name() + ": has " + std::to_string(rows) + " rows, and a response takes " +
+                   std::to_string(4 * kPeriod) + "; shake for longer");
+  }
+  const double step = result.time_s[1] - result.time_s[0];
+  for (Eigen::Index i = 1; i < rows; ++i) {
+    if (std::fabs(result.time_s[i] - result.time_s[i - 1] - step) > 1e-4) {
+      throw BadInput(place(log.name(), log.line_of(static_cast<std::size_t>(i))) +
+                     "a row is missing before this one, and a response needs every one; record it over a faster "
+                     "connection, or a multisine with a larger odd 'every'");
+    }
+  }
+  return result;
+}
+
+void require_usable(const Response& response) {
+  const ResponsePoint* worst = nullptr;
+  for (const ResponsePoint& point : response.points) {
+    const double gain = std::abs(point.loop.value);
+    const bool matters = !response.on_torque || (gain > 1.0 / kBand && gain < kBand);
+    if (matters && (worst == nullptr || point.coherence < worst->coherence)) {
+      worst = &point;
+    }
+  }
+  if (worst != nullptr && worst->coherence < kLeastCoherence) {
+    throw Refusal(
+        response.name + ": at " + rounded(worst->hz, 3) + " Hz only " + rounded(100.0 * worst->coherence, 2) +
+        " % of the power repeats with what shakes (80 % are needed where the loop's gain is near 1); shake with "
+        "a larger amplitude, for longer, or let the joint travel faster");
+  }
+  if (response.distortion.known && response.distortion.odd > kMostDistortion) {
+    throw Refusal(response.name + ": " + rounded(100.0 * response.distortion.odd, 2) +
+                  " % of the motor's motion is odd distortion, as of a joint that friction holds; let it travel " +
+                  std::string(response.travels ? "faster, or shake it less" : "(travel=0.4 speed=0.4)") +
+                  ", so that friction keeps its sign");
+  }
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/response/response.hpp"
+
+namespace capstan::tools {
+
+/// What the board's control does with an angle: control.* and conditioner.rate_time_constant, and what bounds it.
+struct LoopGains {
+  double kp = 0.2, ki_per_s = 4.0, kd_s = 0.0;
+  double stiffness = 1.0;  ///< Nm/rad
+  double damping = 0.006;  ///< Nms/rad
+  double rate_time_constant_s = 0.002;
+  /// Torque of a steady motion backward and forward, N m, where the log tells it.
+  std::optional<std::pair<double, double>> friction_nm = {};
+  double counts_per_turn = 40960.0;
+  double continuous_nm = 0.15;  ///< limits.continuous_current times the torque per current
+};
+
+/// From the lines of the shell's `dump`; what it does not have stays the firmware's default. Throws BadInput.
+auto read_gains(const std::string& dump, int axis) -> LoopGains;
+
+/// How far a loop is from -1. The worst of what the circles allow, at the frequencies where it is worst.
+struct Margins {
+  double phase_deg = 180.0, phase_hz = 0.0;  ///< at the highest crossover
+  double gain_db = 60.0, gain_hz = 0.0;      ///< towards more gain or less
+  double modulus = 1.0, modulus_hz = 0.0;    ///< least |1 + L|
+  double crossover_hz = 0.0;                 ///< the highest; 0: the gain stays below 1
+};
+
+/// What is asked of a loop.
+struct Wanted {
+  double phase_deg = 45.0, gain_db = 6.0, modulus = 0.5;
+  std::optional<double>
+      bandwidth_hz;  ///< of the motor servo: its highest crossover; nothing: as much as the margins allow
+};
+
+/// The plant as motor and delay: exp(-s T) / (J s2 + b s + k), by least squares over the lines.
+struct MotorModel {
+  double inertia_kgm2 = 0.0, viscous_nms = 0.0, stiffness_nm = 0.0, delay_s = 0.0;
+  double resonance_hz = 0.0;  ///< where the response is furthest above the model, by 6 dB at least; 0: nowhere
+  double share_left = 0.0;    ///< rms of what it does not explain, relative
+  [[nodiscard]] auto at(double hz) const -> Complex;
+};
+auto fit_motor(const Response& response) -> MotorModel;
+
+/// The loop that these gains would have, broken at the torque, between the first and the last line: value and circle.
+struct LoopPoint {
+  double hz = 0.0;
+  Complex value;
+  double radius95 = 0.0;
+};
+auto predicted_loop(const Response& response, const LoopGains& gains) -> std::vector<LoopPoint>;
+/// As it was measured, between the lines too.
+auto measured_loop(const Response& response) -> std::vector<LoopPoint>;
+/// @param with_circle  false: of the values alone
+auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle = true) -> Margins;
+/// Whether `loop` is as stable as `known`, which is: neither 1 + L turns round zero against the other.
+auto as_stable_as(const std::vector<LoopPoint>& loop, const std::vector<LoopPoint>& known) -> bool;
+
+struct Tuning {
+  LoopGains gains;
+  MotorModel motor;
+  Margins servo, whole;             ///< the motor servo alone, and with the joint loop; circles included
+  Margins whole_nominal;            ///< of the values alone, to compare a measurement with
+  double joint_bandwidth_hz = 0.0;  ///< where the joint loop's gain is 1
+  std::string limited_by;           ///< a sentence
+  std::vector<LoopPoint> loop;
+};
+
+/// Gains for the wanted margins over the circles. Throws Refusal where no gains keep them, or none as fast as asked.
+/// @param present  those the log was made with: their kd, filter and bounds are kept
+auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning;
+
+/// `begin`, `set ...`, `commit`.
+auto tuning_lines(const LoopGains& gains, int axis) -> std::vector<std::string>;
+
+}  // namespace capstan::tools
