@@ -287,8 +287,7 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
       const bool given = tie && next == tie->tendon;
       if (!given && !plain.at_bound[static_cast<std::size_t>(next)]) {
         const double half = half_interval(full, next);
-        joint.coefficient_ci95[term->first_coefficient + i] =
-            Interval{theta[next] - half, theta[next] + half};
+        joint.coefficient_ci95[term->first_coefficient + i] = Interval{theta[next] - half, theta[next] + half};
       }
     }
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {

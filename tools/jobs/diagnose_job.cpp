@@ -41,8 +41,9 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
                      " is an effort; leave --target out, or choose --base rigid_dynamics, pull_push or preisach");
     }
   }
-  request.needs_torque = wanted.base_law ? wanted.base_law->has("tendon_elongation") || wanted.base_law->has(kTendonModel)
-                                         : job.base == kDefaultModel;
+  request.needs_torque = wanted.base_law
+                             ? wanted.base_law->has("tendon_elongation") || wanted.base_law->has(kTendonModel)
+                             : job.base == kDefaultModel;
   const auto axes = read_axes(logs, request, warn);
   logs.files = job.tests;
   wanted.test_logs = read_axes(logs, request, warn);
