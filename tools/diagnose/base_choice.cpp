@@ -18,16 +18,6 @@ auto fitted_tendons(const Preparation& p, const LawForm& start) -> LawForm {
   return base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
 }
 
-/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
-auto may_be_tendons(const Search& search) -> bool {
-  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
-  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
-    const auto is_it = [&](const std::string& name) { return name == effect.name; };
-    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
-           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
-  });
-}
-
 auto with_effects(const LawForm& base, const LawForm& all, const std::vector<AddedEffect>& effects, std::size_t count)
     -> LawForm {
   LawForm law = all;
@@ -39,6 +29,15 @@ auto with_effects(const LawForm& base, const LawForm& all, const std::vector<Add
 }
 
 }  // namespace
+
+auto may_be_tendons(const Search& search) -> bool {
+  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
+  return std::any_of(search.effects.begin(), search.effects.end(), [&](const AddedEffect& effect) {
+    const auto is_it = [&](const std::string& name) { return name == effect.name; };
+    return std::any_of(tendon.doubles.begin(), tendon.doubles.end(), is_it) ||
+           std::any_of(tendon.special_cases.begin(), tendon.special_cases.end(), is_it);
+  });
+}
 
 auto settled_base(const Preparation& p, LawForm base) -> LawForm {
   if (!base.has(kTendonModel)) {

@@ -7,6 +7,9 @@
 
 namespace capstan::tools {
 
+/// Whether a search named what the friction along tendons looks like where nobody asks the torque.
+auto may_be_tendons(const Search& search) -> bool;
+
 /// A base law as the search begins with it: tendons whose numbers are known keep them, others are fitted.
 auto settled_base(const Preparation& p, LawForm base) -> LawForm;
 

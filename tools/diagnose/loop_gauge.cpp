@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
@@ -18,15 +19,6 @@ namespace {
 
 constexpr const char* kPlay = "play";
 constexpr const char* kPretension = "pretension_offset";
-
-/// Whether tendons would explain it themselves, so that beside a loop it is no name.
-auto belongs_to_tendons(const std::string& effect) -> bool {
-  const CatalogueTerm& tendon = catalogue_term(kTendonModel);
-  const auto among = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), effect) != names.end();
-  };
-  return among(tendon.doubles) || among(tendon.special_cases);
-}
 
 /// What a change of the loop alone is called; empty: the tendons' torque changed and their motion did not.
 auto name_of_change(double width, double torque) -> std::string {
@@ -175,8 +167,7 @@ class LoopSearch {
       }
     }
     const auto& found = search_.effects;
-    const bool about_tendons =
-        std::any_of(found.begin(), found.end(), [](const auto& effect) { return belongs_to_tendons(effect.name); });
+    const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
     if (!found.empty() && !about_tendons && left_by_found_ <= enough_) {
       return complete(search_.law, left_by_found_, found);
     }

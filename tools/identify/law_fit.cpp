@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "capstan/tools/identify/tendon_fit.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -17,7 +19,6 @@ auto all_causal_samples(const std::vector<AxisLog>& logs, const ConditionerShape
   return samples;
 }
 
-constexpr const char* kTendon = "tendon";
 constexpr const char* kMotorAngle = "motor_angle";
 
 /// Columns of a form whose compliance is tied.
@@ -27,13 +28,13 @@ struct Tie {
 };
 
 auto tie_of(const LawForm& form) -> std::optional<Tie> {
-  if (!form.tied_compliance || !form.has(kTendon) || !form.has(kMotorAngle)) {
+  if (!form.tied_compliance || !form.has(kTendonModel) || !form.has(kMotorAngle)) {
     return std::nullopt;
   }
   Tie tie;
   Eigen::Index next = 0;
   for (const auto* term : ordered_terms(form)) {
-    if (term->name == kTendon) {
+    if (term->name == kTendonModel) {
       tie.tendon = next;
     } else if (term->name == kMotorAngle) {
       tie.motor = next;
@@ -41,6 +42,14 @@ auto tie_of(const LawForm& form) -> std::optional<Tie> {
     next += static_cast<Eigen::Index>(term->coefficients.size());
   }
   return tie;
+}
+
+/// Coefficients as the law has them, of those of its columns: a tied compliance from beta.
+auto untied(const LawForm& form, Eigen::VectorXd theta) -> Eigen::VectorXd {
+  if (const auto tie = tie_of(form)) {
+    theta[tie->tendon] += *form.tied_compliance * theta[tie->motor];
+  }
+  return theta;
 }
 
 }  // namespace
@@ -138,20 +147,13 @@ auto form_of(const JointFile& joint) -> LawForm {
 
 auto base_of(const JointFile& joint) -> LawForm {
   LawForm form = form_of(joint);
-  if (joint.has(kTendon) && joint.has(kMotorAngle)) {
+  if (joint.has(kTendonModel) && joint.has(kMotorAngle)) {
     const auto coefficient = [&](const char* term) {
       return joint.parameters.coefficients[joint.catalogue->term(term).first_coefficient];
     };
-    form.tied_compliance = coefficient(kTendon) / coefficient(kMotorAngle);
+    form.tied_compliance = coefficient(kTendonModel) / coefficient(kMotorAngle);
   }
   return form;
-}
-
-auto untied(const LawForm& form, Eigen::VectorXd theta) -> Eigen::VectorXd {
-  if (const auto tie = tie_of(form)) {
-    theta[tie->tendon] += *form.tied_compliance * theta[tie->motor];
-  }
-  return theta;
 }
 
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*> {

@@ -62,7 +62,7 @@ struct LawForm {
   const Catalogue* catalogue = &term_catalogue();
   std::vector<std::string> terms;
   Shapes shapes = catalogue->initial_shapes();
-  std::vector<std::string> held = {};  ///< terms, or single shapes as "term.shape", that no fit moves
+  std::vector<std::string> held = {};  ///< terms whose shapes no fit moves
   /// Tendons' compliance over beta, rad/Nm, where no fit moves that either: their column goes with the motor angle's.
   std::optional<double> tied_compliance = {};
 
@@ -76,8 +76,6 @@ auto form_of(const JointFile& joint) -> LawForm;
 
 /// The same with its tendons as they are, stiffness and all: what such a law leaves of a log is what has changed.
 auto base_of(const JointFile& joint) -> LawForm;
-/// Coefficients as the law has them, of those of its columns: a tied compliance from beta.
-auto untied(const LawForm& form, Eigen::VectorXd theta) -> Eigen::VectorXd;
 
 /// Terms of the form in the order of the catalogue.
 auto ordered_terms(const LawForm& form) -> std::vector<const CatalogueTerm*>;

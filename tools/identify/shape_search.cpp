@@ -219,9 +219,7 @@ auto shape_step(const ShapeInfo& info, double value) -> double {
 auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool {
   const ShapeInfo& info = term.shapes[shape];
   const int switched = info.idle_without;
-  const bool held = std::any_of(form.held.begin(), form.held.end(), [&](const std::string& name) {
-    return name == term.name || name == term.name + "." + info.name;
-  });
+  const bool held = std::find(form.held.begin(), form.held.end(), term.name) != form.held.end();
   return !held && !term.shapes_are_given && info.of != ShapeOf::kGiven &&
          (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
 }

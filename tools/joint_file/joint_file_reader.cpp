@@ -311,17 +311,14 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
               "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
-  if (const auto* gof = table->get("gof_percent")) {
-    fit.gof_percent = reader.number(*gof, "gof_percent");
-  }
-  if (const auto* samples = table->get("samples")) {
-    fit.samples = std::lround(reader.number(*samples, "samples"));
-  }
+  const auto number = [&](const char* key) {
+    return table->contains(key) ? reader.number(*table->get(key), key) : 0.0;
+  };
+  fit.gof_percent = number("gof_percent");
+  fit.samples = std::lround(number("samples"));
+  fit.joint_range = number("joint_range");
   if (const auto* range = table->get("motor_range")) {
     fit.motor_range = reader.interval(*range, "motor_range");
-  }
-  if (const auto* range = table->get("joint_range")) {
-    fit.joint_range = reader.number(*range, "joint_range");
   }
   if (table->contains("loop_half_width")) {
     fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargest});

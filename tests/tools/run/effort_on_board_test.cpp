@@ -8,9 +8,8 @@
 #include <sstream>
 
 #include "capstan/boards/common/file_banks.hpp"
-#include "capstan/boards/sim/sim_board.hpp"
 #include "capstan/firmware/parameters/effort_rows.hpp"
-#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/board_rig.hpp"
 #include "capstan/tools/apply/effort_lines.hpp"
 #include "capstan/tools/replay/effort_replay.hpp"
 #include "capstan/tools/run/run.hpp"
@@ -41,38 +40,13 @@ auto plants_law() -> const EffortLaw& {
   return law;
 }
 
-struct Rig {
-  explicit Rig(const sim::Scenario& scenario) : board(scenario, banks, sink, false) { board.tick(); }
-  auto say(const std::string& line) -> std::string {
-    for (const char c : line + "\n") {
-      board.shell().receive(c);
-    }
-    for (long i = 0; i < 200'000 && board.shell().busy(); ++i) {
-      board.tick();
-      board.shell().poll();
-    }
-    return sink.take();
-  }
-  void say(const Lines& lines) {
-    for (const std::string& line : lines) {
-      const std::string answer = say(line);
-      EXPECT_EQ(answer.find("error "), std::string::npos) << line << ": " << answer;
-    }
-  }
-  [[nodiscard]] auto joint() const -> AxisTelemetry { return board.machine().axis_telemetry(0); }
-
-  FileBanks banks = FileBanks::temporary();
-  capstan::test::StringSink sink;
-  SimBoard board;
-};
-
 struct Felt {
   double rms_nm = 0.0, torque_rms_nm = 0.0, most_nm = 0.0;
 };
 
 /// The joint swings slowly about 0.
 auto swing(const sim::Scenario& scenario, int feedforward) -> Felt {
-  Rig rig(scenario);
+  test::BoardRig rig(scenario);
   rig.say(effort_lines(plants_law(), "law.toml", 0));
   rig.say(Lines{"set joint0.effort.feedforward " + std::to_string(feedforward), "arm"});
   Felt felt;
@@ -114,7 +88,7 @@ TEST(EffortOnBoard, ContactStandsOutOfFreeMotion) {
 }
 
 TEST(EffortOnBoard, ReplayInFixedPointIsWhatTheBoardSaysToTheBit) {
-  Rig rig(sim::Scenario{});
+  test::BoardRig rig(sim::Scenario{});
   rig.say(effort_lines(plants_law(), "law.toml", 0));
   const BoardEffortLaw law = board_effort_law(plants_law(), "law.toml");
   rig.say("arm");
@@ -174,7 +148,7 @@ TEST(EffortLines, SetEveryParameterOfTheLawAndTheBoardTakesThem) {
   EXPECT_EQ(lines.size(), kEffortRows - 1 + 2);  // all but effort.feedforward, which is the user's; begin and commit
   EXPECT_EQ(lines.front(), "begin");
   EXPECT_EQ(lines.back(), "commit");
-  Rig rig{sim::Scenario{}};
+  test::BoardRig rig{sim::Scenario{}};
   rig.say(lines);
   const AxisConfig& config = rig.board.machine().config()[0];
   for (const Q24 coefficient : config.effort.law.coefficients) {

@@ -8,8 +8,7 @@
 #include <sstream>
 
 #include "capstan/boards/common/file_banks.hpp"
-#include "capstan/boards/sim/sim_board.hpp"
-#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/board_rig.hpp"
 #include "capstan/tests/tools/run/recipe_log.hpp"
 #include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/apply/model_lines.hpp"
@@ -72,32 +71,6 @@ TEST(Wrist, CouplingLawKeepsTheJawWithinThreeTenthsOfADegreeWhileThePitchSwings)
   EXPECT_GT(alone, 3.0 * coupled) << "there is a coupling to speak of";
 }
 
-/// A board on a simulated joint, with an operator.
-struct Rig {
-  explicit Rig(const sim::Scenario& scenario) : board(scenario, banks, sink, false) { board.tick(); }
-  auto say(const std::string& line) -> std::string {
-    for (const char c : line + "\n") {
-      board.shell().receive(c);
-    }
-    for (long i = 0; i < 200'000 && board.shell().busy(); ++i) {
-      board.tick();
-      board.shell().poll();
-    }
-    return sink.take();
-  }
-  void say(const Lines& lines) {
-    for (const std::string& line : lines) {
-      const std::string answer = say(line);
-      EXPECT_EQ(answer.find("error "), std::string::npos) << line << ": " << answer;
-    }
-  }
-  [[nodiscard]] auto joint() const -> AxisTelemetry { return board.machine().axis_telemetry(0); }
-
-  FileBanks banks = FileBanks::temporary();
-  capstan::test::StringSink sink;
-  SimBoard board;
-};
-
 auto forceps_law() -> const Lines& {
   static const Lines lines = [] {
     std::ostringstream text;
@@ -129,7 +102,7 @@ auto watch(const std::string& change, bool joint_sensor, double seconds) -> Watc
     scenario.plant.effects.pretension_change_at_s = 60.0;
   }
   scenario.plant.effects.pulley_slip_at_s = 60.0;
-  Rig rig(scenario);
+  test::BoardRig rig(scenario);
   rig.say(forceps_law());
   rig.say(Lines{joint_sensor ? "set joint0.monitor.joint_rms 0.6 deg" : "set joint0.monitor.torque_rms 2 mNm", "arm"});
   Watch result;
@@ -193,7 +166,7 @@ TEST(PalpationOnBoard, TellsStiffnessWithItsIntervalAtThePromptAndKeepsAMap) {
     sim::Scenario scenario;
     scenario.seed = 5;
     scenario.plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = stiffness};
-    Rig rig(scenario);
+    test::BoardRig rig(scenario);
     rig.say("begin");
     rig.say(law);
     rig.say(Lines{"commit", "arm"});

@@ -4,9 +4,7 @@
 
 #include <sstream>
 
-#include "capstan/boards/common/file_banks.hpp"
-#include "capstan/boards/sim/sim_board.hpp"
-#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/board_rig.hpp"
 #include "capstan/tools/response/tuning.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -15,32 +13,11 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// A board on a simulated joint, with an operator.
-struct Rig {
-  explicit Rig(const sim::Scenario& scenario) : board(scenario, banks, sink, false) { board.tick(); }
-  auto say(const std::string& line) -> std::string {
-    for (const char c : line + "\n") {
-      board.shell().receive(c);
-    }
-    for (long i = 0; i < 200'000 && board.shell().busy(); ++i) {
-      board.tick();
-      board.shell().poll();
-    }
-    return sink.take();
-  }
-
-  FileBanks banks = FileBanks::temporary();
-  capstan::test::StringSink sink;
-  SimBoard board;
-};
-
 /// What a joint answers, with these lines typed before it is armed.
 auto respond(const sim::Scenario& scenario, const Lines& lines, const std::string& options) -> Response {
-  Rig rig(scenario);
+  test::BoardRig rig(scenario);
   rig.say("maintenance open");
-  for (const std::string& line : lines) {
-    EXPECT_EQ(rig.say(line).find("error "), std::string::npos) << line;
-  }
+  rig.say(lines);
   rig.say("arm");
   const std::string text = rig.say("experiment joint0 multisine on=torque from=1Hz to=200Hz " + options);
   EXPECT_NE(text.find("\r\nok"), std::string::npos)
