@@ -176,6 +176,7 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
                          .samples = 32000,
                          .motor_range = Interval{-1.0 / 3.0, 2.0},
                          .loop_half_width = 1.0 / 19.0,
+                         .loop_torque = 1.0 / 23.0,
                          .joint_range = 2.2,
                          .logs = {"a \"b\".csv", "c.csv"}};
   const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
@@ -190,6 +191,7 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(again.fit->motor_range, joint.fit->motor_range);
   EXPECT_EQ(again.fit->joint_range, joint.fit->joint_range);
   EXPECT_EQ(again.fit->loop_half_width, joint.fit->loop_half_width);
+  EXPECT_EQ(again.fit->loop_torque, joint.fit->loop_torque);
 }
 
 TEST(JointFile, EveryMistakeGetsItsLineAndACure) {

@@ -185,13 +185,17 @@ auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
 }
 
 /// Chooses the law that is delivered and measures its error once, on rows that chose nothing.
-void report(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
+void report(const Preparation& p, const Search& search, const LawForm& base, const std::optional<JointFile>& healthy,
+            Diagnosis& d) {
   d.base = causal_law(p, base);
   d.base.status = LawStatus::kBase;
   d.traces.before = estimates(p.logs, p.causal, d.base);
   d.before = report_error(p, d.traces.before);
   d.noise_floor = std::hypot(d.noise_floor, noise_of_running(p, search.law));
   d.found = found_law(p, search, base, d);
+  if (healthy) {
+    hold_to_own_logs(p, *healthy, d);
+  }
   const LawChoice choice = chosen_law(p, d);
   d.law = choice.law;
   d.halves_agree = choice.halves_agree;
@@ -260,7 +264,7 @@ void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options,
   d.traces.q1 = stacked_signal(p.logs, &AxisLog::q1_rad);
   d.traces.measured = p.target;
   d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
-  report(p, search, base, d);
+  report(p, search, base, options.base_law, d);
   for (const auto& log : options.test_logs) {
     test_on(log, d, d.tested);
   }

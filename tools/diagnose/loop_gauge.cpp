@@ -95,17 +95,6 @@ auto changed_tendons(LawForm tendons, const std::string& name, double width) -> 
   return tendons;
 }
 
-/// What a healthy law left of its own log, which no camera but a noisier one exceeds: that one shows it from sample to
-/// sample.
-auto noise_known(const Preparation& p, const JointFile& healthy) -> double {
-  if (!healthy.fit) {
-    return std::numeric_limits<double>::infinity();
-  }
-  const Eigen::Index rows = p.target.size() - 1;
-  const Eigen::VectorXd steps = p.target.tail(rows) - p.target.head(rows);
-  return std::max(healthy.fit->rmse, rms(steps) / std::sqrt(2.0));
-}
-
 /// A search from a loop of any width, and what its end says.
 class LoopSearch {
  public:
@@ -119,7 +108,10 @@ class LoopSearch {
         left_by_loop_(left_to_choose(p, loop_)),
         left_by_found_(left_to_choose(p, search_.law)),
         enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
-    const Loop now{half_width_of(search_.law), friction_of(torque)};
+    const double width_rad = half_width_of(search_.law);
+    const auto sliding =
+        healthy.fit && healthy.fit->loop_torque ? loop_torque(p.hindsight, p.certain(), width_rad) : std::nullopt;
+    const Loop now{width_rad, sliding.value_or(friction_of(torque))};
     width_ = now.half_width_rad / before.half_width_rad;
     force_ = now.torque_nm / before.torque_nm;
     search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
@@ -171,9 +163,11 @@ class LoopSearch {
     if (!found.empty() && !about_tendons && left_by_found_ <= enough_) {
       return complete(search_.law, left_by_found_, found);
     }
-    const LawForm late = late_loop();
-    if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
-      return complete(late, left_by_it, {named(name_of_lateness())});
+    for (const char* term : {"transport_delay", "transmission_viscous"}) {
+      const LawForm late = late_loop(term);
+      if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
+        return complete(late, left_by_it, {named(name_of_lateness())});
+      }
     }
     const Course course = course_of(p_, loop_);
     if (!found.empty() && found.front().name == "thermal_drift") {
@@ -207,10 +201,13 @@ class LoopSearch {
   [[nodiscard]] auto name_of_lateness() const -> std::string {
     return force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";
   }
-  [[nodiscard]] auto late_loop() const -> LawForm {
+  [[nodiscard]] auto late_loop(const std::string& by) const -> LawForm {
     LawForm law = loop_;
-    law.terms.emplace_back("transport_delay");
-    law.set_shapes(law.catalogue->term("transport_delay"), {p_.coarse_period_s});
+    const CatalogueTerm& term = law.catalogue->term(by);
+    law.terms.push_back(by);
+    if (!term.shapes.empty()) {
+      law.set_shapes(term, {p_.coarse_period_s});
+    }
     return refine_shapes(p_.hindsight, p_.target, p_.certain(), law);
   }
   [[nodiscard]] auto named(const std::string& name) const -> AddedEffect {

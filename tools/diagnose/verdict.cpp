@@ -6,6 +6,7 @@
 #include <set>
 
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -179,6 +180,16 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
   }
   d.reason = "The law lacks " + found + "; what is left then can not be told from noise.";
   return Verdict::kEffect;
+}
+
+void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) {
+  const double known = noise_known(p, law);
+  if (d.verdict == Verdict::kNothingMissing && d.before.rmse > kAboveFloor * known) {
+    refuse_completeness("The law leaves " + rounded(d.before.rmse / known, 2) +
+                            " times what it left of its own logs: something has come, and this log does not show which "
+                            "effect it is.",
+                        d);
+  }
 }
 
 void reconcile(const Preparation& p, const Search& search, const LawChoice& choice, Diagnosis& d) {

@@ -14,6 +14,10 @@ inline constexpr const char* kEverything =
 /// warnings and next experiment.
 auto judge(const Search& search, Diagnosis& d) -> Verdict;
 
+/// Takes `nothing_missing` back from a law that leaves more than it left of its own logs: cycles that differ from each
+/// other by what has come to the joint make a high floor of it.
+void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d);
+
 /// Makes the verdict agree with the law that is delivered and with the errors before and after: nothing is called
 /// complete that another law betters for certain, or that leaves more than its floor, or in which an effect of a tenth
 /// of the target could hide.

@@ -325,7 +325,9 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   }
   joint.fit = summary;
   if (const auto loop = loop_of(joint)) {
-    joint.fit->loop_half_width = half_width_of(fit_loop(design, target, even_blocks(design.log_rows(), 2), *loop));
+    const Blocks rows = even_blocks(design.log_rows(), 2);
+    joint.fit->loop_half_width = half_width_of(fit_loop(design, target, rows, *loop));
+    joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
   }
 }
 

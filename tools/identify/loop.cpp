@@ -38,7 +38,9 @@ auto loop_of(const JointFile& joint) -> std::optional<Loop> {
   }
   const bool measured = joint.fit && joint.fit->loop_half_width;
   const double width = measured ? *joint.fit->loop_half_width : width_by_law(joint, *joint.steady_torque);
-  const Loop loop{width, friction_of(*joint.steady_torque)};
+  const double torque =
+      joint.fit && joint.fit->loop_torque ? *joint.fit->loop_torque : friction_of(*joint.steady_torque);
+  const Loop loop{width, torque};
   return loop.half_width_rad > 0.0 && loop.torque_nm > 0.0 ? std::optional(loop) : std::nullopt;
 }
 
@@ -56,6 +58,14 @@ auto half_width_of(const LawForm& loop) -> double {
 
 auto friction_of(const SteadyTorque& torque) -> double {
   return 0.5 * std::abs(torque.forward_nm - torque.backward_nm);
+}
+
+auto loop_torque(const LawDesign& design, const Blocks& rows, double half_width_rad) -> std::optional<double> {
+  constexpr double kThrough = 2.2;  // half widths; a tenth for the knee
+  const double least = kThrough * half_width_rad;
+  const double torque = friction_torque(
+      design, rows, [least](const auto& sample) { return std::abs(sample.q1 - sample.q1_reversal) > least; });
+  return torque > 0.0 ? std::optional(torque) : std::nullopt;
 }
 
 }  // namespace capstan::tools

@@ -24,5 +24,8 @@ auto fit_loop(const LawDesign& design, const Eigen::VectorXd& target, const Bloc
 auto half_width_of(const LawForm& loop) -> double;
 
 auto friction_of(const SteadyTorque& torque) -> double;
+/// Torque of the loop on these rows, where the motor has gone through its whole width since it turned, both tendons
+/// sliding: small strokes do not say it. Nothing where no stroke is that long.
+auto loop_torque(const LawDesign& design, const Blocks& rows, double half_width_rad) -> std::optional<double>;
 
 }  // namespace capstan::tools

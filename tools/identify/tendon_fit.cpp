@@ -49,7 +49,8 @@ auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
 
 }  // namespace
 
-auto friction_torque(const LawDesign& design, const Blocks& rows) -> double {
+auto friction_torque(const LawDesign& design, const Blocks& rows,
+                     const std::function<bool(const Sample<double>&)>& counts) -> double {
   double torque[2] = {0.0, 0.0};  // times the way, backward and forward
   double way[2] = {0.0, 0.0};
   Eigen::Index first = 0;  // of the log
@@ -58,7 +59,7 @@ auto friction_torque(const LawDesign& design, const Blocks& rows) -> double {
     for (const auto& block : rows) {
       for (Eigen::Index i = std::max(block.begin, first); i < std::min(block.end, end); ++i) {
         const auto& sample = samples[static_cast<std::size_t>(i - first)];
-        const double speed = std::abs(sample.dq1);
+        const double speed = counts(sample) ? std::abs(sample.dq1) : 0.0;
         torque[sample.forward] += speed * sample.tau;
         way[sample.forward] += speed;
       }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
@@ -10,7 +12,10 @@ inline constexpr const char* kTendonModel = "tendon";
 
 /// Half the distance between the torques forward and backward on these rows, the faster the more weight: the friction
 /// of everything while the joint is free. 0 where the motor moves one way only.
-auto friction_torque(const LawDesign& design, const Blocks& rows) -> double;
+/// @param counts  which samples count
+auto friction_torque(
+    const LawDesign& design, const Blocks& rows,
+    const std::function<bool(const Sample<double>&)>& counts = [](const Sample<double>&) { return true; }) -> double;
 
 /// Finds the shapes of a law's term `tendon` from a motion of q1, tau and the target: from several starts that the
 /// torque of steady motion suggests, on means over few rows first. Leaves the other shapes as they are.

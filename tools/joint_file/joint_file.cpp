@@ -77,6 +77,9 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
   if (fit.loop_half_width) {
     text += "loop_half_width = " + quantity(*fit.loop_half_width, "rad", {});
   }
+  if (fit.loop_torque) {
+    text += "loop_torque = " + quantity(*fit.loop_torque, "Nm", {});
+  }
   text += "logs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);

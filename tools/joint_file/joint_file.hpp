@@ -33,6 +33,7 @@ struct FitSummary {
   long samples = 0;
   std::optional<Interval> motor_range = {};    ///< of the motor angle in the logs, rad
   std::optional<double> loop_half_width = {};  ///< of a law with tendons: of the loop in the logs, at the motor, rad
+  std::optional<double> loop_torque = {};      ///< that it takes, Nm
   double joint_range = 0.0;                    ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };

@@ -307,8 +307,10 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   if (table == nullptr) {
     return;
   }
-  reader.only(*table, {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "logs"},
-              "[fit]");
+  reader.only(
+      *table,
+      {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "logs"},
+      "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
   const auto number = [&](const char* key) {
@@ -322,6 +324,9 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   }
   if (table->contains("loop_half_width")) {
     fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargest});
+  }
+  if (table->contains("loop_torque")) {
+    fit.loop_torque = reader.quantity(*table, "loop_torque", "Nm", {0.0, kLargest});
   }
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {
