@@ -78,6 +78,7 @@ class Shell {
   void finish_arming();
   void print_fault(const char* what, const FaultInfo& entry);
   void print_warnings(WarningSet warnings);
+  void print_tendons(const AxisTelemetry& joint);
   /// What is to be known about what was stored, each line behind `begin`; nothing if all is as it was saved.
   void print_load_report(const char* begin);
   void go_on_logging();

@@ -59,9 +59,10 @@ void ShellCommands::faults(Shell& shell, std::string_view arguments) {
   }
   shell.print_warnings(now.warnings);
   for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    if (const WarningSet warnings = shell.machine_.axis_telemetry(axis).warnings; warnings != 0) {
+    if (const AxisTelemetry joint = shell.machine_.axis_telemetry(axis); joint.warnings != 0) {
       out << "joint" << static_cast<std::uint32_t>(axis) << ", nothing is stopped by this:\r\n";
-      shell.print_warnings(warnings);
+      shell.print_warnings(joint.warnings);
+      shell.print_tendons(joint);
     }
   }
   fault_history(shell);

@@ -66,6 +66,13 @@ void Shell::print_warnings(WarningSet warnings) {
   }
 }
 
+void Shell::print_tendons(const AxisTelemetry& joint) {
+  if (joint.tendons != TendonHealth::kNothing) {
+    const TendonHealthInfo& tendons = info(joint.tendons);
+    out_ << "  tendons " << tendons.name << ": " << tendons.cause << "; " << tendons.cure << "\r\n";
+  }
+}
+
 void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
   const MachineTelemetry now = shell.machine_.telemetry();
   Print& out = shell.out_;
@@ -90,6 +97,9 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
     }
     print_disturbance(out, joint, shell.machine_.config()[axis].effort);
     print_force(out, joint, shell.machine_.config()[axis].force);
+    if (joint.tension > Q24{}) {
+      out << " tension " << joint.tension << " of the healthy joint's";
+    }
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {
         out << " limited by " << kLimitNames[i];
@@ -98,6 +108,7 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
     out << "\r\n";
     print_law_status(out, shell.machine_.config()[axis]);
     shell.print_warnings(joint.warnings);
+    shell.print_tendons(joint);
   }
   print_thermometer(out, now);
   shell.ok();

@@ -51,8 +51,10 @@ void Estimator::rt_monitor(const AxisConfig& config, const MotorState& motor) {
                     .q1_reversal_rad = sample.q1_reversal,
                     .tau_nm = sample.tau,
                     .forward = sample.forward,
+                    .joint_lead_rad = estimate_.q2_reported_rad - law_.beta() * sample.q1,
                     .has_joint = motor.has_joint,
-                    .joint_error_rad = motor.joint_rad - estimate_.q2_reported_rad});
+                    .joint_error_rad = motor.joint_rad - estimate_.q2_reported_rad,
+                    .crossed = law_.beta() < Q24{}});
 }
 
 }  // namespace capstan

@@ -29,7 +29,10 @@ class Estimator {
   void rt_make_law(const LawParameters<Q24>& parameters);
   /// The monitor anew; a warning goes away.
   void rt_make_monitor(const MonitorConfig& config) { monitor_.rt_configure(config); }
-  void rt_forget() { law_.restart(); }
+  void rt_forget() {
+    law_.restart();
+    monitor_.rt_unsettle();
+  }
   /// There is no joint here.
   void rt_absent() { estimate_ = {}; }
   /// @param others         the motors that pull at this joint too
@@ -38,7 +41,7 @@ class Estimator {
   auto rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
       -> const JointEstimate&;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
-  void rt_judge_law(const MonitorConfig& config) { monitor_.rt_judge(config); }
+  void rt_judge_law(const AxisConfig& config) { monitor_.rt_judge(config); }
 
   [[nodiscard]] auto law() const -> const MotionLaw<Q24>& { return law_; }
   [[nodiscard]] auto monitor() const -> const LawMonitor& { return monitor_; }

@@ -73,8 +73,9 @@ void Axis::rt_configure(const AxisConfig& config) {
   }
   if (new_monitor) {
     estimator_.rt_make_monitor(config_.monitor);
-    telemetry_.misfit = Q24{};
+    telemetry_.misfit = telemetry_.tension = Q24{};
     telemetry_.warnings = 0;
+    telemetry_.tendons = TendonHealth::kNothing;
   }
 }
 
@@ -194,6 +195,8 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.disturbance_known = effort_.estimate().known;
   telemetry_.misfit = estimator_.monitor().level();
   telemetry_.warnings = estimator_.monitor().warnings();
+  telemetry_.tension = estimator_.monitor().tendons().tension();
+  telemetry_.tendons = estimator_.monitor().tendons().health();
 }
 
 }  // namespace capstan

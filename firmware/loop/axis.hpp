@@ -31,7 +31,7 @@ class Axis {
   auto rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c = ScalarTraits<Q24>::missing())
       -> JointEstimate;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
-  void rt_judge_law() { estimator_.rt_judge_law(config_.monitor); }
+  void rt_judge_law() { estimator_.rt_judge_law(config_); }
   /// Takes a command, as Modes::rt_command; false too where there is no joint.
   auto rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool;
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capstan/firmware/control/modes.hpp"
+#include "capstan/firmware/estimate/tendon_health.hpp"
 #include "capstan/firmware/safety/warnings.hpp"
 
 namespace capstan {
@@ -24,6 +25,7 @@ struct AxisTelemetry {
   Q24 law_torque_nm;              ///< by the effort law for the motion a quarter of its window ago, 0 without one
   Q24 disturbance_nm;             ///< measured torque of that instant less the law's, filtered; 0 while not known
   Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
+  Q24 tension;                    ///< of the tendons, as a share of the healthy joint's; 0: not known
   FaultSet faults = 0;            ///< present now
   LimitSet limits = 0;
   bool estimate_valid = false;
@@ -31,6 +33,7 @@ struct AxisTelemetry {
   bool joint_torque_known = false;  ///< the force law's past no longer matters
   ForcePhase joint_torque_phase = ForcePhase::kUnknown;
   WarningSet warnings = 0;
+  TendonHealth tendons = TendonHealth::kNothing;
   ControlMode mode = ControlMode::kPosition;
   bool moving = false;  ///< its reference is, or comes as a stream
 };

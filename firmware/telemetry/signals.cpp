@@ -14,7 +14,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 22> kJointSignals = {
+constexpr std::array<SignalInfo, 24> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -38,6 +38,9 @@ constexpr std::array<SignalInfo, 22> kJointSignals = {
          offsetof(AxisTelemetry, disturbance_nm)),
     real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
          offsetof(AxisTelemetry, misfit)),
+    real("tension", "tension", "1",
+         "friction of the tendons, and so their tension, over the healthy joint's; 0 unknown",
+         offsetof(AxisTelemetry, tension)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
     SignalInfo{"limits", "limits", "1",
@@ -54,6 +57,10 @@ constexpr std::array<SignalInfo, 22> kJointSignals = {
                offsetof(AxisTelemetry, mode)},
     SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,
                offsetof(AxisTelemetry, warnings)},
+    SignalInfo{
+        "tendons", "tendons", "1",
+        "what became of the tendons: 1 loose, 2 slack, 3 worn, 4 frayed, 5 play, 6 zero moved, 7 slips, 8 broken",
+        SignalType::kByte, offsetof(AxisTelemetry, tendons)},
 };
 
 constexpr std::array<SignalInfo, 6> kMachineSignals = {

@@ -91,9 +91,13 @@ struct Effects {
   // magnetic_detent: motor cogging, torque * sin(per_turn q1).
   double magnetic_detent_nm = 0.0;
   double magnetic_detent_per_turn = 35.0;
-  // pulley_slip: the input pulley turns on its shaft by this angle, once.
+  // fraying: strands of the top run tear along its whole length, and this share of its stiffness goes with them.
+  double fraying_share = 0.0;
+  double fraying_at_s = 10.0;
+  // pulley_slip: the input pulley turns on its shaft by this angle, once or again and again.
   double pulley_slip_rad = 0.0;
   double pulley_slip_at_s = 10.0;
+  double pulley_slip_every_s = 0.0;  // again and again; 0: once
   // tremor: a periodic torque on the tip.
   double tremor_nm = 0.0;
   double tremor_hz = 3.0;

@@ -81,6 +81,10 @@ void Periphery::apply_slow_effects(Tendon& top, Tendon& bottom) {
     bottom.lengthen(-change / both);
     applied_pretension_n_ = e.pretension_change_n;
   }
+  if (e.fraying_share > 0.0 && !frayed_ && now >= e.fraying_at_s) {
+    top.weaken(1.0 - e.fraying_share);
+    frayed_ = true;
+  }
   if (e.wear_per_rad != 0.0 || e.sheath_bend_per_rad != 0.0) {
     const double bend = 1.0 + e.sheath_bend_per_rad * std::fabs(truth_.q2_rad);
     const double factor = std::max(0.0, (1.0 + e.wear_per_rad * travelled_rad_) * bend);

@@ -81,6 +81,7 @@ class Periphery {
   double substep_s_ = 0.0;
   double applied_growth_m_ = 0.0;
   double applied_pretension_n_ = 0.0;
+  bool frayed_ = false;
   double travelled_rad_ = 0.0;
 };
 

@@ -38,8 +38,11 @@ std::int32_t Encoder::counts(double q1_rad, double time_s) const {
     const double angle = effects_.angle_periodic_per_turn * q1_rad + effects_.angle_periodic_phase_rad;
     shown += effects_.angle_periodic_rad * det_sin(angle);
   }
-  if (time_s >= effects_.pulley_slip_at_s)
-    shown += effects_.pulley_slip_rad;
+  if (time_s >= effects_.pulley_slip_at_s) {
+    const double every = effects_.pulley_slip_every_s;
+    const double again = every > 0.0 ? std::floor((time_s - effects_.pulley_slip_at_s) / every) : 0.0;
+    shown += (1.0 + again) * effects_.pulley_slip_rad;
+  }
   return wrap(static_cast<std::int64_t>(std::floor(start_counts_ + shown * counts_per_rad_)));
 }
 

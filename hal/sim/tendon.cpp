@@ -57,6 +57,11 @@ void Tendon::set_eta(double eta) {
   ratio_ = det_exp(eta / static_cast<double>(count_ - 1));
 }
 
+void Tendon::weaken(double left) {
+  for (double& stiffness : stiffness_)
+    stiffness *= left;
+}
+
 double Tendon::elongation() const {
   return std::accumulate(elongation_.begin(), elongation_.end(), 0.0);
 }

@@ -57,6 +57,9 @@ class Tendon {
 
   void set_eta(double eta);
 
+  /// Strands tear along the whole length: this share of the stiffness is left of what there was.
+  void weaken(double left);
+
   /// Tears: no tension from now on, whatever the ends do.
   void snap() { snapped_ = true; }
 

@@ -2,9 +2,12 @@
 #include "capstan/tools/apply/model_lines.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 #include <utility>
+
+#include "capstan/tools/select/deciding_numbers.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -42,6 +45,21 @@ class Lines {
   std::size_t shape_ = 0;
 };
 
+/// A joint sensor is expected to differ from the law as the logs did, and in other motions by what a loop's width is
+/// known to (kLoopTold); without a fit nobody knows, and nothing is watched.
+auto expected_error_rad(const JointFile& joint) -> double {
+  constexpr double kMostRad = 1.0;
+  if (!joint.fit) {
+    return 0.0;
+  }
+  double width_rad = 0.0;
+  if (joint.fit->loop_half_width) {
+    const double ratio = joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
+    width_rad = kLoopTold * std::abs(ratio) * *joint.fit->loop_half_width;
+  }
+  return std::min(std::hypot(joint.fit->rmse, width_rad), kMostRad);
+}
+
 }  // namespace
 
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
@@ -63,10 +81,7 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
     write.set("control", "torque_forward", joint.steady_torque->forward_nm, "Nm");
     write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");
   }
-  // A joint sensor is expected to differ from the law as the logs did; without a fit nobody knows, and nothing is
-  // watched.
-  constexpr double kMostRad = 1.0;
-  write.set("monitor", "joint_rms", joint.fit ? std::min(joint.fit->rmse, kMostRad) : 0.0, "rad");
+  write.set("monitor", "joint_rms", expected_error_rad(joint), "rad");
   lines.emplace_back("commit");
   return lines;
 }

@@ -31,6 +31,13 @@ auto steady() -> ControlConfig {
   return control;
 }
 
+auto whole(const MonitorConfig& monitor) -> AxisConfig {
+  AxisConfig config;
+  config.monitor = monitor;
+  config.control = steady();
+  return config;
+}
+
 /// A motor that goes to and fro, one stride at a time.
 class Motor {
  public:
@@ -43,8 +50,16 @@ class Motor {
     }
     q1_ += forward_ ? 1.01 / 256.0 : -1.01 / 256.0;
     const double torque = forward_ ? kSteady + more_forward : -kSteady + more_backward;
-    monitor.rt_step(config_, steady(), {q(q1_), q(reversal_), q(torque), forward_, has_joint, q(error)});
-    monitor.rt_judge(config_);
+    monitor.rt_step(config_, steady(),
+                    {.q1_rad = q(q1_),
+                     .q1_reversal_rad = q(reversal_),
+                     .tau_nm = q(torque),
+                     .forward = forward_,
+                     .joint_lead_rad = q(forward_ ? -0.02 : 0.02),
+                     .has_joint = has_joint,
+                     .joint_error_rad = q(error),
+                     .crossed = false});
+    monitor.rt_judge(whole(config_));
   }
   void stretch(double error) {
     for (int i = 0; i < LawMonitor::kStretch; ++i) {
@@ -108,13 +123,56 @@ TEST(LawMonitor, ErrorTwiceAsLargeIsSaidWithinFiftyStretchesAndAnAllowedOneNever
   }
 }
 
+TEST(LawMonitor, WhatALawDoesNotKnowYetProvesNothing) {
+  Motor motor(watching_sensor());
+  for (int i = 0; i < LawMonitor::kUnsettled; ++i) {
+    motor.stride(true, 0.9);
+  }
+  motor.stretch(0.0);
+  EXPECT_EQ(motor.monitor.warnings(), 0);
+  motor.monitor.rt_unsettle();  // a zero was set: its memory begins anew
+  for (int i = 0; i < LawMonitor::kUnsettled; ++i) {
+    motor.stride(true, 0.9);
+  }
+  motor.stretch(0.0);
+  EXPECT_EQ(motor.monitor.warnings(), 0);
+  motor.stretch(0.9);
+  EXPECT_EQ(motor.monitor.warnings(), bit(Warning::kLawMisfit));
+}
+
+TEST(LawMonitor, SensorAndTorqueAreWatchedAtOnce) {
+  MonitorConfig both = watching_sensor();
+  both.torque_rms_nm = watching_torque().torque_rms_nm;
+  Motor loose(both);
+  for (int i = 0; i < 60'000; ++i) {
+    loose.stride(true, 0.0, -0.02, 0.02);
+  }
+  EXPECT_EQ(loose.monitor.warnings(), bit(Warning::kFrictionLower));
+  EXPECT_EQ(loose.monitor.tendons().health(), TendonHealth::kLoose);
+  EXPECT_NEAR(loose.monitor.tendons().tension().to_double(), 0.6, 1e-3);
+  Motor shifted(both);
+  for (int i = 0; i < 60'000; ++i) {
+    shifted.stride(true, 0.1);
+  }
+  EXPECT_EQ(shifted.monitor.warnings(), bit(Warning::kLawMisfit));
+  EXPECT_EQ(shifted.monitor.tendons().health(), TendonHealth::kZeroMoved);
+}
+
 TEST(LawMonitor, JointAtRestProvesNothing) {
   Motor motor(watching_sensor());
   LawMonitor monitor(watching_sensor());
   for (int i = 0; i < 1'000'000; ++i) {
     const double noise = i % 2 == 0 ? 0.0015 : -0.0015;  // of the encoder
-    monitor.rt_step(watching_sensor(), steady(), {q(0.3 + noise), q(0.0), q(0.0), true, true, q(0.5)});
-    monitor.rt_judge(watching_sensor());
+    monitor.rt_step(watching_sensor(), steady(),
+                    {.q1_rad = q(0.3 + noise),
+                     .q1_reversal_rad = q(0.0),
+                     .tau_nm = q(0.0),
+                     .forward = true,
+                     .joint_lead_rad = q(0.0),
+                     .has_joint = true,
+                     .joint_error_rad = q(0.5),
+                     .crossed = false});
+    monitor.rt_judge(whole(watching_sensor()));
   }
   EXPECT_EQ(monitor.level(), Q24{});
 }

@@ -279,6 +279,12 @@ TEST(Plant, EffectsOnTheMotorSideShowInEncoderOrCurrent) {
   }
   EXPECT_NEAR(a.readings().encoder_counts, (0.3 + 0.01 * std::sin(5.0 * 0.3)) * counts_per_rad, 1.0);
   EXPECT_NEAR(b.readings().encoder_counts, 0.35 * counts_per_rad, 1.0);
+  slipping.effects.pulley_slip_every_s = 0.2;  // at 0.5, 0.7 and 0.9 s
+  Plant again(slipping, 1);
+  for (int i = 1; i <= 1000; ++i) {
+    again.step_kinematic(0.3 * static_cast<double>(i) / 1000.0);
+  }
+  EXPECT_NEAR(again.readings().encoder_counts, 0.45 * counts_per_rad, 1.0);
 
   PlantParameters cogging = quiet();
   cogging.effects.magnetic_detent_nm = 0.01;

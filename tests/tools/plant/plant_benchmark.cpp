@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
 #include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -21,7 +22,7 @@ struct Options {
   std::vector<double> strengths = {4.0};
   std::vector<std::string> only;
   std::string keep;
-  bool healthy = false, from_nothing = false, compare = false, all_motions = false, verbose = false;
+  bool health = false, healthy = false, from_nothing = false, compare = false, all_motions = false, verbose = false;
 };
 
 /// What an answer says of one joint.
@@ -241,6 +242,53 @@ class Benchmark {
   std::map<std::string, int> too_small_;
 };
 
+/// What a board says of tendons that fail while it watches.
+void ask_boards(const Options& options) {
+  std::map<std::string, std::map<std::string, int>> confusion;
+  std::vector<double> tension_errors;
+  int right = 0, all = 0, silent = 0, healthy = 0;
+  for (int i = 0; i < options.joints; ++i) {
+    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
+    for (const std::string model : {"pseudo_kinematic", "tendon"}) {
+      try {
+        const WatchedJoint joint(drawn_plant(seed), seed, model);
+        for (const TendonFault& fault : tendon_faults()) {
+          for (const bool sensor : {true, false}) {
+            const HealthAnswer answer = joint.watch(fault.name, sensor, 20.0, 100 * seed);
+            const TendonHealth wanted = sensor ? fault.cause : fault.blind;
+            const std::string truth =
+                (fault.name.empty() ? "healthy" : fault.name) + (sensor ? ", sensor" : ", torque");
+            ++confusion[truth][info(answer.health).name];
+            const bool is_right = answer.health == wanted;
+            (wanted == TendonHealth::kNothing ? silent : right) += is_right ? 1 : 0;
+            ++(wanted == TendonHealth::kNothing ? healthy : all);
+            if (fault.name == "loose") {
+              tension_errors.push_back(std::abs(answer.tension / answer.true_tension - 1.0));
+            }
+            if (options.verbose) {
+              std::printf("seed %llu %s %s: %s after %.1f s, tension %.3f of %.3f, warnings %u%s\n",
+                          static_cast<unsigned long long>(seed), model.c_str(), truth.c_str(), info(answer.health).name,
+                          answer.after_s, answer.tension, answer.true_tension, answer.warnings,
+                          is_right ? "" : " WRONG");
+              std::fflush(stdout);
+            }
+          }
+        }
+      } catch (const std::exception& error) {
+        std::printf("seed %llu %s: %s\n", static_cast<unsigned long long>(seed), model.c_str(), error.what());
+      }
+    }
+  }
+  std::printf("right cause within 20 s: %d of %d; nothing said where nothing shows: %d of %d\n", right, all, silent,
+              healthy);
+  if (!tension_errors.empty()) {
+    std::sort(tension_errors.begin(), tension_errors.end());
+    std::printf("tension of a loose joint: off by %.1f %% in the median, %.1f %% at most\n",
+                100.0 * tension_errors[tension_errors.size() / 2], 100.0 * tension_errors.back());
+  }
+  print(confusion);
+}
+
 }  // namespace
 }  // namespace capstan::tools::plant
 
@@ -252,12 +300,17 @@ auto main(int argc, char** argv) -> int {
   app.add_option("--strengths", options.strengths, "rms of an effect beside the healthy law, in camera noises");
   app.add_option("--only", options.only, "some switches only");
   app.add_option("--keep", options.keep, "folder that the logs are written to");
+  app.add_flag("--health", options.health, "ask boards what became of tendons that fail while they watch");
   app.add_flag("--healthy", options.healthy, "healthy joints only");
   app.add_flag("--from-nothing", options.from_nothing, "the usual base law instead of the healthy joint's");
   app.add_flag("--compare", options.compare, "ask `capstan compare` instead");
   app.add_flag("--all-motions", options.all_motions, "three motions instead of one");
   app.add_flag("--verbose", options.verbose, "a line for each joint");
   CLI11_PARSE(app, argc, argv);
-  capstan::tools::plant::Benchmark(options).run();
+  if (options.health) {
+    capstan::tools::plant::ask_boards(options);
+  } else {
+    capstan::tools::plant::Benchmark(options).run();
+  }
   return 0;
 }
