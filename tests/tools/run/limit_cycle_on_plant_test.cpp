@@ -62,7 +62,7 @@ auto measure(const Drawn& drawn) -> Response {
   rig.say("arm");
   const std::string text = rig.say(
       "experiment joint0 multisine on=torque from=1Hz to=200Hz travel=1.8 speed=1 duration=120 amplitude=8mNm "
-      "corridor=0.4");
+      "corridor=0.2");
   std::istringstream all(text);
   std::string log;
   for (std::string line; std::getline(all, line);) {
@@ -174,6 +174,38 @@ TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
     EXPECT_NEAR(foretold->hz, seen.hz, 0.1 * seen.hz) << seed;
     EXPECT_GT(seen.swing_speed, 0.9) << seed << ": friction lets the swing grow to the speed of the way";
     EXPECT_LT(seen.swing_speed, 1.5) << seed << ": and holds it there";
+  }
+}
+
+/// Six seconds of way with these multiples of the gains: how the supervisor takes it.
+auto supervised(const Drawn& drawn, double factor) -> std::pair<WarningSet, Fault> {
+  test::BoardRig rig(drawn.scenario);
+  rig.say(Lines{"maintenance open", "set joint0.limits.joint_speed 0.3"});
+  rig.say(gain_lines(drawn.gains, factor));
+  rig.say(Lines{"arm", "move joint0 " + rounded(-kReach)});
+  for (const char c : "move joint0 " + rounded(kReach) + "\n") {
+    rig.board.shell().receive(c);
+  }
+  WarningSet warnings = 0;
+  for (int i = 0; i < 6000; ++i) {
+    rig.board.tick();
+    rig.board.shell().poll();
+    warnings = static_cast<WarningSet>(warnings | rig.joint().warnings);
+  }
+  return {warnings, rig.board.machine().telemetry().first_fault};
+}
+
+TEST(LimitCycleOnPlant, TheSupervisorWarnsOfASwingAndLeavesCalmGainsAlone) {
+  for (std::uint64_t seed = 530; seed < 534; ++seed) {
+    const Drawn drawn = draw(seed);
+    const std::optional<LimitCycle> foretold = foretell(measure(drawn), drawn.gains);
+    ASSERT_TRUE(foretold) << seed;
+    const auto [warned, fault] = supervised(drawn, 1.2 * foretold->onset);
+    EXPECT_EQ(warned, bit(Warning::kLimitCycle)) << seed;
+    EXPECT_EQ(fault, Fault::kNone) << seed << ": without a commissioned inertia it is a warning";
+    const auto [calm, none] = supervised(drawn, 0.8 * foretold->onset);
+    EXPECT_EQ(calm, WarningSet{0}) << seed;
+    EXPECT_EQ(none, Fault::kNone) << seed;
   }
 }
 
