@@ -98,6 +98,7 @@ class Shell {
   void go_on_watching();
   void go_on_framing();
   void send_schema();
+  void send_sample(const SignalSample& sample);
   void end_frames();
   void end_stream();
 
@@ -132,7 +133,7 @@ class Shell {
   std::uint32_t log_dropped_before_ = 0;
   MotorCommissioning commissioning_;
   CommissioningStep commissioning_step_ = CommissioningStep::kMoves;
-  ExperimentSetup commissioning_setup_;
+  ExperimentSetup setup_;      ///< of an experiment or of commissioning: too large for the motor board's stack
   ScopeSetup scope_;           ///< as typed so far
   std::size_t dump_next_ = 0;  ///< sample
   std::array<Signal, ScopeSetup::kMostChannels> watched_{};

@@ -85,8 +85,8 @@ struct ShellCommands {
   static void maintenance_key(Shell& shell, std::string_view key);
   static void begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments);
   static void begin_response(Shell& shell, std::string_view recipe, std::size_t axis, std::string_view arguments);
-  /// Begins what was checked and recorded_ shows, or says why not.
-  static void start_experiment(Shell& shell, const ExperimentSetup& setup, std::uint32_t every);
+  /// Begins setup_, which was checked, as recorded_ shows it, or says why not.
+  static void start_experiment(Shell& shell, std::uint32_t every);
   static void palpation_map(Shell& shell);
   static void fault_history(Shell& shell);
   static void fault_second(Shell& shell);

@@ -9,7 +9,7 @@
 namespace capstan {
 namespace {
 
-constexpr std::array kSignals = {"q1", "drive", "current"};
+constexpr std::array<std::string_view, 3> kSignals = {"q1", "drive", "current"};
 constexpr Q24 kUsualAmplitude = Q24::from_double(0.3);
 /// Of the torque of limits.continuous_current, for each of the two tones: 7.5 mNm on the forceps, whose answer is ten
 /// counts and one. Chosen in November 2026 so that the elbow's coarse encoder shows its inertia to 10 %.
@@ -21,31 +21,18 @@ constexpr Shares kShares = {Q24::from_double(0.12), Q24::from_double(0.48), Q24:
 constexpr std::int32_t kDitherLegs = 4;  // there and back
 constexpr std::int32_t kFastCycles = 4;
 
-auto signals_of(std::size_t axis) -> RecorderSetup {
-  RecorderSetup setup;
-  for (const char* name : kSignals) {
-    for (const SignalInfo& info : joint_signals()) {
-      if (std::string_view(name) == info.name) {
-        setup.signals[setup.count++] = {&info, static_cast<std::uint8_t>(axis)};
-      }
-    }
-  }
-  setup.signals[setup.count++] = find_signal("machine.experiment", 0);
-  return setup;
-}
-
 /// About where the joint stands.
-auto usual_setup(std::size_t axis, const AxisConfig& config, Q24 q2_rad) -> ExperimentSetup {
-  ExperimentSetup setup{.recipe = Recipe::kSpeedLadder,
-                        .axis = static_cast<std::uint8_t>(axis),
-                        .amplitude = kUsualAmplitude,
-                        .offset_rad = q2_rad,
-                        .rung_count = kShares.size()};
+constexpr ExperimentSetup kUsual{
+    .recipe = Recipe::kSpeedLadder, .amplitude = kUsualAmplitude, .rung_count = kShares.size()};
+
+void take_usual(ExperimentSetup& setup, std::size_t axis, const AxisConfig& config, Q24 q2_rad) {
+  setup = kUsual;
+  setup.axis = static_cast<std::uint8_t>(axis);
+  setup.offset_rad = q2_rad;
   for (std::size_t i = 0; i < kCautiousShares.size(); ++i) {
     setup.rungs[i] = config.limits.joint_speed_rad_s * kCautiousShares[i];
   }
   setup.dither_nm = config.limits.continuous_current_a * config.motor.torque_per_current_nm_per_a * kUsualDither;
-  return setup;
 }
 
 auto parse_option(std::string_view word, ExperimentSetup& setup) -> bool {
@@ -74,7 +61,8 @@ void ShellCommands::commission(Shell& shell, std::string_view arguments) {
     return;
   }
   const AxisConfig& config = shell.machine_.config()[axis];
-  ExperimentSetup setup = usual_setup(axis, config, shell.machine_.axis_telemetry(axis).q2_rad);
+  ExperimentSetup& setup = shell.setup_;
+  take_usual(setup, axis, config, shell.machine_.axis_telemetry(axis).q2_rad);
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     if (!parse_option(word, setup)) {
       shell.error("option", "an option is not understood, and nothing moved",
@@ -101,7 +89,6 @@ void ShellCommands::commission(Shell& shell, std::string_view arguments) {
     shell.error("busy", "frames are being sent or the last request is under way, and nothing moved",
                 "'frames off' if they are on, and send the line again");
   } else {
-    shell.commissioning_setup_ = setup;
     shell.commissioning_.begin(config.motor);
     static_cast<void>(shell.begin_commissioning(Shell::CommissioningStep::kMoves));
   }
@@ -109,27 +96,28 @@ void ShellCommands::commission(Shell& shell, std::string_view arguments) {
 
 /// False: the recorder is not free, and that was answered.
 auto Shell::begin_commissioning(CommissioningStep step) -> bool {
-  recorded_ = signals_of(commissioning_setup_.axis);
+  choose_signals(recorded_, setup_.axis, kSignals);
   if (!machine_.recorder().start(this, recorded_)) {
     error("busy", "the recorder is in use, by another console or still by the last command", "send the line again");
     return false;
   }
-  ExperimentSetup setup = commissioning_setup_;
-  const Q24 fastest = machine_.config()[setup.axis].limits.joint_speed_rad_s;
+  const Q24 fastest = machine_.config()[setup_.axis].limits.joint_speed_rad_s;
   if (step == CommissioningStep::kDither) {
     commissioning_.begin_dither();
-    setup.recipe = Recipe::kDither;
-    setup.rungs[0] = fastest * kCautiousShares.back();
-    setup.rung_count = 1;
-    setup.cycles = kDitherLegs;
+    setup_.recipe = Recipe::kDither;
+    setup_.rungs[0] = fastest * kCautiousShares.back();
+    setup_.rung_count = 1;
+    setup_.cycles = kDitherLegs;
   } else if (step == CommissioningStep::kFastMoves) {
+    setup_.recipe = Recipe::kSpeedLadder;
+    setup_.rung_count = kShares.size();
     for (std::size_t i = 0; i < kShares.size(); ++i) {
-      setup.rungs[i] = fastest * kShares[i];
+      setup_.rungs[i] = fastest * kShares[i];
     }
-    setup.cycles = kFastCycles;
+    setup_.cycles = kFastCycles;
   }
   commissioning_step_ = step;
-  static_cast<void>(machine_.begin_experiment(setup));  // its way to the cycle is free
+  static_cast<void>(machine_.begin_experiment(setup_));  // its way to the cycle is free
   log_left_ = 1;
   activity_ = Activity::kCommissioning;
   return true;
@@ -167,7 +155,7 @@ void Shell::go_on_commissioning() {
     }
   }
   if (log_left_ == 0 && now.state == State::kExperiment && urgent_ == Urgent::kNone) {  // somebody wants it to end
-    static_cast<void>(machine_.post({.kind = Request::Kind::kStop, .axis = commissioning_setup_.axis}));
+    static_cast<void>(machine_.post({.kind = Request::Kind::kStop, .axis = setup_.axis}));
   }
   const bool over = now.experiment == ExperimentPhase::kDone || now.experiment == ExperimentPhase::kEnded;
   if (over && (now.state == State::kHolding || !energised(now.state))) {  // and does not brake any more
@@ -211,13 +199,13 @@ void Shell::take_commissioned() {
   if (!begin_staging()) {
     return;
   }
-  ObserverConfig& observer = staged_[commissioning_setup_.axis].observer;
+  ObserverConfig& observer = staged_[setup_.axis].observer;
   observer = commissioning_.result().values;
   const SetAnswer answer = machine_.configure(staged_, Rights::kMaintenance);
   for (const ParameterInfo& parameter : parameters()) {
     if (answer.taken() && parameter.group == std::string_view("observer")) {
-      out_ << "joint" << static_cast<std::uint32_t>(commissioning_setup_.axis) << ".observer." << parameter.name << ' ';
-      print_value(out_, parameter, raw_value(staged_[commissioning_setup_.axis], parameter));
+      out_ << "joint" << static_cast<std::uint32_t>(setup_.axis) << ".observer." << parameter.name << ' ';
+      print_value(out_, parameter, raw_value(staged_[setup_.axis], parameter));
       out_ << "\r\n";
     }
   }

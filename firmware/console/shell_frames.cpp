@@ -90,6 +90,20 @@ void Shell::send_schema() {
   send(out_, packet);
 }
 
+// Inlined, its packet and the schema's would be on the stack together.
+[[gnu::noinline]] void Shell::send_sample(const SignalSample& sample) {
+  telemetry::PacketWriter packet;
+  packet.u8(telemetry::kDataTag);
+  packet.u8(telemetry::kVersion);
+  packet.u16(schema_);
+  packet.u32(sample.tick);
+  for (std::size_t channel = 0; channel < recorded_.count; ++channel) {
+    packet.u32(static_cast<std::uint32_t>(sample.raw[channel]));
+  }
+  static_cast<void>(packet.close());
+  send(out_, packet);
+}
+
 void Shell::go_on_framing() {
   constexpr int kAtOnce = 32;  // a host may sleep for 20 ms between two looks
   constexpr std::int32_t kSchemaEveryMs = 1000;
@@ -98,16 +112,7 @@ void Shell::go_on_framing() {
     if (static_cast<std::int32_t>(sample.tick - schema_tick_) >= kSchemaEveryMs) {
       send_schema();
     }
-    telemetry::PacketWriter packet;
-    packet.u8(telemetry::kDataTag);
-    packet.u8(telemetry::kVersion);
-    packet.u16(schema_);
-    packet.u32(sample.tick);
-    for (std::size_t channel = 0; channel < recorded_.count; ++channel) {
-      packet.u32(static_cast<std::uint32_t>(sample.raw[channel]));
-    }
-    static_cast<void>(packet.close());
-    send(out_, packet);
+    send_sample(sample);
   }
 }
 

@@ -24,20 +24,6 @@ namespace {
 constexpr std::int32_t kMostEvery = 1000;
 constexpr std::array<std::string_view, 5> kLogged = {"q1", "torque", "q2", "reference", "current"};
 
-/// What `log` shows of a joint, and behind it whether an experiment runs.
-auto signals_of(std::size_t axis) -> RecorderSetup {
-  RecorderSetup setup;
-  for (const std::string_view name : kLogged) {
-    for (const SignalInfo& info : joint_signals()) {
-      if (name == info.name) {
-        setup.signals[setup.count++] = {&info, static_cast<std::uint8_t>(axis)};
-      }
-    }
-  }
-  setup.signals[setup.count++] = find_signal("machine.experiment", 0);
-  return setup;
-}
-
 constexpr auto q(double value) -> Q24 {
   return Q24::from_double(value);
 }
@@ -62,17 +48,18 @@ auto recipe_named(std::string_view name) -> const RecipeInfo* {
   return found == kRecipes.end() ? nullptr : found;
 }
 
-auto usual_setup(const RecipeInfo& recipe, std::size_t axis) -> ExperimentSetup {
-  ExperimentSetup setup{.recipe = recipe.recipe,
-                        .axis = static_cast<std::uint8_t>(axis),
-                        .amplitude = recipe.amplitude,
-                        .rung_count = recipe.usual_count,
-                        .length_ms = kUsualSeconds * 1000,
-                        .cycles = recipe.cycles,
-                        .repeats = recipe.repeats};
+constexpr ExperimentSetup kPlain{.length_ms = kUsualSeconds * 1000};
+
+void take_usual(ExperimentSetup& setup, const RecipeInfo& recipe, std::size_t axis) {
+  setup = kPlain;
+  setup.recipe = recipe.recipe;
+  setup.axis = static_cast<std::uint8_t>(axis);
+  setup.amplitude = recipe.amplitude;
+  setup.rung_count = recipe.usual_count;
+  setup.cycles = recipe.cycles;
+  setup.repeats = recipe.repeats;
   std::copy(recipe.usual_rungs.begin(), recipe.usual_rungs.end(), setup.rungs.begin());
   setup.decay_per_s = recipe.recipe == Recipe::kDecayingSine ? kUsualDecay : Q24{};
-  return setup;
 }
 
 constexpr auto make_recipe_names() -> std::array<const char*, kRecipes.size() + 1> {
@@ -179,7 +166,7 @@ auto Shell::begin_recording(std::size_t axis, std::uint32_t every) -> bool {
     error("frames_on", "frames are being sent, and one recorder serves both", "'frames off' first");
     return false;
   }
-  recorded_ = signals_of(axis);
+  choose_signals(recorded_, axis, kLogged);
   return begin_recording(every);
 }
 
@@ -280,7 +267,8 @@ void ShellCommands::palpate(Shell& shell, std::string_view arguments) {
 
 void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std::size_t axis,
                                      std::string_view arguments) {
-  ExperimentSetup setup = usual_setup(recipe, axis);
+  ExperimentSetup& setup = shell.setup_;
+  take_usual(setup, recipe, axis);
   Options options;
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     if (!parse_option(word, recipe, setup, options)) {
@@ -300,11 +288,11 @@ void ShellCommands::begin_experiment(Shell& shell, const RecipeInfo& recipe, std
     scale_tones(setup);
   }
   shell.log_site_ = options.site;
-  shell.recorded_ = signals_of(axis);
-  start_experiment(shell, setup, static_cast<std::uint32_t>(options.every));
+  choose_signals(shell.recorded_, axis, kLogged);
+  start_experiment(shell, static_cast<std::uint32_t>(options.every));
 }
 
-void ShellCommands::start_experiment(Shell& shell, const ExperimentSetup& setup, std::uint32_t every) {
+void ShellCommands::start_experiment(Shell& shell, std::uint32_t every) {
   shell.palpating_ = false;
   if (shell.machine_.telemetry().state != State::kHolding) {
     shell.error("not_holding", "an experiment begins with torque on and every joint at rest",
@@ -323,7 +311,7 @@ void ShellCommands::start_experiment(Shell& shell, const ExperimentSetup& setup,
   if (!shell.begin_recording(every)) {
     return;
   }
-  static_cast<void>(shell.machine_.begin_experiment(setup));  // its way to the cycle is free, see above
+  static_cast<void>(shell.machine_.begin_experiment(shell.setup_));  // its way to the cycle is free, see above
   shell.log_left_ = 1;
   shell.activity_ = Shell::Activity::kExperimenting;
 }

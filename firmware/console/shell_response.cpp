@@ -13,31 +13,19 @@ constexpr Q24 kUsualReference = Q24::from_double(0.01);
 constexpr Q24 kUsualSpeedShare = Q24::from_double(0.05);  // of limits.joint_speed
 constexpr std::int32_t kLongest = 600;
 
-auto signals_of(std::size_t axis) -> RecorderSetup {
-  RecorderSetup setup;
-  for (const std::string_view name : kLogged) {
-    for (const SignalInfo& info : joint_signals()) {
-      if (name == info.name) {
-        setup.signals[setup.count++] = {&info, static_cast<std::uint8_t>(axis)};
-      }
-    }
-  }
-  setup.signals[setup.count++] = find_signal("machine.experiment", 0);
-  return setup;
-}
+constexpr ExperimentSetup kUsual{
+    .recipe = Recipe::kResponse,
+    .excitation = {.from_khz = Q24::from_double(0.001), .length_ms = 20 * 1000, .corridor_rad = Q24::from_double(0.1)}};
 
-auto usual_excitation(bool chirp, bool reference, const AxisConfig& config) -> ExcitationSetup {
+void take_usual(ExcitationSetup& own, bool chirp, bool reference, const AxisConfig& config) {
   using Setup = ExcitationSetup;
-  return {.kind = chirp ? Setup::Kind::kChirp : Setup::Kind::kMultisine,
-          .point = reference ? Setup::Point::kJointReference : Setup::Point::kMotorTorque,
-          .amplitude =
-              reference ? kUsualReference
-                        : config.limits.continuous_current_a * config.motor.torque_per_current_nm_per_a * kUsualShare,
-          .from_khz = Q24::from_double(0.001),
-          .to_khz = Q24::from_double(reference ? 0.003 : 0.2),
-          .length_ms = 20 * 1000,
-          .speed_rad_s = config.limits.joint_speed_rad_s * kUsualSpeedShare,
-          .corridor_rad = Q24::from_double(0.1)};
+  own.kind = chirp ? Setup::Kind::kChirp : Setup::Kind::kMultisine;
+  own.point = reference ? Setup::Point::kJointReference : Setup::Point::kMotorTorque;
+  own.amplitude = reference
+                      ? kUsualReference
+                      : config.limits.continuous_current_a * config.motor.torque_per_current_nm_per_a * kUsualShare;
+  own.to_khz = Q24::from_double(reference ? 0.003 : 0.2);
+  own.speed_rad_s = config.limits.joint_speed_rad_s * kUsualSpeedShare;
 }
 
 /// A whole number of seconds or rows.
@@ -113,11 +101,12 @@ void ShellCommands::begin_response(Shell& shell, std::string_view recipe, std::s
                                    std::string_view arguments) {
   const AxisConfig& config = shell.machine_.config()[axis];
   const bool chirp = recipe == "chirp";
-  ExperimentSetup setup{.recipe = Recipe::kResponse,
-                        .axis = static_cast<std::uint8_t>(axis),
-                        .offset_rad = shell.machine_.axis_telemetry(axis).q2_rad};
+  ExperimentSetup& setup = shell.setup_;
+  setup = kUsual;
+  setup.axis = static_cast<std::uint8_t>(axis);
+  setup.offset_rad = shell.machine_.axis_telemetry(axis).q2_rad;
   std::string_view first = arguments;
-  setup.excitation = usual_excitation(chirp, next_word(first) == "on=reference", config);
+  take_usual(setup.excitation, chirp, next_word(first) == "on=reference", config);
   std::int32_t every = 1;
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     if (!parse_option(word, setup, every)) {
@@ -144,8 +133,8 @@ void ShellCommands::begin_response(Shell& shell, std::string_view recipe, std::s
   }
   prepare_excitation(own);
   shell.log_site_ = -1;
-  shell.recorded_ = signals_of(axis);
-  start_experiment(shell, setup, static_cast<std::uint32_t>(every));
+  choose_signals(shell.recorded_, axis, kLogged);
+  start_experiment(shell, static_cast<std::uint32_t>(every));
 }
 
 }  // namespace capstan

@@ -47,7 +47,8 @@ Axis::Axis(const AxisConfig& config)
       effort_(config.effort),
       modes_(config_),
       gate_(config),
-      observer_(config) {}
+      observer_(config),
+      limit_cycle_(config) {}
 
 void Axis::rt_configure(const AxisConfig& config) {
   const bool new_scale = !same_scale(config.motor, config_.motor);
@@ -62,6 +63,7 @@ void Axis::rt_configure(const AxisConfig& config) {
   modes_.rt_configure(config_);
   gate_.rt_configure(config_);
   observer_.rt_configure(config_);
+  limit_cycle_.rt_configure(config_);
   if (new_law) {
     estimator_.rt_make_law(config_.law);
   }
@@ -113,6 +115,7 @@ auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, co
 auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet {
   if (!energised || !fitted()) {
     monitors_.rt_rest();
+    limit_cycle_.rt_rest();
     modes_.rt_rest();
   }
   if (!fitted()) {
@@ -122,6 +125,7 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
                     monitors_.rt_watch_power(config_.limits, motor, gate_.drive_a()) |
                     observer_.rt_step(motor, gate_.drive_a(), energised && motor.follows);
   if (energised) {
+    faults |= limit_cycle_.rt_step(motor, modes_.reference(), looked_ || dither_nm_ != Q24{} || modes_.in_torque());
     faults |= monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(), modes_.rt_took_begin()) |
               (modes_.rt_stream_lost() ? bit(Fault::kLinkLost) : 0);
   }
@@ -164,6 +168,7 @@ auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> A
     return waiting;
   }
   const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
+  looked_ = look_nm != Q24{};
   return gate_.rt_step(config_.limits, motor, torque_nm + dither_nm_ + look_nm, driven);
 }
 
@@ -194,7 +199,7 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;
   telemetry_.misfit = estimator_.monitor().level();
-  telemetry_.warnings = estimator_.monitor().warnings();
+  telemetry_.warnings = static_cast<WarningSet>(estimator_.monitor().warnings() | limit_cycle_.warnings());
   telemetry_.tension = estimator_.monitor().tendons().tension();
   telemetry_.tendons = estimator_.monitor().tendons().health();
 }

@@ -3,6 +3,7 @@
 
 #include "capstan/firmware/estimate/effort_stage.hpp"
 #include "capstan/firmware/safety/gate.hpp"
+#include "capstan/firmware/safety/limit_cycle.hpp"
 #include "capstan/firmware/safety/monitors.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 #include "capstan/firmware/telemetry/axis_telemetry.hpp"
@@ -73,6 +74,7 @@ class Axis {
   LimitConfig given_limits_;  // of the parameters; those in force are in config_
   bool cautious_ = false;
   Q24 dither_nm_;
+  bool looked_ = false;  // the observer's own torque was on in the last cycle
   MotorSensing sensing_;
   Estimator estimator_;
   EffortStage effort_;
@@ -80,6 +82,7 @@ class Axis {
   Monitors monitors_;
   Gate gate_;
   MotorObserver observer_;
+  LimitCycleWatch limit_cycle_;
   AxisTelemetry telemetry_;
 };
 

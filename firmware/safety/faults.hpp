@@ -29,6 +29,7 @@ enum class Fault : std::uint8_t {
   kSupplyLow = 17,
   kWatchdog = 18,
   kEncoderMotion = 19,
+  kLimitCycle = 20,
 };
 
 struct FaultInfo {
@@ -39,7 +40,7 @@ struct FaultInfo {
 };
 
 /// One table for shell, log, heartbeat and documentation.
-inline constexpr std::array<FaultInfo, 20> kFaultTable = {{
+inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
     {Fault::kNone, "none", "nothing is wrong", "nothing to do"},
     {Fault::kOverrun, "overrun", "three or more cycles within a second began late or were skipped",
      "take load off the processor; on Linux run the board's timing check"},
@@ -94,6 +95,8 @@ inline constexpr std::array<FaultInfo, 20> kFaultTable = {{
      "wrong, "
      "or the motor was struck",
      "check the encoder's cable and coupling and what the joint has hit; if neither is it, commission the joint anew"},
+    {Fault::kLimitCycle, "limit_cycle", "the joint swung to and fro by its own control for 4 s, without being asked",
+     "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
 
 constexpr auto info(Fault fault) -> const FaultInfo& {

@@ -42,8 +42,8 @@ inline constexpr std::array<StopRow, kFaultTable.size()> kStopTable = {{
     {Fault::kEncoderFrozen, true, false}, {Fault::kCurrentMismatch, false, false},
     {Fault::kWindingHot, true, false},  // more current is what it must not have
     {Fault::kStorageFailed, true, false}, {Fault::kSupplyLow, false, false},
-    {Fault::kWatchdog, false, false},  // nothing is known of before
-    {Fault::kEncoderMotion, true, false},
+    {Fault::kWatchdog, false, false},                                         // nothing is known of before
+    {Fault::kEncoderMotion, true, false}, {Fault::kLimitCycle, true, false},  // what swings is the loop
 }};
 
 constexpr auto stop_table_is_in_order() -> bool {

@@ -13,6 +13,7 @@ enum class Warning : std::uint8_t {
   kFrictionHigher = 1,
   kFrictionLower = 2,
   kThermometerLost = 3,
+  kLimitCycle = 4,
 };
 
 struct WarningInfo {
@@ -23,7 +24,7 @@ struct WarningInfo {
 };
 
 /// One table for shell, heartbeat and documentation.
-inline constexpr std::array<WarningInfo, 4> kWarningTable = {{
+inline constexpr std::array<WarningInfo, 5> kWarningTable = {{
     {Warning::kLawMisfit, "law_misfit",
      "the joint's sensor and the law differ by more than monitor.excess times monitor.joint_rms",
      "look for wear, slack and a pulley that slipped, and identify the law anew"},
@@ -35,6 +36,8 @@ inline constexpr std::array<WarningInfo, 4> kWarningTable = {{
      "look for lost pretension or a tendon that came off, and identify the law anew"},
     {Warning::kThermometerLost, "thermometer_lost",
      "the thermometer gave values and gives none now, so thermal_drift stays at the last one", "check its cable"},
+    {Warning::kLimitCycle, "limit_cycle", "the joint swings to and fro by its own control, without being asked",
+     "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
 
 /// A set of warnings, one bit each.

@@ -3,6 +3,19 @@
 
 namespace capstan {
 
+void choose_signals(RecorderSetup& setup, std::size_t axis, std::span<const std::string_view> names) {
+  setup.count = 0;
+  setup.every = 1;
+  for (const std::string_view name : names) {
+    for (const SignalInfo& info : joint_signals()) {
+      if (name == info.name) {
+        setup.signals[setup.count++] = {&info, static_cast<std::uint8_t>(axis)};
+      }
+    }
+  }
+  setup.signals[setup.count++] = find_signal("machine.experiment", 0);
+}
+
 auto Recorder::start(const void* owner, const RecorderSetup& setup) -> bool {
   if (owner_ != nullptr && owner_ != owner) {
     return false;

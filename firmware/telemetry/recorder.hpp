@@ -22,6 +22,9 @@ struct RecorderSetup {
   std::uint32_t run = 0;    ///< set by start()
 };
 
+/// Those of these names of one joint, and behind them whether an experiment runs.
+void choose_signals(RecorderSetup& setup, std::size_t axis, std::span<const std::string_view> names);
+
 /// Hands signals of every Nth cycle to the background, in order, as long as that keeps up; what finds no room is
 /// dropped and counted. One side belongs to the cycle, the other to the background.
 class Recorder {

@@ -20,7 +20,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr std::chrono::seconds kPatience{5};  // saving erases flash, which takes up to 2.6 s
 constexpr std::string_view kPrompt = "capstan> ";
 
 auto connect_loopback(const std::string& port, std::string_view number) -> FileDescriptor {
@@ -76,10 +75,14 @@ auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> s
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
     pollfd set{line_.get(), POLLIN, 0};
-    if (left.count() <= 0 || ::poll(&set, 1, static_cast<int>(left.count())) == 0) {
+    const int ready = left.count() <= 0 ? 0 : ::poll(&set, 1, static_cast<int>(left.count()));
+    if (ready < 0 && errno == EINTR) {
+      throw Refusal(port_ + ": stopped while the board was answering");
+    }
+    if (ready == 0) {
       throw Refusal(
           port_ +
-          ": no answer from the shell within 5 s; check that a board is there and that nobody else uses its shell");
+          ": no answer from the shell in time; check that a board is there and that nobody else uses its shell");
     }
     std::array<char, 512> buffer{};
     const auto count = ::read(line_.get(), buffer.data(), buffer.size());
@@ -90,7 +93,7 @@ auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> s
   }
 }
 
-auto ShellClient::ask(const std::string& line) -> std::vector<std::string> {
+auto ShellClient::ask(const std::string& line, std::chrono::seconds patience) -> std::vector<std::string> {
   const std::string text = line + "\n";
   for (std::size_t sent = 0; sent < text.size();) {
     const auto count = ::write(line_.get(), text.data() + sent, text.size() - sent);
@@ -99,7 +102,7 @@ auto ShellClient::ask(const std::string& line) -> std::vector<std::string> {
     }
     sent += static_cast<std::size_t>(count);
   }
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + patience;
   std::vector<std::string> answer;
   for (;;) {
     const std::string received = read_line(deadline);

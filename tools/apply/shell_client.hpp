@@ -18,8 +18,9 @@ class ShellClient {
   explicit ShellClient(const std::string& port);
 
   /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence if it is an error, or if no
-  /// answer comes.
-  auto ask(const std::string& line) -> std::vector<std::string>;
+  /// answer comes in time; saving erases flash, which takes up to 2.6 s.
+  auto ask(const std::string& line, std::chrono::seconds patience = std::chrono::seconds{5})
+      -> std::vector<std::string>;
 
   /// What came behind the last answer, a prompt for instance, and was not looked at yet.
   [[nodiscard]] auto take_rest() -> std::string { return std::exchange(received_, {}); }

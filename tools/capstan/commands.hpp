@@ -9,6 +9,7 @@ namespace capstan::tools {
 /// Refusal.
 void add_run(CLI::App& app, int& exit_status);
 void add_faults(CLI::App& app, int& exit_status);
+void add_commission(CLI::App& app, int& exit_status);
 void add_apply(CLI::App& app, int& exit_status);
 void add_shell(CLI::App& app, int& exit_status);
 void add_identify(CLI::App& app, int& exit_status);

@@ -30,6 +30,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "capstan " CAPSTAN_VERSION);
   add_run(app, exit_status);
   add_faults(app, exit_status);
+  add_commission(app, exit_status);
   add_apply(app, exit_status);
   add_shell(app, exit_status);
   add_flash(app, exit_status);

@@ -144,6 +144,15 @@ class Periods {
     return count > 0 ? sum / count : 0.0;
   }
 
+  [[nodiscard]] auto mean_speed() const -> double {
+    double sum = 0.0;
+    for (const Eigen::Index from : starts_) {
+      sum += std::fabs(log_.q1_rad[from + kPeriod - 1] - log_.q1_rad[from]) /
+             (log_.time_s[from + kPeriod - 1] - log_.time_s[from]);
+    }
+    return sum / static_cast<double>(starts_.size());
+  }
+
   /// A joint that travels adds a ramp: its slope beside the lines that shake, by least squares. A period of rows has
   /// every phase once, so lines are orthogonal to each other and to a constant, and only the ramp is not.
   void find_slopes(const std::vector<std::size_t>& lines, const std::array<const Eigen::VectorXd*, kSignals>& signals) {
@@ -272,6 +281,7 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     periods.find_slopes(lines, signals);
     response.backward_nm = periods.mean_torque(false);
     response.forward_nm = periods.mean_torque(true);
+    response.motor_speed_rad_s = periods.mean_speed();
   }
   for (const std::size_t line : lines) {
     response.points.push_back(

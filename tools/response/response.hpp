@@ -54,6 +54,7 @@ struct Response {
   std::size_t windows = 0;                     ///< periods averaged; of a chirp 1
   bool travels = false;                        ///< the joint was on its way meanwhile
   double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
+  double motor_speed_rad_s = 0.0;              ///< and how fast the motor went
 };
 
 /// The period of the board's multisine; a test compares it with the firmware's.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/response/loop.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -150,6 +151,30 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
   return "nothing up to " + rounded(last_hz, 3) + " Hz, where the log ends; shake up to a higher frequency";
 }
 
+/// Gains at which the joint would begin to swing soon are refused with that sentence.
+void require_calm(const Response& response, const LoopGains& gains) {
+  const auto cycle = foretell(response, gains);
+  if (cycle && cycle->onset < kFromOnset) {
+    throw Refusal(response.name + ": stiffness " + rounded(gains.stiffness, 3) + " and damping " +
+                  rounded(gains.damping, 3) +
+                  " would be too near to swinging: " + sentence_of(*cycle, response.motor_speed_rad_s) +
+                  ", and less than " + rounded(kFromOnset, 2) + " times is refused; ask for less bandwidth");
+  }
+}
+
+/// What was asked for has no margins; where that is because the joint would swing, says so.
+void refuse_swinging(const Response& response, const Dense& all, const std::vector<LoopPoint>& known,
+                     const LoopGains& present, const Wanted& wanted) {
+  if (!wanted.bandwidth_hz) {
+    return;
+  }
+  const Wanted barely{
+      .phase_deg = -kServoReserveDeg, .gain_db = 0.0, .modulus = 0.0, .bandwidth_hz = wanted.bandwidth_hz};
+  if (const auto servo = tune_servo(all, known, present, barely)) {
+    require_calm(response, servo->gains);
+  }
+}
+
 /// The measured loop is the plant's response times the present gains', or these are not the gains of the log.
 void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
   const std::vector<LoopPoint> loop = loop_of(all, present);
@@ -232,6 +257,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
   const std::vector<LoopPoint> known = measured_loop(response);
   const auto servo = tune_servo(all, known, present, wanted);
   if (!servo) {
+    refuse_swinging(response, all, known, present, wanted);
     throw Refusal(response.name + ": no gains of the motor servo keep " + rounded(wanted.phase_deg, 3) + " deg, " +
                   rounded(wanted.gain_db, 3) + " dB and a modulus of " + rounded(wanted.modulus, 2) +
                   (wanted.bandwidth_hz ? " at " + rounded(*wanted.bandwidth_hz, 3) + " Hz; ask for less bandwidth, or "
@@ -248,7 +274,12 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                 .whole = joint->margins,
                 .whole_nominal = {},
                 .limited_by = {},
+                .swings = {},
                 .loop = loop_of(all, joint->gains)};
+  require_calm(response, tuning.gains);
+  if (const auto cycle = foretell(response, tuning.gains)) {
+    tuning.swings = sentence_of(*cycle, response.motor_speed_rad_s);
+  }
   if (response.travels) {
     tuning.gains.friction_nm = {{response.backward_nm, response.forward_nm}};
   }

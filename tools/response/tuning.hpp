@@ -69,10 +69,12 @@ struct Tuning {
   Margins whole_nominal;            ///< of the values alone, to compare a measurement with
   double joint_bandwidth_hz = 0.0;  ///< where the joint loop's gain is 1
   std::string limited_by;           ///< a sentence
+  std::string swings;               ///< at which multiple of the gains the joint would swing, a sentence; or nothing
   std::vector<LoopPoint> loop;
 };
 
-/// Gains for the wanted margins over the circles. Throws Refusal where no gains keep them, or none as fast as asked.
+/// Gains for the wanted margins over the circles. Throws Refusal where no gains keep them, none as fast as asked, or
+/// the joint would begin to swing at less than twice the gains.
 /// @param present  those the log was made with: their kd, filter and bounds are kept
 auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning;
 

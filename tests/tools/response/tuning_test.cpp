@@ -6,6 +6,7 @@
 
 #include <numbers>
 
+#include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -132,6 +133,49 @@ TEST(Tuning, MarginsPromisedAreTheTrueOnesOfManyMotors) {
       EXPECT_TRUE(motor.grows(tuning.gains, std::pow(10.0, (truth.gain_db + 0.7) / 20.0))) << delay;
     }
   }
+}
+
+TEST(LimitCycle, OnsetIsTheFactorAtWhichTheMotorInTimeBeginsToGrow) {
+  for (const int delay : {1, 3}) {
+    const Motor motor{.delay = delay};
+    const LoopGains gains = gentle();
+    const auto cycle = foretell(motor.response(gains), gains);
+    ASSERT_TRUE(cycle) << delay;
+    EXPECT_FALSE(motor.grows(gains, 0.97 * cycle->onset)) << delay;
+    EXPECT_TRUE(motor.grows(gains, 1.03 * cycle->onset)) << delay;
+    EXPECT_DOUBLE_EQ(swing_rad(*cycle, 2.0), 2.0 / (2.0 * kPi * cycle->hz));
+  }
+}
+
+TEST(LimitCycle, AMotorThatNeverSwingsIsToldNothing) {
+  // No delay, and the log ends long before the sampling shows.
+  const Motor motor{.delay = 0};
+  const LoopGains gains = gentle();
+  Response response = motor.response(gains);
+  std::erase_if(response.points, [](const ResponsePoint& point) { return point.hz > 15.0; });
+  EXPECT_FALSE(foretell(response, gains));
+}
+
+TEST(LimitCycle, AGainWithinTwoOfTheOnsetIsRefusedWithThatSentence) {
+  const Motor motor{.delay = 3};
+  const LoopGains present = gentle();
+  Wanted wanted;
+  bool told = false;
+  for (double hz = 10.0; hz < 100.0 && !told; hz *= 1.1) {
+    wanted.bandwidth_hz = hz;
+    try {
+      const Tuning tuning = tune(motor.response(present), present, wanted);
+      const auto cycle = foretell(motor.response(present), tuning.gains);
+      ASSERT_TRUE(cycle) << hz;
+      EXPECT_GE(cycle->onset, 2.0) << hz;
+      EXPECT_FALSE(motor.grows(tuning.gains, 1.9)) << hz;
+      EXPECT_NE(tuning.swings.find("begins to swing at"), std::string::npos);
+    } catch (const Refusal& refusal) {
+      told =
+          std::string(refusal.what()).find("times these gains a moving joint begins to swing at") != std::string::npos;
+    }
+  }
+  EXPECT_TRUE(told);
 }
 
 TEST(Tuning, ABandwidthThatIsAskedForIsTheCrossoverAndTooMuchIsRefused) {

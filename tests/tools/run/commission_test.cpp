@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+// `capstan commission` on drawn forceps, healthy and wired wrongly.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "capstan/tools/commission/commission.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/random.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kCorridor = 1.0;
+constexpr double kFiveDegrees = 5.0 / 57.29577951308232;
+
+auto draw(std::uint64_t seed) -> sim::Scenario {
+  Random random(seed * 7919);
+  const auto between = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
+  sim::Scenario scenario;
+  scenario.seed = seed;
+  sim::PlantParameters& plant = scenario.plant;
+  plant.motor_inertia_kgm2 *= between(0.6, 2.0);
+  plant.motor_coulomb_nm *= between(0.5, 2.0);
+  plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
+  plant.pretension_n *= between(0.6, 1.3);
+  plant.stiffness_top_n_per_m *= between(0.6, 1.6);
+  plant.stiffness_bottom_n_per_m = plant.stiffness_top_n_per_m * between(0.9, 1.1);
+  plant.current_noise_a *= between(0.5, 2.0);
+  plant.current_offset_a = 0.01 * (random.uniform() - 0.5);
+  plant.effects.play_half_width_rad = random.uniform() < 0.7 ? 0.0 : between(0.005, 0.02);
+  plant.effects.gravity_torque_nm = random.uniform() < 0.7 ? 0.0 : between(0.001, 0.01);
+  return scenario;
+}
+
+struct Outcome {
+  bool done = false;
+  std::string sentence;
+  Progress progress;
+  double motor_rad = 0.0, joint_rad = 0.0;  ///< furthest
+  double seconds = 0.0;
+  bool torque_off = false;
+  double stiffness = 0.0;
+};
+
+auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, Progress progress = {},
+         const std::string& stop_before = "") -> Outcome {
+  SimLine line(scenario);
+  for (const std::string& one : wrong) {
+    line.ask(one);
+  }
+  for (int i = 0; i < 40; ++i) {
+    line.ask("log joint0 50 10");  // what fell, fell
+  }
+  static_cast<void>(line.take_way());
+  Outcome outcome;
+  std::string step;
+  Operator person{.tell = [&](const std::string& text) { step = text; },
+                  .agrees = [&](const std::string&) { return stop_before.empty() || !step.starts_with(stop_before); },
+                  .keep = [&](const Progress& now) { outcome.progress = now; }};
+  try {
+    commission(line, person,
+               {.axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = scenario.plant.motor_inertia_kgm2, .key = {}},
+               std::move(progress));
+    outcome.done = true;
+  } catch (const Refusal& refusal) {
+    outcome.sentence = refusal.what();
+  }
+  const SimLine::Way way = line.take_way();
+  outcome.motor_rad = way.motor_rad;
+  outcome.joint_rad = way.joint_rad;
+  outcome.seconds = way.seconds;
+  outcome.torque_off = !energised(line.board().machine().telemetry().state);
+  outcome.stiffness = line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double();
+  return outcome;
+}
+
+auto number_from(const char* variable, long usual) -> std::uint64_t {
+  const char* text = std::getenv(variable);
+  return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
+}
+
+TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorque) {
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
+    const Outcome outcome = run(draw(seed), {});
+    std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
+                outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
+    EXPECT_TRUE(outcome.done) << seed << ": " << outcome.sentence;
+    EXPECT_TRUE(outcome.torque_off) << seed;
+    EXPECT_LT(outcome.joint_rad, kCorridor + 0.02) << seed;
+  }
+}
+
+TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
+  struct Wrong {
+    const char* what;
+    std::vector<std::string> lines;
+    const char* sentence;  ///< part of it
+  };
+  const std::vector<Wrong> all = {
+      {"encoder sign", {"set joint0.motor.encoder_sign -1"}, "encoder counts against the torque"},
+      {"counts x4", {"set joint0.motor.encoder_counts 163840"}, "encoder_counts"},
+      {"counts / 2", {"set joint0.motor.encoder_counts 20480"}, "encoder_counts"},
+      {"current sign", {"fail current sign"}, "wrong sign"},
+      {"current sensor stuck", {"fail current stuck"}, "current sensor"},
+      {"amplifier off", {"fail amplifier off"}, "does not follow"},
+      {"encoder stuck", {"fail encoder stuck"}, "encoder"},
+      {"tendon off", {"fail tendon_top snap"}, "tendon"},
+      {"both tendons off", {"fail tendon_top snap", "fail tendon_bottom snap"}, "tendon"},
+  };
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
+    for (const Wrong& wrong : all) {
+      const Outcome outcome = run(draw(seed), wrong.lines);
+      std::printf("%llu | %s | motor %.2f deg | %s\n", static_cast<unsigned long long>(seed), wrong.what,
+                  57.29577951308232 * outcome.motor_rad, outcome.sentence.c_str());
+      EXPECT_FALSE(outcome.done) << seed << ' ' << wrong.what;
+      EXPECT_NE(outcome.sentence.find(wrong.sentence), std::string::npos)
+          << seed << ' ' << wrong.what << ": " << outcome.sentence;
+      EXPECT_LT(outcome.motor_rad, kFiveDegrees) << seed << ' ' << wrong.what;
+      EXPECT_TRUE(outcome.torque_off) << seed << ' ' << wrong.what;
+      EXPECT_DOUBLE_EQ(outcome.stiffness, 1.0) << seed << ' ' << wrong.what << ": gains are those of before";
+    }
+  }
+}
+
+TEST(Commission, ABlockedJointIsFound) {
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
+    sim::Scenario scenario = draw(seed);
+    scenario.plant.environment.kind = sim::EnvironmentKind::kLocked;
+    const Outcome outcome = run(scenario, {});
+    std::printf("%llu | blocked | motor %.2f deg | %s\n", static_cast<unsigned long long>(seed),
+                57.29577951308232 * outcome.motor_rad, outcome.sentence.c_str());
+    EXPECT_NE(outcome.sentence.find("blocked"), std::string::npos) << seed << ": " << outcome.sentence;
+    EXPECT_TRUE(outcome.torque_off) << seed;
+  }
+}
+
+TEST(Commission, WhatWasStoppedGoesOnWhereItWas) {
+  const sim::Scenario scenario = draw(730);
+  const Outcome stopped = run(scenario, {}, {}, "press");
+  EXPECT_FALSE(stopped.done);
+  EXPECT_TRUE(stopped.torque_off);
+  EXPECT_EQ(stopped.progress.done, (std::vector<std::string>{"look", "shake"}));
+  const Outcome resumed = run(scenario, {}, Progress::parse(stopped.progress.text(), "state"), "motor");
+  EXPECT_EQ(resumed.progress.done, (std::vector<std::string>{"look", "shake", "press", "travel"}));
+  EXPECT_DOUBLE_EQ(resumed.progress.inertia_kgm2, stopped.progress.inertia_kgm2) << "was not shaken again";
+  EXPECT_DOUBLE_EQ(resumed.stiffness, 1.0) << "what a step sets for a while is taken back";
+}
+
+TEST(Commission, ProgressIsReadBackAndForeignFilesAreRefused) {
+  Progress progress;
+  progress.done = {"look", "shake"};
+  progress.set = {{"control.stiffness", "0.5 Nm/rad"}};
+  progress.found = {"a = b"};
+  const Progress read = Progress::parse(progress.text(), "state");
+  EXPECT_EQ(read.done, progress.done);
+  EXPECT_EQ(read.set, progress.set);
+  EXPECT_EQ(read.found, progress.found);
+  EXPECT_THROW(Progress::parse("time_s,axis0/q1_rad\n", "state"), BadInput);
+  EXPECT_THROW(Progress::parse("done look\n", "state"), BadInput);
+}
+
+}  // namespace
+}  // namespace capstan::tools

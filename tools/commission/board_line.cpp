@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/commission/board_line.hpp"
+
+#include <cmath>
+#include <sstream>
+
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr long kMostCycles = 1'000'000;  // of one answer, 1000 s
+
+}  // namespace
+
+auto PortLine::do_ask(const std::string& line) -> std::vector<std::string> {
+  // An experiment may stay silent while the joint goes to where it begins, and commissioning until it is over.
+  return shell_.ask(line, std::chrono::minutes{15});
+}
+
+void SimLine::tick() {
+  board_.tick();
+  board_.shell().poll();
+  const sim::Truth& truth = board_.truth(0);
+  if (!begun_) {
+    begun_ = true;
+    motor0_ = truth.q1_rad;
+    joint0_ = truth.q2_rad;
+  }
+  way_.motor_rad = std::max(way_.motor_rad, std::fabs(truth.q1_rad - motor0_));
+  way_.joint_rad = std::max(way_.joint_rad, std::fabs(truth.q2_rad - joint0_));
+  way_.seconds += 1e-3;
+}
+
+auto SimLine::take_way() -> Way {
+  begun_ = false;
+  return std::exchange(way_, {});
+}
+
+auto SimLine::do_ask(const std::string& line) -> std::vector<std::string> {
+  sink_.text.clear();
+  for (const char c : line + "\n") {
+    board_.shell().receive(c);
+  }
+  tick();
+  for (long i = 0; i < kMostCycles && board_.shell().busy(); ++i) {
+    tick();
+  }
+  std::vector<std::string> answer;
+  std::istringstream all(sink_.text);
+  for (std::string one; std::getline(all, one);) {
+    while (!one.empty() && one.back() == '\r') {
+      one.pop_back();
+    }
+    if (one == "ok") {
+      return answer;
+    }
+    if (one.starts_with("error ")) {
+      throw Refusal("the board refused '" + line + "': " + one.substr(6));
+    }
+    if (!one.starts_with("# ") && one != line) {
+      answer.push_back(one);
+    }
+  }
+  throw Refusal("the board gave no end of its answer to '" + line + "'; restart it");
+}
+
+}  // namespace capstan::tools

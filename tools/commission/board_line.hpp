@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/boards/sim/sim_board.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+
+namespace capstan::tools {
+
+/// A board's shell, one line out and one answer back.
+class BoardLine {
+ public:
+  BoardLine() = default;
+  BoardLine(const BoardLine&) = delete;
+  auto operator=(const BoardLine&) -> BoardLine& = delete;
+  virtual ~BoardLine() = default;
+  /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence.
+  auto ask(const std::string& line) -> std::vector<std::string> { return do_ask(line); }
+
+ private:
+  virtual auto do_ask(const std::string& line) -> std::vector<std::string> = 0;
+};
+
+/// Over a port, as ShellClient takes it.
+class PortLine final : public BoardLine {
+ public:
+  explicit PortLine(const std::string& port) : shell_(port) {}
+
+ private:
+  auto do_ask(const std::string& line) -> std::vector<std::string> override;
+  ShellClient shell_;
+};
+
+/// To a simulated board in this process, which runs as fast as it goes while it answers.
+class SimLine final : public BoardLine {
+ public:
+  explicit SimLine(const sim::Scenario& scenario) : board_(scenario, banks_, sink_, false) { board_.tick(); }
+  [[nodiscard]] auto board() -> SimBoard& { return board_; }
+  /// Furthest that motor and joint have been from where they began, rad, since this was called last.
+  struct Way {
+    double motor_rad = 0.0, joint_rad = 0.0, seconds = 0.0;
+  };
+  auto take_way() -> Way;
+
+ private:
+  class Sink final : public TextSink {
+   public:
+    std::string text;
+
+   private:
+    void do_write(std::string_view written) override { text.append(written); }
+  };
+  auto do_ask(const std::string& line) -> std::vector<std::string> override;
+  void tick();
+
+  FileBanks banks_ = FileBanks::temporary();
+  Sink sink_;
+  SimBoard board_;
+  bool begun_ = false;
+  double motor0_ = 0.0, joint0_ = 0.0;
+  Way way_;
+};
+
+}  // namespace capstan::tools

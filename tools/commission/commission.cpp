@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/commission/commission.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "capstan/tools/commission/steps.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+struct Step {
+  const char* name;
+  bool moves;
+  const char* explains;
+  void (*run)(CommissionSteps& steps);
+};
+
+constexpr std::array<Step, 8> kSteps = {{
+    {"look", false, "reads encoder and current sensor for a second, without torque", &CommissionSteps::look},
+    {"shake", true,
+     "shakes the motor by less than 5 deg with a torque that no control answers: does the encoder count, which way, "
+     "and "
+     "does the current sensor see the torque",
+     &CommissionSteps::shake},
+    {"press", true, "presses the motor to and fro, slowly and by less than 5 deg: do both tendons pull",
+     &CommissionSteps::press},
+    {"travel", true, "moves the joint slowly within the corridor: friction both ways, and is it free",
+     &CommissionSteps::travel},
+    {"motor", true, "the board's own commissioning: what its motor observer has to know", &CommissionSteps::motor},
+    {"tune", true, "shakes the joint while it travels, for two minutes, and takes gains with margins from it",
+     &CommissionSteps::tune_gains},
+    {"check", true, "a step and a sine with the new gains, beside the old ones", &CommissionSteps::check},
+    {"save", false, "keeps what was found over a restart", &CommissionSteps::save},
+}};
+
+/// What a run before this one had found; a board that was restarted does not have it.
+void put_back(JointConsole& joint, const Progress& progress) {
+  for (const auto& [name, value] : progress.set) {
+    if (name.starts_with("control.") && !progress.is_done("check")) {
+      continue;  // nobody has seen yet whether these gains are any good
+    }
+    joint.set(name, value);
+    joint.keep(name);
+  }
+}
+
+}  // namespace
+
+auto Progress::parse(const std::string& text, const std::string& name) -> Progress {
+  Progress progress;
+  std::size_t begin = 0;
+  int number = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t blank = std::min(line.find(' '), line.size());
+    const std::string word = line.substr(0, blank);
+    const std::string rest = blank < line.size() ? line.substr(blank + 1) : "";
+    const std::size_t equals = rest.find('=');
+    ++number;
+    if (number == 1 && line == "capstan.commission/1") {
+      continue;
+    }
+    if (number > 1 && word == "done") {
+      progress.done.push_back(rest);
+    } else if (number > 1 && word == "found") {
+      progress.found.push_back(rest);
+    } else if (number > 1 && word == "inertia" && parse_number(rest)) {
+      progress.inertia_kgm2 = *parse_number(rest);
+    } else if (number > 1 && word == "backward" && parse_number(rest)) {
+      progress.backward_nm = *parse_number(rest);
+    } else if (number > 1 && word == "forward" && parse_number(rest)) {
+      progress.forward_nm = *parse_number(rest);
+    } else if (number > 1 && word == "set" && equals != std::string::npos) {
+      progress.set.emplace_back(rest.substr(0, equals), rest.substr(equals + 1));
+    } else {
+      throw BadInput(
+          name + ":" + std::to_string(number) +
+          ": is no progress of 'capstan commission'; give another --state, or delete the file to begin anew");
+    }
+  }
+  return progress;
+}
+
+auto Progress::text() const -> std::string {
+  std::string text = "capstan.commission/1\n";
+  for (const std::string& step : done) {
+    text += "done " + step + "\n";
+  }
+  text +=
+      "inertia " + exact(inertia_kgm2) + "\nbackward " + exact(backward_nm) + "\nforward " + exact(forward_nm) + "\n";
+  for (const auto& [name, value] : set) {
+    text += "set " + name + "=" + value + "\n";
+  }
+  for (const std::string& sentence : found) {
+    text += "found " + sentence + "\n";
+  }
+  return text;
+}
+
+auto Progress::is_done(const std::string& step) const -> bool {
+  return std::find(done.begin(), done.end(), step) != done.end();
+}
+
+auto commission(BoardLine& board, const Operator& person, const CommissionOptions& options, Progress progress)
+    -> Commissioned {
+  Commissioned all{.progress = std::move(progress), .response = {}, .tuning = {}};
+  JointConsole joint(board, options.axis, options.key);
+  CommissionSteps steps(joint, person, options, all);
+  put_back(joint, all.progress);
+  for (const Step& step : kSteps) {
+    if (all.progress.is_done(step.name)) {
+      person.tell(std::string(step.name) + ": done before");
+      continue;
+    }
+    person.tell(std::string(step.name) + ": " + step.explains);
+    if (step.moves && !person.agrees("may the joint move?")) {
+      throw Refusal(std::string(step.name) +
+                    ": stopped as you wished, torque is off; the same command goes on from here");
+    }
+    try {
+      step.run(steps);
+      joint.restore();
+    } catch (const Refusal& refusal) {
+      joint.restore();
+      throw Refusal(std::string(step.name) + ": " + refusal.what());
+    }
+    all.progress.done.emplace_back(step.name);
+    person.keep(all.progress);
+  }
+  return all;
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/commission/board_line.hpp"
+#include "capstan/tools/response/tuning.hpp"
+
+namespace capstan::tools {
+
+struct CommissionOptions {
+  int axis = 0;
+  double corridor_rad = 0.0;           ///< of the joint, either way from where it stands
+  std::optional<double> inertia_kgm2;  ///< of motor and input pulley by the data sheet: tells wrong counts
+  std::string key;                     ///< of maintenance, where the board has one
+};
+
+/// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
+struct Progress {
+  std::vector<std::string> done;
+  std::vector<std::pair<std::string, std::string>> set;  ///< parameters without the joint's name, and their values
+  std::vector<std::string> found;                        ///< sentences for the report
+  double inertia_kgm2 = 0.0;                             ///< of the motor as it was shaken
+  double backward_nm = 0.0, forward_nm = 0.0;            ///< torque of a slow motion
+  /// Throws BadInput: no such form.
+  static auto parse(const std::string& text, const std::string& name) -> Progress;
+  [[nodiscard]] auto text() const -> std::string;
+  [[nodiscard]] auto is_done(const std::string& step) const -> bool;
+};
+
+/// Who is asked. All of it may be called before anything moves.
+struct Operator {
+  std::function<void(const std::string& text)> tell;
+  std::function<bool(const std::string& question)> agrees;
+  std::function<void(const Progress& progress)> keep;  ///< after every step
+};
+
+/// What the report shows beside the sentences.
+struct Commissioned {
+  Progress progress;
+  std::optional<Response> response;
+  std::optional<Tuning> tuning;
+};
+
+/// From a bare motor to a tuned joint, step by step: look (without torque), shake (encoder, current sensor, inertia),
+/// press (tendons), travel (friction, a blocked joint), motor (the board's own `commission`), tune, check, save. Before
+/// `travel` the motor moves by less than 5 deg. Steps that are done are not done again.
+/// Throws Refusal with the step and a sentence with its cure. However it ends, torque is off; unless it ended well,
+/// gains and limits are those of before.
+auto commission(BoardLine& board, const Operator& person, const CommissionOptions& options, Progress progress)
+    -> Commissioned;
+
+/// machine.toml: what sets up the next board alike.
+auto machine_file(const Progress& progress, int axis) -> std::string;
+/// The page. Throws BadInput if the folder can not be written.
+auto write_commission_report(const std::string& folder, const Commissioned& commissioned) -> std::string;
+
+}  // namespace capstan::tools

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include "capstan/tools/commission/commission.hpp"
+#include "capstan/tools/report/svg_plot.hpp"
+#include "capstan/tools/response/response_report.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+
+auto machine_file(const Progress& progress, int axis) -> std::string {
+  const std::string joint = "joint" + std::to_string(axis);
+  std::string text = "# Found by 'capstan commission'; every line is one of the board's: set " + joint +
+                     ".NAME VALUE\nschema = \"capstan.machine/1\"\n\n[" + joint + "]\n";
+  for (const auto& [name, value] : progress.set) {
+    text += "\"" + name + "\" = \"" + value + "\"\n";
+  }
+  return text;
+}
+
+auto write_commission_report(const std::string& folder, const Commissioned& commissioned) -> std::string {
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  if (failed) {
+    throw BadInput(folder + ": can not be made: " + failed.message() + "; name a folder that can be written");
+  }
+  std::string items;
+  for (const std::string& sentence : commissioned.progress.found) {
+    items += "<li>" + escaped(sentence) + "</li>\n";
+  }
+  std::string rows;
+  for (const auto& [name, value] : commissioned.progress.set) {
+    rows += "<tr><td>" + escaped(name) + "</td><td>" + escaped(value) + "</td></tr>\n";
+  }
+  std::string page =
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Commissioning</title></head><body>\n"
+      "<h1>Commissioning</h1>\n<ol>\n" +
+      items + "</ol>\n<h2>Parameters</h2>\n<table><tr><th>name</th><th>value</th></tr>\n" + rows + "</table>\n";
+  if (commissioned.response) {
+    write_response_report(folder + "/response", *commissioned.response, commissioned.tuning);
+    page += "<p><a href=\"response/index.html\">Frequency response and margins</a></p>\n";
+  }
+  const std::string path = folder + "/index.html";
+  write_text_file(path, page + "</body></html>\n");
+  return path;
+}
+
+}  // namespace capstan::tools

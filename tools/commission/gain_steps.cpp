@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+// The steps of commissioning that take gains, try them and keep them.
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/commission/steps.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+// Numbers that decide, chosen in November 2026 on the drawn forceps 720 and 721 of commission_test; docs/tuning.md
+// reports other seeds.
+constexpr double kTravelShare = 0.75;      // of the corridor, while it is shaken ...
+constexpr double kBeside = 0.22;           // ... and how far it may stray from that
+constexpr double kLegS = 3.2;              // a leg takes longer than a period and a half of the multisine
+constexpr double kShakePerMotion = 400.0;  // 1/s: peak torque over inertia times speed, so that friction keeps its sign
+constexpr double kWorse = 2.5;  // rms of following a sine: default gains have half the margins and are stiffer
+constexpr double kLouder = 1.5;
+constexpr int kMostAttempts = 4;
+
+}  // namespace
+
+void CommissionSteps::tune_gains(CommissionSteps& steps) {
+  JointConsole& joint = steps.joint_;
+  steps.keep_to_corridor();
+  steps.calm();
+  joint.set("observer.inertia", "0");  // it would take the shaking for a sensor that lies
+  const LoopGains present = read_gains(joint.gains_dump(), joint.axis());
+  const double travel = std::min(1.8, kTravelShare * steps.options_.corridor_rad);
+  const double speed = travel / kLegS * 2.0;
+  double amplitude = kShakePerMotion * steps.all_.progress.inertia_kgm2 * speed;
+  std::string problem;
+  for (int attempt = 0; attempt < kMostAttempts && !steps.all_.tuning; ++attempt) {
+    joint.arm();
+    try {
+      const CsvLog log = joint.rows(
+          "experiment", "multisine on=torque from=1Hz to=200Hz duration=120 offset=" + rounded(steps.home_rad_, 6) +
+                            "rad travel=" + rounded(travel) + "rad speed=" + rounded(speed) +
+                            "rad/s corridor=" + rounded(kBeside * steps.options_.corridor_rad) +
+                            "rad amplitude=" + rounded(amplitude, 6) + "Nm");
+      joint.disarm();
+      const Response response = estimate_response(read_response(log, joint.axis()));
+      require_usable(response);
+      steps.all_.response = response;
+      steps.all_.tuning = tune(response, present, {});
+    } catch (const Refusal& refusal) {
+      joint.disarm();
+      problem = refusal.what();
+      const bool drowns = problem.find("larger amplitude") != std::string::npos;
+      amplitude *= drowns ? kLouder : 1.0 / kLouder;
+    }
+  }
+  if (!steps.all_.tuning) {
+    throw Refusal(problem);
+  }
+  for (const std::string& line : tuning_lines(steps.all_.tuning->gains, joint.axis())) {
+    const std::string prefix = "set " + joint.name() + ".";
+    if (line.starts_with(prefix)) {
+      const std::size_t blank = line.find(' ', prefix.size());
+      steps.all_.progress.set.emplace_back(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
+    }
+  }
+  const Margins& margins = steps.all_.tuning->whole_nominal;
+  steps.find("gains: crossover " + rounded(margins.crossover_hz, 3) + " Hz, " + rounded(margins.phase_deg, 3) +
+             " deg, " + rounded(margins.gain_db, 3) + " dB; limited by " + steps.all_.tuning->limited_by);
+  if (!steps.all_.tuning->swings.empty()) {
+    steps.find(steps.all_.tuning->swings);
+  }
+}
+
+auto CommissionSteps::tracking() -> std::optional<double> {
+  joint_.arm();
+  try {
+    const CsvLog log = joint_.rows(
+        "experiment", "sine_ladder every=10 cycles=2 repeats=1 frequencies=0.1Hz,0.2Hz amplitude=" +
+                          rounded(0.6 * options_.corridor_rad, 6) + "rad offset=" + rounded(home_rad_, 6) + "rad");
+    joint_.disarm();
+    const Eigen::VectorXd off = joint_.column(log, "q2_ref_rad") - joint_.column(log, "q2_est_rad");
+    return std::sqrt(off.array().square().mean());
+  } catch (const Refusal& refusal) {
+    joint_.disarm();
+    person_.tell(std::string("  ") + refusal.what());
+    return {};
+  }
+}
+
+void CommissionSteps::check(CommissionSteps& steps) {
+  JointConsole& joint = steps.joint_;
+  steps.keep_to_corridor();
+  std::vector<std::pair<std::string, std::string>> found;
+  for (const auto& one : steps.all_.progress.set) {
+    if (one.first.starts_with("control.")) {
+      found.push_back(one);
+    }
+  }
+  const std::optional<double> before = steps.tracking();
+  for (const auto& [name, value] : found) {
+    joint.set(name, value);
+  }
+  const std::optional<double> after = steps.tracking();
+  if (!after) {
+    throw Refusal("with the new gains the joint does not follow a slow sine; they were taken back");
+  }
+  joint.arm();
+  joint.ask("move " + joint.name() + " " + rounded(steps.home_rad_ + 0.4 * steps.options_.corridor_rad, 6) + " rad");
+  static_cast<void>(joint.rows("log", "2000 1"));  // time for it to swing
+  const std::vector<std::string> status = joint.ask("status");
+  joint.disarm();
+  const bool warned = std::any_of(status.begin(), status.end(), [](const std::string& line) {
+    return line.find("limit_cycle") != std::string::npos;
+  });
+  if (warned) {
+    throw Refusal(
+        "with the new gains the joint swings after a step; they were taken back. Begin anew (--again) with a "
+        "larger corridor");
+  }
+  if (before && *after > kWorse * *before + 2.0 * joint.count_rad()) {
+    throw Refusal("with the new gains the joint follows a sine worse (" + rounded(1e3 * *after, 3) + " mrad, " +
+                  rounded(1e3 * *before, 3) + " before); they were taken back");
+  }
+  for (const auto& [name, value] : found) {
+    steps.decide(name, value);
+  }
+  steps.find("a sine is followed within " + rounded(1e3 * *after, 3) + " mrad rms of the estimate" +
+             (before ? ", " + rounded(1e3 * *before, 3) + " before" : std::string(", and not at all before")) +
+             "; after a step nothing swings");
+}
+
+void CommissionSteps::save(CommissionSteps& steps) {
+  if (steps.person_.agrees("shall the board keep it over a restart?")) {
+    steps.joint_.ask("save");
+    steps.find("saved");
+  } else {
+    steps.find("not saved");
+  }
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/commission/joint_console.hpp"
+
+#include <numbers>
+#include <sstream>
+
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr int kMostLooks = 60;  // of half a second, until a motor has come to rest
+constexpr int kMostDisarms = 3;
+constexpr double kStillCounts = 2.5;
+
+}  // namespace
+
+JointConsole::JointConsole(BoardLine& board, int axis, std::string key)
+    : board_(board), axis_(axis), key_(std::move(key)) {
+  board_.ask("disarm");
+  read_parameters();
+}
+
+JointConsole::~JointConsole() {
+  try {
+    restore();
+  } catch (const std::exception&) {
+    // The line is gone; without it a board takes torque away by itself.
+  }
+}
+
+void JointConsole::read_parameters() {
+  values_.clear();
+  const std::string prefix = name() + ".";
+  for (const std::string& line : board_.ask("dump")) {
+    std::istringstream words(line);
+    std::string set;
+    std::string parameter;
+    words >> set >> parameter;
+    if (set == "set" && parameter.starts_with(prefix)) {
+      std::string value;
+      std::getline(words >> std::ws, value);
+      values_[parameter.substr(prefix.size())] = value;
+    }
+  }
+  if (values_.empty()) {
+    throw BadInput("the board has no " + name() + "; give --axis of one that it has");
+  }
+}
+
+void JointConsole::set(const std::string& parameter, const std::string& value) {
+  board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
+  board_.ask("set " + name() + "." + parameter + " " + value);
+  before_.try_emplace(parameter, text(parameter));
+  values_[parameter] = value;
+}
+
+void JointConsole::restore() {
+  disarm();
+  for (const auto& [parameter, value] : before_) {
+    board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
+    board_.ask("set " + name() + "." + parameter + " " + value);
+    values_[parameter] = value;
+  }
+  before_.clear();
+}
+
+auto JointConsole::text(const std::string& parameter) const -> const std::string& {
+  const auto found = values_.find(parameter);
+  if (found == values_.end()) {
+    throw BadInput("the board has no parameter " + name() + "." + parameter + "; it runs another version");
+  }
+  return found->second;
+}
+
+auto JointConsole::value(const std::string& parameter) const -> double {
+  const std::string& all = text(parameter);
+  return parse_number(all.substr(0, all.find(' '))).value_or(0.0);
+}
+
+auto JointConsole::gains_dump() -> std::string {
+  std::string dump;
+  for (const auto& [parameter, value] : values_) {
+    dump += "set " + name() + "." + parameter + " " + value + "\n";
+  }
+  return dump;
+}
+
+auto JointConsole::count_rad() const -> double {
+  return 2.0 * std::numbers::pi / value("motor.encoder_counts");
+}
+
+void JointConsole::arm() {
+  board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
+  // A joint that still springs back would be taken for one whose encoder moves by itself.
+  for (int look = 0; look < kMostLooks; ++look) {
+    const Eigen::VectorXd angle = column(rows("log", "50 10"), "q1_rad");
+    if (angle.maxCoeff() - angle.minCoeff() < kStillCounts * count_rad()) {
+      board_.ask("arm");
+      return;
+    }
+  }
+  throw Refusal(name() + " does not come to rest without torque; hold it, or take away what drives it");
+}
+
+void JointConsole::disarm() {
+  for (int attempt = 0;; ++attempt) {
+    try {
+      board_.ask("disarm");
+      return;
+    } catch (const Refusal&) {
+      if (attempt == kMostDisarms) {
+        throw;
+      }
+      // The end of what was stopped came first.
+    }
+  }
+}
+
+/// "; latched encoder_motion: ...", or nothing.
+auto JointConsole::latched() -> std::string {
+  for (const std::string& line : board_.ask("faults")) {
+    if (line.find("latched ") == 0) {
+      return "; " + line;
+    }
+  }
+  return {};
+}
+
+auto JointConsole::rows(const std::string& command, const std::string& options) -> CsvLog {
+  std::string text;
+  std::vector<std::string> answer;
+  try {
+    answer = board_.ask(command + " " + name() + " " + options);
+  } catch (const Refusal& refusal) {
+    throw Refusal(refusal.what() + latched());
+  }
+  for (const std::string& line : answer) {
+    const bool row = line.find(',') != std::string::npos;
+    text += row ? line + "\n" : "";
+  }
+  return CsvLog::parse(text, "the board's log");
+}
+
+auto JointConsole::column(const CsvLog& log, const std::string& column) const -> Eigen::VectorXd {
+  return log.column("axis" + std::to_string(axis_) + "/" + column);
+}
+
+}  // namespace capstan::tools

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/commission/board_line.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+
+namespace capstan::tools {
+
+/// One joint of a board, as commissioning uses it. Remembers what parameters were before they were changed.
+class JointConsole {
+ public:
+  JointConsole(BoardLine& board, int axis, std::string key);
+  JointConsole(const JointConsole&) = delete;
+  auto operator=(const JointConsole&) -> JointConsole& = delete;
+  /// Torque off, and everything back that was set and not kept. Whatever the board says to that.
+  ~JointConsole();
+
+  auto ask(const std::string& line) -> std::vector<std::string> { return board_.ask(line); }
+  /// A parameter of the joint, "control.kp"; it counts as changed for a while.
+  void set(const std::string& name, const std::string& value);
+  /// What was set counts from now on.
+  void keep(const std::string& name) { before_.erase(name); }
+  /// What was set for a while is as it was before. Torque is off then.
+  void restore();
+  [[nodiscard]] auto value(const std::string& name) const -> double;
+  /// "0.5 Nm/rad"
+  [[nodiscard]] auto text(const std::string& name) const -> const std::string&;
+  [[nodiscard]] auto gains_dump() -> std::string;
+
+  /// Waits until the motor stands, then arms.
+  void arm();
+  void disarm();
+  /// `log` or `experiment` with the joint's name behind the first word.
+  auto rows(const std::string& command, const std::string& options) -> CsvLog;
+  auto column(const CsvLog& log, const std::string& name) const -> Eigen::VectorXd;
+  [[nodiscard]] auto count_rad() const -> double;
+  [[nodiscard]] auto name() const -> std::string { return "joint" + std::to_string(axis_); }
+  [[nodiscard]] auto axis() const -> int { return axis_; }
+
+ private:
+  void read_parameters();
+  auto latched() -> std::string;
+
+  BoardLine& board_;
+  int axis_;
+  std::string key_;
+  std::map<std::string, std::string> values_, before_;
+};
+
+}  // namespace capstan::tools

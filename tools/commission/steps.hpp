@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/tools/commission/commission.hpp"
+#include "capstan/tools/commission/joint_console.hpp"
+
+namespace capstan::tools {
+
+/// The steps of commissioning, each a look or a motion and what is made of it. Each throws Refusal with its sentence.
+class CommissionSteps {
+ public:
+  CommissionSteps(JointConsole& joint, const Operator& person, const CommissionOptions& options, Commissioned& all)
+      : joint_(joint), person_(person), options_(options), all_(all), home_rad_(here()) {}
+
+  static void look(CommissionSteps& steps);
+  static void shake(CommissionSteps& steps);
+  static void press(CommissionSteps& steps);
+  static void travel(CommissionSteps& steps);
+  static void motor(CommissionSteps& steps);
+  static void tune_gains(CommissionSteps& steps);
+  static void check(CommissionSteps& steps);
+  static void save(CommissionSteps& steps);
+
+ private:
+  void find(const std::string& sentence);
+  /// A parameter that stays.
+  void decide(const std::string& name, const std::string& value);
+  /// Joint limits about where it stood at first.
+  void keep_to_corridor();
+  /// Gains that suit the motor's inertia alone, until there are better ones.
+  void calm();
+  /// Hardly any control, and no way of the motor beyond 2.9 deg.
+  void let_go();
+  [[nodiscard]] auto here() -> double;
+  [[nodiscard]] auto continuous_nm() const -> double;
+  [[nodiscard]] auto shaken(double amplitude_nm) -> CsvLog;
+  void judge_current(const CsvLog& log);
+  /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque.
+  [[nodiscard]] auto inertia_of(const CsvLog& log) const -> double;
+  void judge_inertia(double inertia);
+  /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
+  [[nodiscard]] auto tracking() -> std::optional<double>;
+
+  JointConsole& joint_;
+  const Operator& person_;
+  const CommissionOptions& options_;
+  Commissioned& all_;
+  double home_rad_;  ///< the middle of the corridor
+};
+
+}  // namespace capstan::tools

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/response/limit_cycle.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "capstan/tools/response/loop.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kMostFactor = 100.0;
+
+/// Where inertia and stiffness balance: for every frequency at one factor, for the real part is linear in it.
+struct Swing {
+  double hz = 0.0, factor = 0.0;
+  double missing_nms = 0.0;  ///< damping that friction would have to give
+};
+
+auto swings_of(const Response& response, const LoopGains& gains) -> std::vector<Swing> {
+  const Dense all = dense(response);
+  const std::vector<LoopPoint> loop = loop_of(all, gains);
+  std::vector<Swing> swings;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Complex inverse = 1.0 / all.motor[i];
+    const Complex control = loop[i].value / all.motor[i];
+    const double factor = -inverse.real() / control.real();
+    swings.push_back({loop[i].hz, factor, -(inverse + factor * control).imag() / (2.0 * kPi * loop[i].hz)});
+  }
+  return swings;
+}
+
+}  // namespace
+
+auto foretell(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
+  const std::vector<Swing> swings = swings_of(response, gains);
+  std::optional<LimitCycle> first;
+  for (std::size_t i = 1; i < swings.size(); ++i) {
+    const Swing& a = swings[i - 1];
+    const Swing& b = swings[i];
+    if ((a.missing_nms < 0.0) == (b.missing_nms < 0.0) || a.factor <= 0.0 || b.factor <= 0.0) {
+      continue;
+    }
+    const double share = a.missing_nms / (a.missing_nms - b.missing_nms);
+    const LimitCycle at{.onset = a.factor + share * (b.factor - a.factor), .hz = a.hz + share * (b.hz - a.hz)};
+    if (at.onset > 1.0 && at.onset < kMostFactor && (!first || at.onset < first->onset)) {
+      first = at;
+    }
+  }
+  return first;
+}
+
+auto swing_rad(const LimitCycle& cycle, double speed_rad_s) -> double {
+  return speed_rad_s / (2.0 * kPi * cycle.hz);
+}
+
+auto sentence_of(const LimitCycle& cycle, double speed_rad_s) -> std::string {
+  return "at " + rounded(cycle.onset, 3) + " times these gains a moving joint begins to swing at " +
+         rounded(cycle.hz, 3) + " Hz, its motor by " + rounded(1e3 * swing_rad(cycle, speed_rad_s), 2) +
+         " mrad where it goes at " + rounded(speed_rad_s, 2) + " rad/s";
+}
+
+}  // namespace capstan::tools

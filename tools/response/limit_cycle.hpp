@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "capstan/tools/response/tuning.hpp"
+
+namespace capstan::tools {
+
+/// What a loop does when stiffness and damping, and with them the joint loop, grow by one factor g. Balance of the
+/// first harmonic: 1 / P + g F + j w N(a) = 0, P the motor's response while it moves, F the control, N the describing
+/// function of friction +-f for a motor that goes at v and swings by the speed a:
+///   N = 4 f / (pi a) sqrt(1 - (v / a)^2),  and 0 where a < v: friction of one sign damps nothing.
+/// So a moving joint begins to swing where the loop would without friction, and friction lets the swing grow to a = v
+/// at once and holds it between v and 1.41 v. A joint that stands is held by friction until it is pushed. What lies
+/// between motor encoder and joint, play among it, is a load in P and nothing else: the loop closes over the motor's
+/// encoder.
+struct LimitCycle {
+  double onset = 0.0;  ///< the factor at which a moving joint begins to swing
+  double hz = 0.0;     ///< there
+};
+
+/// Nothing: no factor up to 100 makes the loop swing below the last line.
+/// @pre with these gains the loop is stable
+auto foretell(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle>;
+/// Amplitude of the motor, rad, once the swing is there, of a motor that goes at this speed.
+auto swing_rad(const LimitCycle& cycle, double speed_rad_s) -> double;
+
+/// Gains are kept this far from the onset.
+inline constexpr double kFromOnset = 2.0;
+/// "a moving joint begins to swing at ..."
+auto sentence_of(const LimitCycle& cycle, double speed_rad_s) -> std::string;
+
+}  // namespace capstan::tools
