@@ -107,11 +107,11 @@ struct ControlErrors {
   double km_deg, pm_deg, control_deg;
 };
 
-/// The printed PID at 100 Hz on the estimate of PM.
-auto control(const Study& study, const Laws& laws, const sim::Motion& motion) -> ControlErrors {
+/// The printed PID at 100 Hz on the estimate of a law; errors of laws that were identified by the same camera.
+auto control(const Study& study, const JointFile& by, const Laws& laws, const sim::Motion& motion) -> ControlErrors {
   Instrument axes = study.instrument;
   axes[0].plant.camera_delay_s += study.late_s;
-  MotionLaw<double> estimator(SamplePeriod<double>(0.01), motion_parameters(laws.thesis));
+  MotionLaw<double> estimator(SamplePeriod<double>(0.01), motion_parameters(by));
   const Experiment run = run_experiment(axes, 0, motion, thesis_gains(), 200,
                                         [&](double q1, double tau) { return estimator.update(q1, tau).q2; });
   return {law_error_deg(run.log, laws.kinematic), law_error_deg(run.log, laws.thesis),
@@ -136,7 +136,7 @@ auto control_error_deg(double torque_per_ampere, std::size_t signal, bool own) -
   }
   const Laws laws = run_study(study, {}).laws;
   study.instrument[0].plant.torque_constant_nm_per_a = torque_per_ampere;
-  return control(study, laws, control_signals()[signal].motion).control_deg;
+  return control(study, laws.thesis, laws, control_signals()[signal].motion).control_deg;
 }
 
 auto table_5_3() -> ThesisTable {
@@ -179,7 +179,7 @@ auto table_5_3() -> ThesisTable {
   for (const ControlSignal& s : control_signals()) {
     ThesisTable::Row row{s.name, {s.km_deg, s.pm_deg, s.control_deg}};
     for (std::size_t k = 0; k < cases.size(); ++k) {
-      const ControlErrors e = control(studies[k], laws[k], s.motion);
+      const ControlErrors e = control(studies[k], laws[0].thesis, laws[k], s.motion);
       row.values.insert(row.values.end(), {e.km_deg, e.pm_deg, e.control_deg});
     }
     const JointErrors by_pm = firmware_control(laws[0].thesis, s.motion);
