@@ -104,17 +104,16 @@ auto table_2_1_and_2_2() -> ThesisTable {
   for (std::size_t i = 0; i < flanks.size(); ++i) {
     const SlackInstant s = slack_instant(flanks[i], sim::PlantParameters{}.input_radius_m);
     const SlackInstant o = slack_instant(shifted[i], sim::PlantParameters{}.input_radius_m);
+    const SlackInstant e = slack_instant(flanks[i], sim::PlantParameters{}.input_radius_m, 0.05);
     table.rows.push_back({"slack instant " + std::to_string(i + 1),
                           {kTau[i], kEta[i], kConstant[i], s.tau_in_nm, s.eta, s.constant_n, o.tau_in_nm, o.eta,
                            o.constant_n, e.tau_in_nm, e.eta, e.constant_n}});
   }
   table.conditions = {
       "The torque is measured at the current and holds the motor's own friction, 3 mN m here, which makes tau_in and "
-      "eta "
-      "2 to 3 % larger than the tendons'. I belongs to the pretension and cannot depend on the direction; that the "
+      "eta 2 to 3 % larger than the tendons'. I belongs to the pretension and cannot depend on the direction; that the "
       "printed one is lower backward is not a constant torque in the measurement, for that would tilt eta too (the "
-      "trial "
-      "makes the table worse). The instrument's numbers are those that chapter 2 identified from this table."};
+      "trial makes the table worse). The instrument's numbers are those that chapter 2 identified from this table."};
   return table;
 }
 
