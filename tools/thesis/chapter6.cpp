@@ -81,6 +81,15 @@ auto summary_of(const Study& study) -> Summary {
 
 }  // namespace
 
+auto wrist_of_chapter_6() -> Instrument {
+  Instrument axes = with_tendons(plain(1), kRightJawWithDrag).instrument;
+  for (auto& axis : axes) {
+    axis.plant.effects.transmission_viscous_forward_ns_per_m = kDragNsPerM;
+    axis.plant.effects.transmission_viscous_backward_ns_per_m = kDragNsPerM;
+  }
+  return axes;
+}
+
 auto table_6_1() -> ThesisTable {
   struct Axis {
     const char* name;

@@ -82,6 +82,10 @@ auto trials(const Study& study) -> std::vector<StudyTrial> {
 
 }  // namespace
 
+auto elbow_of_chapter_7() -> Instrument {
+  return elbow().instrument;
+}
+
 auto table_7_1() -> ThesisTable {
   const Study study = identified_study();
   const std::vector<StudyTrial> tried = trials(study);

@@ -16,6 +16,10 @@ using Instrument = std::vector<sim::InstrumentAxis>;
 /// One of the built-in instruments, by name.
 auto built_in(const char* name) -> Instrument;
 
+/// The wrist with the right jaw of table 6.2 and its drag; the elbow of table 7.2.
+auto wrist_of_chapter_6() -> Instrument;
+auto elbow_of_chapter_7() -> Instrument;
+
 /// How well an estimate fits, as the thesis counts it (footnotes 4 and 5 of ch. 5).
 struct FitQuality {
   double rmse_deg = 0.0;

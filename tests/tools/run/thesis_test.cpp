@@ -200,6 +200,44 @@ TEST(ThesisTableText, JsonAndPageHoldTheSameTable) {
   EXPECT_EQ(page.find("src="), std::string::npos) << "self-contained";
 }
 
+TEST(ThesisFigures, EveryFigureIsThereAndShowsWhatThePrintShows) {
+  const auto figures = thesis_figures();
+  const auto find = [&](const std::string& number) -> const ThesisFigure& {
+    for (const ThesisFigure& f : figures) {
+      if (f.number.find(number) != std::string::npos) {
+        return f;
+      }
+    }
+    ADD_FAILURE() << number;
+    return figures.front();
+  };
+  for (const char* number : {"2.9",  "2.10", "3.9", "3.10", "3.11", "3.12", "4.7", "4.8", "4.9", "4.10",
+                             "4.11", "4.12", "5.4", "5.6",  "6.9",  "6.11", "7.6", "7.7", "7.8", "7.11"}) {
+    const ThesisFigure& figure = find(number);
+    EXPECT_FALSE(figure.plots.empty()) << number;
+    for (const Plot& plot : figure.plots) {
+      EXPECT_FALSE(plot.series.empty()) << number;
+      for (const Series& s : plot.series) {
+        EXPECT_GT(s.x.size(), 1) << number;
+        EXPECT_TRUE(s.x.allFinite() && s.y.allFinite()) << number;
+      }
+    }
+  }
+  // 3.9: plateaus rank the samples. 3.12: compliance is least over the tumour. 7.6: pretension narrows the loop.
+  const auto& samples = find("3.9").plots[1].series;
+  const Eigen::Index pressed = 700;
+  EXPECT_GT(samples[0].y[pressed], 1.5 * samples[1].y[pressed]);
+  EXPECT_GT(samples[1].y[pressed], 1.5 * samples[2].y[pressed]);
+  for (const Series& map : find("3.12").plots[0].series) {
+    Eigen::Index least = 0;
+    map.y.minCoeff(&least);
+    EXPECT_EQ(least, 4) << map.label;
+  }
+  const auto height = [](const Series& s) { return s.y.maxCoeff() - s.y.minCoeff(); };
+  const auto& tension = find("7.6").plots[0].series;
+  EXPECT_GT(height(tension[2]), height(tension[0])) << "a narrower loop leaves the joint more of the stroke";
+}
+
 TEST(ThesisSignals, MultisineHasTheRootMeanSquareThatIsAskedForAndItsTones) {
   const sim::Motion motion = multisine(5.0, {0.1, 0.2}, 20.0);
   // Projection on each tone over whole periods, from 10 s on, where the start has faded out: equal shares of the power.
