@@ -56,7 +56,7 @@ void write(const std::string& path, const std::string& text) {
 }
 
 auto thesis(const ThesisOptions& options) -> int {
-  nlohmann::json all = {{"schema", "capstan.thesis/1"}, {"tables", nlohmann::json::array()}};
+  nlohmann::json all = {{"schema", "capstan.thesis/2"}, {"tables", nlohmann::json::array()}};
   std::vector<ThesisTable> tables;
   const bool progress = ::isatty(STDERR_FILENO) == 1;
   for (const Maker& maker : makers()) {
@@ -91,7 +91,7 @@ void add_thesis(CLI::App& app, int& exit_status) {
       app.add_subcommand("thesis", "the reference thesis's tables on the simulated instruments, beside the printed");
   command->add_option("--table", options->tables, "only this one (repeatable)")
       ->check(CLI::IsMember({"2.1", "2.2", "4.1", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2"}));
-  command->add_option("--json", options->json, "file for the same as JSON (schema capstan.thesis/1)");
+  command->add_option("--json", options->json, "file for the same as JSON (schema capstan.thesis/2)");
   command->add_option("--html", options->html, "file for the same as a page, with the figures");
   command->footer(
       "F. Anooshahpour, 2017. KM is q2 = beta q1; PM is the thesis's law, (5.28) or, in table 6.2, (6.21); `law` is "
