@@ -10,26 +10,69 @@ namespace capstan::tools {
 /// One table of the thesis beside the same experiment on the simulator.
 struct ThesisTable {
   struct Column {
-    std::string group;    ///< "printed", "simulated" or "capstan"
+    std::string group;    ///< "printed", "simulated", or a trial
     std::string key;      ///< in JSON
     std::string heading;  ///< in text
     std::string unit;
     int decimals = 3;
+    bool derived = false;  ///< follows from other columns: no difference of its own
   };
   struct Row {
     std::string name;
-    std::vector<double> values;  ///< one per column; NaN: there is none
-    std::string why;             ///< one sentence of physics about the difference
+    std::vector<double> values;            ///< one per column; NaN: there is none
+    std::vector<std::string> fitted = {};  ///< keys of the simulated values that are fitted to this table
+  };
+  /// What a difference is blamed for, changed, and the experiment repeated: the column group of that name.
+  struct Trial {
+    std::string group;
+    std::string with, instead_of;
+    std::string because;  ///< one sentence: why this may be the cause
   };
   std::string number;
   std::string title;
   std::vector<std::string> conditions;
   std::vector<Column> columns;
   std::vector<Row> rows;
+  std::vector<Trial> trials = {};
+
+  /// A value by row, group and key; NaN if there is none.
+  [[nodiscard]] auto value(std::size_t row, const std::string& group, const std::string& key) const -> double;
 };
 
-/// For people: aligned columns, the rows' reasons below.
+/// Differences beyond this share of the print need a reason.
+inline constexpr double kExplainedFromPercent = 10.0;
+
+/// One simulated value beside its printed one.
+struct ThesisDifference {
+  struct Tested {
+    const ThesisTable::Trial* trial;
+    double value, percent;
+    bool helps;  ///< over the whole table the trial comes nearer to the print
+  };
+  std::string row, key, heading, unit;
+  int decimals = 3;
+  double printed = 0.0, ours = 0.0, percent = 0.0;
+  bool fitted = false;
+  std::vector<Tested> tested;  ///< every trial of the table that has this value
+
+  [[nodiscard]] auto large() const -> bool;
+  /// The same as nearest(), if it brings the value within kExplainedFromPercent; else nullptr.
+  [[nodiscard]] auto cause() const -> const Tested*;
+  /// Of the trials that help the whole table, the one that comes nearest to the print, if nearer than the value itself;
+  /// else nullptr. One that helps a value and harms the table is chance, not a cause.
+  [[nodiscard]] auto nearest() const -> const Tested*;
+};
+
+/// Every printed value that the simulator has too. The result points into the table.
+auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference>;
+
+/// What a large difference comes from: which trial explains it, or that none does.
+auto reason_of(const ThesisDifference& difference) -> std::string;
+
+/// For people: aligned columns, the differences beyond 10 % with their reasons below.
 auto table_text(const ThesisTable& table) -> std::string;
 auto table_json(const ThesisTable& table) -> nlohmann::json;
+/// The same as a piece of a page.
+auto table_html(const ThesisTable& table) -> std::string;
 
 }  // namespace capstan::tools

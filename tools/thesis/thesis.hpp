@@ -6,18 +6,28 @@
 #include "capstan/tools/thesis/table.hpp"
 
 /// The tables of the reference thesis (F. Anooshahpour, 2017) on the simulated instruments, beside the printed figures.
-/// The instruments are what their files say; nothing of them is fitted to a table.
+/// Instruments are named by their chapter: the grasper of ch. 2 and 3, the forceps of ch. 4, the micro-forceps of ch.
+/// 5, the wrist of ch. 6, RAVEN II of ch. 7. What is fitted to a table is marked in it.
 namespace capstan::tools {
 
 /// Slack instants: torque, eta and the constant I, of a locked tip under a triangle of torque.
 auto table_2_1_and_2_2() -> ThesisTable;
-/// da Vinci micro-forceps: estimation of the joint angle.
+/// Forceps, tip locked: the classical Preisach model on three motions.
+auto table_4_1() -> ThesisTable;
+/// Micro-forceps: estimation of the joint angle.
 auto table_5_2() -> ThesisTable;
-/// da Vinci micro-forceps: control through the estimate.
+/// Micro-forceps: control through the estimate.
 auto table_5_3() -> ThesisTable;
-/// da Vinci wrist, both jaws: dynamic law.
+/// Wrist: what identification returns, and why (5.29) does not.
+auto table_6_1() -> ThesisTable;
+/// Wrist, both jaws: dynamic law.
 auto table_6_2() -> ThesisTable;
 /// RAVEN II elbow.
+auto table_7_1() -> ThesisTable;
 auto table_7_2() -> ThesisTable;
+
+/// The control error of a row of table 5.3 by the torque per ampere: what it is fitted by.
+/// @param own  with the micro-forceps' own tendons and late pictures
+auto control_error_deg(double torque_per_ampere, std::size_t signal, bool own) -> double;
 
 }  // namespace capstan::tools

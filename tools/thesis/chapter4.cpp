@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/thesis/chapter4.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "capstan/hal/sim/plant.hpp"
+#include "capstan/model/preisach.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
+
+namespace capstan::tools {
+namespace {
+
+// 0.06228 N m of figure 2.10 are the 2 V of chapter 4's signals: 5 V are the 0.155 N m that make a tendon slack.
+constexpr double kTorquePerVolt = 0.06228 / 2.0;
+constexpr double kSaturationV = 5.0;
+constexpr double kSlowVPerS = 1.0;
+constexpr int kReadEveryMs = 10;
+constexpr std::uint64_t kSeed = 400;
+// Two steps of noise of the force sensor, about the joint: what may fall along a curve without being one.
+constexpr double kToleranceNm = 1e-3;
+
+class Forceps {
+ public:
+  Forceps() : plant_(locked(), kSeed) {}
+
+  /// 10 ms towards `volts`; what the force sensor shows over them on average, N m.
+  auto hold(double volts) -> double {
+    double sum = 0.0;
+    const double start = volts_;
+    for (int i = 1; i <= kReadEveryMs; ++i) {
+      volts_ = start + (volts - start) * i / kReadEveryMs;
+      plant_.step(volts_ * kTorquePerVolt / plant_.parameters().torque_constant_nm_per_a, true);
+      sum += plant_.truth().tip_torque_nm / kReadEveryMs;
+    }
+    return sum;
+  }
+  /// Slowly to `volts`.
+  auto go(double volts) -> double {
+    const double step = kSlowVPerS * 0.001 * kReadEveryMs;
+    double torque = hold(volts_);
+    while (std::fabs(volts - volts_) > 1e-9) {
+      torque = hold(volts_ + std::clamp(volts - volts_, -step, step));
+    }
+    return torque;
+  }
+
+ private:
+  static auto locked() -> sim::PlantParameters {
+    sim::PlantParameters p;
+    p.environment.kind = sim::EnvironmentKind::kLocked;
+    return p;
+  }
+  sim::Plant plant_;
+  double volts_ = 0.0;
+};
+
+auto input_v(std::size_t signal, double t) -> double {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  if (signal == 0) {
+    return 2.0 * std::sin(kTurn * t / 10.0) + 2.0 * std::sin(kTurn * t / 30.0 + std::numbers::pi);
+  }
+  if (signal == 1) {
+    return 2.0 * std::sin(kTurn * t / 10.0) + 2.0 * std::sin(kTurn * t / 11.0);
+  }
+  double sum = 0.0;
+  for (int k = 1; k <= 4; ++k) {
+    sum += std::sin(kTurn * t / (10.0 * k));
+  }
+  return sum;
+}
+
+struct ForceErrors {
+  double largest, rms;
+};
+
+auto errors_of(const ForceSurface& surface, const ForceRun& run) -> ForceErrors {
+  const Eigen::VectorXd error = preisach_estimate(surface, run) - run.torque_nm;
+  return {error.cwiseAbs().maxCoeff(), rms(error)};
+}
+
+}  // namespace
+
+auto run_of_chapter_4(std::size_t signal) -> ForceRun {
+  constexpr std::array<double, 3> kSeconds = {60.0, 110.0, 120.0};
+  Forceps forceps;
+  forceps.go(-kSaturationV);
+  const auto rows = static_cast<Eigen::Index>(kSeconds[signal] * 1000.0 / kReadEveryMs);
+  ForceRun run{Eigen::VectorXd(rows), Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
+  forceps.go(input_v(signal, 0.0));
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    run.time_s[i] = 0.001 * kReadEveryMs * static_cast<double>(i);
+    run.input_v[i] = input_v(signal, run.time_s[i]);
+    run.torque_nm[i] = forceps.hold(run.input_v[i]);
+  }
+  return run;
+}
+
+auto measured_surface(std::size_t levels) -> ForceSurface {
+  ForceSurface surface;
+  surface.levels = static_cast<std::uint32_t>(levels);
+  for (std::size_t i = 0; i < levels; ++i) {
+    surface.inputs[i] = kSaturationV * (2.0 * static_cast<double>(i) / static_cast<double>(levels - 1) - 1.0);
+  }
+  Forceps forceps;
+  double lowest = forceps.go(-kSaturationV);
+  for (std::size_t peak = levels; peak-- > 0;) {
+    forceps.go(-kSaturationV);
+    double last = forceps.go(surface.inputs[peak]);
+    surface.set_force(peak, peak, last);
+    for (std::size_t valley = peak; valley-- > 0;) {
+      // The sensor's noise must not make a curve rise on its way down.
+      last = std::min(last, forceps.go(surface.inputs[valley]));
+      surface.set_force(peak, valley, last);
+    }
+  }
+  // One lower saturation for all curves, as the model has it.
+  for (std::size_t peak = 0; peak < levels; ++peak) {
+    lowest = std::min(lowest, surface.force(peak, 0));
+  }
+  for (std::size_t peak = 0; peak < levels; ++peak) {
+    surface.set_force(peak, 0, lowest);
+    for (std::size_t valley = 1; valley <= peak; ++valley) {
+      const double below = valley < peak && peak > 0 ? surface.force(peak - 1, valley) : lowest;
+      surface.set_force(peak, valley, std::max({surface.force(peak, valley), surface.force(peak, valley - 1), below}));
+    }
+  }
+  return surface;
+}
+
+auto preisach_estimate(const ForceSurface& surface, const ForceRun& run) -> Eigen::VectorXd {
+  Preisach<double, kMostLevels> law(surface, StartState::kNegativeSaturation, kToleranceNm);
+  Eigen::VectorXd estimate(run.input_v.size());
+  for (Eigen::Index i = 0; i < estimate.size(); ++i) {
+    estimate[i] = law.update(run.input_v[i]).force;
+  }
+  return estimate;
+}
+
+auto table_4_1() -> ThesisTable {
+  constexpr std::array<std::array<double, 3>, 3> kPrinted = {
+      {{6.40, 0.55, 0.15}, {6.16, 0.60, 0.22}, {5.48, 0.59, 0.22}}};
+  ThesisTable table{"4.1",
+                    "EndoWrist forceps (ch. 4), simulated as ch. 2's grasper with a locked tip: force by the classical "
+                    "Preisach model",
+                    {},
+                    {},
+                    {}};
+  table.trials = {{"21 levels", "21 levels", "11", "the grid of 1 V is coarse beside the loops."},
+                  {"41 levels", "41 levels", "11", "the grid of 1 V is coarse beside the loops."}};
+  for (const char* group : {"printed", "simulated", "21 levels", "41 levels"}) {
+    table.columns.push_back({group, "magnitude", "magnitude", "N", 2});
+    table.columns.push_back({group, "largest", "max error", "N", 2});
+    table.columns.push_back({group, "rms", "RMS", "N", 3});
+    table.columns.push_back({group, "share", "RMS share", "%", 1, true});
+  }
+  const std::array<ForceSurface, 3> surfaces = {measured_surface(11), measured_surface(21), measured_surface(41)};
+  double newton_per_nm = 0.0;
+  for (std::size_t s = 0; s < kPrinted.size(); ++s) {
+    const ForceRun run = run_of_chapter_4(s);
+    const double magnitude = run.torque_nm.cwiseAbs().maxCoeff();
+    if (s == 0) {
+      newton_per_nm = kPrinted[0][0] / magnitude;
+    }
+    const auto& p = kPrinted[s];
+    ThesisTable::Row row{"u" + std::to_string(s + 1), {p[0], p[1], p[2], 100.0 * p[2] / p[0]}};
+    for (const ForceSurface& surface : surfaces) {
+      const ForceErrors e = errors_of(surface, run);
+      row.values.insert(row.values.end(), {magnitude * newton_per_nm, e.largest * newton_per_nm, e.rms * newton_per_nm,
+                                           100.0 * e.rms / magnitude});
+    }
+    if (s == 0) {
+      row.fitted = {"magnitude"};
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.conditions = {"The lever from joint to force sensor is not printed: fitted to the magnitude of u1 (f), " +
+                      rounded(1000.0 / newton_per_nm, 3) +
+                      " mm; the other magnitudes are foretold. Torque per volt: 0.06228 N m of "
+                      "figure 2.10 for the 2 V of these signals. Every run starts from the lower saturation."};
+  return table;
+}
+
+}  // namespace capstan::tools

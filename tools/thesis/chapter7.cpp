@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+
+#include "capstan/tools/thesis/study.hpp"
+#include "capstan/tools/thesis/thesis.hpp"
+
+namespace capstan::tools {
+namespace {
+
+// Stiffness and the elbow's Coulomb friction with which identification on signal III returns the printed alphas
+// (-5.302, -1.002) and KM of the sine of 0.1 Hz: three numbers to three, 22 Nov 2026, left to 0.1 %.
+constexpr double kTopNPerM = 1478.6;
+constexpr double kBottomNPerM = 3698.2;
+constexpr double kJointCoulombNm = 1.4825e-3;
+// "Low (close to zero)" in 7.3.1.
+constexpr double kPretensionN = 0.2;
+// Weight of the forearm about the elbow. Not printed: as much as leaves the loop as it is, so that what is taken out of
+// the torque can be seen in alpha alone.
+constexpr double kGravityNm = 0.004;
+
+auto elbow() -> Study {
+  // One axis alone: the first three axes of RAVEN II do not pull on each other.
+  Study study{{built_in("raven2")[1]}, 0, {}};
+  auto& plant = study.instrument[0].plant;
+  plant.stiffness_top_n_per_m = kTopNPerM;
+  plant.stiffness_bottom_n_per_m = kBottomNPerM;
+  plant.joint_coulomb_nm = kJointCoulombNm;
+  plant.pretension_n = kPretensionN;
+  plant.effects.gravity_torque_nm = kGravityNm;
+  study.gravity_out = true;
+  return study;
+}
+
+auto signals_of(const sim::PlantParameters& plant) -> std::vector<Signal> {
+  return {sine_signal("I sine 0.1 Hz", 0.1, 20.0, {1.2546, 73.1}, {0.5073, 89.1}, plant),
+          sine_signal("II sine 0.2 Hz", 0.2, 10.0, {1.5927, 67.6}, {0.7749, 84.3}, plant),
+          multisine_signal("III multisine", {0.05, 0.07, 0.09}, 100.0, {1.4977, 84.7}, {0.7830, 92.0}, plant),
+          multisine_signal("IV multisine", {0.05, 0.075, 0.1, 0.125, 0.15, 0.16}, 200.0, {1.5680, 61.2}, {0.9106, 77.5},
+                           plant),
+          multisine_signal("V multisine", {0.08, 0.1, 0.12, 0.14}, 50.0, {1.2557, 75.9}, {0.6239, 88.0}, plant)};
+}
+
+auto identified_study() -> Study {
+  Study study = elbow();
+  study.identification = {signals_of(study.instrument[0].plant)[2].motion};
+  return study;
+}
+
+auto with_file_tendons(Study study) -> Study {
+  const sim::PlantParameters file = built_in("raven2")[1].plant;
+  auto& plant = study.instrument[0].plant;
+  plant.stiffness_top_n_per_m = file.stiffness_top_n_per_m;
+  plant.stiffness_bottom_n_per_m = file.stiffness_bottom_n_per_m;
+  plant.joint_coulomb_nm = file.joint_coulomb_nm;
+  return study;
+}
+
+auto trials(const Study& study) -> std::vector<StudyTrial> {
+  Study late = study;
+  late.late_s = 0.05;
+  late.extra_terms = {"transport_delay"};
+  Study light = study;
+  light.instrument[0].plant.effects.gravity_torque_nm = 0.0;
+  Study sticky = study;
+  sticky.instrument[0].plant.joint_coulomb_nm *= 1.25;
+  return {
+      {{"late encoder", "the joint's angle 50 ms late", "on time",
+        "the joint's encoder comes through an Arduino and ROS, and what is late errs more the faster it goes."},
+       late},
+      {{"no weight", "no weight on the forearm", "4 mN m of it, taken out of the torque",
+        "weight stretches a slack drive's tendon too, and taking it out of the torque hides that from the law."},
+       light},
+      {{"more friction", "a quarter more friction in the elbow", "the fitted one",
+        "the loop of a slack drive is as wide as the joint's friction stretches a tendon, and friction differs from "
+        "run to run."},
+       sticky},
+      {{"file", "stiffness by (5.29) and 0.01 N m of friction, as in the instrument file", "the fitted ones",
+        "(5.29) leaves out the motor's own friction, which the logged torque holds."},
+       with_file_tendons(study)}};
+}
+
+}  // namespace
+
+auto elbow_of_chapter_7() -> Instrument {
+  return elbow().instrument;
+}
+
+auto table_7_1() -> ThesisTable {
+  const Study study = identified_study();
+  const std::vector<StudyTrial> tried = trials(study);
+  ThesisTable table{"7.1", "RAVEN II elbow (ch. 7): identified on signal III", {}, {}, {}};
+  std::vector<std::string> groups = {"printed", "simulated"};
+  std::vector<std::array<double, 3>> values = {{-5.302, -1.002, 0.839}};
+  values.push_back(thesis_parameters(run_study(study, {}).laws.thesis));
+  for (const StudyTrial& t : tried) {
+    groups.push_back(t.trial.group);
+    table.trials.push_back(t.trial);
+    values.push_back(thesis_parameters(run_study(t.study, {}).laws.thesis));
+  }
+  ThesisTable::Row row{"elbow", {}, {"alpha_t", "alpha_b"}};
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    table.columns.push_back({groups[g], "alpha_t", "alpha_t", "rad/(N m)", 3});
+    table.columns.push_back({groups[g], "alpha_b", "alpha_b", "rad/(N m)", 3});
+    table.columns.push_back({groups[g], "beta", "beta", "1", 3});
+    row.values.insert(row.values.end(), values[g].begin(), values[g].end());
+  }
+  table.rows.push_back(std::move(row));
+  table.conditions = {
+      "Fitted (f): the two stiffnesses, 1479 and 3698 N/m, to the alphas; the elbow's friction, 1.48 mN m, to KM of "
+      "signal I in table 7.2. beta is foretold; r1 / r2 is 0.8098 by the printed gear and radii. Pretension 0.2 N: the "
+      "thesis measured with next to none."};
+  return table;
+}
+
+auto table_7_2() -> ThesisTable {
+  const Study study = identified_study();
+  const std::vector<StudyTrial> tried = trials(study);
+  ThesisTable table =
+      estimation_table("7.2", "RAVEN II elbow (ch. 7): joint angle from motor angle and torque, RMSE", tried, false);
+  add_rows(table, signals_of(study.instrument[0].plant), study, tried);
+  table.rows[0].fitted = {"km"};
+  table.conditions = {
+      "Gravity is in the plant (4 mN m, hanging down) and taken out of the torque, as chapter 7 does. Stiffness and "
+      "the "
+      "elbow's friction are fitted to table 7.1 and to KM of signal I (f); the rest is foretold."};
+  return table;
+}
+
+}  // namespace capstan::tools

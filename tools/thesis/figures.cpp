@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/thesis/figures.hpp"
+
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+
+auto plot_of(std::string title, std::string x, std::string y) -> Plot {
+  Plot plot;
+  plot.title = std::move(title);
+  plot.x_label = std::move(x);
+  plot.y_label = std::move(y);
+  return plot;
+}
+
+auto hertz(double frequency) -> std::string {
+  return rounded(frequency, 3) + " Hz";
+}
+
+auto thesis_figures() -> std::vector<ThesisFigure> {
+  std::vector<ThesisFigure> all = force_figures();
+  for (ThesisFigure& figure : motion_figures()) {
+    all.push_back(std::move(figure));
+  }
+  return all;
+}
+
+}  // namespace capstan::tools

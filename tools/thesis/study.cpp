@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/thesis/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kPerDegree = 57.29577951308232;
+
+auto with_camera(Instrument axes, double late_s) -> Instrument {
+  for (sim::InstrumentAxis& axis : axes) {
+    axis.plant.camera_delay_s += late_s;
+  }
+  return axes;
+}
+
+/// The torque without the weight that hangs on the joint, as a controller with a model of the arm takes it out.
+void take_gravity_out(AxisLog& log, const sim::PlantParameters& p) {
+  const double ratio = p.input_radius_m / p.output_radius_m;
+  const sim::Effects& e = p.effects;
+  log.tau_nm.array() -= ratio * e.gravity_torque_nm * (ratio * log.q1_rad.array() + e.gravity_angle_rad).sin();
+}
+
+}  // namespace
+
+auto built_in(const char* name) -> Instrument {
+  return sim::parse_instrument(sim::built_in_instrument(name), name).axes;
+}
+
+auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& estimated_rad, int parameters)
+    -> FitQuality {
+  const Eigen::VectorXd error = measured_rad - estimated_rad;
+  const double total = (estimated_rad.array() - estimated_rad.mean()).matrix().squaredNorm();
+  const auto n = static_cast<double>(error.size());
+  return {rms(error) * kPerDegree, goodness_of_fit_percent(measured_rad, estimated_rad),
+          1.0 - (n - 1.0) * error.squaredNorm() / ((n - parameters) * total)};
+}
+
+auto implied_rms_deg(const FitQuality& printed) -> double {
+  return printed.rmse_deg / (1.0 - 0.01 * printed.gof_percent);
+}
+
+auto run_study(const Study& study, const std::vector<Signal>& signals) -> StudyErrors {
+  std::uint64_t seed = 1;
+  const Instrument axes = with_camera(study.instrument, study.late_s);
+  const sim::PlantParameters& plant = axes[study.axis].plant;
+  const auto log_of = [&](const sim::Motion& motion) {
+    AxisLog log = run_experiment(axes, study.axis, motion, stiff_gains(), seed++).log;
+    if (study.gravity_out) {
+      take_gravity_out(log, plant);
+    }
+    return log;
+  };
+  std::vector<AxisLog> logs;
+  for (const sim::Motion& motion : study.identification) {
+    logs.push_back(log_of(motion));
+  }
+  StudyErrors errors{{}, {}, fit_laws(logs, study.drag, study.extra_terms)};
+  const auto judged = [&](const AxisLog& log) {
+    const auto estimate = [&](const JointFile& law) { return simulate({log}, motion_parameters(law)); };
+    const Eigen::VectorXd kinematic = study.rigid_ratio
+                                          ? Eigen::VectorXd(plant.input_radius_m / plant.output_radius_m * log.q1_rad)
+                                          : estimate(errors.laws.kinematic);
+    return SignalErrors{fit_quality(log.q2_rad, kinematic, 1), fit_quality(log.q2_rad, estimate(errors.laws.thesis), 3),
+                        law_error_deg(log, errors.laws.augmented), rms(log.tau_nm)};
+  };
+  for (const AxisLog& log : logs) {
+    errors.identification.push_back(judged(log));
+  }
+  for (const Signal& signal : signals) {
+    errors.signals.push_back(judged(log_of(signal.motion)));
+  }
+  return errors;
+}
+
+auto estimation_table(std::string number, std::string title, const std::vector<StudyTrial>& trials, bool adjusted_r2)
+    -> ThesisTable {
+  ThesisTable table{std::move(number), std::move(title), {}, {}, {}};
+  std::vector<std::string> groups = {"printed", "simulated"};
+  for (const StudyTrial& t : trials) {
+    groups.push_back(t.trial.group);
+    table.trials.push_back(t.trial);
+  }
+  for (const std::string& group : groups) {
+    table.columns.push_back({group, "km", "KM", "deg", 3});
+    table.columns.push_back({group, "pm", "PM", "deg", 3});
+    table.columns.push_back({group, "less", "less %", "%", 1, true});
+    table.columns.push_back({group, "gof_km", "GoF KM", "%", 1});
+    table.columns.push_back({group, "gof_pm", "GoF PM", "%", 1});
+    if (adjusted_r2) {
+      table.columns.push_back({group, "r2_km", "R2 KM", "1", 4});
+      table.columns.push_back({group, "r2_pm", "R2 PM", "1", 4});
+    }
+    if (group == "simulated") {
+      table.columns.push_back({group, "law", "law", "deg", 3});
+    }
+  }
+  return table;
+}
+
+auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Study& study,
+              const std::vector<StudyTrial>& trials) -> StudyErrors {
+  std::vector<StudyErrors> all = {run_study(study, signals)};
+  for (const StudyTrial& t : trials) {
+    all.push_back(run_study(t.study, signals));
+  }
+  const bool adjusted_r2 =
+      std::any_of(table.columns.begin(), table.columns.end(), [](const auto& column) { return column.key == "r2_km"; });
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    ThesisTable::Row row{signals[i].name, {}};
+    const auto append = [&](const FitQuality& km, const FitQuality& pm) {
+      row.values.insert(row.values.end(), {km.rmse_deg, pm.rmse_deg, 100.0 * (1.0 - pm.rmse_deg / km.rmse_deg),
+                                           km.gof_percent, pm.gof_percent});
+      if (adjusted_r2) {
+        row.values.insert(row.values.end(), {km.adjusted_r2, pm.adjusted_r2});
+      }
+    };
+    append(signals[i].km, signals[i].pm);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      append(all[k].signals[i].km, all[k].signals[i].pm);
+      if (k == 0) {
+        row.values.push_back(all[k].signals[i].law_deg);
+      }
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return all.front();
+}
+
+auto motor_deg(double joint_deg, const sim::PlantParameters& plant) -> double {
+  return joint_deg * plant.output_radius_m / plant.input_radius_m;
+}
+
+auto sine_signal(std::string name, double frequency_hz, double duration_s, const FitQuality& km, const FitQuality& pm,
+                 const sim::PlantParameters& plant) -> Signal {
+  const double amplitude = std::numbers::sqrt2 * implied_rms_deg(km);
+  return {std::move(name), sine(motor_deg(amplitude, plant), frequency_hz, duration_s), km, pm};
+}
+
+auto multisine_signal(std::string name, const std::vector<double>& frequencies_hz, double duration_s,
+                      const FitQuality& km, const FitQuality& pm, const sim::PlantParameters& plant) -> Signal {
+  return {std::move(name), multisine(motor_deg(implied_rms_deg(km), plant), frequencies_hz, duration_s), km, pm};
+}
+
+auto thesis_parameters(const JointFile& law) -> std::array<double, 3> {
+  const auto& theta = law.parameters.coefficients;
+  const auto first = catalogue_term("tendon_elongation").first_coefficient;
+  return {theta[first], theta[first + 1], theta[0]};
+}
+
+}  // namespace capstan::tools

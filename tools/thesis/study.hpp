@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/thesis/laws.hpp"
+#include "capstan/tools/thesis/rig.hpp"
+#include "capstan/tools/thesis/table.hpp"
+
+namespace capstan::tools {
+
+using Instrument = std::vector<sim::InstrumentAxis>;
+
+/// One of the built-in instruments, by name.
+auto built_in(const char* name) -> Instrument;
+
+/// The wrist with the right jaw of table 6.2 and its drag; the elbow of table 7.2.
+auto wrist_of_chapter_6() -> Instrument;
+auto elbow_of_chapter_7() -> Instrument;
+
+/// How well an estimate fits, as the thesis counts it (footnotes 4 and 5 of ch. 5).
+struct FitQuality {
+  double rmse_deg = 0.0;
+  double gof_percent = 0.0;
+  double adjusted_r2 = 0.0;  ///< with the sum of squares of the estimate, which is what the printed figures follow
+};
+
+auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& estimated_rad, int parameters)
+    -> FitQuality;
+
+/// A signal of a table with what is printed of it; NaN where nothing is.
+struct Signal {
+  std::string name;
+  sim::Motion motion;
+  FitQuality km, pm;
+};
+
+/// The root mean square of the estimate beta q1 that a printed row implies: RMSE / (1 - GoF).
+auto implied_rms_deg(const FitQuality& printed) -> double;
+
+/// One instrument, or a variant of it, under the signals of a table.
+struct Study {
+  Instrument instrument;
+  std::size_t axis = 0;
+  std::vector<sim::Motion> identification;
+  bool drag = false;  ///< PM is (6.21)
+  std::vector<std::string> extra_terms = {};
+  double late_s = 0.0;       ///< the joint's camera, by the time stamps of its pictures
+  bool rigid_ratio = false;  ///< KM with r1 / r2 instead of a ratio fitted to the logs
+  bool gravity_out = false;  ///< the plant's gravity is taken out of the torque before laws see it
+};
+
+struct SignalErrors {
+  FitQuality km, pm;
+  double law_deg = 0.0;
+  double torque_nm = 0.0;  ///< rms of the motor's torque
+};
+
+struct StudyErrors {
+  std::vector<SignalErrors> signals;
+  std::vector<SignalErrors> identification;
+  Laws laws;
+};
+
+auto run_study(const Study& study, const std::vector<Signal>& signals) -> StudyErrors;
+
+/// A named change of the study behind a table.
+struct StudyTrial {
+  ThesisTable::Trial trial;
+  Study study;
+};
+
+/// Columns km, pm, less, gof_km, gof_pm and, if printed, r2_km and r2_pm for the print, the simulator and every trial;
+/// `law` for the simulator.
+auto estimation_table(std::string number, std::string title, const std::vector<StudyTrial>& trials, bool adjusted_r2)
+    -> ThesisTable;
+/// Appends the signals' rows. Returns what the study itself gave.
+auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Study& study,
+              const std::vector<StudyTrial>& trials) -> StudyErrors;
+
+/// What the motor has to turn so that r1 / r2 of it is this much at the joint.
+auto motor_deg(double joint_deg, const sim::PlantParameters& plant) -> double;
+/// A signal whose amplitude follows from the printed RMSE and GoF of the kinematic model.
+auto sine_signal(std::string name, double frequency_hz, double duration_s, const FitQuality& km, const FitQuality& pm,
+                 const sim::PlantParameters& plant) -> Signal;
+auto multisine_signal(std::string name, const std::vector<double>& frequencies_hz, double duration_s,
+                      const FitQuality& km, const FitQuality& pm, const sim::PlantParameters& plant) -> Signal;
+
+/// alpha_t, alpha_b, beta.
+auto thesis_parameters(const JointFile& law) -> std::array<double, 3>;
+
+}  // namespace capstan::tools
