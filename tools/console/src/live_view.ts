@@ -10,8 +10,11 @@ import { XyPlot } from './xy_plot';
 
 const kMostSignals = 8;
 const kFirst = ['joint0.reference', 'joint0.q2', 'joint0.q1', 'joint0.torque'];
-const kSimulatedEveryMs = 1;
-const kLineEveryMs = 10; // what fits a serial line at 115200 baud
+
+/** A log's columns tell their units. */
+function asSignals(columns: string[]): Signal[] {
+  return columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
+}
 
 export class LiveView {
   readonly series = new Series();
@@ -79,7 +82,7 @@ export class LiveView {
   /** Rows of a log come instead of frames; its columns tell the units. */
   columns(columns: string[]): void {
     this.series.reset(columns, 1);
-    this.shown = columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
+    this.shown = asSignals(columns);
     this.pause(false);
     this.shape();
   }
@@ -90,7 +93,7 @@ export class LiveView {
   }
   schema(schema: Schema): void {
     this.series.reset(schema.columns, schema.everyMs);
-    this.shown = this.chosen;
+    this.shown = this.board.looking ? asSignals(schema.columns) : this.chosen;
     this.shape();
   }
   sample(tick: number, values: number[]): void {
@@ -104,7 +107,7 @@ export class LiveView {
       options(this.add, this.offered());
       return;
     }
-    const every = this.board.link?.simulated === true ? kSimulatedEveryMs : kLineEveryMs;
+    const every = this.board.link?.everyMs ?? 1;
     await this.board.ask('frames off');
     this.board.expectSchema();
     byId('go-on').hidden = true;

@@ -13,6 +13,7 @@ import { ScopeView } from './scope_view';
 import { SerialLink, serialOfBrowser } from './serial_link';
 import { ShellView } from './shell_view';
 import { SimulatorLink } from './simulator_link';
+import { SocketLink } from './socket_link';
 import { StateView } from './state_view';
 import { connectTabs } from './tabs';
 
@@ -63,6 +64,12 @@ async function connected(): Promise<void> {
     byId('tab-live').click();
   }
   parameters.forget();
+  byId('take').hidden = !board.looking;
+  if (board.looking) {
+    say('another page commands this board; this one looks, and DISARM works');
+    return;
+  }
+  await compareVersions();
   await live.connected();
   scope.connected();
   await board.askStatus();
@@ -71,6 +78,14 @@ async function connected(): Promise<void> {
     await breaking.connected(board.status?.joints.length ?? 1);
   }
   viewShown(visible);
+}
+
+/** The page reads other versions too; what they named otherwise it cannot know. */
+async function compareVersions(): Promise<void> {
+  const theirs = /^capstan (\S+) board /.exec((await board.ask('version')).lines.join('\n'))?.[1];
+  if (theirs !== undefined && theirs !== version) {
+    say(`the board's firmware is version ${theirs}, this page is of ${version}: names may differ; use the page of that version, or flash the board`);
+  }
 }
 
 let visible = '';
@@ -97,14 +112,36 @@ async function startSimulator(effects: string): Promise<string> {
   return problem;
 }
 
+/** The board behind the program that serves this page; choosing an instrument leaves it for the simulator. */
+function connectServer(): void {
+  const events = board.eventsOf(() => server);
+  const server: SocketLink = new SocketLink({
+    ...events,
+    role: (looks) => {
+      say('');
+      board.attach(server, looks);
+    },
+    cancelled: () => board.link === server && board.shell.cancel(),
+    remark: (text) => board.link === server && shell.show(text),
+    lost: (why) => (board.link === server ? events.lost(why) : say(why)),
+  });
+  byId('take').addEventListener('click', () => server.askForCommand());
+}
+
+let version = '';
 void simulator.tables.then(async (text) => {
   const tables = parseTables(text);
   board.safeStates = new Set(tables.states.filter((state) => !state.torque).map((state) => state.name));
   states.know(tables);
   breaking.know(tables);
   options(instrument, tables.instruments.map((one) => one.name));
+  version = tables.version;
   instrument.disabled = false;
-  say(await startSimulator(''));
+  if (document.querySelector('meta[name="capstan-served"]') === null) {
+    say(await startSimulator(''));
+  } else {
+    connectServer();
+  }
 });
 instrument.addEventListener('change', () => void startSimulator('').then(say));
 byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <memory>
+
+#include "capstan/tools/console_server/door.hpp"
+#include "capstan/tools/console_server/hub.hpp"
+#include "capstan/tools/console_server/page_files.hpp"
+
+namespace capstan::tools {
+
+/// Serves the page to this machine alone, and joins it with the hub over a WebSocket. Binary messages are the board's
+/// bytes, text messages are the words of hub.hpp.
+class WebServer {
+ public:
+  /// @param port  of 127.0.0.1; 0: any free one   @param hub  outlives this object
+  /// Throws BadInput with a sentence if the port is taken.
+  WebServer(boost::asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub);
+  ~WebServer();
+
+  [[nodiscard]] auto address() const -> std::string;
+
+ private:
+  struct Shop;
+  std::shared_ptr<Shop> shop_;
+};
+
+}  // namespace capstan::tools
