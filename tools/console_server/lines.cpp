@@ -100,6 +100,7 @@ class Port : public std::enable_shared_from_this<Port> {
                                return;
                              }
                              self->going_.clear();
+                             self->gone_ = 0;
                              if (!self->waiting_.empty()) {
                                self->write();
                              }

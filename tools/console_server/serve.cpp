@@ -3,7 +3,9 @@
 
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <csignal>
 
+#include "capstan/tools/console_server/diagnosis_job.hpp"
 #include "capstan/tools/console_server/lines.hpp"
 #include "capstan/tools/console_server/web_server.hpp"
 
@@ -26,13 +28,15 @@ void keep_looking(asio::steady_timer& timer, Hub& hub) {
 }  // namespace
 
 void serve_console(const ConsoleOptions& options, const std::function<void(const std::string&)>& ready) {
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // a board or a page that leaves is told by the write itself
   asio::io_context io(1);
   PageFiles files = read_page_files(options.page);
   Hub hub([&](Hub::Listener listener) {
     return options.port.empty() ? open_simulated_line(io, options.scenario, std::move(listener))
                                 : open_port_line(io, options.port, std::move(listener));
   });
-  const WebServer server(io, options.listen, std::move(files), hub);
+  DiagnosisJob job(io);
+  const WebServer server(io, options.listen, std::move(files), hub, job);
   asio::steady_timer timer(io);
   keep_looking(timer, hub);
   asio::signal_set signals(io, SIGINT, SIGTERM);

@@ -22,6 +22,7 @@ using beast::error_code;
 using Request = http::request<http::string_body>;
 
 constexpr std::chrono::seconds kRequestWithin{10};
+constexpr std::string_view kDiagnose = "diagnose/";  // and the column to explain, or nothing
 
 auto view(beast::string_view text) -> std::string_view {
   return {text.data(), text.size()};
@@ -35,8 +36,12 @@ auto content_policy(std::string_view host) -> std::string {
   return "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src blob:; style-src 'self'; img-src "
          "'self'; "
          "connect-src 'self' ws://" +
-         std::string(host) + "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+         std::string(host) + "; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 }
+/// A report has its style within itself, and runs nothing.
+constexpr const char* kReportPolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox";
+constexpr const char* kPlain = "text/plain; charset=utf-8";
 
 auto caller_of(const Request& request) -> Caller {
   const auto origin = request.find(http::field::origin);
@@ -48,12 +53,14 @@ auto caller_of(const Request& request) -> Caller {
 
 /// What every visitor needs; lives as long as the last of them.
 struct WebServer::Shop : std::enable_shared_from_this<Shop> {
-  Shop(asio::io_context& io, PageFiles page, Hub& board_hub) : acceptor(io), files(std::move(page)), hub(board_hub) {}
+  Shop(asio::io_context& io, PageFiles page, Hub& board_hub, DiagnosisJob& diagnosis)
+      : acceptor(io), files(std::move(page)), hub(board_hub), job(diagnosis) {}
   void accept();
 
   tcp::acceptor acceptor;
   PageFiles files;
   Hub& hub;
+  DiagnosisJob& job;
   std::optional<Door> door;
 };
 
@@ -153,43 +160,82 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
 
   void begin() {
     stream_.expires_after(kRequestWithin);
-    http::async_read(stream_, in_, request_, [self = this->shared_from_this()](const error_code& error, std::size_t) {
-      if (!error) {
-        self->judge();
-      }
-    });
+    constexpr std::uint64_t kMostLog = std::uint64_t{64} * 1024 * 1024;
+    parser_.body_limit(kMostLog);
+    http::async_read_header(stream_, in_, parser_,
+                            [self = this->shared_from_this()](const error_code& error, std::size_t) {
+                              if (!error) {
+                                self->judge();
+                              }
+                            });
   }
 
  private:
   void judge() {
-    const Caller caller = caller_of(request_);
-    const bool talks = websocket::is_upgrade(request_);
-    const Entry entry = talks ? shop_->door->for_acting(caller) : shop_->door->for_reading(caller);
+    const Request& request = parser_.get();
+    const Caller caller = caller_of(request);
+    const bool talks = websocket::is_upgrade(request);
+    const bool acts = talks || request.method() != http::verb::get;
+    const Entry entry = acts ? shop_->door->for_acting(caller) : shop_->door->for_reading(caller);
     if (entry != Entry::kComeIn) {
-      answer(http::status::forbidden, {"text/plain; charset=utf-8", std::string(sentence(entry))});
+      answer(http::status::forbidden, {kPlain, std::string(sentence(entry))});
       return;
     }
     const std::string_view place = *shop_->door->behind_token(caller.target);
     if (talks && place == "board") {
-      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_)->begin(request_);
-      return;
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_)->begin(request);
+    } else if (request.method() == http::verb::post && place.starts_with(kDiagnose)) {
+      read_log(std::string(place.substr(kDiagnose.size())));
+    } else if (talks || request.method() != http::verb::get) {
+      answer(http::status::method_not_allowed, {kPlain, "the page's files can only be read\n"});
+    } else {
+      give(place);
     }
+  }
+
+  void give(std::string_view place) {
     const auto file = shop_->files.find(place);
-    if (file == shop_->files.end() || talks) {
-      answer(http::status::not_found, {"text/plain; charset=utf-8", "the console has nothing of that name\n"});
-    } else if (request_.method() != http::verb::get) {
-      answer(http::status::method_not_allowed, {"text/plain; charset=utf-8", "the page's files can only be read\n"});
+    const auto report = place == "report" ? shop_->job.report() : std::nullopt;
+    if (report) {
+      answer(http::status::ok, {"text/html; charset=utf-8", *report}, kReportPolicy);
+    } else if (file == shop_->files.end()) {
+      answer(http::status::not_found, {kPlain, "the console has nothing of that name\n"});
     } else {
       answer(http::status::ok, file->second);
     }
   }
 
-  void answer(http::status status, const PageFile& what) {
+  /// @param target  column to explain, or nothing
+  void read_log(const std::string& target) {
+    http::async_read(stream_, in_, parser_,
+                     [self = this->shared_from_this(), target](const error_code& error, std::size_t) {
+                       if (error == http::error::body_limit) {
+                         self->answer(http::status::payload_too_large,
+                                      {kPlain, "the log is larger than 64 MB; diagnose it by 'capstan diagnose'\n"});
+                       } else if (!error) {
+                         self->diagnose(target);
+                       }
+                     });
+  }
+  void diagnose(const std::string& target) {
+    stream_.expires_never();
+    const bool begun =
+        shop_->job.start(parser_.get().body(), target, [self = this->shared_from_this()](std::string found) {
+          self->answer(http::status::ok, {"application/json", std::move(found)});
+        });
+    if (!begun) {
+      answer(http::status::conflict, {kPlain, "a diagnosis is under way; wait for it\n"});
+    }
+  }
+
+  void answer(http::status status, const PageFile& what, const char* policy = nullptr) {
+    const Request& request = parser_.get();
     response_.result(status);
-    response_.version(request_.version());
+    response_.version(request.version());
     response_.keep_alive(false);
     response_.set(http::field::content_type, what.type);
-    response_.set("Content-Security-Policy", content_policy(view(request_[http::field::host])));
+    response_.set("Content-Security-Policy",
+                  policy != nullptr ? policy : content_policy(view(request[http::field::host])));
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");
     response_.set("Cross-Origin-Resource-Policy", "same-origin");
@@ -206,7 +252,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
   beast::tcp_stream stream_;
   std::shared_ptr<Shop> shop_;
   beast::flat_buffer in_;
-  Request request_;
+  http::request_parser<http::string_body> parser_;
   http::response<http::string_body> response_;
 };
 
@@ -224,8 +270,8 @@ void WebServer::Shop::accept() {
   });
 }
 
-WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub)
-    : shop_(std::make_shared<Shop>(io, std::move(files), hub)) {
+WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub, DiagnosisJob& job)
+    : shop_(std::make_shared<Shop>(io, std::move(files), hub, job)) {
   const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
   error_code error;
   shop_->acceptor.open(endpoint.protocol());

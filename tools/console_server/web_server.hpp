@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <memory>
 
+#include "capstan/tools/console_server/diagnosis_job.hpp"
 #include "capstan/tools/console_server/door.hpp"
 #include "capstan/tools/console_server/hub.hpp"
 #include "capstan/tools/console_server/page_files.hpp"
@@ -14,9 +15,9 @@ namespace capstan::tools {
 /// bytes, text messages are the words of hub.hpp.
 class WebServer {
  public:
-  /// @param port  of 127.0.0.1; 0: any free one   @param hub  outlives this object
+  /// @param port  of 127.0.0.1; 0: any free one   @param hub, job  outlive `io`'s run
   /// Throws BadInput with a sentence if the port is taken.
-  WebServer(boost::asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub);
+  WebServer(boost::asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub, DiagnosisJob& job);
   ~WebServer();
 
   [[nodiscard]] auto address() const -> std::string;

@@ -4,35 +4,15 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, readdirSync, statSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import test, { after, afterEach, before } from 'node:test';
-import { arm, eventually, kPatience, launch, moved, open, serve, site, state, type, view } from './browser.mjs';
+import test, { before } from 'node:test';
+import { arm, eventually, kPatience, moved, pages, site, state, type, view } from './browser.mjs';
 
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
 const kViews = ['live', 'states', 'move', 'parameters', 'break', 'shell'];
-let browser;
-let server;
-let opened = [];
-before(async () => {
-  mkdirSync(pictures, { recursive: true });
-  browser = await launch();
-  server = await serve();
-});
-after(async () => {
-  await browser.close();
-  server.close();
-});
-afterEach(async () => {
-  const before = opened;
-  opened = [];
-  for (const one of before) await one.close();
-  for (const one of before) assert.deepEqual(one.complaints, [], 'the page complained');
-});
-async function fresh(options) {
-  const one = await open(browser, server.address, options);
-  opened.push(one);
-  return one;
-}
+const rig = pages();
+before(() => mkdirSync(pictures, { recursive: true }));
+const fresh = (options) => rig.open(options);
 const text = ({ page }, place) => page.textContent(place);
 const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
 
@@ -312,14 +292,13 @@ test('another instrument has its own joints', async () => {
 });
 
 test('everything that was asked of the server is the page itself', () => {
-  assert.deepEqual([...new Set(server.asked)].sort(), ['/', '/console.css', '/console.js', '/icon.svg']);
+  assert.deepEqual([...new Set(rig.server.asked)].sort(), ['/', '/console.css', '/console.js', '/icon.svg']);
 });
 
 test('the page works from the folder, without a server', async () => {
   const began = performance.now();
-  const one = await open(browser, `file://${site}/index.html`);
+  const one = await rig.open({}, `file://${site}/index.html`);
   console.log(`console page: signals ${Math.round(performance.now() - began)} ms after it was opened`);
-  opened.push(one);
   await arm(one);
 });
 

@@ -69,7 +69,6 @@ async function connected(): Promise<void> {
     say('another page commands this board; this one looks, and DISARM works');
     return;
   }
-  await compareVersions();
   await live.connected();
   scope.connected();
   await board.askStatus();
@@ -78,6 +77,7 @@ async function connected(): Promise<void> {
     await breaking.connected(board.status?.joints.length ?? 1);
   }
   viewShown(visible);
+  await compareVersions();
 }
 
 /** The page reads other versions too; what they named otherwise it cannot know. */

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+// node --test served.test.mjs: the page as `capstan console` serves it, with a simulated joint and with boards; who commands, who looks,
+// when the torque goes, and strangers that try.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { createServer, request } from 'node:http';
+import test, { afterEach } from 'node:test';
+import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
+import { between, board, console_, endAll, freePort } from './served.mjs';
+
+const rig = pages();
+afterEach(endAll);
+const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
+const open = (served, options) => rig.open(options, served.address);
+const said = (one, part) => until(one, (wanted) => document.getElementById('console').textContent.includes(wanted), part);
+/** Asks a board behind TCP that nobody else talks to. */
+const ask = (name, line) => execFileSync(process.env.CAPSTAN_PROGRAM, ['shell', name], { input: `${line}\n`, encoding: 'latin1' });
+
+async function armedAndLooker() {
+  const served = await console_();
+  const one = await open(served);
+  const two = await open(served, { looks: true });
+  await message(two, 'another page commands');
+  await arm(one);
+  await state(two, 'holding');
+  return { served, one, two };
+}
+
+test('from the first request to a trace that moves it takes less than 2 s', async () => {
+  const served = await console_();
+  const context = await rig.browser.newContext({ viewport: { width: 1280, height: 800 } });
+  const page = await context.newPage();
+  const began = performance.now();
+  await page.goto(served.address);
+  await page.waitForFunction(() => {
+    const picture = document.querySelector('#plot canvas')?.toDataURL();
+    window.pictures ??= new Set();
+    if (picture !== undefined && document.querySelectorAll('#signals button').length > 0) window.pictures.add(picture);
+    return window.pictures.size > 2;
+  });
+  const took = performance.now() - began;
+  console.log(`console page: ${(took / 1000).toFixed(2)} s from capstan console to a trace that moves`);
+  await context.close();
+  assert.ok(took < 2000, `${took} ms`);
+});
+
+test('arms, moves and disarms the simulated joint of capstan console, at 1 kHz without a loss', async () => {
+  const one = await open(await console_());
+  await until(one, () => /one every 1 ms, 0 lost/.test(document.getElementById('rate').textContent));
+  await arm(one);
+  await view(one, 'move');
+  await one.page.waitForSelector('#joints .joint');
+  await one.page.click('text="+10 deg"');
+  await moved(one, 10);
+  await one.page.keyboard.press('Space');
+  await state(one, 'disarmed');
+});
+
+for (const kind of ['tcp', 'pty']) {
+  test(`arms and moves a board by ${kind}; it says so when the board is gone, and reloading finds it again`, async () => {
+    const there = await board(kind);
+    const served = await console_(there.name);
+    const one = await open(served);
+    await arm(one);
+    await type(one, 'move joint0 10 deg');
+    await view(one, 'move');
+    await one.page.waitForSelector('#joints .joint');
+    await moved(one, 10);
+    there.child.kill();
+    await message(one, 'the line to the board is gone');
+    await message(one, 'may still have torque: press the emergency stop');
+    assert.equal(await one.page.textContent('#state'), 'not connected');
+    await one.page.reload();
+    await message(one, kind === 'tcp' ? 'nobody answers' : 'the port does not open');
+  });
+}
+
+test('the page that came second looks: it shows state and signals, and cannot arm, move or set', async () => {
+  const { two } = await armedAndLooker();
+  await until(two, () => /\d+ samples kept, one every 1 ms/.test(document.getElementById('rate').textContent));
+  assert.ok(await two.page.isDisabled('#arm'));
+  await view(two, 'shell');
+  await two.page.fill('#line', 'move joint0 10 deg');
+  await two.page.press('#line', 'Enter');
+  await said(two, 'another page commands this board');
+  assert.equal(await two.page.textContent('#state'), 'holding');
+});
+
+test('a page that looks takes the torque away, and the other goes on talking', async () => {
+  const { one, two } = await armedAndLooker();
+  await two.page.click('#disarm');
+  await state(two, 'disarmed');
+  await state(one, 'disarmed');
+  assert.match(await type(one, 'version'), /capstan \S+ board sim.*\nok/s);
+  await arm(one);
+  await two.page.keyboard.press('Space');
+  await state(one, 'disarmed');
+});
+
+test('a page that looks and loses focus takes nothing away', async () => {
+  const { one, two } = await armedAndLooker();
+  await two.page.evaluate(() => window.dispatchEvent(new Event('blur')));
+  await two.close();
+  await one.page.waitForTimeout(700);
+  assert.equal(await one.page.textContent('#state'), 'holding');
+});
+
+test('the command is taken without torque', async () => {
+  const { one, two } = await armedAndLooker();
+  await two.page.click('#take');
+  await state(two, 'disarmed');
+  await until(two, () => document.querySelectorAll('#signals button').length > 0);
+  await message(one, 'another page commands');
+  await arm(two);
+  await state(one, 'holding');
+});
+
+test('a page that crashes takes the torque along, and the other one commands', async () => {
+  const { one, two } = await armedAndLooker();
+  await one.page.goto('chrome://crash').catch(() => undefined);
+  await state(two, 'disarmed');
+  await until(two, () => document.getElementById('take').hidden);
+  await arm(two);
+});
+
+test('a page that hangs for more than a second loses the torque', async () => {
+  const { one, two } = await armedAndLooker();
+  await one.page.evaluate(() => {
+    const end = performance.now() + 2500;
+    while (performance.now() < end);
+  });
+  await state(two, 'disarmed');
+  await state(one, 'disarmed');
+  await said(one, 'the line counts as lost');
+});
+
+test('a page that is reloaded under torque comes back without', async () => {
+  const one = await open(await console_());
+  await arm(one);
+  await one.page.reload();
+  await state(one, 'disarmed');
+  await until(one, () => document.getElementById('events').textContent.includes('disarmed'));
+});
+
+test('capstan console that ends takes the torque along, and the page says so', async () => {
+  for (const signal of ['SIGTERM', 'SIGKILL']) {
+    const there = await board();
+    const served = await console_(there.name);
+    const one = await open(served);
+    await arm(one);
+    served.child.kill(signal);
+    await message(one, 'capstan console has gone');
+    await eventually(() => /state disarmed/.test(ask(there.name, 'status')), 'a board that its console has left');
+  }
+});
+
+test('garbage on the line is no state, no sample and no end', async () => {
+  const there = await board();
+  const line = await between(there.port, (text) => text);
+  const one = await open(await console_(line.name));
+  let random = 7;
+  line.say(Uint8Array.from({ length: 5000 }, () => (random = (random * 48271) % 2147483647) & 0xff));
+  await one.page.waitForTimeout(300);
+  await arm(one);
+  await one.page.click('#disarm');
+  await state(one, 'disarmed');
+  line.close();
+});
+
+test('a board of another version is told', async () => {
+  const there = await board();
+  const line = await between(there.port, (text) => text.replace(/capstan \S+ board/, 'capstan 9.9.9 board'));
+  const one = await open(await console_(line.name));
+  await message(one, "the board's firmware is version 9.9.9, this page is of ");
+  line.close();
+});
+
+test('a port that is taken is told in a sentence: of the page, and of the board', async () => {
+  const served = await console_();
+  await assert.rejects(console_('--listen', String(served.port)), /ended with 2: capstan: --listen \d+: the port can not be had .*; give another one/);
+  const there = await board('pty');
+  await console_(there.name);
+  await assert.rejects(console_(there.name), /ended with 2: .*another program of Capstan's has this port; end it first/);
+  await assert.rejects(console_(`tcp:${await freePort()}`), /ended with 2: .*nobody answers/);
+});
+
+/** What the server says to a request of this kind. */
+function visit(served, { host = `127.0.0.1:${served.port}`, path = `/${served.token}/`, method = 'GET', ...headers } = {}) {
+  return new Promise((resolve, reject) => {
+    const one = request({ port: served.port, hostname: '127.0.0.1', path, method, headers: { host, ...headers } }, (response) => {
+      let body = '';
+      response.on('data', (part) => (body += part));
+      response.on('end', () => resolve({ status: response.statusCode, headers: response.headers, body }));
+    });
+    one.on('upgrade', (response, socket) => {
+      socket.destroy();
+      resolve({ status: response.statusCode });
+    });
+    one.on('error', reject);
+    one.end();
+  });
+}
+const kUpgrade = { connection: 'Upgrade', upgrade: 'websocket', 'sec-websocket-version': '13', 'sec-websocket-key': 'dGhlIHNhbXBsZSBub25jZQ==' };
+
+test('only the page itself is let in: token, Host and Origin', async () => {
+  const served = await console_();
+  const own = `http://127.0.0.1:${served.port}`;
+  const ws = { ...kUpgrade, path: `/${served.token}/board` };
+  assert.equal((await visit(served)).status, 200);
+  assert.equal((await visit(served, { ...ws, origin: own })).status, 101);
+  for (const [why, trial] of Object.entries({
+    'no token': { path: '/' },
+    'no token for a file': { path: '/console.js' },
+    'a wrong token': { path: `/${'0'.repeat(32)}/` },
+    'a name that was made lead here': { host: `evil.example:${served.port}` },
+    'another origin': { origin: 'http://evil.example' },
+    'a board without token': { ...ws, origin: own, path: '/board' },
+    'a board for another origin': { ...ws, origin: 'http://evil.example' },
+    'a board for nobody': ws,
+    'a board for a frame without origin': { ...ws, origin: 'null' },
+    'a board by a name that was made lead here': { ...ws, host: `evil.example:${served.port}`, origin: `http://evil.example:${served.port}` },
+  })) {
+    const { status, body } = await visit(served, trial);
+    assert.equal(status, 403, why);
+    assert.match(body, /open the (whole )?address that 'capstan console' printed/, why);
+  }
+  assert.equal((await visit(served, { path: `/${served.token}/../../etc/passwd` })).status, 404);
+  assert.equal((await visit(served, { path: `/${served.token}/served.html` })).status, 404);
+  assert.equal((await visit(served, { method: 'DELETE' })).status, 405);
+});
+
+test('it listens on the loopback only', async () => {
+  const served = await console_();
+  const lines = execFileSync('cat', ['/proc/net/tcp', '/proc/net/tcp6'], { encoding: 'latin1' }).split('\n');
+  const port = `:${served.port.toString(16).toUpperCase().padStart(4, '0')}`;
+  const listening = lines.map((line) => line.trim().split(/\s+/)).filter((words) => words[3] === '0A' && words[1]?.endsWith(port));
+  assert.deepEqual(listening.map((words) => words[1]), [`0100007F${port}`]);
+});
+
+test("a stranger's page reaches nothing, even with the token, and no name that leads here helps it", async () => {
+  const served = await console_();
+  const one = await open(served);
+  await arm(one);
+  const stranger = createServer((_, response) => response.writeHead(200, { 'content-type': 'text/html' }).end('<p>hello'));
+  await new Promise((resolve) => stranger.listen(0, '127.0.0.1', resolve));
+  const context = await rig.browser.newContext();
+  const page = await context.newPage();
+  await page.goto(`http://127.0.0.1:${stranger.address().port}/`);
+  const got = await page.evaluate(async ({ port, token }) => {
+    const talk = (address) => new Promise((resolve) => {
+      const socket = new WebSocket(address);
+      socket.onopen = () => (socket.send('disarm'), resolve('open'));
+      socket.onerror = () => resolve('refused');
+    });
+    const read = (address, options) => fetch(address, options).then((r) => r.text(), () => 'refused');
+    const frame = (address) => new Promise((resolve) => {
+      const element = document.createElement('iframe');
+      element.src = address;
+      element.onload = () => resolve(element.contentDocument === null ? 'refused' : 'read');
+      document.body.append(element);
+    });
+    const script = (address) => new Promise((resolve) => {
+      const element = document.createElement('script');
+      element.src = address;
+      element.onload = () => resolve('loaded');
+      element.onerror = () => resolve('refused');
+      document.body.append(element);
+    });
+    const base = `127.0.0.1:${port}/${token}`;
+    return [
+      await talk(`ws://${base}/board`), await talk(`ws://localhost:${port}/${token}/board`), await talk(`ws://127.0.0.1:${port}/board`),
+      await read(`http://${base}/`), await read(`http://127.0.0.1:${port}/`, { method: 'POST', body: 'disarm' }), await frame(`http://${base}/`),
+      await script(`http://127.0.0.1:${port}/console.js`), await script(`http://${base}/console.js`),
+    ];
+  }, { port: served.port, token: served.token });
+  assert.deepEqual(got, got.map(() => 'refused'));
+  await page.waitForTimeout(300);
+  assert.equal(await one.page.textContent('#state'), 'holding');
+  await context.close();
+  stranger.close();
+});
+
+test('the policy is strict and comes as a header; what is inline does not run', async () => {
+  const served = await console_();
+  const { headers, body } = await visit(served);
+  const policy = Object.fromEntries(headers['content-security-policy'].split('; ').map((rule) => [rule.split(' ')[0], rule.split(' ').slice(1).join(' ')]));
+  assert.equal(policy['default-src'], "'none'");
+  assert.equal(policy['script-src'], "'self' 'wasm-unsafe-eval'");
+  assert.equal(policy['style-src'], "'self'");
+  assert.equal(policy['frame-ancestors'], "'none'");
+  assert.equal(policy['connect-src'], `'self' ws://127.0.0.1:${served.port}`);
+  assert.doesNotMatch(body, /<script(?![^>]* src=)|\son\w+=|\sstyle=|<style/);
+  const context = await rig.browser.newContext();
+  const page = await context.newPage();
+  await page.goto(served.address);
+  const ran = await page.evaluate(async () => {
+    const script = document.createElement('script');
+    script.textContent = 'window.ran = true';
+    document.body.append(script);
+    const away = await fetch('http://localhost:9/').then(() => true, (problem) => String(problem));
+    return [window.ran, away, document.querySelector('meta[http-equiv]')];
+  });
+  assert.equal(ran[0], undefined);
+  assert.match(ran[1], /Failed to fetch/);
+  await context.close();
+});
