@@ -9,7 +9,7 @@ import { arm, eventually, kPatience, moved, pages, site, state, type, view } fro
 
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
-const kViews = ['live', 'states', 'move', 'parameters', 'break', 'shell'];
+const kViews = ['live', 'states', 'move', 'diagnose', 'parameters', 'break', 'shell'];
 const rig = pages();
 before(() => mkdirSync(pictures, { recursive: true }));
 const fresh = (options) => rig.open(options);
@@ -157,6 +157,20 @@ test('the scope captures around a trigger, with what was before; a level that is
   assert.equal(rows.length, 400);
   assert.deepEqual([rows[0][0], rows[100][0]], [-0.1, 0]);
   assert.ok(rows[99][1] < (5 * Math.PI) / 180 && rows[100][1] >= (5 * Math.PI) / 180 - 1e-6, 'the reference crosses 5 degrees there');
+});
+
+test('without a host program the log of an experiment is offered, with the command to run', async () => {
+  const one = await fresh();
+  await arm(one);
+  await view(one, 'move');
+  await one.page.selectOption('#experiment-recipe', 'triangle');
+  await one.page.fill('#experiment-options', 'amplitude=0.1 speeds=1 cycles=1 repeats=1 every=1');
+  await one.page.click('#experiment-run');
+  await until(one, () => document.getElementById('experiment-answer').textContent.startsWith('done: '));
+  await view(one, 'diagnose');
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#diagnose-run')]);
+  assert.match(readFileSync(await download.path(), 'utf8'), /^time_s,axis0\/q1_rad,axis0\/tau_Nm/);
+  assert.match(await text(one, '#diagnose-command'), /capstan diagnose capstan_log\.csv --target axis0\/tau_Nm/);
 });
 
 test('a picture is saved', async () => {

@@ -3,7 +3,10 @@
 // when the torque goes, and strangers that try.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer, request } from 'node:http';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
 import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
 import { between, board, console_, endAll, freePort } from './served.mjs';
@@ -184,6 +187,58 @@ test('a port that is taken is told in a sentence: of the page, and of the board'
   await assert.rejects(console_(`tcp:${await freePort()}`), /ended with 2: .*nobody answers/);
 });
 
+const answer = (one, part) => until(one, (wanted) => document.getElementById('diagnose-answer').textContent.includes(wanted), part);
+async function diagnoseFile(one, csv) {
+  await view(one, 'diagnose');
+  await one.page.selectOption('#diagnose-source', 'file');
+  await one.page.selectOption('#diagnose-target', '');
+  await one.page.setInputFiles('#diagnose-file', { name: 'log.csv', mimeType: 'text/csv', buffer: Buffer.from(csv) });
+  await one.page.click('#diagnose-run');
+}
+
+test('a log is diagnosed beside its loop, the report is shown, and APPLY gives the law to the board', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'capstan_'));
+  const scenario = new URL('../../../tools/scenarios/identify.toml', import.meta.url).pathname;
+  execFileSync(process.env.CAPSTAN_PROGRAM, ['run', '--scenario', scenario, '--fast', '--plant-effect', 'play=0.03', '--log', join(folder, 'run.csv')]);
+  const rows = readFileSync(join(folder, 'run.csv'), 'utf8').trim().split('\n');
+  rmSync(folder, { recursive: true });
+  const one = await open(await console_());
+  assert.doesNotMatch(await type(one, 'model'), /play/);
+  await diagnoseFile(one, rows.filter((_, i) => i % 10 === 0).join('\n'));
+  await one.page.waitForFunction(() => /^verdict: /.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
+  const [, before, after] = /verdict: effect.*\(.*play.*\); error before (\S+) rad, after (\S+) rad/.exec(await one.page.textContent('#diagnose-answer'));
+  assert.ok(Number(after) < 0.2 * Number(before), `${before} ${after}`);
+  const report = one.page.frameLocator('#diagnose-report iframe');
+  await report.locator('h1').waitFor({ timeout: kPatience });
+  assert.equal(await report.locator('h1').textContent(), 'Diagnosis of axis0/q2_rad');
+  await one.page.screenshot({ path: join(process.env.CAPSTAN_PICTURES, 'diagnose.png') });
+  await one.page.click('#diagnose-apply');
+  await answer(one, 'the board has the law now');
+  assert.match(await type(one, 'model'), /play/);
+});
+
+test('an experiment of the board is diagnosed; a log that is none is told in a sentence, and so is none at all', async () => {
+  const one = await open(await console_());
+  await view(one, 'diagnose');
+  await one.page.click('#diagnose-run');
+  await answer(one, 'there is no log yet; run an experiment in Move');
+  await diagnoseFile(one, 'time_s,axis0/q1_rad\n0,zero\n');
+  await answer(one, 'capstan: log.csv');
+  assert.ok(await one.page.isDisabled('#diagnose-apply'));
+  await arm(one);
+  await view(one, 'move');
+  await one.page.selectOption('#experiment-recipe', 'triangle');
+  await one.page.fill('#experiment-options', 'amplitude=0.4 speeds=1 cycles=2 repeats=2 every=10');
+  await one.page.click('#experiment-run');
+  await until(one, () => document.getElementById('experiment-answer').textContent.startsWith('done: '));
+  await view(one, 'diagnose');
+  await one.page.selectOption('#diagnose-source', 'experiment');
+  await one.page.selectOption('#diagnose-target', 'axis0/tau_Nm');
+  await one.page.click('#diagnose-run');
+  await one.page.waitForFunction(() => /^verdict: /.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
+  assert.equal(await one.page.textContent('#state'), 'holding', 'the board is not left meanwhile');
+});
+
 /** What the server says to a request of this kind. */
 function visit(served, { host = `127.0.0.1:${served.port}`, path = `/${served.token}/`, method = 'GET', ...headers } = {}) {
   return new Promise((resolve, reject) => {
@@ -215,6 +270,8 @@ test('only the page itself is let in: token, Host and Origin', async () => {
     'a name that was made lead here': { host: `evil.example:${served.port}` },
     'another origin': { origin: 'http://evil.example' },
     'a board without token': { ...ws, origin: own, path: '/board' },
+    'a diagnosis for nobody': { path: `/${served.token}/diagnose/`, method: 'POST' },
+    'a diagnosis for another origin': { path: `/${served.token}/diagnose/`, method: 'POST', origin: 'http://evil.example' },
     'a board for another origin': { ...ws, origin: 'http://evil.example' },
     'a board for nobody': ws,
     'a board for a frame without origin': { ...ws, origin: 'null' },
@@ -226,7 +283,8 @@ test('only the page itself is let in: token, Host and Origin', async () => {
   }
   assert.equal((await visit(served, { path: `/${served.token}/../../etc/passwd` })).status, 404);
   assert.equal((await visit(served, { path: `/${served.token}/served.html` })).status, 404);
-  assert.equal((await visit(served, { method: 'DELETE' })).status, 405);
+  assert.equal((await visit(served, { path: `/${served.token}/report` })).status, 404);
+  assert.equal((await visit(served, { method: 'DELETE', origin: own })).status, 405);
 });
 
 test('it listens on the loopback only', async () => {

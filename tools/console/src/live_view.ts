@@ -175,9 +175,13 @@ export class LiveView {
     this.frozen = range === undefined ? this.whole : [range[0] * 1000, range[1] * 1000];
   }
 
-  private save(): void {
+  /** What is kept, or what is shown while it stands still. */
+  csv(): string {
     const [from, to] = this.frozen ?? [-Infinity, Infinity];
-    download('capstan.csv', [this.series.csv(from, to)], 'text/csv');
+    return this.series.csv(from, to);
+  }
+  private save(): void {
+    download('capstan.csv', [this.csv()], 'text/csv');
   }
 
   private savePicture(): void {

@@ -2,6 +2,7 @@
 // The console page: joins the board with its views.
 import { Board } from './board';
 import { BreakView } from './break_view';
+import { DiagnoseView } from './diagnose_view';
 import { byId, options } from './dom';
 import { ExperimentView } from './experiment_view';
 import { parseTables, type Status } from './knowledge';
@@ -36,6 +37,8 @@ const states = new StateView(board);
 const parameters = new ParameterView(board, say);
 const move = new MoveView(board, say);
 const experiments = new ExperimentView(board, live);
+const served = document.querySelector('meta[name="capstan-served"]') !== null;
+new DiagnoseView(board, served, { experiment: () => experiments.csv, live: () => live.csv() });
 const scope = new ScopeView(board, live);
 const breaking = new BreakView(board, (effects) => startSimulator(effects));
 const shell = new ShellView(board);
@@ -137,10 +140,10 @@ void simulator.tables.then(async (text) => {
   options(instrument, tables.instruments.map((one) => one.name));
   version = tables.version;
   instrument.disabled = false;
-  if (document.querySelector('meta[name="capstan-served"]') === null) {
-    say(await startSimulator(''));
-  } else {
+  if (served) {
     connectServer();
+  } else {
+    say(await startSimulator(''));
   }
 });
 instrument.addEventListener('change', () => void startSimulator('').then(say));
