@@ -9,6 +9,7 @@ import { arm, eventually, kPatience, moved, pages, site, state, type, view } fro
 
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
+const { McapIndexedReader } = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'))('@mcap/core');
 const kViews = ['live', 'states', 'move', 'diagnose', 'parameters', 'break', 'shell'];
 const rig = pages();
 before(() => mkdirSync(pictures, { recursive: true }));
@@ -171,6 +172,28 @@ test('without a host program the log of an experiment is offered, with the comma
   const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#diagnose-run')]);
   assert.match(readFileSync(await download.path(), 'utf8'), /^time_s,axis0\/q1_rad,axis0\/tau_Nm/);
   assert.match(await text(one, '#diagnose-command'), /capstan diagnose capstan_log\.csv --target axis0\/tau_Nm/);
+});
+
+test('a log is saved as MCAP with what the CSV has, and MCAP that its own library reads', async () => {
+  const one = await fresh();
+  await one.page.waitForTimeout(800);
+  await one.page.click('#pause');
+  const save = async (button) => {
+    const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click(button)]);
+    return readFileSync(await download.path());
+  };
+  const rows = (await save('#csv')).toString().trim().split('\n');
+  const bytes = await save('#mcap');
+  const reader = await McapIndexedReader.Initialize({ readable: {
+    size: async () => BigInt(bytes.length),
+    read: async (offset, length) => bytes.subarray(Number(offset), Number(offset + length)),
+  } });
+  const messages = [];
+  for await (const message of reader.readMessages()) messages.push({ time: Number(message.logTime) / 1e9, ...JSON.parse(Buffer.from(message.data).toString()) });
+  assert.deepEqual([...reader.channelsById.values()].map((channel) => channel.topic), ['axis0']);
+  const names = rows[0].split(',').map((name) => name.replace('axis0/', ''));
+  assert.equal(messages.length, rows.length - 1);
+  messages.forEach((message, i) => assert.deepEqual(rows[i + 1].split(',').map(Number), names.map((name) => message[name === 'time_s' ? 'time' : name])));
 });
 
 test('a picture is saved', async () => {

@@ -4,6 +4,7 @@ import type { Board } from './board';
 import { byId, download, make, options } from './dom';
 import type { Schema } from './frames';
 import { parseSignals, type Signal } from './knowledge';
+import { mcapOf } from './mcap_file';
 import { Series } from './series';
 import { TimePlot } from './time_plot';
 import { XyPlot } from './xy_plot';
@@ -45,6 +46,7 @@ export class LiveView {
     this.add.addEventListener('change', () => void this.choose([...this.chosenNames, this.add.value]));
     this.kind.addEventListener('change', () => this.showKind());
     byId('csv').addEventListener('click', () => this.save());
+    byId('mcap').addEventListener('click', () => void this.saveMcap());
     byId('png').addEventListener('click', () => this.savePicture());
     byId('go-on').addEventListener('click', () => void this.goOn());
     this.plot.onZoom = (range) => this.zoom(range);
@@ -179,6 +181,10 @@ export class LiveView {
   csv(): string {
     const [from, to] = this.frozen ?? [-Infinity, Infinity];
     return this.series.csv(from, to);
+  }
+  private async saveMcap(): Promise<void> {
+    const [from, to] = this.frozen ?? [-Infinity, Infinity];
+    download('capstan.mcap', (await mcapOf(this.series, from, to)) as BlobPart[], 'application/octet-stream');
   }
   private save(): void {
     download('capstan.csv', [this.csv()], 'text/csv');
