@@ -22,10 +22,13 @@ auto run_console(Words words) -> int {
     }
     words.options.scenario = read_text_file(words.scenario);
   }
-  serve_console(words.options, [&](const std::string& address) {
+  serve_console(words.options, [&](const std::string& address, const std::string& foxglove) {
     std::cout << "the console of " << (words.options.port.empty() ? "a simulated joint" : words.options.port)
               << "; Ctrl-C ends it. Open\n"
               << address << std::endl;
+    if (!foxglove.empty()) {
+      std::cout << "and in Foxglove, as a Foxglove WebSocket,\n" << foxglove << std::endl;
+    }
   });
   return kExitDone;
 }
@@ -38,6 +41,7 @@ void add_console(CLI::App& app, int& exit_status) {
   command->add_option("port", words->options.port,
                       "the board's shell: tcp:PORT, its serial device or pseudo-terminal; none: a simulated joint");
   command->add_option("--listen", words->options.listen, "port of the page on 127.0.0.1; otherwise any that is free");
+  command->add_flag("--foxglove", words->options.foxglove, "show the signals by Foxglove's WebSocket protocol too");
   command->add_option("--scenario", words->scenario, "plant, effects and faults of the simulated joint, a TOML file");
   command->add_option("--page", words->options.page,
                       "folder of the page, if it is not where it was built or installed");

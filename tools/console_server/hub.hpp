@@ -40,12 +40,26 @@ class Guest {
   virtual void say(std::string_view words) = 0;
 };
 
+/// What a WebSocket talks with.
+class Talk {
+ public:
+  using Clock = std::chrono::steady_clock;
+  Talk() = default;
+  Talk(const Talk&) = delete;
+  auto operator=(const Talk&) -> Talk& = delete;
+  virtual ~Talk() = default;
+
+  virtual void join(Guest& guest, Clock::time_point now) = 0;
+  virtual void leave(Guest& guest) = 0;
+  virtual void bytes(Guest& guest, std::string_view bytes) = 0;
+  virtual void word(Guest& guest, std::string_view word, Clock::time_point now) = 0;
+};
+
 /// Joins one board and its pages: what the board says goes to all, what one page says goes to the board. Whoever came
 /// first commands; the others look, and may take the torque away. The torque goes when the commanding page leaves or
 /// falls silent.
-class Hub {
+class Hub final : public Talk {
  public:
-  using Clock = std::chrono::steady_clock;
   struct Listener {
     std::function<void(std::string_view)> bytes;
     std::function<void(std::string)> lost;  ///< with a sentence
@@ -60,12 +74,12 @@ class Hub {
   explicit Hub(Open open);
 
   /// Whoever joins after the board was lost makes the hub try the line again.
-  void join(Guest& guest, Clock::time_point now);
-  void leave(Guest& guest);
+  void join(Guest& guest, Clock::time_point now) override;
+  void leave(Guest& guest) override;
   /// What a page sends to the board; only the commanding one is heard.
-  void bytes(Guest& guest, std::string_view bytes);
+  void bytes(Guest& guest, std::string_view bytes) override;
   /// What a page says to the hub: "alive", "leave" (nobody watches any more), "disarm", "take" (wants to command).
-  void word(Guest& guest, std::string_view word, Clock::time_point now);
+  void word(Guest& guest, std::string_view word, Clock::time_point now) override;
   /// To be called several times a second.
   void look(Clock::time_point now);
   /// Lets go of the board, whose torque goes.

@@ -15,19 +15,21 @@ namespace {
 namespace asio = boost::asio;
 
 /// Lets the hub look again and again.
-void keep_looking(asio::steady_timer& timer, Hub& hub) {
+void keep_looking(asio::steady_timer& timer, Hub& hub, FoxgloveFeed& feed) {
   timer.expires_after(Hub::kAliveWithin / 10);
-  timer.async_wait([&timer, &hub](const boost::system::error_code& error) {
+  timer.async_wait([&timer, &hub, &feed](const boost::system::error_code& error) {
     if (!error) {
       hub.look(Hub::Clock::now());
-      keep_looking(timer, hub);
+      feed.look(Hub::Clock::now());
+      keep_looking(timer, hub, feed);
     }
   });
 }
 
 }  // namespace
 
-void serve_console(const ConsoleOptions& options, const std::function<void(const std::string&)>& ready) {
+void serve_console(const ConsoleOptions& options,
+                   const std::function<void(const std::string&, const std::string&)>& ready) {
   static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // a board or a page that leaves is told by the write itself
   asio::io_context io(1);
   PageFiles files = read_page_files(options.page);
@@ -36,15 +38,16 @@ void serve_console(const ConsoleOptions& options, const std::function<void(const
                                 : open_port_line(io, options.port, std::move(listener));
   });
   DiagnosisJob job(io);
-  const WebServer server(io, options.listen, std::move(files), hub, job);
+  WebServer server(io, options.listen, std::move(files), hub, job);
+  FoxgloveFeed feed(hub);
   asio::steady_timer timer(io);
-  keep_looking(timer, hub);
+  keep_looking(timer, hub, feed);
   asio::signal_set signals(io, SIGINT, SIGTERM);
   signals.async_wait([&](const boost::system::error_code&, int) {
     hub.close();
     io.stop();
   });
-  ready(server.address());
+  ready(server.address(), options.foxglove ? server.show_signals(feed) : "");
   io.run();
 }
 

@@ -22,6 +22,8 @@ using beast::error_code;
 using Request = http::request<http::string_body>;
 
 constexpr std::chrono::seconds kRequestWithin{10};
+constexpr std::string_view kFoxglove = "foxglove";
+constexpr std::string_view kFoxglovePage = "https://app.foxglove.dev";
 constexpr std::string_view kDiagnose = "diagnose/";  // and the column to explain, or nothing
 
 auto view(beast::string_view text) -> std::string_view {
@@ -61,6 +63,7 @@ struct WebServer::Shop : std::enable_shared_from_this<Shop> {
   PageFiles files;
   Hub& hub;
   DiagnosisJob& job;
+  FoxgloveFeed* foxglove = nullptr;
   std::optional<Door> door;
 };
 
@@ -70,10 +73,16 @@ namespace {
 template <class Shop>
 class PageSocket final : public Guest, public std::enable_shared_from_this<PageSocket<Shop>> {
  public:
-  PageSocket(beast::tcp_stream&& stream, std::shared_ptr<Shop> shop)
-      : socket_(std::move(stream)), shop_(std::move(shop)) {}
+  PageSocket(beast::tcp_stream&& stream, std::shared_ptr<Shop> shop, Talk& talk)
+      : socket_(std::move(stream)), shop_(std::move(shop)), talk_(talk) {}
 
-  void begin(const Request& request) {
+  /// @param subprotocol  that both speak, or nothing
+  void begin(const Request& request, std::string_view subprotocol) {
+    socket_.set_option(websocket::stream_base::decorator([subprotocol](websocket::response_type& response) {
+      if (!subprotocol.empty()) {
+        response.set(http::field::sec_websocket_protocol, beast::string_view(subprotocol.data(), subprotocol.size()));
+      }
+    }));
     beast::get_lowest_layer(socket_).expires_never();  // the WebSocket has timeouts of its own
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
     constexpr std::size_t kMostAtOnce = std::size_t{64} * 1024;
@@ -81,7 +90,7 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
     socket_.async_accept(request, [self = this->shared_from_this()](const error_code& error) {
       if (!error) {
         self->there_ = true;
-        self->shop_->hub.join(*self, Hub::Clock::now());
+        self->talk_.join(*self, Hub::Clock::now());
         self->read();
       }
     });
@@ -102,9 +111,9 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
         return;
       }
       if (self->socket_.got_text()) {
-        self->shop_->hub.word(*self, view(self->in_), Hub::Clock::now());
+        self->talk_.word(*self, view(self->in_), Hub::Clock::now());
       } else {
-        self->shop_->hub.bytes(*self, view(self->in_));
+        self->talk_.bytes(*self, view(self->in_));
       }
       self->in_.consume(self->in_.size());
       self->read();
@@ -140,12 +149,13 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
   void leave() {
     if (there_) {
       there_ = false;
-      shop_->hub.leave(*this);
+      talk_.leave(*this);
     }
   }
 
   websocket::stream<beast::tcp_stream> socket_;
   std::shared_ptr<Shop> shop_;
+  Talk& talk_;
   beast::flat_buffer in_;
   std::deque<Message> waiting_;
   std::size_t waiting_bytes_ = 0;
@@ -176,6 +186,10 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     const Caller caller = caller_of(request);
     const bool talks = websocket::is_upgrade(request);
     const bool acts = talks || request.method() != http::verb::get;
+    if (talks && shop_->foxglove != nullptr && shop_->door->behind_token(caller.target) == kFoxglove) {
+      show_signals(request, caller);
+      return;
+    }
     const Entry entry = acts ? shop_->door->for_acting(caller) : shop_->door->for_reading(caller);
     if (entry != Entry::kComeIn) {
       answer(http::status::forbidden, {kPlain, std::string(sentence(entry))});
@@ -183,13 +197,27 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     }
     const std::string_view place = *shop_->door->behind_token(caller.target);
     if (talks && place == "board") {
-      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_)->begin(request);
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->hub)->begin(request, {});
     } else if (request.method() == http::verb::post && place.starts_with(kDiagnose)) {
       read_log(std::string(place.substr(kDiagnose.size())));
     } else if (talks || request.method() != http::verb::get) {
       answer(http::status::method_not_allowed, {kPlain, "the page's files can only be read\n"});
     } else {
       give(place);
+    }
+  }
+
+  void show_signals(const Request& request, const Caller& caller) {
+    const Entry entry = shop_->door->for_looking(caller, kFoxglovePage);
+    if (entry != Entry::kComeIn) {
+      answer(http::status::forbidden, {kPlain, std::string(sentence(entry))});
+    } else if (!http::token_list(request[http::field::sec_websocket_protocol])
+                    .exists(FoxgloveFeed::kSubprotocol.data())) {
+      answer(http::status::bad_request,
+             {kPlain, "only foxglove.websocket.v1 is spoken here; use a Foxglove that knows it\n"});
+    } else {
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, *shop_->foxglove)
+          ->begin(request, FoxgloveFeed::kSubprotocol);
     }
   }
 
@@ -289,6 +317,11 @@ WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, 
 WebServer::~WebServer() {
   error_code ignored;
   shop_->acceptor.close(ignored);
+}
+
+auto WebServer::show_signals(FoxgloveFeed& feed) -> std::string {
+  shop_->foxglove = &feed;
+  return "ws" + address().substr(std::string_view("http").size()) + std::string(kFoxglove);
 }
 
 auto WebServer::address() const -> std::string {

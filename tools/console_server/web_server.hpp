@@ -6,6 +6,7 @@
 
 #include "capstan/tools/console_server/diagnosis_job.hpp"
 #include "capstan/tools/console_server/door.hpp"
+#include "capstan/tools/console_server/foxglove.hpp"
 #include "capstan/tools/console_server/hub.hpp"
 #include "capstan/tools/console_server/page_files.hpp"
 
@@ -20,6 +21,8 @@ class WebServer {
   WebServer(boost::asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub, DiagnosisJob& job);
   ~WebServer();
 
+  /// From now on also to Foxglove, at the address that it returns. @param feed  outlives `io`'s run
+  auto show_signals(FoxgloveFeed& feed) -> std::string;
   [[nodiscard]] auto address() const -> std::string;
 
  private:

@@ -5,12 +5,16 @@ import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { createServer, request } from 'node:http';
+import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
 import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
 import { between, board, console_, endAll, freePort } from './served.mjs';
 
+const installed = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
+const { FoxgloveClient } = installed('@foxglove/ws-protocol');
+const { WebSocket } = installed('ws');
 const rig = pages();
 afterEach(endAll);
 const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
@@ -237,6 +241,62 @@ test('an experiment of the board is diagnosed; a log that is none is told in a s
   await one.page.click('#diagnose-run');
   await one.page.waitForFunction(() => /^verdict: /.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
   assert.equal(await one.page.textContent('#state'), 'holding', 'the board is not left meanwhile');
+});
+
+/** Foxglove's own client; `topics` are those that are offered now. */
+async function foxglove(served, options = {}) {
+  const socket = new WebSocket(`ws://127.0.0.1:${served.port}/${served.token}/foxglove`, [FoxgloveClient.SUPPORTED_SUBPROTOCOL], options);
+  const client = new FoxgloveClient({ ws: socket });
+  const one = { client, socket, topics: new Map(), messages: [], status: [], info: undefined };
+  client.on('serverInfo', (info) => (one.info = info));
+  client.on('advertise', (channels) => channels.forEach((channel) => one.topics.set(channel.id, channel)));
+  client.on('unadvertise', (ids) => ids.forEach((id) => one.topics.delete(id)));
+  client.on('message', (message) => one.messages.push({ ...message, data: JSON.parse(new TextDecoder().decode(message.data)) }));
+  client.on('status', (status) => one.status.push(status.message));
+  await new Promise((resolve, reject) => {
+    client.on('open', resolve);
+    client.on('error', reject);
+  });
+  return one;
+}
+
+test("Foxglove's own client sees the signals, with and without a page, and can do nothing else", async () => {
+  const served = await console_('--foxglove');
+  const one = await foxglove(served);
+  await eventually(() => one.topics.size === 1, 'a topic');
+  assert.equal(one.info.name, 'capstan console');
+  const alone = [...one.topics.values()][0];
+  assert.deepEqual([alone.topic, alone.encoding, alone.schemaEncoding], ['axis0', 'json', 'jsonschema']);
+  const id = one.client.subscribe(alone.id);
+  await eventually(() => one.messages.length > 20, 'messages');
+  const columns = ['q2_ref_rad', 'q2_est_rad', 'q1_rad', 'tau_Nm'];
+  for (const message of one.messages) assert.deepEqual([message.subscriptionId, Object.keys(message.data).sort()], [id, columns.toSorted()]);
+  assert.deepEqual(Object.keys(JSON.parse(alone.schema).properties).sort(), columns.toSorted());
+  assert.ok(Math.abs(Number(one.messages.at(-1).timestamp) / 1e6 - Date.now()) < 5000, 'time of day');
+  const passed = one.messages.slice(1).map((message, i) => Number(message.timestamp - one.messages[i].timestamp) / 1e6);
+  assert.deepEqual([...new Set(passed)], [10]);
+  one.client.setParameters([{ name: 'joint0.control.kp', value: 5 }], 'x');
+  one.socket.send('garbage');
+  one.socket.send(JSON.stringify({ op: 'subscribe' }));
+  await eventually(() => one.status.length === 3, 'three refusals');
+  const page = await open(served);
+  await page.page.selectOption('#signal-add', 'joint0.current');
+  await eventually(() => [...one.topics.values()].some((topic) => topic.id !== alone.id && topic.schema.includes('current_A')), 'what the page chose');
+  one.messages.length = 0;
+  one.client.subscribe([...one.topics.keys()].at(-1));
+  await arm(page);
+  await type(page, 'move joint0 10 deg');
+  await eventually(() => one.messages.some((message) => Math.abs(message.data.q2_est_rad * 180 / Math.PI - 10) < 1), 'the motion');
+  one.client.close();
+});
+
+test('Foxglove is let in with the token only, and not as a page of a stranger', async () => {
+  const served = await console_('--foxglove');
+  for (const [options, token] of [[{ origin: 'http://evil.example' }, served.token], [{ headers: { host: `evil.example:${served.port}` } }, served.token], [{}, '0'.repeat(32)]]) {
+    await assert.rejects(foxglove({ ...served, token }, options), /403/);
+  }
+  (await foxglove(served, { origin: 'https://app.foxglove.dev' })).client.close();
+  await assert.rejects(foxglove(await console_()), /403/, 'only where it was asked for');
 });
 
 /** What the server says to a request of this kind. */
