@@ -124,8 +124,7 @@ class Port : public std::enable_shared_from_this<Port> {
 
 class PortLine final : public BoardLine {
  public:
-  PortLine(asio::io_context& io, const std::string& name, Hub::Listener listener)
-      : slow_(!name.starts_with("tcp:") && !name.starts_with("/dev/pts/")) {
+  PortLine(asio::io_context& io, const std::string& name, Hub::Listener listener) : slow_(!name.starts_with("tcp:")) {
     const FileDescriptor descriptor = open_board_port(name);
     port_ = std::make_shared<Port>(io, ::fcntl(descriptor.get(), F_DUPFD_CLOEXEC, 0), name, std::move(listener));
     port_->read();
@@ -136,7 +135,7 @@ class PortLine final : public BoardLine {
   void disarm() override { port_->send_first(kDisarm); }
   void peer_left() override { port_->send_first(kDisarm); }
   [[nodiscard]] auto every_ms() const -> int override {
-    return slow_ ? 10 : 1;  // eight signals at 115200 baud
+    return slow_ ? 10 : 1;  // what fits 115200 baud; a pseudo-terminal may have an emulated line behind it
   }
 
  private:

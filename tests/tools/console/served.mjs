@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // `capstan console` and boards behind it, as processes of a test.
 import { spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer, connect } from 'node:net';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 
 const program = process.env.CAPSTAN_PROGRAM;
+const motorBoard = process.env.CAPSTAN_MOTOR_BOARD ?? '';
+const folders = [];
 const running = new Set();
 
 /** Starts the program and waits until it says something of this form; resolves to what was found. */
-export function start(words, form) {
-  const child = spawn(program, words);
+export function start(words, form, what = program) {
+  const child = spawn(what, words, { detached: true });  // a group, so that what it starts ends with it
   running.add(child);
   child.on('exit', () => running.delete(child));
   let said = '';
@@ -42,6 +47,24 @@ export async function board(kind = 'tcp') {
   return { ...one, port, name: `tcp:${port}` };
 }
 
+/** The preset stm32f405's folder, or why there is no emulated motor board. */
+export const noMotorBoard = existsSync(join(motorBoard, 'bin/capstan_stm32f405_emulated.elf')) ? false : 'preset stm32f405 is not built';
+
+/** The motor board in its emulator, behind its serial line, with joints of a plant simulator. */
+export async function emulatedBoard() {
+  const folder = mkdtempSync(join(tmpdir(), 'capstan_'));
+  folders.push(folder);
+  const axes = Array.from({ length: 4 }, (_, i) => `[[axes]]\nname = "joint${i}"\n[axes.plant]\npretension_n = 27.6984\nelement_count = 4\n`);
+  writeFileSync(join(folder, 'joints.toml'), `name = "joints of a test"\n${axes.join('')}`);
+  writeFileSync(join(folder, 'scenario.toml'), 'name = "console"\nseed = 1\ninstrument = "joints.toml"\n');
+  const plant = spawn(join(motorBoard, 'tests/boards/stm32f405/capstan_plant'), ['--scenario', join(folder, 'scenario.toml'), '--axes', '4', `connect:${folder}/socket`], { detached: true });
+  running.add(plant);
+  const runner = new URL('../../../tools/qemu_stm32f405', import.meta.url).pathname;
+  const words = ['--pty', '--limit', '120', '--plant', join(folder, 'socket'), join(motorBoard, 'bin/capstan_stm32f405_emulated.elf')];
+  const one = await start(words, /redirected to (\/dev\/pts\/\d+)/, runner);
+  return { ...one, name: one.found[1] };
+}
+
 export function freePort() {
   return new Promise((resolve) => {
     const server = createServer().listen(0, '127.0.0.1', () => {
@@ -72,5 +95,13 @@ export async function between(port, change) {
 
 /** Ends what a test has left. */
 export function endAll() {
-  for (const child of running) child.kill('SIGKILL');
+  for (const child of running) {
+    try {
+      process.kill(-child.pid, 'SIGKILL');
+    } catch {
+      // it has ended meanwhile
+    }
+  }
+  running.clear();
+  for (const folder of folders.splice(0)) rmSync(folder, { recursive: true, force: true });
 }
