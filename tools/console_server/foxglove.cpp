@@ -23,7 +23,8 @@ auto status(const std::string& sentence) -> std::string {
 
 }  // namespace
 
-FoxgloveFeed::FoxgloveFeed(Hub& hub) : hub_(hub), recorder_(std::make_unique<FrameRecorder>(static_cast<LogSink&>(*this))) {
+FoxgloveFeed::FoxgloveFeed(Hub& hub)
+    : hub_(hub), recorder_(std::make_unique<FrameRecorder>(static_cast<LogSink&>(*this))) {
   hub_.overhear = [this](std::string_view bytes) { hear(bytes); };
 }
 

@@ -174,7 +174,9 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     parser_.body_limit(kMostLog);
     http::async_read_header(stream_, in_, parser_,
                             [self = this->shared_from_this()](const error_code& error, std::size_t) {
-                              if (!error) {
+                              if (error == http::error::body_limit) {
+                                self->too_large();
+                              } else if (!error) {
                                 self->judge();
                               }
                             });
@@ -238,12 +240,15 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     http::async_read(stream_, in_, parser_,
                      [self = this->shared_from_this(), target](const error_code& error, std::size_t) {
                        if (error == http::error::body_limit) {
-                         self->answer(http::status::payload_too_large,
-                                      {kPlain, "the log is larger than 64 MB; diagnose it by 'capstan diagnose'\n"});
+                         self->too_large();
                        } else if (!error) {
                          self->diagnose(target);
                        }
                      });
+  }
+  void too_large() {
+    answer(http::status::payload_too_large,
+           {kPlain, "the log is larger than 64 MB; diagnose it by 'capstan diagnose'\n"});
   }
   void diagnose(const std::string& target) {
     stream_.expires_never();

@@ -2,10 +2,14 @@
 // `capstan console` and boards behind it, as processes of a test.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { createServer, connect } from 'node:net';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
+const installed = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
+const { FoxgloveClient } = installed('@foxglove/ws-protocol');
+const { WebSocket } = installed('ws');
 const program = process.env.CAPSTAN_PROGRAM;
 const motorBoard = process.env.CAPSTAN_MOTOR_BOARD ?? '';
 const folders = [];
@@ -90,6 +94,23 @@ export async function between(port, change) {
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   one.name = `tcp:${server.address().port}`;
   one.close = () => server.close();
+  return one;
+}
+
+/** Foxglove's own client; `topics` are those that are offered now. */
+export async function foxglove(served, options = {}) {
+  const socket = new WebSocket(`ws://127.0.0.1:${served.port}/${served.token}/foxglove`, [FoxgloveClient.SUPPORTED_SUBPROTOCOL], options);
+  const client = new FoxgloveClient({ ws: socket });
+  const one = { client, socket, topics: new Map(), messages: [], status: [], info: undefined };
+  client.on('serverInfo', (info) => (one.info = info));
+  client.on('advertise', (channels) => channels.forEach((channel) => one.topics.set(channel.id, channel)));
+  client.on('unadvertise', (ids) => ids.forEach((id) => one.topics.delete(id)));
+  client.on('message', (message) => one.messages.push({ ...message, data: JSON.parse(new TextDecoder().decode(message.data)) }));
+  client.on('status', (status) => one.status.push(status.message));
+  await new Promise((resolve, reject) => {
+    client.on('open', resolve);
+    client.on('error', reject);
+  });
   return one;
 }
 

@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --test served.test.mjs: the page as `capstan console` serves it, with a simulated joint and with boards; who commands, who looks,
-// when the torque goes, and strangers that try.
+// when the torque goes, what the host program makes of a log, and Foxglove.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { createServer, request } from 'node:http';
-import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
 import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
-import { between, board, console_, emulatedBoard, endAll, freePort, noMotorBoard } from './served.mjs';
+import { between, board, console_, emulatedBoard, endAll, foxglove, freePort, noMotorBoard } from './served.mjs';
 
-const installed = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
-const { FoxgloveClient } = installed('@foxglove/ws-protocol');
-const { WebSocket } = installed('ws');
 const rig = pages();
 afterEach(endAll);
 const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
@@ -262,23 +257,6 @@ test('an experiment of the board is diagnosed; a log that is none is told in a s
   assert.equal(await one.page.textContent('#state'), 'holding', 'the board is not left meanwhile');
 });
 
-/** Foxglove's own client; `topics` are those that are offered now. */
-async function foxglove(served, options = {}) {
-  const socket = new WebSocket(`ws://127.0.0.1:${served.port}/${served.token}/foxglove`, [FoxgloveClient.SUPPORTED_SUBPROTOCOL], options);
-  const client = new FoxgloveClient({ ws: socket });
-  const one = { client, socket, topics: new Map(), messages: [], status: [], info: undefined };
-  client.on('serverInfo', (info) => (one.info = info));
-  client.on('advertise', (channels) => channels.forEach((channel) => one.topics.set(channel.id, channel)));
-  client.on('unadvertise', (ids) => ids.forEach((id) => one.topics.delete(id)));
-  client.on('message', (message) => one.messages.push({ ...message, data: JSON.parse(new TextDecoder().decode(message.data)) }));
-  client.on('status', (status) => one.status.push(status.message));
-  await new Promise((resolve, reject) => {
-    client.on('open', resolve);
-    client.on('error', reject);
-  });
-  return one;
-}
-
 test("Foxglove's own client sees the signals, with and without a page, and can do nothing else", async () => {
   const served = await console_('--foxglove');
   const one = await foxglove(served);
@@ -307,137 +285,4 @@ test("Foxglove's own client sees the signals, with and without a page, and can d
   await type(page, 'move joint0 10 deg');
   await eventually(() => one.messages.some((message) => Math.abs(message.data.q2_est_rad * 180 / Math.PI - 10) < 1), 'the motion');
   one.client.close();
-});
-
-test('Foxglove is let in with the token only, and not as a page of a stranger', async () => {
-  const served = await console_('--foxglove');
-  for (const [options, token] of [[{ origin: 'http://evil.example' }, served.token], [{ headers: { host: `evil.example:${served.port}` } }, served.token], [{}, '0'.repeat(32)]]) {
-    await assert.rejects(foxglove({ ...served, token }, options), /403/);
-  }
-  (await foxglove(served, { origin: 'https://app.foxglove.dev' })).client.close();
-  await assert.rejects(foxglove(await console_()), /403/, 'only where it was asked for');
-});
-
-/** What the server says to a request of this kind. */
-function visit(served, { host = `127.0.0.1:${served.port}`, path = `/${served.token}/`, method = 'GET', ...headers } = {}) {
-  return new Promise((resolve, reject) => {
-    const one = request({ port: served.port, hostname: '127.0.0.1', path, method, headers: { host, ...headers } }, (response) => {
-      let body = '';
-      response.on('data', (part) => (body += part));
-      response.on('end', () => resolve({ status: response.statusCode, headers: response.headers, body }));
-    });
-    one.on('upgrade', (response, socket) => {
-      socket.destroy();
-      resolve({ status: response.statusCode });
-    });
-    one.on('error', reject);
-    one.end();
-  });
-}
-const kUpgrade = { connection: 'Upgrade', upgrade: 'websocket', 'sec-websocket-version': '13', 'sec-websocket-key': 'dGhlIHNhbXBsZSBub25jZQ==' };
-
-test('only the page itself is let in: token, Host and Origin', async () => {
-  const served = await console_();
-  const own = `http://127.0.0.1:${served.port}`;
-  const ws = { ...kUpgrade, path: `/${served.token}/board` };
-  assert.equal((await visit(served)).status, 200);
-  assert.equal((await visit(served, { ...ws, origin: own })).status, 101);
-  for (const [why, trial] of Object.entries({
-    'no token': { path: '/' },
-    'no token for a file': { path: '/console.js' },
-    'a wrong token': { path: `/${'0'.repeat(32)}/` },
-    'a name that was made lead here': { host: `evil.example:${served.port}` },
-    'another origin': { origin: 'http://evil.example' },
-    'a board without token': { ...ws, origin: own, path: '/board' },
-    'a diagnosis for nobody': { path: `/${served.token}/diagnose/`, method: 'POST' },
-    'a diagnosis for another origin': { path: `/${served.token}/diagnose/`, method: 'POST', origin: 'http://evil.example' },
-    'a board for another origin': { ...ws, origin: 'http://evil.example' },
-    'a board for nobody': ws,
-    'a board for a frame without origin': { ...ws, origin: 'null' },
-    'a board by a name that was made lead here': { ...ws, host: `evil.example:${served.port}`, origin: `http://evil.example:${served.port}` },
-  })) {
-    const { status, body } = await visit(served, trial);
-    assert.equal(status, 403, why);
-    assert.match(body, /open the (whole )?address that 'capstan console' printed/, why);
-  }
-  assert.equal((await visit(served, { path: `/${served.token}/../../etc/passwd` })).status, 404);
-  assert.equal((await visit(served, { path: `/${served.token}/served.html` })).status, 404);
-  assert.equal((await visit(served, { path: `/${served.token}/report` })).status, 404);
-  assert.equal((await visit(served, { method: 'DELETE', origin: own })).status, 405);
-});
-
-test('it listens on the loopback only', async () => {
-  const served = await console_();
-  const lines = execFileSync('cat', ['/proc/net/tcp', '/proc/net/tcp6'], { encoding: 'latin1' }).split('\n');
-  const port = `:${served.port.toString(16).toUpperCase().padStart(4, '0')}`;
-  const listening = lines.map((line) => line.trim().split(/\s+/)).filter((words) => words[3] === '0A' && words[1]?.endsWith(port));
-  assert.deepEqual(listening.map((words) => words[1]), [`0100007F${port}`]);
-});
-
-test("a stranger's page reaches nothing, even with the token, and no name that leads here helps it", async () => {
-  const served = await console_();
-  const one = await open(served);
-  await arm(one);
-  const stranger = createServer((_, response) => response.writeHead(200, { 'content-type': 'text/html' }).end('<p>hello'));
-  await new Promise((resolve) => stranger.listen(0, '127.0.0.1', resolve));
-  const context = await rig.browser.newContext();
-  const page = await context.newPage();
-  await page.goto(`http://127.0.0.1:${stranger.address().port}/`);
-  const got = await page.evaluate(async ({ port, token }) => {
-    const talk = (address) => new Promise((resolve) => {
-      const socket = new WebSocket(address);
-      socket.onopen = () => (socket.send('disarm'), resolve('open'));
-      socket.onerror = () => resolve('refused');
-    });
-    const read = (address, options) => fetch(address, options).then((r) => r.text(), () => 'refused');
-    const frame = (address) => new Promise((resolve) => {
-      const element = document.createElement('iframe');
-      element.src = address;
-      element.onload = () => resolve(element.contentDocument === null ? 'refused' : 'read');
-      document.body.append(element);
-    });
-    const script = (address) => new Promise((resolve) => {
-      const element = document.createElement('script');
-      element.src = address;
-      element.onload = () => resolve('loaded');
-      element.onerror = () => resolve('refused');
-      document.body.append(element);
-    });
-    const base = `127.0.0.1:${port}/${token}`;
-    return [
-      await talk(`ws://${base}/board`), await talk(`ws://localhost:${port}/${token}/board`), await talk(`ws://127.0.0.1:${port}/board`),
-      await read(`http://${base}/`), await read(`http://127.0.0.1:${port}/`, { method: 'POST', body: 'disarm' }), await frame(`http://${base}/`),
-      await script(`http://127.0.0.1:${port}/console.js`), await script(`http://${base}/console.js`),
-    ];
-  }, { port: served.port, token: served.token });
-  assert.deepEqual(got, got.map(() => 'refused'));
-  await page.waitForTimeout(300);
-  assert.equal(await one.page.textContent('#state'), 'holding');
-  await context.close();
-  stranger.close();
-});
-
-test('the policy is strict and comes as a header; what is inline does not run', async () => {
-  const served = await console_();
-  const { headers, body } = await visit(served);
-  const policy = Object.fromEntries(headers['content-security-policy'].split('; ').map((rule) => [rule.split(' ')[0], rule.split(' ').slice(1).join(' ')]));
-  assert.equal(policy['default-src'], "'none'");
-  assert.equal(policy['script-src'], "'self' 'wasm-unsafe-eval'");
-  assert.equal(policy['style-src'], "'self'");
-  assert.equal(policy['frame-ancestors'], "'none'");
-  assert.equal(policy['connect-src'], `'self' ws://127.0.0.1:${served.port}`);
-  assert.doesNotMatch(body, /<script(?![^>]* src=)|\son\w+=|\sstyle=|<style/);
-  const context = await rig.browser.newContext();
-  const page = await context.newPage();
-  await page.goto(served.address);
-  const ran = await page.evaluate(async () => {
-    const script = document.createElement('script');
-    script.textContent = 'window.ran = true';
-    document.body.append(script);
-    const away = await fetch('http://localhost:9/').then(() => true, (problem) => String(problem));
-    return [window.ran, away, document.querySelector('meta[http-equiv]')];
-  });
-  assert.equal(ran[0], undefined);
-  assert.match(ran[1], /Failed to fetch/);
-  await context.close();
 });

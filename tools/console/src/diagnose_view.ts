@@ -16,6 +16,8 @@ interface Answer {
   diagnosis?: { verdict: string; effects: { name: string }[]; law?: { status: string }; before: Errors | null; after: Errors | null };
 }
 
+const kMostLog = 64 * 1024 * 1024; // tools/console_server/web_server.cpp
+
 /** Columns of a log by the contract. */
 function columns(csv: string): Map<string, number[]> {
   const rows = csv.trim().split('\n').map((row) => row.split(','));
@@ -66,6 +68,10 @@ export class DiagnoseView {
     const log = await this.log();
     if (this.busy || log === undefined) {
       this.words.textContent = this.busy ? 'a diagnosis is under way; wait for it' : 'there is no log yet; run an experiment in Move, or choose a file';
+      return;
+    }
+    if (log.length > kMostLog && this.served) {
+      this.words.textContent = "the log is larger than 64 MB; diagnose it by 'capstan diagnose'";
       return;
     }
     this.draw(log);
