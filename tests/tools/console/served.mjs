@@ -64,7 +64,7 @@ export async function emulatedBoard() {
   const plant = spawn(join(motorBoard, 'tests/boards/stm32f405/capstan_plant'), ['--scenario', join(folder, 'scenario.toml'), '--axes', '4', `connect:${folder}/socket`], { detached: true });
   running.add(plant);
   const runner = new URL('../../../tools/qemu_stm32f405', import.meta.url).pathname;
-  const words = ['--pty', '--limit', '120', '--plant', join(folder, 'socket'), join(motorBoard, 'bin/capstan_stm32f405_emulated.elf')];
+  const words = ['--pty', '--limit', '280', '--plant', join(folder, 'socket'), join(motorBoard, 'bin/capstan_stm32f405_emulated.elf')];
   const one = await start(words, /redirected to (\/dev\/pts\/\d+)/, runner);
   return { ...one, name: one.found[1] };
 }

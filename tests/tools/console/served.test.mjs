@@ -8,7 +8,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
 import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
-import { between, board, console_, emulatedBoard, endAll, foxglove, freePort, noMotorBoard } from './served.mjs';
+import { between, board, console_, endAll, foxglove, freePort } from './served.mjs';
 
 const rig = pages();
 afterEach(endAll);
@@ -76,25 +76,6 @@ for (const kind of ['tcp', 'pty']) {
     await message(one, kind === 'tcp' ? 'nobody answers' : 'the port does not open');
   });
 }
-
-test('arms, moves and disarms the emulated motor board behind its serial line, and a page that is gone takes the torque', { skip: noMotorBoard }, async () => {
-  const there = await emulatedBoard();
-  const served = await console_(there.name);
-  const one = await open(served);
-  assert.match(await type(one, 'version'), /board stm32f405-emulated joints 4/);
-  await arm(one);
-  await view(one, 'move');
-  await one.page.waitForSelector('#joints .joint');
-  await one.page.locator('text="+10 deg"').first().click();
-  await until(one, () => parseFloat(document.querySelector('#joints output').textContent) > 5);  // its time passes ten times slower
-  await one.page.keyboard.press('Space');
-  await state(one, 'disarmed');
-  await arm(one);
-  const two = await open(served, { looks: true });
-  await state(two, 'holding');
-  await one.page.goto('chrome://crash').catch(() => undefined);
-  await state(two, 'disarmed');
-});
 
 test('the page that came second looks: it shows state and signals, and cannot arm, move or set', async () => {
   const { two } = await armedAndLooker();

@@ -72,6 +72,9 @@ async function connected(): Promise<void> {
     say('another page commands this board; this one looks, and DISARM works');
     return;
   }
+  if (!(await answers())) {
+    return;
+  }
   await live.connected();
   scope.connected();
   await board.askStatus();
@@ -81,6 +84,13 @@ async function connected(): Promise<void> {
   }
   viewShown(visible);
   await compareVersions();
+}
+
+/** A board that still starts hears nothing: waits until it does. False if it is another board's turn meanwhile. */
+async function answers(): Promise<boolean> {
+  const { link } = board;
+  while (board.link === link && (await board.ask('version')).error !== undefined);
+  return board.link === link && !board.looking;
 }
 
 /** The page reads other versions too; what they named otherwise it cannot know. */
