@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What others get: `cmake --install` with the components `tools` (the programs), `model` (the laws as a library, found by
+# What others get: `cmake --install` with the components `tools` (the programs, and the console page where it was built), `model` (the laws as a library, found by
 # find_package(Capstan) or pkg-config), `python` (the module) and `firmware` (images for the motor board, where they were built); package.cmake
 # makes Debian packages of them. The version comes from project() alone.
 include(GNUInstallDirs)
@@ -22,6 +22,11 @@ install(FILES ${PROJECT_BINARY_DIR}/capstan_stm32f405.dbc DESTINATION ${CMAKE_IN
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
+
+set(CAPSTAN_PAGE ${PROJECT_SOURCE_DIR}/build/browser/site CACHE PATH "where the preset browser has put the console page")
+if(EXISTS ${CAPSTAN_PAGE}/served.html)
+  install(DIRECTORY ${CAPSTAN_PAGE}/ DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan/console COMPONENT tools)
+endif()
 
 if(TARGET capstan_python)  # where Debian's python3 looks, and anybody with PYTHONPATH
   install(TARGETS capstan_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT python)

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <sstream>
 
+#include "capstan/firmware/loop/version.hpp"
 #include "capstan/firmware/safety/faults.hpp"
 #include "capstan/firmware/safety/supervisor.hpp"
 #include "capstan/hal/sim/fields.hpp"
@@ -19,6 +20,7 @@ constexpr std::array<const char*, kTriggerCount> kTriggers = {
 
 auto tables() -> std::string {
   std::ostringstream out;
+  out << "version\t" << kVersion << '\n';
   for (std::size_t i = 0; i < kStateNames.size(); ++i) {
     out << "state\t" << kStateNames[i] << '\t' << energised(static_cast<State>(i)) << '\n';
   }

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/apply/effort_lines.hpp"
-#include "capstan/tools/apply/force_lines.hpp"
-#include "capstan/tools/apply/model_lines.hpp"
-#include "capstan/tools/apply/plausible_law.hpp"
+#include "capstan/tools/apply/law_lines.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -12,9 +9,7 @@
 
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
-#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
-#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -48,40 +43,8 @@ void verify(ShellClient& shell, const std::string& set_line) {
                 " as it was set; nothing was saved, so restart it and apply again");
 }
 
-/// A law that this board can run. Throws BadInput or Refusal with the cure.
-auto checked(const JointFile& joint, const ApplyOptions& options) -> const JointFile& {
-  constexpr int kLastAxis = 3;
-  for (const int other : joint.coupled_to) {
-    if (other > kLastAxis || other == options.axis) {
-      throw BadInput(options.model + ": the law is coupled to axis " + std::to_string(other) + ", and joint " +
-                     std::to_string(options.axis) + " of a board can be coupled to its others of 0 to 3; write the " +
-                     "board's number of that joint into [coupling]");
-    }
-  }
-  if (const std::string reason = implausible(joint); !reason.empty() && !options.force) {
-    throw Refusal(options.model + " is " + word_of(joint.status) + " and implausible: " + reason +
-                  "; nothing was written. Fit it to a longer log, or write it all the same with --force");
-  }
-  return joint;
-}
-
-/// The motion law, the force law, or both; or the effort law: what the file has.
-auto lines_of(const ApplyOptions& options) -> std::vector<std::string> {
-  const std::string text = read_text_file(options.model);
-  if (text.find(kEffortSchema) != std::string::npos) {
-    return effort_lines(parse_effort_file(text, options.model), options.model, options.axis);
-  }
-  std::vector<std::string> force = force_lines(text, options.model, options.axis);
-  const bool only_force = !force.empty() && text.find("[terms") == std::string::npos;
-  std::vector<std::string> lines =
-      only_force ? std::vector<std::string>{"begin", "commit"}
-                 : model_lines(checked(parse_joint_file(text, options.model), options), options.axis);
-  lines.insert(lines.end() - 1, force.begin(), force.end());
-  return lines;
-}
-
 auto apply(const ApplyOptions& options) -> int {
-  const std::vector<std::string> lines = lines_of(options);
+  const std::vector<std::string> lines = law_lines(options.model, options.axis, options.force);
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
   for (const std::string& line : lines) {

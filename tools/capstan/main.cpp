@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_commission(app, exit_status);
   add_apply(app, exit_status);
   add_shell(app, exit_status);
+  add_console(app, exit_status);
   add_flash(app, exit_status);
   add_dbc(app, exit_status);
   add_mjcf(app, exit_status);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // node build.mjs MODULES WASM SITE: makes the page's folder. MODULES is where npm installed what package.json names.
-import { cpSync, mkdirSync, readFileSync, rmSync, statSync } from 'node:fs';
+import { cpSync, mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -38,6 +38,11 @@ await esbuild.build({
 });
 await esbuild.build({ ...common, entryPoints: [join(here, 'src/style.css')], outfile: join(site, 'console.css') });
 cpSync(join(here, 'src/index.html'), join(site, 'index.html'));
+// Served by `capstan console` the page's policy comes as a header, which allows it to talk to that program.
+const page = readFileSync(join(here, 'src/index.html'), 'utf8');
+const policy = /<meta http-equiv="Content-Security-Policy"[^>]*>/g;
+if (page.match(policy)?.length !== 1) throw new Error('src/index.html shall have its policy once');
+writeFileSync(join(site, 'served.html'), page.replace(policy, '<meta name="capstan-served" content="">'));
 cpSync(join(here, 'src/icon.svg'), join(site, 'icon.svg'));
 const bytes = ['console.js', 'console.css', 'index.html', 'icon.svg'].reduce((sum, file) => sum + statSync(join(site, file)).size, 0);
 console.log(`console page: ${(bytes / 1e6).toFixed(2)} MB with the simulator`);

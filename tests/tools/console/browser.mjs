@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A page of the console in Chromium, served by a server of the test's own that knows nothing but the folder.
+import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { extname, join } from 'node:path';
+import { after, afterEach, before } from 'node:test';
 
 const require = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
 const { chromium } = require('playwright-core');
 export const site = process.env.CAPSTAN_SITE;
-export const kPatience = 15000;
+export const kPatience = Number(process.env.CAPSTAN_PATIENCE_MS ?? 15000);
 
 const kTypes = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 
@@ -45,9 +47,42 @@ export async function open(browser, address, options = {}) {
   if (options.script !== undefined) await page.addInitScript(options.script);
   await page.goto(address);
   const console_ = { page, complaints, close: () => context.close() };
-  await state(console_, 'disarmed');
-  await page.waitForFunction(() => document.querySelectorAll('#signals button').length > 0, null, { timeout: kPatience });
+  if (options.looks !== true) {
+    await state(console_, 'disarmed');
+    await page.waitForFunction(() => document.querySelectorAll('#signals button').length > 0, null, { timeout: kPatience });
+  }
   return console_;
+}
+
+/** Browser and server for the tests of a file. A page that was opened is closed after its test, and must not have complained. */
+export function pages() {
+  const rig = {
+    opened: [],
+    async open(options, address = rig.server.address) {
+      const one = await open(rig.browser, address, options);
+      rig.opened.push(one);
+      return one;
+    },
+  };
+  before(async () => {
+    rig.browser = await launch();
+    rig.server = await serve();
+  });
+  after(async () => {
+    await rig.browser.close();
+    rig.server.close();
+  });
+  afterEach(async () => {
+    const opened = rig.opened.splice(0);
+    for (const one of opened) await one.close();
+    for (const one of opened) assert.deepEqual(one.complaints, [], 'the page complained');
+  });
+  return rig;
+}
+
+/** Waits until the page says so. */
+export function message({ page }, part) {
+  return page.waitForFunction((wanted) => document.getElementById('message').textContent.includes(wanted), part, { timeout: kPatience });
 }
 
 /** Waits until the page says that the machine is in this state. */

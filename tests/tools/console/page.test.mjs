@@ -4,35 +4,16 @@ import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, readdirSync, statSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import test, { after, afterEach, before } from 'node:test';
-import { arm, eventually, kPatience, launch, moved, open, serve, site, state, type, view } from './browser.mjs';
+import test, { before } from 'node:test';
+import { arm, eventually, kPatience, moved, pages, site, state, type, view } from './browser.mjs';
 
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
-const kViews = ['live', 'states', 'move', 'parameters', 'break', 'shell'];
-let browser;
-let server;
-let opened = [];
-before(async () => {
-  mkdirSync(pictures, { recursive: true });
-  browser = await launch();
-  server = await serve();
-});
-after(async () => {
-  await browser.close();
-  server.close();
-});
-afterEach(async () => {
-  const before = opened;
-  opened = [];
-  for (const one of before) await one.close();
-  for (const one of before) assert.deepEqual(one.complaints, [], 'the page complained');
-});
-async function fresh(options) {
-  const one = await open(browser, server.address, options);
-  opened.push(one);
-  return one;
-}
+const { McapIndexedReader } = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'))('@mcap/core');
+const kViews = ['live', 'states', 'move', 'diagnose', 'parameters', 'break', 'shell'];
+const rig = pages();
+before(() => mkdirSync(pictures, { recursive: true }));
+const fresh = (options) => rig.open(options);
 const text = ({ page }, place) => page.textContent(place);
 const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
 
@@ -179,6 +160,42 @@ test('the scope captures around a trigger, with what was before; a level that is
   assert.ok(rows[99][1] < (5 * Math.PI) / 180 && rows[100][1] >= (5 * Math.PI) / 180 - 1e-6, 'the reference crosses 5 degrees there');
 });
 
+test('without a host program the log of an experiment is offered, with the command to run', async () => {
+  const one = await fresh();
+  await arm(one);
+  await view(one, 'move');
+  await one.page.selectOption('#experiment-recipe', 'triangle');
+  await one.page.fill('#experiment-options', 'amplitude=0.1 speeds=1 cycles=1 repeats=1 every=1');
+  await one.page.click('#experiment-run');
+  await until(one, () => document.getElementById('experiment-answer').textContent.startsWith('done: '));
+  await view(one, 'diagnose');
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#diagnose-run')]);
+  assert.match(readFileSync(await download.path(), 'utf8'), /^time_s,axis0\/q1_rad,axis0\/tau_Nm/);
+  assert.match(await text(one, '#diagnose-command'), /capstan diagnose capstan_log\.csv --target axis0\/tau_Nm/);
+});
+
+test('a log is saved as MCAP with what the CSV has, and MCAP that its own library reads', async () => {
+  const one = await fresh();
+  await one.page.waitForTimeout(800);
+  await one.page.click('#pause');
+  const save = async (button) => {
+    const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click(button)]);
+    return readFileSync(await download.path());
+  };
+  const rows = (await save('#csv')).toString().trim().split('\n');
+  const bytes = await save('#mcap');
+  const reader = await McapIndexedReader.Initialize({ readable: {
+    size: async () => BigInt(bytes.length),
+    read: async (offset, length) => bytes.subarray(Number(offset), Number(offset + length)),
+  } });
+  const messages = [];
+  for await (const message of reader.readMessages()) messages.push({ time: Number(message.logTime) / 1e9, ...JSON.parse(Buffer.from(message.data).toString()) });
+  assert.deepEqual([...reader.channelsById.values()].map((channel) => channel.topic), ['axis0']);
+  const names = rows[0].split(',').map((name) => name.replace('axis0/', ''));
+  assert.equal(messages.length, rows.length - 1);
+  messages.forEach((message, i) => assert.deepEqual(rows[i + 1].split(',').map(Number), names.map((name) => message[name === 'time_s' ? 'time' : name])));
+});
+
 test('a picture is saved', async () => {
   const one = await fresh();
   await one.page.waitForTimeout(300);
@@ -312,14 +329,13 @@ test('another instrument has its own joints', async () => {
 });
 
 test('everything that was asked of the server is the page itself', () => {
-  assert.deepEqual([...new Set(server.asked)].sort(), ['/', '/console.css', '/console.js', '/icon.svg']);
+  assert.deepEqual([...new Set(rig.server.asked)].sort(), ['/', '/console.css', '/console.js', '/icon.svg']);
 });
 
 test('the page works from the folder, without a server', async () => {
   const began = performance.now();
-  const one = await open(browser, `file://${site}/index.html`);
+  const one = await rig.open({}, `file://${site}/index.html`);
   console.log(`console page: signals ${Math.round(performance.now() - began)} ms after it was opened`);
-  opened.push(one);
   await arm(one);
 });
 

@@ -1,32 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // node --test safety.test.mjs: every way in which the page takes torque away, and the only one in which it gives it.
 import assert from 'node:assert/strict';
-import test, { after, afterEach, before } from 'node:test';
-import { angle, arm, kPatience, launch, open, serve, state, type, view } from './browser.mjs';
+import test from 'node:test';
+import { angle, arm, kPatience, message as told, pages, state, type, view } from './browser.mjs';
 
-let browser;
-let server;
+const rig = pages();
 let one;
-before(async () => {
-  browser = await launch();
-  server = await serve();
-});
-after(async () => {
-  await browser.close();
-  server.close();
-});
-afterEach(async () => {
-  await one.close();
-  assert.deepEqual(one.complaints, [], 'the page complained');
-});
 async function armed(options) {
-  one = await open(browser, server.address, options);
+  one = await rig.open(options);
   await arm(one);
 }
-const message = (part) => one.page.waitForFunction((wanted) => document.getElementById('message').textContent.includes(wanted), part, { timeout: kPatience });
+const message = (part) => told(one, part);
 
 test('one action gives no torque, and the second comes too late after three seconds', async () => {
-  one = await open(browser, server.address);
+  one = await rig.open();
   assert.ok(await one.page.isDisabled('#arm-confirm'));
   await one.page.click('#arm');
   await one.page.waitForTimeout(4000);
@@ -35,7 +22,7 @@ test('one action gives no torque, and the second comes too late after three seco
 });
 
 test('a page without focus gives no torque', async () => {
-  one = await open(browser, server.address, { script: () => { Document.prototype.hasFocus = () => false; } });
+  one = await rig.open({ script: () => { Document.prototype.hasFocus = () => false; } });
   await one.page.click('#arm');
   await one.page.click('#arm-confirm');
   await message('not in front');
@@ -44,7 +31,7 @@ test('a page without focus gives no torque', async () => {
 });
 
 test('the shell of the page does not arm', async () => {
-  one = await open(browser, server.address);
+  one = await rig.open();
   await view(one, 'shell');
   await one.page.fill('#line', 'arm');
   await one.page.press('#line', 'Enter');
@@ -125,7 +112,7 @@ test('a space that is typed is typed, and Escape takes the torque there', async 
 });
 
 test('the keyboard alone arms, moves and disarms', async () => {
-  one = await open(browser, server.address);
+  one = await rig.open();
   await one.page.focus('#arm');
   await one.page.keyboard.press('Enter');
   await one.page.keyboard.press('Enter');

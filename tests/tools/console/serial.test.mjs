@@ -2,27 +2,14 @@
 // node --test serial.test.mjs: the page on a serial line, behind which is the firmware as a module of this test. The line is slow to
 // answer, echoes as a board's console does, can break and can say anything.
 import assert from 'node:assert/strict';
-import test, { after, afterEach, before } from 'node:test';
+import test, { afterEach } from 'node:test';
 import { Board } from '../../boards/browser/module.mjs';
-import { arm, kPatience, launch, moved, open, serve, state, type, view } from './browser.mjs';
+import { arm, kPatience, message as told, moved, pages, state, type, view } from './browser.mjs';
 
-let browser;
-let server;
+const rig = pages();
 let one;
 let board;
-before(async () => {
-  browser = await launch();
-  server = await serve();
-});
-after(async () => {
-  await browser.close();
-  server.close();
-});
-afterEach(async () => {
-  clearInterval(board?.timer);
-  await one.close();
-  assert.deepEqual(one.complaints, [], 'the page complained');
-});
+afterEach(() => clearInterval(board?.timer));
 
 /** In the page: a port whose other end is the test. */
 function fakeSerial() {
@@ -72,14 +59,14 @@ class SerialBoard extends Board {
 }
 
 async function connected() {
-  one = await open(browser, server.address, { script: fakeSerial });
+  one = await rig.open({ script: fakeSerial });
   await one.page.exposeFunction('toBoard', (bytes) => board.receive(bytes));
   board = new SerialBoard(one.page);
   await one.page.click('#serial');
   await message('real joints may move');
   await state(one, 'disarmed');
 }
-const message = (part) => one.page.waitForFunction((wanted) => document.getElementById('message').textContent.includes(wanted), part, { timeout: kPatience });
+const message = (part) => told(one, part);
 
 test('arms, moves and disarms a board on a serial line, and shows its signals', async () => {
   await connected();
@@ -133,7 +120,7 @@ test('a line on which nobody answers is told', async () => {
 });
 
 test('a port that is taken is told', async () => {
-  one = await open(browser, server.address, { script: fakeSerial });
+  one = await rig.open({ script: fakeSerial });
   await one.page.evaluate(() => (window.portTaken = true));
   await one.page.click('#serial');
   await message('the port does not open (Failed to open serial port.); see that no other program has it');

@@ -26,6 +26,8 @@ export class Board {
   /** Until the board has said that it has none. */
   mayHaveTorque = true;
   link: Link | undefined;
+  /** Another page commands; this one sees what the board tells that one. */
+  looking = false;
   /** States without torque, from the firmware's table; whatever else a board says may have it. */
   safeStates = new Set<string>();
   private readonly frames: FrameSplitter;
@@ -36,6 +38,7 @@ export class Board {
   constructor(private readonly events: BoardEvents) {
     this.shell = new ShellClient((text) => this.link?.send(Uint8Array.from(text, (c) => c.charCodeAt(0))));
     this.shell.onRemark = (line) => events.remark(line);
+    this.shell.onOverheard = (lines) => this.looking && this.learn(lines.slice(lines.findIndex((line) => line.startsWith('state '))));
     this.frames = new FrameSplitter({
       text: (text) => this.shell.receive(text),
       schema: (schema) => events.schema(schema),
@@ -56,8 +59,10 @@ export class Board {
   async detach(): Promise<void> {
     const link = this.link;
     if (link !== undefined) {
-      this.shell.disarm();
-      link.leave();
+      if (!this.looking) {
+        this.shell.disarm();
+        link.leave();
+      }
       this.lost('');
       if (!link.simulated) {
         await link.close();
@@ -65,19 +70,27 @@ export class Board {
     }
   }
 
-  attach(link: Link): void {
+  attach(link: Link, looking = false): void {
     this.link = link;
+    this.looking = looking;
     this.mayHaveTorque = true;
-    this.shell.cancel(); // whatever was half said before
     window.clearInterval(this.poll);
-    this.poll = window.setInterval(() => void this.askStatus(), kStatusEveryMs);
+    if (looking) {
+      this.shell.lost(); // whatever was asked is the other page's now
+      this.frames.expectSchema();
+    } else {
+      this.shell.cancel(); // whatever was half said before
+      this.poll = window.setInterval(() => void this.askStatus(), kStatusEveryMs);
+    }
     this.events.connected();
   }
 
   ask(line: string, heard?: (line: string) => void): Promise<Answer> {
-    return this.link === undefined
-      ? Promise.resolve({ lines: [], error: 'line: no board is connected; connect one' })
-      : this.shell.ask(line, heard);
+    if (this.link === undefined || this.looking) {
+      const error = this.link === undefined ? 'line: no board is connected; connect one' : 'looking: another page commands this board; take the command first';
+      return Promise.resolve({ lines: [], error });
+    }
+    return this.shell.ask(line, heard);
   }
 
   /** Frames are about to begin. */
@@ -99,6 +112,10 @@ export class Board {
       return;
     }
     this.mayHaveTorque = true;
+    if (this.looking) {
+      this.link.disarm?.();
+      return;
+    }
     this.shell.disarm();
     void this.askStatus(true);
     window.clearTimeout(this.insist);
@@ -115,8 +132,13 @@ export class Board {
       return;
     }
     this.asking = true;
-    const status = parseStatus((await this.ask('status')).lines);
+    const { lines } = await this.ask('status');
     this.asking = false;
+    this.learn(lines);
+  }
+
+  private learn(lines: string[]): void {
+    const status = parseStatus(lines);
     if (status !== undefined) {
       this.status = status;
       this.mayHaveTorque = !this.safeStates.has(status.state);
@@ -132,6 +154,7 @@ export class Board {
     window.clearInterval(this.poll);
     window.clearTimeout(this.insist);
     this.link = undefined;
+    this.looking = false;
     this.status = undefined;
     this.mayHaveTorque = false;
     this.shell.lost();

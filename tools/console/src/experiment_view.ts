@@ -3,9 +3,10 @@
 import type { Board } from './board';
 import { byId, download, options } from './dom';
 import type { LiveView } from './live_view';
+import { LogTable } from './log_table';
 
 export class ExperimentView {
-  private rows: string[] = [];
+  private log: LogTable;
   private running = false;
   private readonly words = byId('experiment-answer');
   private readonly run = byId<HTMLButtonElement>('experiment-run');
@@ -16,12 +17,13 @@ export class ExperimentView {
     private readonly board: Board,
     private readonly live: LiveView,
   ) {
+    this.log = new LogTable(live);
     byId('experiment-form').addEventListener('submit', (event) => {
       event.preventDefault();
       void this.begin();
     });
     this.stop.addEventListener('click', () => this.board.shell.cancel());
-    this.save.addEventListener('click', () => download('capstan_experiment.csv', [`${this.rows.join('\n')}\n`], 'text/csv'));
+    this.save.addEventListener('click', () => download('capstan_experiment.csv', [this.log.csv], 'text/csv'));
     this.show();
   }
 
@@ -33,40 +35,40 @@ export class ExperimentView {
     options(byId<HTMLSelectElement>('experiment-joint'), Array.from({ length: joints }, (_, i) => `joint${i}`));
   }
 
+  /** The log of the last experiment; nothing if there was none. */
+  get csv(): string | undefined {
+    return this.running || this.log.rows === 0 ? undefined : this.log.csv;
+  }
+
   private async begin(): Promise<void> {
     if (this.running) {
       return;
     }
     this.running = true;
-    this.rows = [];
+    this.log = new LogTable(this.live);
     this.show();
     const value = (id: string) => byId<HTMLInputElement>(id).value.trim();
     await this.live.standBack();
     const line = `experiment ${value('experiment-joint')} ${value('experiment-recipe')} ${value('experiment-options')}`.trim();
     const answer = await this.board.ask(line, (row) => this.take(row));
     this.running = false;
-    const whole = answer.error === undefined ? `done: ${this.rows.length - 1} rows` : answer.error;
-    this.words.textContent = answer.error !== undefined && this.rows.length > 1 ? `ended early after ${this.rows.length - 1} rows: ${whole}` : whole;
+    const { rows } = this.log;
+    const whole = answer.error ?? `done: ${rows} rows`;
+    this.words.textContent = answer.error !== undefined && rows > 0 ? `ended early after ${rows} rows: ${whole}` : whole;
     this.show();
-    if (this.rows.length === 0) {
+    if (rows === 0) {
       await this.live.goOn(); // nothing was drawn meanwhile
     }
   }
 
   private take(row: string): void {
-    this.rows.push(row);
-    const cells = row.split(',');
-    if (this.rows.length === 1) {
-      this.live.columns(cells.slice(1));
-    } else {
-      this.live.sample(Math.round(Number(cells[0]) * 1000), cells.slice(1).map(Number));
-    }
-    this.words.textContent = `runs: ${this.rows.length - 1} rows`;
+    this.log.take(row);
+    this.words.textContent = `runs: ${this.log.rows} rows`;
   }
 
   private show(): void {
     this.run.disabled = this.running;
     this.stop.disabled = !this.running;
-    this.save.disabled = this.running || this.rows.length < 2;
+    this.save.disabled = this.running || this.log.rows === 0;
   }
 }

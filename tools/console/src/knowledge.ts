@@ -109,6 +109,7 @@ export function parseKnown(refusal: string): string[] {
 }
 
 export interface Tables {
+  version: string;
   states: { name: string; torque: boolean }[];
   transitions: { from: string; trigger: string; to: string }[];
   faults: { number: number; name: string; cause: string; cure: string }[];
@@ -118,8 +119,9 @@ export interface Tables {
 
 /** The tables of boards/browser/tables.hpp. */
 export function parseTables(text: string): Tables {
-  const tables: Tables = { states: [], transitions: [], faults: [], instruments: [], effects: [] };
+  const tables: Tables = { version: '', states: [], transitions: [], faults: [], instruments: [], effects: [] };
   for (const [kind, a = '', b = '', c = '', d = '', e = ''] of text.split('\n').map((line) => line.split('\t'))) {
+    if (kind === 'version') tables.version = a;
     if (kind === 'state') tables.states.push({ name: a, torque: b === '1' });
     if (kind === 'transition') tables.transitions.push({ from: a, trigger: b, to: c });
     if (kind === 'fault') tables.faults.push({ number: Number(a), name: b, cause: c, cure: d });

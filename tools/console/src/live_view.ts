@@ -4,14 +4,18 @@ import type { Board } from './board';
 import { byId, download, make, options } from './dom';
 import type { Schema } from './frames';
 import { parseSignals, type Signal } from './knowledge';
+import { mcapOf } from './mcap_file';
 import { Series } from './series';
 import { TimePlot } from './time_plot';
 import { XyPlot } from './xy_plot';
 
 const kMostSignals = 8;
 const kFirst = ['joint0.reference', 'joint0.q2', 'joint0.q1', 'joint0.torque'];
-const kSimulatedEveryMs = 1;
-const kLineEveryMs = 10; // what fits a serial line at 115200 baud
+
+/** A log's columns tell their units. */
+function asSignals(columns: string[]): Signal[] {
+  return columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
+}
 
 export class LiveView {
   readonly series = new Series();
@@ -42,6 +46,7 @@ export class LiveView {
     this.add.addEventListener('change', () => void this.choose([...this.chosenNames, this.add.value]));
     this.kind.addEventListener('change', () => this.showKind());
     byId('csv').addEventListener('click', () => this.save());
+    byId('mcap').addEventListener('click', () => void this.saveMcap());
     byId('png').addEventListener('click', () => this.savePicture());
     byId('go-on').addEventListener('click', () => void this.goOn());
     this.plot.onZoom = (range) => this.zoom(range);
@@ -79,7 +84,7 @@ export class LiveView {
   /** Rows of a log come instead of frames; its columns tell the units. */
   columns(columns: string[]): void {
     this.series.reset(columns, 1);
-    this.shown = columns.map((name) => ({ name, unit: /_([^_]*)$/.exec(name)?.[1] ?? '', meaning: '' }));
+    this.shown = asSignals(columns);
     this.pause(false);
     this.shape();
   }
@@ -90,7 +95,7 @@ export class LiveView {
   }
   schema(schema: Schema): void {
     this.series.reset(schema.columns, schema.everyMs);
-    this.shown = this.chosen;
+    this.shown = this.board.looking ? asSignals(schema.columns) : this.chosen;
     this.shape();
   }
   sample(tick: number, values: number[]): void {
@@ -104,7 +109,7 @@ export class LiveView {
       options(this.add, this.offered());
       return;
     }
-    const every = this.board.link?.simulated === true ? kSimulatedEveryMs : kLineEveryMs;
+    const every = this.board.link?.everyMs ?? 1;
     await this.board.ask('frames off');
     this.board.expectSchema();
     byId('go-on').hidden = true;
@@ -172,9 +177,17 @@ export class LiveView {
     this.frozen = range === undefined ? this.whole : [range[0] * 1000, range[1] * 1000];
   }
 
-  private save(): void {
+  /** What is kept, or what is shown while it stands still. */
+  csv(): string {
     const [from, to] = this.frozen ?? [-Infinity, Infinity];
-    download('capstan.csv', [this.series.csv(from, to)], 'text/csv');
+    return this.series.csv(from, to);
+  }
+  private async saveMcap(): Promise<void> {
+    const [from, to] = this.frozen ?? [-Infinity, Infinity];
+    download('capstan.mcap', (await mcapOf(this.series, from, to)) as BlobPart[], 'application/octet-stream');
+  }
+  private save(): void {
+    download('capstan.csv', [this.csv()], 'text/csv');
   }
 
   private savePicture(): void {

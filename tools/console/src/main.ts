@@ -2,6 +2,7 @@
 // The console page: joins the board with its views.
 import { Board } from './board';
 import { BreakView } from './break_view';
+import { DiagnoseView } from './diagnose_view';
 import { byId, options } from './dom';
 import { ExperimentView } from './experiment_view';
 import { parseTables, type Status } from './knowledge';
@@ -13,6 +14,7 @@ import { ScopeView } from './scope_view';
 import { SerialLink, serialOfBrowser } from './serial_link';
 import { ShellView } from './shell_view';
 import { SimulatorLink } from './simulator_link';
+import { SocketLink } from './socket_link';
 import { StateView } from './state_view';
 import { connectTabs } from './tabs';
 
@@ -35,6 +37,8 @@ const states = new StateView(board);
 const parameters = new ParameterView(board, say);
 const move = new MoveView(board, say);
 const experiments = new ExperimentView(board, live);
+const served = document.querySelector('meta[name="capstan-served"]') !== null;
+new DiagnoseView(board, served, { experiment: () => experiments.csv, live: () => live.csv() });
 const scope = new ScopeView(board, live);
 const breaking = new BreakView(board, (effects) => startSimulator(effects));
 const shell = new ShellView(board);
@@ -63,6 +67,14 @@ async function connected(): Promise<void> {
     byId('tab-live').click();
   }
   parameters.forget();
+  byId('take').hidden = !board.looking;
+  if (board.looking) {
+    say('another page commands this board; this one looks, and DISARM works');
+    return;
+  }
+  if (!(await answers())) {
+    return;
+  }
   await live.connected();
   scope.connected();
   await board.askStatus();
@@ -71,6 +83,22 @@ async function connected(): Promise<void> {
     await breaking.connected(board.status?.joints.length ?? 1);
   }
   viewShown(visible);
+  await compareVersions();
+}
+
+/** A board that still starts hears nothing: waits until it does. False if it is another board's turn meanwhile. */
+async function answers(): Promise<boolean> {
+  const { link } = board;
+  while (board.link === link && (await board.ask('version')).error !== undefined);
+  return board.link === link && !board.looking;
+}
+
+/** The page reads other versions too; what they named otherwise it cannot know. */
+async function compareVersions(): Promise<void> {
+  const theirs = /^capstan (\S+) board /.exec((await board.ask('version')).lines.join('\n'))?.[1];
+  if (theirs !== undefined && theirs !== version) {
+    say(`the board's firmware is version ${theirs}, this page is of ${version}: names may differ; use the page of that version, or flash the board`);
+  }
 }
 
 let visible = '';
@@ -97,14 +125,36 @@ async function startSimulator(effects: string): Promise<string> {
   return problem;
 }
 
+/** The board behind the program that serves this page; choosing an instrument leaves it for the simulator. */
+function connectServer(): void {
+  const events = board.eventsOf(() => server);
+  const server: SocketLink = new SocketLink({
+    ...events,
+    role: (looks) => {
+      say('');
+      board.attach(server, looks);
+    },
+    cancelled: () => board.link === server && board.shell.cancel(),
+    remark: (text) => board.link === server && shell.show(text),
+    lost: (why) => (board.link === server ? events.lost(why) : say(why)),
+  });
+  byId('take').addEventListener('click', () => server.askForCommand());
+}
+
+let version = '';
 void simulator.tables.then(async (text) => {
   const tables = parseTables(text);
   board.safeStates = new Set(tables.states.filter((state) => !state.torque).map((state) => state.name));
   states.know(tables);
   breaking.know(tables);
   options(instrument, tables.instruments.map((one) => one.name));
+  version = tables.version;
   instrument.disabled = false;
-  say(await startSimulator(''));
+  if (served) {
+    connectServer();
+  } else {
+    say(await startSimulator(''));
+  }
 });
 instrument.addEventListener('change', () => void startSimulator('').then(say));
 byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));

@@ -47,7 +47,7 @@ export class Safety {
 
   private away(why: string): void {
     this.withdraw();
-    if (this.board.mayHaveTorque && this.board.link !== undefined) {
+    if (this.board.mayHaveTorque && this.board.link !== undefined && !this.board.looking) {
       this.disarm(why);
       this.board.link?.leave();
     }
@@ -102,8 +102,9 @@ export class Safety {
 
   /** What may be pressed now. */
   show(connected: boolean, torque: boolean): void {
-    this.arm.disabled = !connected || torque;
-    if (!connected || torque) {
+    const not = !connected || torque || this.board.looking;
+    this.arm.disabled = not;
+    if (not) {
       this.withdraw();
     }
   }

@@ -3,6 +3,7 @@
 import type { Board } from './board';
 import { byId, options } from './dom';
 import type { LiveView } from './live_view';
+import { LogTable } from './log_table';
 
 const kLookEveryMs = 300;
 const kCaptured = 'scope done';
@@ -68,16 +69,9 @@ export class ScopeView {
 
   private async dump(): Promise<void> {
     await this.live.standBack();
-    let rows = -1;
-    const answer = await this.board.ask('scope dump', (row) => {
-      const cells = row.split(',');
-      if (++rows === 0) {
-        this.live.columns(cells.slice(1));
-      } else {
-        this.live.sample(Math.round(Number(cells[0]) * 1000), cells.slice(1).map(Number));
-      }
-    });
+    const log = new LogTable(this.live);
+    const answer = await this.board.ask('scope dump', (row) => log.take(row));
     this.live.showAll();
-    this.words.textContent = answer.error ?? `captured ${rows} samples; time 0 is the trigger`;
+    this.words.textContent = answer.error ?? `captured ${log.rows} samples; time 0 is the trigger`;
   }
 }

@@ -26,6 +26,7 @@ function sentence(problem: unknown): string {
 export class SerialLink implements Link {
   readonly name = 'serial line';
   readonly simulated = false;
+  readonly everyMs = 10; // what fits 115200 baud
   private events: LinkEvents | undefined;
   private closing = false;
 

@@ -16,6 +16,7 @@ interface Question {
 const kPatienceMs = 5000; // saving erases flash, which takes up to 2.6 s
 const kQuietMs = 60;
 const kMostWaiting = 2000;
+const kMostOverheard = 100;
 const kPrompt = 'capstan> ';
 const kCancel = '\x03';
 /** Its answer is like no other, so it tells where an interrupted talk begins again. */
@@ -25,6 +26,8 @@ const kResyncAnswer = /^capstan \S+ board /;
 export class ShellClient {
   /** What the board says by itself. */
   onRemark: (line: string) => void = () => undefined;
+  /** An answer to a question that somebody else asked. */
+  onOverheard: (lines: string[]) => void = () => undefined;
   private readonly waiting: Question[] = [];
   private asked: Question | undefined;
   private lines: string[] = [];
@@ -124,6 +127,17 @@ export class ShellClient {
       this.takeResync(line);
     } else if (this.asked !== undefined && line !== this.asked.line) {
       this.takeAnswer(this.asked, line);
+    } else if (this.asked === undefined) {
+      this.overhear(line);
+    }
+  }
+
+  private overhear(line: string): void {
+    if (line === 'ok' || line.startsWith('error ')) {
+      this.onOverheard(this.lines);
+      this.lines = [];
+    } else {
+      this.lines = [...this.lines.slice(1 - kMostOverheard), line];
     }
   }
 

@@ -7,6 +7,7 @@ import { kAliveWithinMs, type FromSimulator, type ToSimulator } from './simulato
 export class SimulatorLink implements Link {
   readonly name = 'simulator';
   readonly simulated = true;
+  readonly everyMs = 1;
   private readonly worker: Worker;
   private readonly heart: number;
   private loaded!: (tables: string) => void;

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the law of a joint lacks: the host program looks at a log, and the board takes the law that it finds. Where no host program is
+// behind the page, the log is offered with the command to run.
+import type { Board } from './board';
+import { byId, download, make } from './dom';
+import { XyPlot } from './xy_plot';
+
+interface Errors {
+  rmse: number;
+}
+interface Answer {
+  status: number;
+  said: string;
+  lines: string[];
+  not_applied?: string;
+  diagnosis?: { verdict: string; effects: { name: string }[]; law?: { status: string }; before: Errors | null; after: Errors | null };
+}
+
+const kMostLog = 64 * 1024 * 1024; // tools/console_server/web_server.cpp
+
+/** Columns of a log by the contract. */
+function columns(csv: string): Map<string, number[]> {
+  const rows = csv.trim().split('\n').map((row) => row.split(','));
+  return new Map(rows[0]!.map((name, i) => [name, rows.slice(1).map((row) => Number(row[i]))]));
+}
+
+export class DiagnoseView {
+  private readonly source = byId<HTMLSelectElement>('diagnose-source');
+  private readonly target = byId<HTMLSelectElement>('diagnose-target');
+  private readonly words = byId('diagnose-answer');
+  private readonly apply = byId<HTMLButtonElement>('diagnose-apply');
+  private readonly loop = new XyPlot(byId<HTMLCanvasElement>('diagnose-loop'));
+  private lines: string[] = [];
+  private busy = false;
+
+  /** @param served  by the host program, which diagnoses then   @param logs  of the last experiment and of what is shown */
+  constructor(
+    private readonly board: Board,
+    private readonly served: boolean,
+    private readonly logs: { experiment(): string | undefined; live(): string },
+  ) {
+    byId('diagnose-form').addEventListener('submit', (event) => {
+      event.preventDefault();
+      void this.begin();
+    });
+    this.source.addEventListener('change', () => this.show());
+    this.target.addEventListener('change', () => this.show());
+    this.apply.addEventListener('click', () => void this.give());
+    byId('diagnose-run').textContent = served ? 'Diagnose' : 'Save log';
+    this.show();
+  }
+
+  private show(): void {
+    byId('diagnose-file').hidden = this.source.value !== 'file';
+    byId('diagnose-file-label').hidden = this.source.value !== 'file';
+    byId('diagnose-command').textContent = this.served ? '' : `then: capstan diagnose capstan_log.csv${this.target.value === '' ? '' : ` --target ${this.target.value}`} --report report -o law.toml, and capstan apply law.toml --port PORT`;
+    this.apply.disabled = this.lines.length === 0 || this.busy;
+  }
+
+  private async log(): Promise<string | undefined> {
+    if (this.source.value === 'file') {
+      return byId<HTMLInputElement>('diagnose-file').files?.[0]?.text();
+    }
+    return this.source.value === 'live' ? this.logs.live() : this.logs.experiment();
+  }
+
+  private async begin(): Promise<void> {
+    const log = await this.log();
+    if (this.busy || log === undefined) {
+      this.words.textContent = this.busy ? 'a diagnosis is under way; wait for it' : 'there is no log yet; run an experiment in Move, or choose a file';
+      return;
+    }
+    if (log.length > kMostLog && this.served) {
+      this.words.textContent = "the log is larger than 64 MB; diagnose it by 'capstan diagnose'";
+      return;
+    }
+    this.draw(log);
+    if (!this.served) {
+      download('capstan_log.csv', [log], 'text/csv');
+      return;
+    }
+    this.busy = true;
+    this.lines = [];
+    this.words.textContent = 'the host program looks at the log …';
+    this.show();
+    try {
+      this.found(await this.ask(log));
+    } catch (problem) {
+      this.words.textContent = problem instanceof Error ? problem.message : String(problem);
+    }
+    this.busy = false;
+    this.show();
+  }
+
+  private async ask(log: string): Promise<Answer> {
+    const response = await fetch(`diagnose/${this.target.value}`, { method: 'POST', body: log }).catch(() => {
+      throw new Error('capstan console has gone; start it again and open the address that it prints');
+    });
+    if (!response.ok) {
+      throw new Error((await response.text()).trim());
+    }
+    return (await response.json()) as Answer;
+  }
+
+  private found(answer: Answer): void {
+    const { diagnosis } = answer;
+    byId('diagnose-said').textContent = answer.said;
+    byId('diagnose-report').replaceChildren();
+    if (diagnosis === undefined) {
+      this.words.textContent = answer.said.trim().split('\n').at(-1) ?? '';
+      return;
+    }
+    const unit = this.target.value.endsWith('_Nm') ? 'N m' : 'rad';
+    const error = (errors: Errors | null) => (errors === null ? 'not known' : `${errors.rmse.toPrecision(3)} ${unit}`);
+    const effects = diagnosis.effects.map((one) => one.name).join(', ');
+    this.words.textContent = `verdict: ${diagnosis.verdict}${effects === '' ? '' : ` (${effects})`}; error before ${error(diagnosis.before)}, after ${error(diagnosis.after)}${answer.not_applied === undefined ? '' : `; not for this board: ${answer.not_applied}`}`;
+    this.lines = answer.lines;
+    byId('diagnose-report').append(make('iframe', { src: `report?${Date.now()}`, title: 'report', sandbox: '' }));
+  }
+
+  /** The loop that is explained: over the motor's angle. */
+  private draw(log: string): void {
+    const all = columns(log);
+    const wanted = this.target.value || 'axis0/q2_rad';
+    this.loop.show(all.get('axis0/q1_rad') ?? [], all.get(wanted) ?? [], 'axis0/q1_rad', wanted);
+  }
+
+  /** All lines or none; the board reads them back. */
+  private async give(): Promise<void> {
+    this.busy = true;
+    this.show();
+    let refusal: string | undefined;
+    for (const line of this.lines) {
+      refusal = (await this.board.ask(line)).error;
+      if (refusal !== undefined) {
+        await this.board.ask('abandon');
+        break;
+      }
+    }
+    const set = this.lines.filter((line) => line.startsWith('set ')).length;
+    this.words.textContent = refusal ?? `the board has the law now, ${set} parameters; save them in Parameters, then record and diagnose again to see what is left`;
+    byId('diagnose-said').textContent = (await this.board.ask('model')).lines.join('\n');
+    this.busy = false;
+    this.show();
+  }
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// A board behind `capstan console`, by a WebSocket to where this page came from. Binary messages are the board's bytes, texts are what
+// the two programs say to each other (tools/console_server/hub.hpp).
+import { kAliveWithinMs } from './simulator_messages';
+import type { Link, LinkEvents } from './link';
+
+export interface SocketEvents extends LinkEvents {
+  /** This page commands the board from now on, or only looks. */
+  role(looks: boolean): void;
+  /** Something urgent of another page came between: answers that are waited for may never come. */
+  cancelled(): void;
+  remark(text: string): void;
+}
+
+export class SocketLink implements Link {
+  readonly name = 'capstan console';
+  readonly simulated = false;
+  everyMs = 10;
+  private readonly socket: WebSocket;
+  private readonly heart: number;
+  private ended = false;
+
+  constructor(private readonly events: SocketEvents) {
+    this.socket = new WebSocket(new URL('board', window.location.href.replace(/^http/, 'ws')));
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.addEventListener('message', (event: MessageEvent<ArrayBuffer | string>) => {
+      if (typeof event.data === 'string') {
+        this.take(event.data);
+      } else {
+        this.events.bytes(new Uint8Array(event.data));
+      }
+    });
+    this.socket.addEventListener('close', () => this.lost('capstan console has gone; start it again and open the address that it prints'));
+    this.heart = window.setInterval(() => this.say('alive'), kAliveWithinMs / 5);
+  }
+
+  send(bytes: Uint8Array): void {
+    if (this.socket.readyState === WebSocket.OPEN) {
+      this.socket.send(bytes as Uint8Array<ArrayBuffer>);
+    }
+  }
+  leave(): void {
+    this.say('leave');
+  }
+  disarm(): void {
+    this.say('disarm');
+  }
+  /** This page wants to command; the torque goes first. */
+  askForCommand(): void {
+    this.say('take');
+  }
+  close(): void {
+    this.ended = true;
+    window.clearInterval(this.heart);
+    this.socket.close();
+  }
+
+  private say(word: string): void {
+    if (this.socket.readyState === WebSocket.OPEN) {
+      this.socket.send(word);
+    }
+  }
+  private take(words: string): void {
+    const [word = '', rest = ''] = /^(\w+) ?(.*)$/s.exec(words)?.slice(1) ?? [];
+    if (word === 'command' || word === 'look') {
+      this.everyMs = Number(rest);
+      this.events.role(word === 'look');
+    } else if (word === 'cancel') {
+      this.events.cancelled();
+    } else if (word === 'remark') {
+      this.events.remark(rest);
+    } else if (word === 'lost') {
+      this.lost(rest);
+    }
+  }
+  private lost(why: string): void {
+    if (!this.ended) {
+      this.close();
+      this.events.lost(why);
+    }
+  }
+}
