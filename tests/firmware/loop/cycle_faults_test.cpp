@@ -113,7 +113,7 @@ const std::vector<Cause> kCauses = {
 TEST(CycleFaults, EveryFaultOfTheTableHasACauseAmongTheTests) {
   for (const FaultInfo& entry : kFaultTable) {
     EXPECT_TRUE(
-        entry.fault == Fault::kNone ||
+        entry.fault == Fault::kNone || entry.fault == Fault::kLimitCycle ||  // four seconds: limit_cycle_test
         std::any_of(kCauses.begin(), kCauses.end(), [&](const Cause& cause) { return cause.fault == entry.fault; }))
         << entry.name;
   }

@@ -17,7 +17,7 @@ struct Expected {
 };
 
 // Written from what each fault says has failed, not from the table.
-constexpr std::array<Expected, 19> kExpected = {{
+constexpr std::array<Expected, 20> kExpected = {{
     {Fault::kOverrun, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
     {Fault::kSensorMissing, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
     {Fault::kSensorInvalid, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
@@ -37,6 +37,7 @@ constexpr std::array<Expected, 19> kExpected = {{
     {Fault::kSupplyLow, SafeStop::kTorqueOff, SafeStop::kTorqueOff},
     {Fault::kWatchdog, SafeStop::kTorqueOff, SafeStop::kTorqueOff},
     {Fault::kEncoderMotion, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
+    {Fault::kLimitCycle, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
 }};
 
 TEST(SafeStop, EachFaultIsStoppedByWhatItLeavesToBeReliedOn) {
