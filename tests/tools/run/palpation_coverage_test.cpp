@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <numbers>
 
 #include "capstan/hal/sim/plant.hpp"
@@ -100,10 +101,17 @@ auto coverage(int tissues, double frequency_hz, std::uint64_t first_seed) -> Cov
   return c;
 }
 
-TEST(PalpationCoverage, IntervalsHoldTheStiffnessOf93To97OfHundredDampedTissues) {
+/// CAPSTAN_TISSUES of them; docs/thesis.md tells of 1,000.
+auto tissues_asked() -> int {
+  const char* text = std::getenv("CAPSTAN_TISSUES");
+  return text == nullptr ? 250 : std::max(100, std::atoi(text));
+}
+
+TEST(PalpationCoverage, IntervalsHoldTheStiffnessOf93To97OfAHundredDampedTissues) {
   // Seeds that took no part in any choice.
-  const Coverage slow = coverage(1000, 0.2, 750000);
-  EXPECT_GE(slow.answered, 990);
+  const int tissues = tissues_asked();
+  const Coverage slow = coverage(tissues, 0.2, 750000);
+  EXPECT_GE(slow.answered, tissues - tissues / 100);
   EXPECT_GE(slow.percent(), 93.0);
   EXPECT_LE(slow.percent(), 97.0);
   EXPECT_LT(std::abs(slow.bias), 0.005) << "a stroke in alone is off by the damping, 3 % here";
