@@ -42,17 +42,17 @@ auto run_commission(CommandOptions& options) -> int {
     options.own.inertia_kgm2 = 1e-3 * options.inertia_gm2;
   }
   Progress progress = progress_of(options);
-  std::unique_ptr<BoardLine> line;
+  std::unique_ptr<BoardShell> line;
   if (options.port.empty()) {
     std::cerr << "no port: this is the simulated forceps\n";
     sim::Scenario scenario;
     scenario.seed = options.seed;
-    line = std::make_unique<SimLine>(scenario);
+    line = std::make_unique<SimShell>(scenario);
   } else {
     struct sigaction stop {};
     stop.sa_handler = [](int) {};  // what waits for the board ends, torque goes off, and parameters go back
     static_cast<void>(::sigaction(SIGINT, &stop, nullptr));
-    line = std::make_unique<PortLine>(options.port);
+    line = std::make_unique<PortShell>(options.port);
   }
   const Operator person{.tell = [](const std::string& text) { std::cerr << text << "\n"; },
                         .agrees = [&options](const std::string& question) { return agrees(options, question); },

@@ -107,7 +107,7 @@ auto Progress::is_done(const std::string& step) const -> bool {
   return std::find(done.begin(), done.end(), step) != done.end();
 }
 
-auto commission(BoardLine& board, const Operator& person, const CommissionOptions& options, Progress progress)
+auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned {
   Commissioned all{.progress = std::move(progress), .response = {}, .tuning = {}};
   JointConsole joint(board, options.axis, options.key);

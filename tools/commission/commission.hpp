@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "capstan/tools/commission/board_line.hpp"
+#include "capstan/tools/commission/board_shell.hpp"
 #include "capstan/tools/response/tuning.hpp"
 
 namespace capstan::tools {
@@ -51,7 +51,7 @@ struct Commissioned {
 /// `travel` the motor moves by less than 5 deg. Steps that are done are not done again.
 /// Throws Refusal with the step and a sentence with its cure. However it ends, torque is off; unless it ended well,
 /// gains and limits are those of before.
-auto commission(BoardLine& board, const Operator& person, const CommissionOptions& options, Progress progress)
+auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned;
 
 /// machine.toml: what sets up the next board alike.

@@ -16,7 +16,7 @@ constexpr double kStillCounts = 2.5;
 
 }  // namespace
 
-JointConsole::JointConsole(BoardLine& board, int axis, std::string key)
+JointConsole::JointConsole(BoardShell& board, int axis, std::string key)
     : board_(board), axis_(axis), key_(std::move(key)) {
   board_.ask("disarm");
   read_parameters();

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "capstan/tools/commission/board_line.hpp"
+#include "capstan/tools/commission/board_shell.hpp"
 #include "capstan/tools/log/csv_log.hpp"
 
 namespace capstan::tools {
@@ -13,7 +13,7 @@ namespace capstan::tools {
 /// One joint of a board, as commissioning uses it. Remembers what parameters were before they were changed.
 class JointConsole {
  public:
-  JointConsole(BoardLine& board, int axis, std::string key);
+  JointConsole(BoardShell& board, int axis, std::string key);
   JointConsole(const JointConsole&) = delete;
   auto operator=(const JointConsole&) -> JointConsole& = delete;
   /// Torque off, and everything back that was set and not kept. Whatever the board says to that.
@@ -45,7 +45,7 @@ class JointConsole {
   void read_parameters();
   auto latched() -> std::string;
 
-  BoardLine& board_;
+  BoardShell& board_;
   int axis_;
   std::string key_;
   std::map<std::string, std::string> values_, before_;

@@ -46,7 +46,7 @@ struct Outcome {
 
 auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, Progress progress = {},
          const std::string& stop_before = "") -> Outcome {
-  SimLine line(scenario);
+  SimShell line(scenario);
   for (const std::string& one : wrong) {
     line.ask(one);
   }
@@ -67,7 +67,7 @@ auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, P
   } catch (const Refusal& refusal) {
     outcome.sentence = refusal.what();
   }
-  const SimLine::Way way = line.take_way();
+  const SimShell::Way way = line.take_way();
   outcome.motor_rad = way.motor_rad;
   outcome.joint_rad = way.joint_rad;
   outcome.seconds = way.seconds;

@@ -11,12 +11,12 @@
 namespace capstan::tools {
 
 /// A board's shell, one line out and one answer back.
-class BoardLine {
+class BoardShell {
  public:
-  BoardLine() = default;
-  BoardLine(const BoardLine&) = delete;
-  auto operator=(const BoardLine&) -> BoardLine& = delete;
-  virtual ~BoardLine() = default;
+  BoardShell() = default;
+  BoardShell(const BoardShell&) = delete;
+  auto operator=(const BoardShell&) -> BoardShell& = delete;
+  virtual ~BoardShell() = default;
   /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence.
   auto ask(const std::string& line) -> std::vector<std::string> { return do_ask(line); }
 
@@ -25,9 +25,9 @@ class BoardLine {
 };
 
 /// Over a port, as ShellClient takes it.
-class PortLine final : public BoardLine {
+class PortShell final : public BoardShell {
  public:
-  explicit PortLine(const std::string& port) : shell_(port) {}
+  explicit PortShell(const std::string& port) : shell_(port) {}
 
  private:
   auto do_ask(const std::string& line) -> std::vector<std::string> override;
@@ -35,9 +35,9 @@ class PortLine final : public BoardLine {
 };
 
 /// To a simulated board in this process, which runs as fast as it goes while it answers.
-class SimLine final : public BoardLine {
+class SimShell final : public BoardShell {
  public:
-  explicit SimLine(const sim::Scenario& scenario) : board_(scenario, banks_, sink_, false) { board_.tick(); }
+  explicit SimShell(const sim::Scenario& scenario) : board_(scenario, banks_, sink_, false) { board_.tick(); }
   [[nodiscard]] auto board() -> SimBoard& { return board_; }
   /// Furthest that motor and joint have been from where they began, rad, since this was called last.
   struct Way {

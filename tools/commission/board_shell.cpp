@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/commission/board_line.hpp"
+#include "capstan/tools/commission/board_shell.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -13,12 +13,12 @@ constexpr long kMostCycles = 1'000'000;  // of one answer, 1000 s
 
 }  // namespace
 
-auto PortLine::do_ask(const std::string& line) -> std::vector<std::string> {
+auto PortShell::do_ask(const std::string& line) -> std::vector<std::string> {
   // An experiment may stay silent while the joint goes to where it begins, and commissioning until it is over.
   return shell_.ask(line, std::chrono::minutes{15});
 }
 
-void SimLine::tick() {
+void SimShell::tick() {
   board_.tick();
   board_.shell().poll();
   const sim::Truth& truth = board_.truth(0);
@@ -32,12 +32,12 @@ void SimLine::tick() {
   way_.seconds += 1e-3;
 }
 
-auto SimLine::take_way() -> Way {
+auto SimShell::take_way() -> Way {
   begun_ = false;
   return std::exchange(way_, {});
 }
 
-auto SimLine::do_ask(const std::string& line) -> std::vector<std::string> {
+auto SimShell::do_ask(const std::string& line) -> std::vector<std::string> {
   sink_.text.clear();
   for (const char c : line + "\n") {
     board_.shell().receive(c);
