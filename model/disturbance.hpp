@@ -16,6 +16,35 @@ struct MotionView {
   Scalar window_s = ScalarTraits<Scalar>::from(0.12);
   /// Speed below which the direction stays what it was, rad/s.
   Scalar standstill_rad_s = ScalarTraits<Scalar>::from(0.01);
+  /// Time constant with which dry friction lets go at a standstill, s; 0: it holds.
+  Scalar letting_go_s{};
+};
+
+/// Dry friction at rest. A motor that stands may carry any torque up to its friction either way, so what the last
+/// motion left soon says nothing: brakes, integral action and creep have taken it over. Its share decays.
+template <typename Scalar>
+class RestingFriction {
+ public:
+  /// @param letting_go_s  time constant; 0: the friction of the last motion stays
+  constexpr RestingFriction(SamplePeriod<Scalar> dt, Scalar letting_go_s)
+      : lets_go_(letting_go_s > Scalar{}), share_(dt, letting_go_s) {
+    restart();
+  }
+  constexpr void restart() { share_.start(kWhole); }
+  /// @returns the share that acts, 1 while it moves
+  constexpr auto update(bool moves) -> Scalar {
+    if (moves || !lets_go_) {
+      restart();
+      return kWhole;
+    }
+    return share_.update(Scalar{});
+  }
+
+ private:
+  static constexpr Scalar kWhole = ScalarTraits<Scalar>::from(1.0);
+
+  bool lets_go_;
+  LowPass<Scalar> share_;
 };
 
 /// Motion and torque a fixed number of samples ago, from both sides. With N samples, a quarter of the view's window:
@@ -32,6 +61,7 @@ class MotionWindow {
   constexpr MotionWindow(SamplePeriod<Scalar> dt, const MotionView<Scalar>& view)
       : delay_(delay_of(dt, view.window_s)),
         standstill_(view.standstill_rad_s),
+        friction_(dt, view.letting_go_s),
         per_span_(dt.time_of(delay_)),
         per_square_((dt.time_of(delay_) * ScalarTraits<Scalar>::from(100.0)) *
                     (dt.time_of(delay_) * ScalarTraits<Scalar>::from(10.0))) {}
@@ -48,6 +78,7 @@ class MotionWindow {
   constexpr void restart() {
     count_ = 0;
     sample_ = {};
+    friction_.restart();
   }
   /// N: how many samples ago it was.
   [[nodiscard]] constexpr auto delay() const -> std::int32_t { return delay_; }
@@ -69,7 +100,9 @@ class MotionWindow {
     sample_.ddq1 = ((now.q1 - middle) - (middle - angle_ago(2 * delay_))) * per_square_;
     sample_.warmth =
         ScalarTraits<Scalar>::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
-    sample_.forward = abs(sample_.dq1) > standstill_ ? sample_.dq1 > Scalar{} : sample_.forward;
+    const bool moves = abs(sample_.dq1) > standstill_;
+    sample_.forward = moves ? sample_.dq1 > Scalar{} : sample_.forward;
+    sample_.grip = friction_.update(moves);
     sample_.saturated = is_cut(middle) || is_cut(sample_.tau) || is_cut(sample_.dq1) || is_cut(sample_.ddq1);
     return true;
   }
@@ -89,6 +122,7 @@ class MotionWindow {
 
   std::int32_t delay_;
   Scalar standstill_;
+  RestingFriction<Scalar> friction_;
   Reciprocal<Scalar> per_span_;
   Reciprocal<Scalar> per_square_;  // for krad/s2
   std::array<Scalar, kRing> angle_{};

@@ -21,7 +21,8 @@ auto same_force_law(const ForceConfig& a, const ForceConfig& b) -> bool {
 
 auto same_effort_law(const EffortConfig& a, const EffortConfig& b) -> bool {
   return a.law.coefficients == b.law.coefficients && a.law.shapes == b.law.shapes &&
-         a.view.window_s == b.view.window_s && a.view.standstill_rad_s == b.view.standstill_rad_s;
+         a.view.window_s == b.view.window_s && a.view.standstill_rad_s == b.view.standstill_rad_s &&
+         a.view.letting_go_s == b.view.letting_go_s;
 }
 
 auto same_monitor(const AxisConfig& a, const AxisConfig& b) -> bool {

@@ -12,7 +12,7 @@ namespace capstan {
 template <typename Term>
 inline constexpr std::array<char, 40> kEffortGroup = placed_name<Term>("effort_");
 
-inline constexpr std::size_t kEffortRows = 4 + TorqueTerms::kCoefficients + TorqueTerms::kShapes;
+inline constexpr std::size_t kEffortRows = 5 + TorqueTerms::kCoefficients + TorqueTerms::kShapes;
 
 /// The rows of the effort law, its terms from the catalogue.
 constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
@@ -24,6 +24,8 @@ constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
            kView + offsetof(MotionView<Q24>, window_s), 0.016, 0.12),
       real("effort", "standstill", "rad/s", "speed below which the effort law keeps its direction",
            kView + offsetof(MotionView<Q24>, standstill_rad_s), 0.0, 10.0),
+      real("effort", "letting_go", "s", "time constant with which dry friction lets go at a standstill; 0: it holds",
+           kView + offsetof(MotionView<Q24>, letting_go_s), 0.0, 10.0),
       integer("effort", "feedforward", "1",
               "1: position control adds the effort law's torque in place of control.torque_forward and torque_backward",
               kEffort + offsetof(EffortConfig, feedforward), 0, 1),
@@ -31,7 +33,7 @@ constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
               kEffort + offsetof(EffortConfig, status), 0, 2),
   };
   constexpr std::size_t kLaw = kEffort + offsetof(EffortConfig, law);
-  std::size_t next = 4;
+  std::size_t next = 5;
   std::size_t coefficient = kLaw + offsetof(TorqueLawParameters<Q24>, coefficients);
   std::size_t shape = kLaw + offsetof(TorqueLawParameters<Q24>, shapes);
   TorqueTerms::for_each<Q24>([&]<typename Term>() {

@@ -20,7 +20,8 @@ class ViscoelasticCreep {
           "thermal_drift where T exceeds the record, transmission_viscous at one frequency, slip_propagation",
       .exciting_motion = "holds of at least 3 T at several torques, then back to zero",
       .coefficients = {{{"creep", "rad/Nm", Sign::kNonPositive, "elongation per torque that comes with time"}}},
-      .shapes = {{{"time", "s", 0.01, 120.0, 1.0, "T: within it 63 % of the creep has come"}}},
+      .shapes = {{{"time", "s", 0.01, 120.0, 1.0, "T: within it 63 % of the creep has come", ShapeScale::kRatio,
+                   ShapeOf::kTime}}},
       .relations = {.doubles = {"thermal_drift", "transmission_viscous", "slip_propagation"},
                     .shown_by = Motion::kLoops | Motion::kHolds},
   };

@@ -82,6 +82,35 @@ TYPED_TEST(MotionWindowIn, KeepsItsDirectionAtAStandstill) {
   EXPECT_TRUE(go(0.5, 100));
 }
 
+/// The share of dry friction after a motion and then so long a rest.
+template <typename Scalar>
+auto grip_after(double rest_s, double letting_go_s) -> double {
+  MotionView<Scalar> seen = view<Scalar>(0.032);
+  seen.letting_go_s = number<Scalar>(letting_go_s);
+  MotionWindow<Scalar> window(one_khz<Scalar>(), seen);
+  double q = 0.0;
+  const auto go = [&](double rate, int samples) {
+    for (int i = 0; i < samples; ++i) {
+      q += 0.001 * rate;
+      window.update({.q1 = number<Scalar>(q)});
+    }
+  };
+  go(0.5, 100);
+  EXPECT_EQ(value_of(window.sample().grip), 1.0);
+  go(0.0, static_cast<int>(std::lround(1000.0 * rest_s)) + 12);  // 12: until the window sees nothing of the motion
+  const double grip = value_of(window.sample().grip);
+  go(0.5, 100);
+  EXPECT_EQ(value_of(window.sample().grip), 1.0);
+  return grip;
+}
+
+TYPED_TEST(MotionWindowIn, DryFrictionLetsGoAtAStandstillAndHoldsWhereItIsToldTo) {
+  EXPECT_EQ(grip_after<TypeParam>(2.0, 0.0), 1.0);
+  EXPECT_NEAR(grip_after<TypeParam>(0.12, 0.12), std::exp(-1.0), 0.01);
+  EXPECT_NEAR(grip_after<TypeParam>(0.36, 0.12), std::exp(-3.0), 0.01);
+  EXPECT_LT(grip_after<TypeParam>(2.0, 0.12), 1e-5);
+}
+
 /// A motor of 20 g m2 with drag and dry friction, and what pushes at it beside.
 auto motor_law() -> TorqueLawBuilder {
   TorqueLawBuilder law;

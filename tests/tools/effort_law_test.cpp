@@ -99,6 +99,38 @@ TEST(EffortLaw, WithoutDryFrictionAndOffsetDoesNotHoldThem) {
   EXPECT_FALSE(found.base.joint.has("offset"));
 }
 
+/// Moves of a second along half a cosine, now one way and now the other, a rest of two seconds after each. Friction of
+/// 0.5 while it moves; at rest it stays, or lets go at once.
+auto log_with_rests(bool holds) -> AxisLog {
+  AxisLog log = rigid_log(0.0);
+  std::mt19937 engine(11);
+  std::normal_distribution<double> normal;
+  double sign = 1.0;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    const double t = kPeriodS * static_cast<double>(i);
+    const auto move = static_cast<int>(t / 3.0);
+    const double phase = std::min(1.0, t - 3.0 * move);
+    const bool moves = phase < 1.0;
+    sign = move % 2 == 0 ? 1.0 : -1.0;
+    const double way = 0.5 - 0.5 * std::cos(std::numbers::pi * phase);
+    const double v = moves ? sign * 0.5 * std::numbers::pi * std::sin(std::numbers::pi * phase) : 0.0;
+    const double a = moves ? sign * 0.5 * std::pow(std::numbers::pi, 2) * std::cos(std::numbers::pi * phase) : 0.0;
+    log.q1_rad[i] = sign > 0.0 ? way : 1.0 - way;
+    log.effort[i] = 0.05 * a + 0.3 * v + (moves || holds ? 0.5 * sign : 0.0) + 0.2 + 0.02 * normal(engine);
+  }
+  return log;
+}
+
+TEST(EffortLaw, LetsDryFrictionGoAtRestUnlessTheLogShowsThatItHolds) {
+  const EffortSelection lets_go = select_effort_law({log_with_rests(false)});
+  EXPECT_GT(lets_go.law.view.letting_go_s, 0.0);
+  const EffortSelection holds = select_effort_law({log_with_rests(true)});
+  EXPECT_EQ(holds.law.view.letting_go_s, 0.0);
+  EXPECT_LT(holds.after, 0.1);  // beside a friction of 0.5
+  EXPECT_LT(lets_go.after, 0.15);
+  EXPECT_GT(select_effort_law({rigid_log(0.02)}).law.view.letting_go_s, 0.0);  // it never rests
+}
+
 TEST(EffortLaw, FindsASpringAndSaysHowMuchBetterItPredicts) {
   AxisLog log = rigid_log(0.02);
   add_effect(log, [](double q, double /*v*/) { return 0.9 * (q - 0.1); });
@@ -196,6 +228,8 @@ TEST(EffortFile, RefusesWhatCanNotBeMeant) {
   EXPECT_THROW(parse_effort_file(with("family = \"effort\"", "family = \"force\""), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("window = { value = 0.12", "window = { value = 120"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("skew = { value = 0", "skew = { value = nan"), "law.toml"), BadInput);
+  EXPECT_THROW(parse_effort_file(with("letting_go = { value = 0", "letting_go = { value = -0"), "law.toml"), BadInput);
+  EXPECT_EQ(parse_effort_file(with("\nletting_go", "\n# letting_go"), "law.toml").view.letting_go_s, 0.0);  // older files
   EXPECT_THROW(parse_effort_file(with("[conditioner]", "[conditioner"), "law.toml"), BadInput);
 }
 

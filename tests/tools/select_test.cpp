@@ -7,6 +7,7 @@
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/select/choice.hpp"
+#include "capstan/tools/select/vocabulary.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -126,6 +127,31 @@ TEST(Select, OnlyPlaysThatTheMotionTurnsRoundAreTried) {
   const SelectionData data(p, *form.catalogue);
   ASSERT_FALSE(data.play_widths().empty());
   EXPECT_LE(data.play_widths().back(), 0.5 * (log.q1_rad.maxCoeff() - log.q1_rad.minCoeff()));
+}
+
+TEST(Select, TimesThatAreTriedAreShareOfTheLogInTheUnitOfTheShape) {
+  const AxisLog log = made_log({.rows = 16000});  // 320 s
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  const Vocabulary vocabulary = angle_vocabulary(SelectionData(p, *form.catalogue));
+  const auto longest = [&](const std::string& term) {
+    const auto grid = std::find_if(vocabulary.terms.begin(), vocabulary.terms.end(),
+                                   [&](const auto& one) { return one.term == term && !one.settings.empty(); });
+    return grid == vocabulary.terms.end() ? 0.0 : grid->settings.back().front();
+  };
+  EXPECT_NEAR(longest("thermal_drift"), 80.0 / 60.0, 0.01);  // minutes: a quarter of the log
+  EXPECT_NEAR(longest("viscoelastic_creep"), 80.0, 0.5);     // seconds
+}
+
+// An angle in the unit of 1e-4 rad makes a ratio of 8000, which neither a joint file nor a board holds.
+TEST(Select, ALawBeyondTheRangeOfNumbersIsNone) {
+  Made made;
+  made.angle_unit = 1e-4;
+  const AxisLog log = made_log(made);
+  const LawForm form = form_of_model("kinematic", {log});
+  const Preparation p = prepare({log}, form);
+  SelectionData data(p, *form.catalogue);
+  EXPECT_TRUE(std::isinf(ForwardScore(data, data.logs()).score(candidate_of(form))));
 }
 
 TEST(Select, TheScoreOfTheTrueLawIsTheNoiseAndThatOfTheRatioAloneIsNot) {

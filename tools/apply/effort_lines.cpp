@@ -55,6 +55,7 @@ auto effort_lines(const EffortLaw& law, const std::string& name, int axis) -> st
   });
   lines.set("effort.window", board.view.window_s, "s");
   lines.set("effort.standstill", board.view.standstill_rad_s, "rad/s");
+  lines.set("effort.letting_go", board.view.letting_go_s, "s");
   lines.choose("effort.status", status_of(law.status));
   return lines.take();
 }

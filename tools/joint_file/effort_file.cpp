@@ -125,10 +125,14 @@ auto parse_table(const toml::table& root, const std::string& name) -> EffortLaw 
   law.view.window_s = reader.value(table, "window", "s");
   law.view.standstill = reader.value(table, "standstill", motion + "/s");
   law.view.skew_s = reader.value(table, "skew", "s");
+  law.view.letting_go_s = table.contains("letting_go") ? reader.value(table, "letting_go", "s") : 0.0;
   law.view.averaged = !law.of_gear();
   constexpr double kLongestS = 1.0;
-  if (law.view.window_s <= 0.0 || law.view.window_s > kLongestS || std::abs(law.view.skew_s) > kLongestS) {
-    reader.fail(table, "window and skew must be within a second, and the window above nothing; check their units");
+  if (law.view.window_s <= 0.0 || law.view.window_s > kLongestS || std::abs(law.view.skew_s) > kLongestS ||
+      law.view.letting_go_s < 0.0 || law.view.letting_go_s > kLongestS) {
+    reader.fail(table,
+                "window, skew and letting_go must be within a second, the window above nothing and letting_go not "
+                "below; check their units");
   }
   read_terms(reader, root, law.joint);
   return law;
@@ -145,11 +149,12 @@ auto effort_file_text(const EffortLaw& law) -> std::string {
          "\n# What it takes to run the law over a log. window: of the cubic that motion is taken from, and through "
          "which\n# law and effort are compared. standstill: speed below which the direction stays what it was. skew: "
          "how "
-         "much\n# later than logged the motor's torque acts.\n[law]\nfamily = \"" +
+         "much\n# later than logged the motor's torque acts. letting_go: time constant with which dry friction lets go "
+         "at a\n# standstill; 0: it holds.\n[law]\nfamily = \"" +
          (law.of_gear() ? kGearFamily : kEffortFamily) + "\"\ntarget = \"" + law.target + "\"\nstatus = \"" +
          law.status + "\"\n" + quantity("window", law.view.window_s, "s") +
          quantity("standstill", law.view.standstill, law.joint.catalogue->motion_unit() + "/s") +
-         quantity("skew", law.view.skew_s, "s");
+         quantity("skew", law.view.skew_s, "s") + quantity("letting_go", law.view.letting_go_s, "s");
 }
 
 void write_effort_file(const std::string& path, const EffortLaw& law) {

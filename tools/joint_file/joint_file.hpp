@@ -69,6 +69,11 @@ struct JointFile {
   [[nodiscard]] auto has(const std::string& term) const -> bool;
 };
 
+/// Ends of the firmware's numbers, and so of a joint file's; the largest is one step below 128.
+inline constexpr double kLargestNumber = 127.999999;
+/// Below this ratio the law could not be turned round for the feedforward within the range of numbers.
+inline constexpr double kSmallestBeta = 0.01;
+
 /// Slots of the coupling that the law's terms read, from the first.
 auto slots_used(const JointFile& joint) -> std::size_t;
 

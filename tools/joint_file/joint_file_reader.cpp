@@ -48,14 +48,9 @@ auto from_ascii(const std::string& ascii) -> std::string {
   return text;
 }
 
-/// Ends of the firmware's numbers; the largest value is one step below 128.
-constexpr double kLargest = 127.999999;
-/// Below this ratio the law could not be turned round for the feedforward within the range of numbers.
-constexpr double kSmallestBeta = 0.01;
-
 struct Limits {
-  double low = -kLargest;
-  double high = kLargest;
+  double low = -kLargestNumber;
+  double high = kLargestNumber;
 };
 
 /// Walks the file and turns every surprise into a sentence with file and line.
@@ -172,9 +167,9 @@ class Reader {
     std::vector<double> values;
     for (const auto& entry : *array) {
       values.push_back(number(entry, key));
-      if (std::abs(values.back()) > kLargest) {
+      if (std::abs(values.back()) > kLargestNumber) {
         fail(entry, rounded(values.back(), 6) + " in " + key + " is out of range; it must be from " +
-                        rounded(-kLargest, 6) + " to " + rounded(kLargest, 6));
+                        rounded(-kLargestNumber, 6) + " to " + rounded(kLargestNumber, 6));
       }
     }
     return values;
@@ -204,8 +199,8 @@ class Reader {
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
       known.emplace_back(info.name);
-      const Limits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargest,
-                          info.sign == Sign::kNonPositive ? 0.0 : kLargest};
+      const Limits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargestNumber,
+                          info.sign == Sign::kNonPositive ? 0.0 : kLargestNumber};
       const std::size_t at = term.first_coefficient + i;
       joint.parameters.coefficients[at] = quantity(entry, info.name, info.unit, limits, &joint.coefficient_ci95[at]);
     }
@@ -312,7 +307,7 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
       {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "logs"},
       "[fit]");
   FitSummary fit;
-  fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
+  fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargestNumber});
   const auto number = [&](const char* key) {
     return table->contains(key) ? reader.number(*table->get(key), key) : 0.0;
   };
@@ -323,10 +318,10 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
     fit.motor_range = reader.interval(*range, "motor_range");
   }
   if (table->contains("loop_half_width")) {
-    fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargest});
+    fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargestNumber});
   }
   if (table->contains("loop_torque")) {
-    fit.loop_torque = reader.quantity(*table, "loop_torque", "Nm", {0.0, kLargest});
+    fit.loop_torque = reader.quantity(*table, "loop_torque", "Nm", {0.0, kLargestNumber});
   }
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {

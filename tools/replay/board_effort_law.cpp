@@ -87,6 +87,7 @@ auto board_effort_law(const EffortLaw& law, const std::string& name, bool any_nu
   constexpr double kLongestS = 0.12;
   board.view.window_s = std::clamp(law.view.window_s, kShortestS, kLongestS);
   board.view.standstill_rad_s = in_range(law.view.standstill, 0.0, 10.0, "standstill");
+  board.view.letting_go_s = in_range(law.view.letting_go_s, 0.0, 10.0, "letting_go");
   return board;
 }
 

@@ -62,8 +62,9 @@ auto to_fixed(const BoardEffortLaw& law) -> Disturbance<Q24> {
   TorqueLawParameters<Q24> fixed;
   std::transform(law.law.coefficients.begin(), law.law.coefficients.end(), fixed.coefficients.begin(), rounded);
   std::transform(law.law.shapes.begin(), law.law.shapes.end(), fixed.shapes.begin(), rounded);
-  return {SamplePeriod<Q24>(kFirmwareRateHz), fixed,
-          MotionView<Q24>{rounded(law.view.window_s), rounded(law.view.standstill_rad_s)}};
+  return {
+      SamplePeriod<Q24>(kFirmwareRateHz), fixed,
+      MotionView<Q24>{rounded(law.view.window_s), rounded(law.view.standstill_rad_s), rounded(law.view.letting_go_s)}};
 }
 
 }  // namespace

@@ -16,6 +16,12 @@ auto one_by_one(const std::vector<double>& values) -> std::vector<Shapes> {
   return settings;
 }
 
+/// Seconds in the unit of a time.
+auto seconds_in(const std::string& unit) -> double {
+  constexpr double kMinute = 60.0;
+  return unit == "min" ? kMinute : 1.0;
+}
+
 /// What a shape may be, from the log: shares of its ranges, times from a few samples to a part of its length.
 auto values_of(const ShapeInfo& shape, const SignalRanges& ranges, const DecidingNumbers& numbers)
     -> std::vector<double> {
@@ -30,8 +36,8 @@ auto values_of(const ShapeInfo& shape, const SignalRanges& ranges, const Decidin
     case ShapeOf::kOtherRange:
       return shares(ranges.others.front(), numbers.smallest_share, numbers.widest_play);
     case ShapeOf::kTime:
-      return geometric_grid(numbers.shortest_time * ranges.period_s, numbers.longest_time * ranges.length_s,
-                            numbers.shape_values);
+      return geometric_grid(numbers.shortest_time * ranges.period_s / seconds_in(shape.unit),
+                            numbers.longest_time * ranges.length_s / seconds_in(shape.unit), numbers.shape_values);
     case ShapeOf::kNothing:
     case ShapeOf::kMotorSpeed:  // of efforts
     case ShapeOf::kGiven:

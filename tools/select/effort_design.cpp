@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/model/disturbance.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -73,9 +74,12 @@ auto motion_of(const AxisLog& log, const Eigen::VectorXd& angle, const Eigen::Ve
   const Eigen::VectorXd acceleration = cubic.derivative(angle, 2) / (log.period_s * log.period_s);
   Samples samples(static_cast<std::size_t>(log.samples()));
   bool forward = true;
+  RestingFriction<double> friction(SamplePeriod<double>(log.period_s), view.letting_go_s);
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     auto& sample = samples[static_cast<std::size_t>(i)];
-    forward = std::abs(speed[i]) > standstill ? speed[i] > 0.0 : forward;
+    const bool moves = std::abs(speed[i]) > standstill;
+    forward = moves ? speed[i] > 0.0 : forward;
+    sample.grip = friction.update(moves);
     sample.q1 = sample.q2 = position[i];
     sample.dq1 = speed[i];
     sample.ddq1 = kKiloPerUnit * acceleration[i];

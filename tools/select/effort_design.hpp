@@ -23,10 +23,11 @@ class LocalCubic {
 
 /// How an effort's logs are looked at; part of its law.
 struct EffortView {
-  double window_s = 0.0;    ///< of the local cubic that motion is taken from
-  bool averaged = false;    ///< whether law and effort are seen through the same cubic
-  double standstill = 0.0;  ///< speed below which the direction stays what it was, unit of the motion per second
-  double skew_s = 0.0;      ///< how much later than logged the motor's torque acts; negative: its channel is late
+  double window_s = 0.0;      ///< of the local cubic that motion is taken from
+  bool averaged = false;      ///< whether law and effort are seen through the same cubic
+  double standstill = 0.0;    ///< speed below which the direction stays what it was, unit of the motion per second
+  double letting_go_s = 0.0;  ///< time constant with which dry friction lets go at a standstill; 0: it holds
+  double skew_s = 0.0;        ///< how much later than logged the motor's torque acts; negative: its channel is late
 };
 
 /// Logs of one axis as the terms of an effort's law see them, the motion being given; other axes beside it.

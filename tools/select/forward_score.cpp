@@ -328,8 +328,8 @@ auto ForwardScore::assemble(const LawCandidate& law) -> Assembly {
 }
 
 auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool {
-  if (!theta.allFinite()) {
-    return false;
+  if (!theta.allFinite() || theta.cwiseAbs().maxCoeff() > kLargestNumber) {
+    return false;  // no joint file holds it
   }
   constexpr double kMost = Hysteresis<double>::kMostWeight;
   if (fit.held.size() > 0) {
@@ -349,7 +349,22 @@ auto ForwardScore::score(const LawCandidate& law) -> double {
     energy += energy_left(fit.grams[static_cast<std::size_t>(part)], fit.fit(part));
   }
   const Eigen::Index rows = parts_.back().end - parts_[static_cast<std::size_t>(numbers().first_judged_part)].begin;
-  return rows > 0 && std::isfinite(energy) ? energy / static_cast<double>(rows) : kNoLaw;
+  if (rows <= 0 || !std::isfinite(energy)) {
+    return kNoLaw;
+  }
+  const double forward = energy / static_cast<double>(rows);
+  return 0.5 * (forward + left_out(fit) / static_cast<double>(parts_.back().end));
+}
+
+/// What a law leaves of each piece of the log in turn, fitted to all others: energy of all rows.
+auto ForwardScore::left_out(const Assembly& fit) const -> double {
+  const Eigen::MatrixXd all = fit.sum(0, numbers().parts);
+  double energy = 0.0;
+  for (Eigen::Index part = 0; part < numbers().parts; part += numbers().parts_left_out) {
+    const Eigen::MatrixXd own = fit.sum(part, std::min(part + numbers().parts_left_out, numbers().parts));
+    energy += energy_left(own, solve(all - own, fit.signs, fit.ridge));
+  }
+  return energy;
 }
 
 auto ForwardScore::losses(const LawCandidate& law) -> Eigen::VectorXd {

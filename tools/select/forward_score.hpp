@@ -49,6 +49,7 @@ class ForwardScore {
   auto ratio_column(const LawCandidate& law) -> Eigen::VectorXd;
   void hold_plays(const LawCandidate& law, Assembly& fit) const;
   auto behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd;
+  [[nodiscard]] auto left_out(const Assembly& fit) const -> double;
   static auto is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool;
   auto column_id(const std::string& key, const Eigen::VectorXd& coarse) -> std::size_t;
   auto offset_ids() -> const std::vector<std::size_t>&;

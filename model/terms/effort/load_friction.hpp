@@ -37,14 +37,15 @@ class LoadFriction {
     const Scalar away = s.q1 - rest_;
     const Scalar weight = phase_(away).sine_and_cosine()[0];
     const Scalar spring = span_ > Scalar{} ? clamp(away * per_span_, -kMost, kMost) : Scalar{};
-    return {carried(s.forward, weight), driven(s.forward, weight), carried(s.forward, spring),
-            driven(s.forward, spring)};
+    const Scalar slide = s.slide();
+    return {slide * abs(weight), driven(slide, weight), slide * abs(spring), driven(slide, spring)};
   }
 
  private:
-  static constexpr auto carried(bool forward, Scalar load) -> Scalar { return forward ? abs(load) : -abs(load); }
-  static constexpr auto driven(bool forward, Scalar load) -> Scalar {
-    return forward == (load > Scalar{}) ? load : Scalar{};
+  /// The load where the motor goes its way, nothing where it goes against it.
+  static constexpr auto driven(Scalar slide, Scalar load) -> Scalar {
+    constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
+    return kHalf * (load + slide * abs(load));
   }
 
   Scalar rest_;

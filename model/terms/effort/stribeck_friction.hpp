@@ -31,7 +31,7 @@ class StribeckFriction {
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     const Scalar left = speed_ > Scalar{} ? bell(s.dq1 * per_speed_) : Scalar{};
-    return {s.forward ? left : -left};
+    return {s.slide() * left};
   }
 
  private:

@@ -44,6 +44,29 @@ TYPED_TEST(Effort, OfDryFrictionTurnsWithTheDirectionAndNotWithTheNoisyRate) {
   EXPECT_EQ(value_of(coulomb.update(this->sample(0.0, false))[0]), -1.0);
 }
 
+// A motor at rest may carry any torque up to its friction: what the last motion left of it fades, and with it goes what
+// depends on the direction; half of an asymmetry is in the middle of both ways.
+TYPED_TEST(Effort, OfDryFrictionFadesWithItsGripTowardsTheMiddleOfBothDirections) {
+  for (const bool forward : {true, false}) {
+    Sample<TypeParam> resting = this->sample(0.0, forward);
+    resting.q1 = number<TypeParam>(0.5);
+    const double sign = forward ? 1.0 : -1.0;
+    for (const double grip : {1.0, 0.25, 0.0}) {
+      resting.grip = number<TypeParam>(grip);
+      EXPECT_EQ(value_of(this->template make<effort::CoulombFriction>().update(resting)[0]), sign * grip);
+      EXPECT_EQ(value_of(this->template make<effort::FrictionAsymmetry>().update(resting)[0]), 0.5 + 0.5 * sign * grip);
+      EXPECT_NEAR(value_of(this->template make<effort::StribeckFriction>({number<TypeParam>(0.1)}).update(resting)[0]),
+                  sign * grip, 4.0 * kLsb);
+      const auto load =
+          this->template make<effort::LoadFriction>({number<TypeParam>(0.0), number<TypeParam>(2.0)}).update(resting);
+      EXPECT_NEAR(value_of(load[0]), sign * grip * std::sin(0.5), 1e-6);
+      EXPECT_NEAR(value_of(load[1]), (0.5 + 0.5 * sign * grip) * std::sin(0.5), 1e-6);
+      EXPECT_NEAR(value_of(load[2]), sign * grip * 0.25, 1e-6);
+      EXPECT_NEAR(value_of(load[3]), (0.5 + 0.5 * sign * grip) * 0.25, 1e-6);
+    }
+  }
+}
+
 TYPED_TEST(Effort, OfAsymmetryIsNothingOnTheWayBack) {
   auto term = this->template make<effort::FrictionAsymmetry>();
   const auto forward = term.update(this->sample(2.5, true));

@@ -36,6 +36,13 @@ auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
   return log;
 }
 
+auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
+  for_each_signal(log, [first](Eigen::VectorXd& signal) {
+    signal = Eigen::VectorXd(signal.tail(std::max<Eigen::Index>(0, signal.size() - first)));
+  });
+  return log;
+}
+
 auto joints_in(const std::string& folder) -> std::vector<Joint> {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -148,6 +155,8 @@ auto variants() -> std::vector<Variant> {
   add("step 0.90", [](auto& n) { n.growth.worth_a_step = 0.90; });
   add("ridge 1e-4", [](auto& n) { n.ridge = 1e-4; });
   add("2 plays", [](auto& n) { n.most_plays = 2; });
+  add("1 part left out", [](auto& n) { n.parts_left_out = 1; });
+  add("2 parts left out", [](auto& n) { n.parts_left_out = 2; });
   return all;
 }
 
@@ -161,31 +170,46 @@ auto error_by(const DecidingNumbers& numbers, const Preparation& p, const JointF
   return error_of(choice.law, log, rows, end);
 }
 
-/// Ratio to the simple fit, by joint and cut (rows) and by variant (columns).
+/// Shares of a log's rows: where it begins, where what is learned from ends, where what is judged on does.
+struct Window {
+  double begin, cut, end;
+};
+/// None is the scoreboard's.
+constexpr Window kWindows[] = {{0.0, 0.5, 0.85}, {0.0, 0.55, 1.0}, {0.0, 0.65, 1.0}, {0.0, 0.7, 1.0},
+                               {0.2, 0.7, 1.0},  {0.3, 0.8, 1.0},  {0.1, 0.5, 0.9},  {0.4, 0.8, 1.0}};
+
+/// Ratio to the simple fit, by joint and window (rows) and by variant (columns).
 struct VariantTable {
   std::vector<std::string> rows, machines;
   Eigen::MatrixXd ratios;
 };
 
+auto percent(double share) -> std::string {
+  return std::to_string(std::lround(100.0 * share));
+}
+
 auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>& all) -> VariantTable {
-  constexpr double kCuts[][2] = {{0.6, 1.0}, {0.45, 0.75}, {0.75, 1.0}};
   VariantTable table;
   table.ratios.resize(0, static_cast<Eigen::Index>(all.size()));
   for (const auto& joint : joints) {
-    for (const auto& cut : kCuts) {
-      const auto rows = static_cast<Eigen::Index>(cut[0] * static_cast<double>(joint.log.samples()));
-      const auto end = static_cast<Eigen::Index>(cut[1] * static_cast<double>(joint.log.samples()));
-      const AxisLog seen = first_rows(joint.log, rows);
-      const PlainResult plain = plain_result(joint.log, rows, end);
+    for (const auto& window : kWindows) {
+      const auto row_at = [&](double share) {
+        return static_cast<Eigen::Index>(share * static_cast<double>(joint.log.samples()));
+      };
+      const AxisLog log = rows_from(joint.log, row_at(window.begin));
+      const Eigen::Index rows = row_at(window.cut) - row_at(window.begin);
+      const Eigen::Index end = row_at(window.end) - row_at(window.begin);
+      const AxisLog seen = first_rows(log, rows);
+      const PlainResult plain = plain_result(log, rows, end);
       const LawForm form = form_of_model(seen.has_torque ? kDefaultModel : "kinematic", {seen});
       const Preparation p = prepare({seen}, form);
       const JointFile base = causal_law(p, form);
-      table.rows.push_back(joint.name + " (" + std::to_string(std::lround(100.0 * cut[0])) + " %)");
+      table.rows.push_back(joint.name + " (" + percent(window.begin) + " to " + percent(window.cut) + " %)");
       table.machines.push_back(joint.machine);
       table.ratios.conservativeResize(table.ratios.rows() + 1, Eigen::NoChange);
-      std::printf("%-24s", table.rows.back().c_str());
+      std::printf("%-32s", table.rows.back().c_str());
       for (std::size_t i = 0; i < all.size(); ++i) {
-        const double ratio = error_by(all[i].numbers, p, base, joint.log, rows, end) / plain.simple;
+        const double ratio = error_by(all[i].numbers, p, base, log, rows, end) / plain.simple;
         table.ratios(table.ratios.rows() - 1, static_cast<Eigen::Index>(i)) = ratio;
         std::printf(" %6.2f", ratio);
         std::fflush(stdout);
@@ -214,7 +238,7 @@ void leave_one_out(const VariantTable& table, const std::vector<Variant>& all) {
     }
     const Eigen::Index variant = chosen[machine];
     ratios.push_back(table.ratios(static_cast<Eigen::Index>(row), variant));
-    std::printf("%-24s %-12s %5.2f\n", table.rows[row].c_str(), all[static_cast<std::size_t>(variant)].name.c_str(),
+    std::printf("%-32s %-16s %5.2f\n", table.rows[row].c_str(), all[static_cast<std::size_t>(variant)].name.c_str(),
                 ratios.back());
   }
   const Eigen::VectorXd values = Eigen::Map<Eigen::VectorXd>(ratios.data(), std::ssize(ratios));
@@ -224,7 +248,7 @@ void leave_one_out(const VariantTable& table, const std::vector<Variant>& all) {
 
 void leave_one_out(const std::vector<Joint>& joints) {
   const auto all = variants();
-  std::printf("capstan over simple, law alone\n%-24s", "");
+  std::printf("capstan over simple, law alone\n%-32s", "");
   for (const auto& variant : all) {
     std::printf(" %s |", variant.name.c_str());
   }
