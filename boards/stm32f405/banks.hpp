@@ -76,7 +76,7 @@ static_assert(std::endian::native == std::endian::little, "bytes are packed into
 /// saved lasts until the emulator ends.
 class RamBanks final : public Banks {
  public:
-  /// Room for one set of parameters of one joint with a margin of ten.
+  /// A quarter of the flash banks, for RAM is short; a set that does not fit is refused when it is saved.
   static constexpr std::size_t kSize = std::size_t{4} * 1024;
   RamBanks() noexcept {
     for (auto& bank : memory_) {

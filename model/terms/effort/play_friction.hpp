@@ -55,10 +55,10 @@ class PlayFriction {
     position_ = clamp(position_, s.q1 - half_width_, s.q1 + half_width_);
     const Scalar slider = (s.q1 - position_) * per_half_width_;
     const Scalar beyond = slider - clamp(slider, -kHalf, kHalf);
-    return {slider, beyond + beyond, bristle_state_.value()};
+    return {s.grip * slider, s.grip * (beyond + beyond), s.grip * bristle_state_.value()};
   }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
-    const Scalar all = s.forward ? kOne : -kOne;
+    const Scalar all = s.slide();
     return {all, all, all};
   }
 
