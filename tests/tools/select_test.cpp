@@ -143,15 +143,24 @@ TEST(Select, TimesThatAreTriedAreShareOfTheLogInTheUnitOfTheShape) {
   EXPECT_NEAR(longest("viscoelastic_creep"), 80.0, 0.5);     // seconds
 }
 
-// An angle in the unit of 1e-4 rad makes a ratio of 8000, which neither a joint file nor a board holds.
-TEST(Select, ALawBeyondTheRangeOfNumbersIsNone) {
-  Made made;
-  made.angle_unit = 1e-4;
-  const AxisLog log = made_log(made);
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  SelectionData data(p, *form.catalogue);
-  EXPECT_TRUE(std::isinf(ForwardScore(data, data.logs()).score(candidate_of(form))));
+// Where the motion is slow, its acceleration in krad/s2 is next to nothing, and what a fit makes of it beyond 128.
+TEST(Select, ALawBeyondTheRangeOfNumbersIsNoneUnlessTheBaseLawIsBeyondItToo) {
+  for (const double angle_unit : {1.0, 1e-4}) {
+    Made made;
+    made.time_unit = 100.0;
+    made.angle_unit = angle_unit;
+    const AxisLog log = made_log(made);
+    const LawForm form = form_of_model("kinematic", {log});
+    const Preparation p = prepare({log}, form);
+    SelectionData data(p, *form.catalogue);
+    ForwardScore forward(data, data.logs());
+    const LawCandidate base = candidate_of(form);
+    const LawCandidate beyond = with_term(*form.catalogue, base, {"load_inertia", {}});
+    EXPECT_TRUE(std::isfinite(forward.score(beyond)));
+    forward.limit_as(base);
+    EXPECT_TRUE(std::isfinite(forward.score(base)));
+    EXPECT_EQ(std::isfinite(forward.score(beyond)), angle_unit < 1.0);
+  }
 }
 
 TEST(Select, TheScoreOfTheTrueLawIsTheNoiseAndThatOfTheRatioAloneIsNot) {

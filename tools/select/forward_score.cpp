@@ -327,9 +327,15 @@ auto ForwardScore::assemble(const LawCandidate& law) -> Assembly {
   return fit;
 }
 
-auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool {
-  if (!theta.allFinite() || theta.cwiseAbs().maxCoeff() > kLargestNumber) {
-    return false;  // no joint file holds it
+void ForwardScore::limit_as(const LawCandidate& base) {
+  most_ = kAnyNumber;
+  const Assembly fit = assemble(base);
+  most_ = fit.fit(numbers().parts).cwiseAbs().maxCoeff() <= kLargestNumber ? kLargestNumber : kAnyNumber;
+}
+
+auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) const -> bool {
+  if (!theta.allFinite() || theta.cwiseAbs().maxCoeff() > most_) {
+    return false;
   }
   constexpr double kMost = Hysteresis<double>::kMostWeight;
   if (fit.held.size() > 0) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <unordered_map>
 
 #include "capstan/tools/select/selection_data.hpp"
@@ -32,6 +33,9 @@ class ForwardScore {
   /// Fitted to all rows.
   auto fitted(const LawCandidate& law) -> FittedCandidate;
 
+  /// From now on a law with a coefficient that no joint file holds is none, unless the base law has one already: then
+  /// the log's units are not a board's, and the diagnosis says so.
+  void limit_as(const LawCandidate& base);
   [[nodiscard]] auto numbers() const -> const DecidingNumbers& { return data_.numbers(); }
   [[nodiscard]] auto data() const -> SelectionData& { return data_; }
 
@@ -50,14 +54,17 @@ class ForwardScore {
   void hold_plays(const LawCandidate& law, Assembly& fit) const;
   auto behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd;
   [[nodiscard]] auto left_out(const Assembly& fit) const -> double;
-  static auto is_law(const Assembly& fit, const Eigen::VectorXd& theta) -> bool;
+  [[nodiscard]] auto is_law(const Assembly& fit, const Eigen::VectorXd& theta) const -> bool;
   auto column_id(const std::string& key, const Eigen::VectorXd& coarse) -> std::size_t;
   auto offset_ids() -> const std::vector<std::size_t>&;
   auto products(std::size_t a, std::size_t b) -> const Products&;
   [[nodiscard]] auto products_of(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const -> Products;
   [[nodiscard]] auto taken(const Eigen::VectorXd& coarse) const -> Eigen::VectorXd;
 
+  static constexpr double kAnyNumber = std::numeric_limits<double>::infinity();
+
   SelectionData& data_;
+  double most_ = kAnyNumber;        ///< size of a coefficient
   std::vector<Eigen::Index> rows_;  ///< coarse rows in the order of the parts
   std::vector<Eigen::Index> log_of_row_;
   Blocks parts_;                          ///< in taken rows

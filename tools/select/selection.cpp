@@ -44,6 +44,7 @@ void judge(ForwardScore& forward, std::vector<JudgedLaw>& laws) {
 
 auto select_law(SelectionData& data, const Blocks& rows, const std::vector<LawCandidate>& given) -> Selection {
   ForwardScore forward(data, rows);
+  forward.limit_as(given.front());
   Selection selection;
   for (const auto& law : given) {
     selection.laws.push_back({.law = law, .score = forward.score(law)});
