@@ -11,9 +11,11 @@ class Gate {
   explicit Gate(const AxisConfig& config) : scales_(config) {}
   void rt_configure(const AxisConfig& config) { scales_ = Scales(config); }
   /// @param energised  the supervisor's permission; without it the drive is off and the rate begins at zero again
-  auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive;
+  /// @param dither_nm  an experiment's own torque, on top
+  auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm = Q24{})
+      -> AxisDrive;
   /// The next torque rises from zero.
-  void rt_restart() { drive_a_ = Q24{}; }
+  void rt_restart() { drive_a_ = wanted_a_ = servo_a_ = Q24{}; }
   /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.
   [[nodiscard]] auto faults() const -> FaultSet;
   /// What was met in the last step.
@@ -31,6 +33,7 @@ class Gate {
     Q24 rate_a_per_cycle;  // limits.current_rate, or less where the observer asks for it
   };
   void rt_update_i2t(Q24 current_a);
+  auto rt_limit_rate(Q24 wanted_a) -> Q24;
   void rt_flag(Limit limit) { met_ = static_cast<LimitSet>(met_ | bit(limit)); }
 
   Scales scales_;
@@ -38,6 +41,8 @@ class Gate {
   bool hot_ = false;
   LimitSet met_ = 0;
   Q24 drive_a_;
+  Q24 wanted_a_;  // without the dither: before the rate limit,
+  Q24 servo_a_;   // and after it
 };
 
 }  // namespace capstan

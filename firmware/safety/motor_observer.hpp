@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "capstan/firmware/estimate/motor_sensing.hpp"
 
 namespace capstan {
@@ -8,7 +10,7 @@ namespace capstan {
 /// Whether encoder and current agree with what torque does to the motor: the motor observer of one joint.
 ///
 /// The load is not known (a tendon's friction is ten times the torque that accelerates the motor), so no test asks what
-/// the load is. Three tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
+/// the load is. Four tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
 /// `coulomb`:
 /// - **Motion without torque.** A motor slows down by no more counts in a cycle than the range of its torque within the
 ///   last kTrailCycles explains, gain * range + kQuantisation. A stuck, late, scaled or reversed encoder says more in
@@ -17,6 +19,10 @@ namespace capstan {
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
+/// - **Motion against torque.** Counts do not go on where the torque has gone against them by `against`; and where it
+/// has
+///   gone by `frozen`, they do not gain speed: a servo on an encoder of the wrong sign drives the count that it means
+///   to stop.
 /// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
 /// what
 ///   is beyond, up to the charge that makes the motor dv' faster.
@@ -32,11 +38,13 @@ class MotorObserver {
   /// Faults of encoder, current and amplifier in this cycle; none without commissioned values.
   /// @param drive_a  current that was wanted in the last cycle   @param energised  with torque
   auto rt_step(const MotorState& motor, Q24 drive_a, bool energised) -> FaultSet;
-  /// Torque goes on: what was confirmed begins anew, and the first look with it.
+  /// Torque goes on: what was confirmed begins anew, and the first look with it. A motor that turns then springs back
+  /// from the torque of before, so its motion is not judged for 50 cycles.
   void rt_arm();
   /// A look, A, to be added to the wanted current: a triangle to and fro, larger than what the motor's own friction
   /// holds and far smaller than what moves the joint. A dead encoder or amplifier fails rt_step within its 24 cycles.
-  /// The first is that of rt_arm; another one, which begins against the motion, whenever the encoder falls silent.
+  /// The first is that of rt_arm; another one whenever the encoder falls silent. It takes torque away, for a joint that
+  /// is about to break away would go with one that adds some.
   auto rt_look() -> Q24;
   /// Something moved the motor that torque did not, and faster: a blow from outside, or the transmission let go.
   [[nodiscard]] auto blow() const -> bool { return blow_; }
@@ -63,10 +71,12 @@ class MotorObserver {
     std::int32_t impulse = 0;   // A cycles
     std::int32_t mismatch = 0;  // A
     std::int32_t charge = 0;    // A cycles
+    std::int32_t fast = 0;      // limits.joint_speed, counts/256 in a cycle
   };
   auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
   auto rt_watch_speed(std::int32_t moved) -> FaultSet;
   auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
+  auto rt_runs_away(std::int32_t moved, std::int64_t against) -> bool;
   void rt_trail(std::int32_t wanted);
   void rt_listen(std::int32_t moved);
 
@@ -82,8 +92,11 @@ class MotorObserver {
   std::int32_t unanswered_ = 0;      // A cycles
   std::int32_t strayed_ = 0;         // A cycles
   std::int32_t look_ = kLookCycles;
-  std::int32_t silent_ = 0;    // cycles since the last count
-  std::int32_t interval_ = 0;  // between the two last ones
+  std::array<std::int32_t, 4> before_{};  // what it moved in the last cycles, the latest first, counts
+  std::int32_t slow_ = 0;                 // speed where the torque last went with the motion, counts in a cycle
+  std::int32_t springing_ = 0;            // cycles in which what a torque of before has stretched may move the motor
+  std::int32_t silent_ = 0;               // cycles since the last count
+  std::int32_t interval_ = 0;             // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

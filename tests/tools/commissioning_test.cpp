@@ -37,6 +37,24 @@ TEST(Commissioning, FindsAnotherInertiaAndNoiseOfTheSameJoint) {
   EXPECT_NEAR(found.noise_a.to_double(), std::hypot(0.009, 0.002), 0.002);
 }
 
+// Drawn forceps 689 of tools/plant_benchmark: half of the usual inertia and a quarter of the usual friction. Where the
+// rate of the torque took its servo's damping away it swung until the encoder was faster than a motor can be.
+TEST(Commissioning, AForcepsOfLittleInertiaAndFrictionIsNotSetSwinging) {
+  sim::PlantParameters plant;
+  plant.eta_top = 0.262863;
+  plant.eta_bottom = 0.34877;
+  plant.stiffness_top_n_per_m = 28830.5;
+  plant.stiffness_bottom_n_per_m = 26728.1;
+  plant.pretension_n = 17.8936;
+  plant.input_radius_m = 0.00210318;
+  plant.output_radius_m = 0.00253728;
+  plant.motor_inertia_kgm2 = 1.04976e-05;
+  plant.motor_coulomb_nm = 0.00316599;
+  plant.joint_coulomb_nm = 0.00211137;
+  const ObserverConfig found = commissioned(plant, {}, 690);
+  EXPECT_NEAR(found.inertia_gm2.to_double(), 0.0105, 0.0035);
+}
+
 TEST(Commissioning, AnEncoderThatCountsAgainstTheTorqueIsNotCommissioned) {
   AxisConfig config;
   config.motor.encoder_sign = -1;
