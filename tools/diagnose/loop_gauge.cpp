@@ -7,6 +7,7 @@
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/torque_gauge.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -95,6 +96,17 @@ auto changed_tendons(LawForm tendons, const std::string& name, double width) -> 
   return tendons;
 }
 
+/// What the motor's torque says has come, beyond the healthy joint's loop.
+auto torque_finding(const Preparation& p, const JointFile& healthy, const Loop& before)
+    -> std::optional<TorqueFinding> {
+  if (!healthy.fit || !healthy.fit->torque) {
+    return std::nullopt;
+  }
+  const auto change = torque_change({p.logs, p.causal.samples(), before.half_width_rad}, *healthy.fit->torque);
+  const double beta = healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
+  return change ? found_in_torque(*change, std::abs(healthy.fit->torque->friction()), beta) : std::nullopt;
+}
+
 /// A search from a loop of any width, and what its end says.
 class LoopSearch {
  public:
@@ -118,11 +130,18 @@ class LoopSearch {
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
+    by_torque_ = torque_finding(p, healthy, before);
+    if (by_torque_) {
+      search_.sizes.push_back("the motor's torque shows " + by_torque_->name + ": " + by_torque_->size);
+    }
   }
 
   auto answer() -> std::optional<Search> {
     if (left_ <= enough_) {
       return complete(tendons_, left_, {});
+    }
+    if (by_torque_) {
+      return of_the_torque();
     }
     if (left_ < left_by_found_) {
       return std::nullopt;
@@ -131,6 +150,31 @@ class LoopSearch {
   }
 
  private:
+  /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
+  /// whichever leaves least.
+  auto of_the_torque() -> Search {
+    std::pair<double, LawForm> best = {left_by_found_, search_.law};
+    const auto offer = [&](LawForm law) {
+      const double left = left_to_choose(p_, law);
+      if (left < best.first) {
+        best = {left, std::move(law)};
+      }
+    };
+    if (left_by_found_ > enough_) {
+      LawForm anew = tendons_;
+      anew.held.clear();
+      anew.tied_compliance.reset();
+      anew = refine_tendon(p_.causal, p_.target, refined(p_.split, p_.factor).learned(), anew);
+      anew.held = tendons_.held;
+      offer(std::move(anew));
+      offer(loop_);
+    }
+    Search answer = complete(best.second, best.first, {named(by_torque_->name)});
+    answer.share.value = std::max(answer.share.value, by_torque_->share);
+    answer.share.lower = std::max(answer.share.lower, by_torque_->share);
+    return answer;
+  }
+
   auto of_the_loop_alone() -> Search {
     const std::string name = name_of_change(width_, force_);
     if (name.empty()) {
@@ -247,6 +291,7 @@ class LoopSearch {
   double enough_;
   double width_ = 1.0;  ///< of the loop, over the healthy joint's
   double force_ = 1.0;  ///< its torque
+  std::optional<TorqueFinding> by_torque_;
 };
 
 }  // namespace

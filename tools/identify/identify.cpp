@@ -8,6 +8,7 @@
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/identify/torque_balance.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -328,6 +329,7 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
     const Blocks rows = even_blocks(design.log_rows(), 2);
     joint.fit->loop_half_width = half_width_of(fit_loop(design, target, rows, *loop));
     joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
+    joint.fit->torque = torque_parts({logs, design.samples(), *joint.fit->loop_half_width});
   }
 }
 

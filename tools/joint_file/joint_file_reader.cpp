@@ -302,15 +302,24 @@ auto is_newer(const std::optional<std::string>& schema) -> bool {
          schema->find_first_not_of("0123456789", stem.size()) == std::string::npos && schema->size() > stem.size();
 }
 
+auto torque_of(const Reader& reader, const toml::table& table) -> TorqueParts {
+  reader.only(table, {TorqueParts::kNames.begin(), TorqueParts::kNames.end()}, "[fit.torque]");
+  TorqueParts parts;
+  for (std::size_t i = 0; i < TorqueParts::kCount; ++i) {
+    parts.values[i] = reader.quantity(table, TorqueParts::kNames[i], TorqueParts::kUnits[i], {-kLargest, kLargest});
+  }
+  return parts;
+}
+
 void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   const toml::table* table = reader.table(root, "fit");
   if (table == nullptr) {
     return;
   }
-  reader.only(
-      *table,
-      {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "logs"},
-      "[fit]");
+  reader.only(*table,
+              {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "logs",
+               "torque"},
+              "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargest});
   const auto number = [&](const char* key) {
@@ -322,11 +331,13 @@ void read_fit(const Reader& reader, const toml::table& root, JointFile& joint) {
   if (const auto* range = table->get("motor_range")) {
     fit.motor_range = reader.interval(*range, "motor_range");
   }
-  if (table->contains("loop_half_width")) {
-    fit.loop_half_width = reader.quantity(*table, "loop_half_width", "rad", {0.0, kLargest});
-  }
-  if (table->contains("loop_torque")) {
-    fit.loop_torque = reader.quantity(*table, "loop_torque", "Nm", {0.0, kLargest});
+  const auto if_there = [&](const char* key, const char* unit) {
+    return table->contains(key) ? std::optional(reader.quantity(*table, key, unit, {0.0, kLargest})) : std::nullopt;
+  };
+  fit.loop_half_width = if_there("loop_half_width", "rad");
+  fit.loop_torque = if_there("loop_torque", "Nm");
+  if (const toml::table* torque = reader.table(*table, "torque")) {
+    fit.torque = torque_of(reader, *torque);
   }
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {

@@ -100,5 +100,15 @@ inline constexpr double kLoopTold = 0.03;
 /// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
 /// this share of the other's: some of the torque is not the tendons'.
 inline constexpr double kLeastTogether = 0.5;
+/// Change of the motor's torque, rms over the healthy joint's friction, that counts as one: 0.5 % without a change, 0.7
+/// to 1.4 % by what shows in the joint's angle alone. This and the next three on seeds 700 to 705, November 2026.
+inline constexpr double kTorqueTold = 0.04;
+/// Share of that change's energy that a weight, a mass or drag takes away alone: 67 % and more where it is the cause,
+/// 18 % and less where none is.
+inline constexpr double kTorqueCauseShare = 0.45;
+/// The same of friction that bends before it slides.
+inline constexpr double kBendsShare = 0.8;
+/// And by how much more than friction that is the same everywhere; drag goes with the direction too.
+inline constexpr double kBendsBeyond = 0.15;
 
 }  // namespace capstan::tools
