@@ -85,6 +85,16 @@ auto course_of(const Preparation& p, const LawForm& loop) -> Course {
               kMost * std::abs(last.half_width_rad - middle.half_width_rad)};
 }
 
+auto sentence_of(const std::string& name, const EffectSize& size) -> std::string {
+  const bool gap = name == kPlay;
+  const double unit = gap ? 1.0 : 100.0;
+  const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
+                            rounded(unit * (*size.ci95)[1], 3) + "]";
+  return gap ? "the gap is " + range + " rad to either side, at the joint"
+             : std::string(name == kPretension ? "pretension" : "the tendons' stiffness") + " is " + range +
+                   " % of the healthy joint's";
+}
+
 /// Tendons with the one number changed that has the name; others as they are.
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
   if (name == kPretension) {
@@ -102,8 +112,8 @@ auto torque_finding(const Preparation& p, const JointFile& healthy, const Loop& 
   if (!healthy.fit || !healthy.fit->torque) {
     return std::nullopt;
   }
-  const auto change = torque_change({p.logs, p.causal.samples(), before.half_width_rad}, *healthy.fit->torque);
   const double beta = healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
+  const auto change = torque_change({p.logs, p.causal.samples(), before.half_width_rad, beta}, *healthy.fit->torque);
   return change ? found_in_torque(*change, std::abs(healthy.fit->torque->friction()), beta) : std::nullopt;
 }
 
@@ -132,7 +142,7 @@ class LoopSearch {
                             rounded(before.torque_nm, 3) + " Nm");
     by_torque_ = torque_finding(p, healthy, before);
     if (by_torque_) {
-      search_.sizes.push_back("the motor's torque shows " + by_torque_->name + ": " + by_torque_->size);
+      search_.sizes.push_back("the motor's torque shows " + by_torque_->sentence);
     }
   }
 
@@ -169,7 +179,9 @@ class LoopSearch {
       offer(std::move(anew));
       offer(loop_);
     }
-    Search answer = complete(best.second, best.first, {named(by_torque_->name)});
+    AddedEffect effect = named(by_torque_->name);
+    effect.size = by_torque_->size;
+    Search answer = complete(best.second, best.first, {effect});
     answer.share.value = std::max(answer.share.value, by_torque_->share);
     answer.share.lower = std::max(answer.share.lower, by_torque_->share);
     return answer;
@@ -188,11 +200,13 @@ class LoopSearch {
                                                 : nameless(course.widens() ? "wear" : "");
       }
     }
-    search_.sizes.push_back(size_of(name));
+    AddedEffect effect = named(name);
+    effect.size = size_of(name);
+    search_.sizes.push_back(sentence_of(name, *effect.size));
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;
-    return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {named(name)});
+    return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {effect});
   }
 
   auto of_what_came_beside() -> Search {
@@ -230,16 +244,26 @@ class LoopSearch {
     return answer;
   }
 
-  /// How large a change of the loop alone is, for people.
-  [[nodiscard]] auto size_of(const std::string& name) const -> std::string {
+  /// How large a change of the loop alone is: of a play the gap to either side at the joint, else what the pretension
+  /// or the stiffness is over the healthy joint's. The healthy width is as sure as this one.
+  [[nodiscard]] auto size_of(const std::string& name) const -> EffectSize {
+    const Blocks blocks = interval_blocks(
+        unbroken(refined(p_.split, p_.factor).learned()),
+        p_.target - law_columns(p_.causal, loop_) * fit_law(p_.causal, p_.target, p_.certain(), loop_).theta);
+    const JointFile law = law_with_intervals(p_.causal, p_.target, blocks, loop_, p_.conditioner);
+    const CatalogueTerm& play = loop_.catalogue->term(kPlay);
+    const auto& ci95 = law.shape_ci95[play.first_shape];
+    const double width = half_width_of(loop_);
+    const double half = ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / width * std::sqrt(2.0), kLoopBias) : 1.0;
+    const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
+      return {value, unit, Interval{value - slope * half, value + slope * half}};
+    };
     if (name == kPlay) {
-      const double beta = fit_law(p_.causal, p_.target, p_.certain(), loop_).theta[0];
-      const double gap = beta * half_width_of(loop_) * (1.0 - 1.0 / width_);
-      return "the gap is " + rounded(gap, 3) + " rad to either side, at the joint";
+      const double beta = law.parameters.coefficients[loop_.catalogue->term("motor_angle").first_coefficient];
+      return with(beta * width * (1.0 - 1.0 / width_), beta * width / width_, "rad");
     }
-    const double more = name == kPretension ? width_ - 1.0 : 1.0 / width_ - 1.0;
-    return std::string(name == kPretension ? "pretension is " : "the tendons' stiffness is ") +
-           rounded(100.0 * std::abs(more), 3) + (more > 0.0 ? " % larger" : " % smaller") + " than the healthy joint's";
+    const double over = name == kPretension ? width_ : 1.0 / width_;
+    return with(over, over, "1");
   }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {

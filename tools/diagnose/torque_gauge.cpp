@@ -10,33 +10,41 @@
 namespace capstan::tools {
 namespace {
 
-auto within(double value, double half, const std::string& unit) -> std::string {
-  return rounded(value, 3) + " +- " + rounded(half, 2) + " " + unit;
+auto text_of(const EffectSize& size) -> std::string {
+  if (!size.ci95) {
+    return rounded(size.value, 2) + " " + size.unit + " or less";
+  }
+  return rounded(size.value, 3) + " [" + rounded((*size.ci95)[0], 3) + ", " + rounded((*size.ci95)[1], 3) + "] " +
+         size.unit;
 }
 
 /// At the joint: its torque is the motor's over beta, its speed the motor's times beta.
 auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> TorqueFinding {
   const auto at = static_cast<std::size_t>(cause);
-  const double share = change.share[at];
-  const auto at_joint = [&](double gain, const char* unit) {
-    return within(change.size[at] / gain, change.size_95[at] / std::abs(gain), unit);
+  const auto size_by = [&](double gain, const char* unit) -> EffectSize {
+    const double value = change.size[at] / gain;
+    const double half = change.size_95[at] / std::abs(gain);
+    return {value, unit, Interval{value - half, value + half}};
+  };
+  const auto told = [&](const char* name, const EffectSize& size, const std::string& what,
+                        const std::string& where) -> TorqueFinding {
+    return {name, size, what + text_of(size) + where, change.share[at]};
   };
   switch (cause) {
     case TorqueCause::kWeight:
-      return {"gravity", "the weight is " + at_joint(beta, "Nm") + " times sin q2, at the joint", share};
+      return told("gravity", size_by(beta, "Nm"), "a weight of ", " times sin q2 at the joint");
     case TorqueCause::kMass:
-      return {"load_inertia", "the mass is " + at_joint(beta * beta, "kgm2") + ", at the joint", share};
+      return told("load_inertia", size_by(beta * beta, "kgm2"), "a mass of ", " at the joint");
     case TorqueCause::kDrag:
-      return {"transmission_viscous", "the drag is " + at_joint(1.0, "Nms/rad") + ", at the motor", share};
-    case TorqueCause::kBristle:
-      return {"presliding",
-              "the friction that bends first is " + at_joint(beta, "Nm") + ", at the joint, and slides after " +
-                  rounded(std::abs(beta) * change.bristle_way_rad, 2) + " rad from the other side",
-              share};
+      return told("transmission_viscous", size_by(1.0, "Nms/rad"), "drag of ", " at the motor");
+    case TorqueCause::kBristle:  // tendons that go slack pass more of it on, and it does not show how much
+      return told("presliding", {change.size[at] / beta, "Nm"}, "friction of ",
+                  " at the joint that bends over " + rounded(std::abs(beta) * change.bristle_way_rad, 2) +
+                      " rad before it slides");
     case TorqueCause::kFriction:
       break;
   }
-  return {"", "", share};
+  return {"", {}, "", change.share[at]};
 }
 
 }  // namespace
@@ -51,7 +59,9 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
     return std::nullopt;
   }
   const double slides = share(TorqueCause::kFriction);
-  const bool bends = share(TorqueCause::kBristle) > kBendsShare && share(TorqueCause::kBristle) > slides + kBendsBeyond;
+  const bool bends = share(TorqueCause::kBristle) > kBendsShare &&
+                     share(TorqueCause::kBristle) > slides + kBendsBeyond &&
+                     share(TorqueCause::kBristle) > share(TorqueCause::kDrag);
   if (bends && is_certain(TorqueCause::kBristle)) {
     return finding(TorqueCause::kBristle, change, beta);
   }
