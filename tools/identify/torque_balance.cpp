@@ -267,6 +267,24 @@ auto bristle(const Rows& rows, double way) -> Eigen::VectorXd {
   return rows.columns.col(kSense).array() * (1.0 - 2.0 * fade);
 }
 
+/// Of the causes that may be it: loads, as the tendons carry them.
+void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const TorqueLogs& now, double friction,
+                TorqueChange& all) {
+  constexpr double kMayBeIt = 0.3;
+  const auto may_be = [&](TorqueCause cause) { return all.share[static_cast<std::size_t>(cause)] > kMayBeIt; };
+  const Eigen::VectorXd sense = rows.columns.col(kSense);
+  if (may_be(TorqueCause::kWeight)) {
+    const auto far = loaded_rows(rows, now.half_width_rad);
+    take_load(TorqueCause::kWeight, {rows.columns.col(kSine)(far), sense(far), change(far), friction}, all);
+  }
+  if (may_be(TorqueCause::kMass)) {
+    size_mass(rows, change, now, friction, all);
+  }
+  if (may_be(TorqueCause::kBristle)) {
+    take_load(TorqueCause::kBristle, {bristle(rows, all.bristle_way_rad), sense, change, friction}, all);
+  }
+}
+
 }  // namespace
 
 auto torque_parts(const TorqueLogs& from) -> std::optional<TorqueParts> {
@@ -302,12 +320,7 @@ auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::op
       best.bristle_way_rad = way;
     }
   }
-  const Eigen::VectorXd sense = rows->columns.col(kSense);
-  const double friction = healthy.friction();
-  const auto far = loaded_rows(*rows, now.half_width_rad);
-  take_load(TorqueCause::kWeight, {rows->columns.col(kSine)(far), sense(far), change(far), friction}, best);
-  size_mass(*rows, change, now, friction, best);
-  take_load(TorqueCause::kBristle, {bristle(*rows, best.bristle_way_rad), sense, change, friction}, best);
+  take_sizes(*rows, change, now, healthy.friction(), best);
   return best;
 }
 
