@@ -123,6 +123,8 @@ class LoopSearch {
   LoopSearch(const Preparation& p, const JointFile& healthy, const Loop& before, const SteadyTorque& torque,
              const LawForm& tendons, const std::function<void(const std::string&)>& progress)
       : p_(p),
+        healthy_(healthy),
+        before_(before),
         tendons_(tendons),
         loop_(fit_loop(p.hindsight, p.target, p.certain(), before)),
         search_(search_effects(p, loop_, progress)),
@@ -262,8 +264,37 @@ class LoopSearch {
       const double beta = law.parameters.coefficients[loop_.catalogue->term("motor_angle").first_coefficient];
       return with(beta * width * (1.0 - 1.0 / width_), beta * width / width_, "rad");
     }
+    if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {
+      return *pretension;
+    }
     const double over = name == kPretension ? width_ : 1.0 / width_;
     return with(over, over, "1");
+  }
+  /// Neither width nor torque goes with the pretension alone: the joint's own friction L is in both, the motor's c in
+  /// the torque. Taut, f = c + F + L and the half width is k (F + 2 L), F the tendons' friction, as a load stretches
+  /// them twice as much, per torque, as their own friction: with (2.16), S(L) = C tanh(eta / 2) / eta (F / 2 + L). So
+  /// the two changes give k and F.
+  /// @param width_95  half width of the interval of the loop's width over the healthy one's
+  [[nodiscard]] auto pretension_of(double width_95) const -> std::optional<EffectSize> {
+    const double reach = before_.half_width_rad * std::max(1.0, width_);
+    const auto now = torque_parts({p_.logs, p_.causal.samples(), reach});
+    if (!now || !healthy_.fit || !healthy_.fit->torque) {
+      return std::nullopt;
+    }
+    constexpr std::size_t kMotorFriction = 4;
+    const double motor =
+        healthy_.parameters.shapes[healthy_.catalogue->term(kTendonModel).first_shape + kMotorFriction];
+    const double friction = healthy_.fit->torque->friction();
+    const double more = now->friction() - friction;
+    const double tendons = 2.0 * (friction - motor) - more / (width_ - 1.0);
+    if (tendons <= kLeastOfFriction * friction || tendons > friction) {
+      return std::nullopt;
+    }
+    const double per_width = std::pow(more / (tendons * (width_ - 1.0)), 2.0);
+    const double per_motor = 2.0 * std::abs(more) / (tendons * tendons);
+    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * motor);
+    const double over = 1.0 + more / tendons;
+    return EffectSize{over, "1", Interval{over - half, over + half}};
   }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
@@ -306,6 +337,8 @@ class LoopSearch {
   }
 
   const Preparation& p_;
+  const JointFile& healthy_;
+  const Loop before_;
   const LawForm& tendons_;
   LawForm loop_;
   Search search_;

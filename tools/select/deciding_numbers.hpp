@@ -100,6 +100,11 @@ inline constexpr double kLoopTold = 0.03;
 /// What a loop's width over another time's may be off by, two spreads, beside its fit's interval: the same drawn
 /// joints.
 inline constexpr double kLoopBias = 0.01;
+/// How well a law with tendons knows the motor's own friction, as a share, two spreads: 0.0049 Nm of one choice of rows
+/// and 0.0046 of another (drawn joint 700, November 2026).
+inline constexpr double kMotorFrictionKnown = 0.07;
+/// Tendons that take less of the torque than this share are no gauge of their pretension.
+inline constexpr double kLeastOfFriction = 0.1;
 /// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
 /// this share of the other's: some of the torque is not the tendons'.
 inline constexpr double kLeastTogether = 0.5;
