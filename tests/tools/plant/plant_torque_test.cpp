@@ -9,7 +9,7 @@
 namespace capstan::tools::plant {
 namespace {
 
-TEST(TorqueOnPlant, AWeightIsNamedAndAStickySpotIsNot) {
+TEST(TorqueOnPlant, AWeightAndAnotherPretensionAreNamedWithTheirSizeAndAStickySpotIsNot) {
   constexpr std::uint64_t kJoint = 700;
   const sim::PlantParameters healthy = drawn_plant(kJoint);
   const Diagnosis before = diagnose({log_of(healthy, PlantMotion::kIdentify, kJoint)}, {});
@@ -28,6 +28,11 @@ TEST(TorqueOnPlant, AWeightIsNamedAndAStickySpotIsNot) {
   EXPECT_EQ(weight.effects.front().name, "gravity");
   ASSERT_TRUE(weight.effects.front().size);
   EXPECT_NEAR(weight.effects.front().size->value, 0.05, 0.005);
+  const Diagnosis taut = asked(&sim::Effects::pretension_change_n, 0.6 * healthy.pretension_n);
+  ASSERT_EQ(taut.effects.size(), 1U) << taut.reason;
+  EXPECT_EQ(taut.effects.front().name, "pretension_offset");
+  ASSERT_TRUE(taut.effects.front().size);
+  EXPECT_NEAR(taut.effects.front().size->value, 1.6, 0.1);  // by the width alone 1.4
   EXPECT_TRUE(asked(&sim::Effects::sticky_spot_nm, 0.02).effects.empty());
 }
 
