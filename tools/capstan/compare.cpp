@@ -32,6 +32,9 @@ void print_comparison(const Comparison& comparison) {
   for (const auto& effect : comparison.came) {
     std::cout << "  " << effect.name << " has come\n";
   }
+  for (const auto& size : comparison.now.sizes) {
+    std::cout << "    " << size << "\n";
+  }
   std::cout << "the healthy law on the logs of now: " << verdict_word(comparison.now.verdict) << ". "
             << comparison.now.reason << "\n";
 }

@@ -55,26 +55,37 @@ auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vecto
 
 }  // namespace
 
-auto compare(const std::vector<AxisLog>& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
-    -> Comparison {
-  Comparison result;
-  result.healthy = diagnose(healthy, options);
-  if (result.healthy.law.terms.empty()) {
-    throw Refusal("the healthy logs give no law to compare by: " + result.healthy.reason);
+auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> HealthyJoint {
+  HealthyJoint healthy{diagnose(logs, options), {}, {}};
+  if (healthy.diagnosis.law.terms.empty()) {
+    throw Refusal("the healthy logs give no law to compare by: " + healthy.diagnosis.reason);
   }
   // A law that was grown has no intervals; what has names has.
-  const bool named = result.healthy.law.status == LawStatus::kConfirmed;
-  const JointFile& law = named ? result.healthy.law : result.healthy.base;
-  result.terms = law.terms;
-  result.moved = moved_between(identify(healthy, form_of(law)).joint, identify(now, form_of(law)).joint);
+  const bool named = healthy.diagnosis.law.status == LawStatus::kConfirmed;
+  healthy.law = named ? healthy.diagnosis.law : healthy.diagnosis.base;
+  healthy.fitted = identify(logs, form_of(healthy.law)).joint;
+  return healthy;
+}
+
+auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
+    -> Comparison {
+  Comparison result;
+  result.healthy = healthy.diagnosis;
+  result.terms = healthy.law.terms;
+  result.moved = moved_between(healthy.fitted, identify(now, form_of(healthy.fitted)).joint);
   DiagnoseOptions from_healthy = options;
-  if (law.catalogue->target() == TargetKind::kAngle) {
-    from_healthy.base_law = law;
+  if (healthy.law.catalogue->target() == TargetKind::kAngle) {
+    from_healthy.base_law = healthy.law;
     from_healthy.base_model = "the healthy joint's law";
   }
   result.now = diagnose(now, from_healthy);
   result.came = result.now.effects;
   return result;
+}
+
+auto compare(const std::vector<AxisLog>& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
+    -> Comparison {
+  return compare(healthy_joint(healthy, options), now, options);
 }
 
 auto comparison_json(const Comparison& comparison) -> std::string {

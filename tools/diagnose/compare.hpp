@@ -20,8 +20,20 @@ struct Comparison {
   Diagnosis healthy, now;             ///< `now` begins from the healthy joint's law
 };
 
-/// Diagnoses the healthy joint, fits its law, as far as it has names, to the logs of both times, and asks what it lacks
-/// now. Throws as diagnose(), and Refusal where the healthy logs are not fit for a diagnosis or hold no law.
+/// What a healthy joint is compared by, worked out once for any number of later times.
+struct HealthyJoint {
+  Diagnosis diagnosis;
+  JointFile law;     ///< as far as it has names
+  JointFile fitted;  ///< the same fitted to all of the logs, with intervals
+};
+
+/// Throws as diagnose(), and Refusal where the logs are not fit for a diagnosis or hold no law.
+auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> HealthyJoint;
+
+/// Fits the healthy joint's law to the logs of now, and asks what it lacks there. Throws as diagnose().
+auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
+    -> Comparison;
+/// Both, one after the other.
 auto compare(const std::vector<AxisLog>& healthy, const std::vector<AxisLog>& now, const DiagnoseOptions& options)
     -> Comparison;
 

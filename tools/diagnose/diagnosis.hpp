@@ -48,12 +48,20 @@ struct RoundSummary {
   std::vector<RankedEffect> ranking;
 };
 
+/// How large an effect is, where no coefficient of the law says it.
+struct EffectSize {
+  double value = 0.0;
+  std::string unit;
+  std::optional<Interval> ci95 = {};
+};
+
 /// An effect that was added to the law.
 struct AddedEffect {
   std::string name;
   std::vector<std::string> alternatives;
   double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, log_likelihood = 0.0, explained = 0.0,
          explained_t = 0.0, absorbed = 0.0;
+  std::optional<EffectSize> size = {};
 };
 
 /// Free-running error on the rows that took no part in choice or fit.

@@ -43,6 +43,13 @@ auto parameters_json(const JointFile& joint, const std::vector<std::string>& ter
   return json;
 }
 
+auto size_json(const std::optional<EffectSize>& size) -> Json {
+  if (!size) {
+    return nullptr;
+  }
+  return {{"value", size->value}, {"unit", size->unit}, {"ci95", size->ci95 ? Json(*size->ci95) : Json(nullptr)}};
+}
+
 auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
   const JointFile& law = d.found ? *d.found : d.law;
   // Another pretension of the law's own tendons is no term of its own.
@@ -50,6 +57,7 @@ auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
   return {{"name", effect.name},
           {"alternatives", effect.alternatives},
           {"parameters", parameters_json(law, {term}, d.undetermined)},
+          {"size", size_json(effect.size)},
           {"evidence",
            {{"p_value", effect.p_value},
             {"log_evidence_nats", effect.log_evidence},

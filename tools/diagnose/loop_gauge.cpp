@@ -7,6 +7,7 @@
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/torque_gauge.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -84,6 +85,16 @@ auto course_of(const Preparation& p, const LawForm& loop) -> Course {
               kMost * std::abs(last.half_width_rad - middle.half_width_rad)};
 }
 
+auto sentence_of(const std::string& name, const EffectSize& size) -> std::string {
+  const bool gap = name == kPlay;
+  const double unit = gap ? 1.0 : 100.0;
+  const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
+                            rounded(unit * (*size.ci95)[1], 3) + "]";
+  return gap ? "the gap is " + range + " rad to either side, at the joint"
+             : std::string(name == kPretension ? "pretension" : "the tendons' stiffness") + " is " + range +
+                   " % of the healthy joint's";
+}
+
 /// Tendons with the one number changed that has the name; others as they are.
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
   if (name == kPretension) {
@@ -95,12 +106,25 @@ auto changed_tendons(LawForm tendons, const std::string& name, double width) -> 
   return tendons;
 }
 
+/// What the motor's torque says has come, beyond the healthy joint's loop.
+auto torque_finding(const Preparation& p, const JointFile& healthy, const Loop& before)
+    -> std::optional<TorqueFinding> {
+  if (!healthy.fit || !healthy.fit->torque) {
+    return std::nullopt;
+  }
+  const double beta = healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
+  const auto change = torque_change({p.logs, p.causal.samples(), before.half_width_rad, beta}, *healthy.fit->torque);
+  return change ? found_in_torque(*change, std::abs(healthy.fit->torque->friction()), beta) : std::nullopt;
+}
+
 /// A search from a loop of any width, and what its end says.
 class LoopSearch {
  public:
   LoopSearch(const Preparation& p, const JointFile& healthy, const Loop& before, const SteadyTorque& torque,
              const LawForm& tendons, const std::function<void(const std::string&)>& progress)
       : p_(p),
+        healthy_(healthy),
+        before_(before),
         tendons_(tendons),
         loop_(fit_loop(p.hindsight, p.target, p.certain(), before)),
         search_(search_effects(p, loop_, progress)),
@@ -118,11 +142,18 @@ class LoopSearch {
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
+    by_torque_ = torque_finding(p, healthy, before);
+    if (by_torque_) {
+      search_.sizes.push_back("the motor's torque shows " + by_torque_->sentence);
+    }
   }
 
   auto answer() -> std::optional<Search> {
     if (left_ <= enough_) {
       return complete(tendons_, left_, {});
+    }
+    if (by_torque_) {
+      return of_the_torque();
     }
     if (left_ < left_by_found_) {
       return std::nullopt;
@@ -131,6 +162,33 @@ class LoopSearch {
   }
 
  private:
+  /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
+  /// whichever leaves least.
+  auto of_the_torque() -> Search {
+    std::pair<double, LawForm> best = {left_by_found_, search_.law};
+    const auto offer = [&](LawForm law) {
+      const double left = left_to_choose(p_, law);
+      if (left < best.first) {
+        best = {left, std::move(law)};
+      }
+    };
+    if (left_by_found_ > enough_) {
+      LawForm anew = tendons_;
+      anew.held.clear();
+      anew.tied_compliance.reset();
+      anew = refine_tendon(p_.causal, p_.target, refined(p_.split, p_.factor).learned(), anew);
+      anew.held = tendons_.held;
+      offer(std::move(anew));
+      offer(loop_);
+    }
+    AddedEffect effect = named(by_torque_->name);
+    effect.size = by_torque_->size;
+    Search answer = complete(best.second, best.first, {effect});
+    answer.share.value = std::max(answer.share.value, by_torque_->share);
+    answer.share.lower = std::max(answer.share.lower, by_torque_->share);
+    return answer;
+  }
+
   auto of_the_loop_alone() -> Search {
     const std::string name = name_of_change(width_, force_);
     if (name.empty()) {
@@ -144,11 +202,13 @@ class LoopSearch {
                                                 : nameless(course.widens() ? "wear" : "");
       }
     }
-    search_.sizes.push_back(size_of(name));
+    AddedEffect effect = named(name);
+    effect.size = size_of(name);
+    search_.sizes.push_back(sentence_of(name, *effect.size));
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;
-    return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {named(name)});
+    return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {effect});
   }
 
   auto of_what_came_beside() -> Search {
@@ -186,16 +246,55 @@ class LoopSearch {
     return answer;
   }
 
-  /// How large a change of the loop alone is, for people.
-  [[nodiscard]] auto size_of(const std::string& name) const -> std::string {
+  /// How large a change of the loop alone is: of a play the gap to either side at the joint, else what the pretension
+  /// or the stiffness is over the healthy joint's. The healthy width is as sure as this one.
+  [[nodiscard]] auto size_of(const std::string& name) const -> EffectSize {
+    const Blocks blocks = interval_blocks(
+        unbroken(refined(p_.split, p_.factor).learned()),
+        p_.target - law_columns(p_.causal, loop_) * fit_law(p_.causal, p_.target, p_.certain(), loop_).theta);
+    const JointFile law = law_with_intervals(p_.causal, p_.target, blocks, loop_, p_.conditioner);
+    const CatalogueTerm& play = loop_.catalogue->term(kPlay);
+    const auto& ci95 = law.shape_ci95[play.first_shape];
+    const double width = half_width_of(loop_);
+    const double half = ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / width * std::sqrt(2.0), kLoopBias) : 1.0;
+    const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
+      return {value, unit, Interval{value - slope * half, value + slope * half}};
+    };
     if (name == kPlay) {
-      const double beta = fit_law(p_.causal, p_.target, p_.certain(), loop_).theta[0];
-      const double gap = beta * half_width_of(loop_) * (1.0 - 1.0 / width_);
-      return "the gap is " + rounded(gap, 3) + " rad to either side, at the joint";
+      const double beta = law.parameters.coefficients[loop_.catalogue->term("motor_angle").first_coefficient];
+      return with(beta * width * (1.0 - 1.0 / width_), beta * width / width_, "rad");
     }
-    const double more = name == kPretension ? width_ - 1.0 : 1.0 / width_ - 1.0;
-    return std::string(name == kPretension ? "pretension is " : "the tendons' stiffness is ") +
-           rounded(100.0 * std::abs(more), 3) + (more > 0.0 ? " % larger" : " % smaller") + " than the healthy joint's";
+    if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {
+      return *pretension;
+    }
+    const double over = name == kPretension ? width_ : 1.0 / width_;
+    return with(over, over, "1");
+  }
+  /// Neither width nor torque goes with the pretension alone: the joint's own friction L is in both, the motor's c in
+  /// the torque. Taut, f = c + F + L and the half width is k (F + 2 L), F the tendons' friction, as a load stretches
+  /// them twice as much, per torque, as their own friction: with (2.16), S(L) = C tanh(eta / 2) / eta (F / 2 + L). So
+  /// the two changes give k and F.
+  /// @param width_95  half width of the interval of the loop's width over the healthy one's
+  [[nodiscard]] auto pretension_of(double width_95) const -> std::optional<EffectSize> {
+    const double reach = before_.half_width_rad * std::max(1.0, width_);
+    const auto now = torque_parts({p_.logs, p_.causal.samples(), reach});
+    if (!now || !healthy_.fit || !healthy_.fit->torque) {
+      return std::nullopt;
+    }
+    constexpr std::size_t kMotorFriction = 4;
+    const double motor =
+        healthy_.parameters.shapes[healthy_.catalogue->term(kTendonModel).first_shape + kMotorFriction];
+    const double friction = healthy_.fit->torque->friction();
+    const double more = now->friction() - friction;
+    const double tendons = 2.0 * (friction - motor) - more / (width_ - 1.0);
+    if (tendons <= kLeastOfFriction * friction || tendons > friction) {
+      return std::nullopt;
+    }
+    const double per_width = std::pow(more / (tendons * (width_ - 1.0)), 2.0);
+    const double per_motor = 2.0 * std::abs(more) / (tendons * tendons);
+    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * motor);
+    const double over = 1.0 + more / tendons;
+    return EffectSize{over, "1", Interval{over - half, over + half}};
   }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
@@ -238,6 +337,8 @@ class LoopSearch {
   }
 
   const Preparation& p_;
+  const JointFile& healthy_;
+  const Loop before_;
   const LawForm& tendons_;
   LawForm loop_;
   Search search_;
@@ -247,6 +348,7 @@ class LoopSearch {
   double enough_;
   double width_ = 1.0;  ///< of the loop, over the healthy joint's
   double force_ = 1.0;  ///< its torque
+  std::optional<TorqueFinding> by_torque_;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/identify/torque_balance.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -328,8 +329,25 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
     const Blocks rows = even_blocks(design.log_rows(), 2);
     joint.fit->loop_half_width = half_width_of(fit_loop(design, target, rows, *loop));
     joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
+    joint.fit->torque = torque_parts({logs, design.samples(), *joint.fit->loop_half_width});
   }
 }
+
+namespace {
+
+/// Tendons that are known, those of another time of the joint, settle from where they are: what these logs do not tell
+/// apart then stays as it was. Others are looked for.
+auto with_best_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& start)
+    -> LawForm {
+  if (!start.has(kTendonModel)) {
+    return search_shapes(design, target, rows, start);
+  }
+  const CatalogueTerm& tendon = start.catalogue->term(kTendonModel);
+  const bool known = start.shapes_of(tendon) != tendon.initial_shapes();
+  return known ? refine_tendon(design, target, rows, start) : fit_tendon(design, target, rows, start);
+}
+
+}  // namespace
 
 auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identification {
   Identification result;
@@ -339,8 +357,7 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
   const Blocks halves = even_blocks(first_design.log_rows(), 2);
   conditioner = choose_rate_filter(logs, target, halves, start, conditioner);
   const LawDesign design = design_for(logs, start, conditioner);
-  const LawForm form = start.has(kTendonModel) ? fit_tendon(design, target, halves, start)
-                                               : search_shapes(design, target, halves, start);
+  const LawForm form = with_best_shapes(design, target, halves, start);
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
   const LinearFit first = fit_columns(columns, target, halves, signs);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "capstan/tools/identify/thinned_design.hpp"
 
@@ -89,11 +90,18 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
     law = refine_shapes(few.design, few.target, few.rows, law);
     error = left(few, law);
   }
-  const Thinned many = thinned(design, target, rows, kRowsToSettle);
   LawForm best = std::min_element(tried.begin(), tried.end(), by_error)->second;
-  best = refine_shapes(many.design, many.target, many.rows, best);
   best.catalogue = form.catalogue;
-  return best;
+  return refine_tendon(design, target, rows, std::move(best));
+}
+
+auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
+    -> LawForm {
+  const Thinned many = thinned(design, target, rows, kRowsToSettle);
+  const Catalogue* coarse = std::exchange(form.catalogue, &fine_tendon_catalogue());
+  form = refine_shapes(many.design, many.target, many.rows, std::move(form));
+  form.catalogue = coarse;
+  return form;
 }
 
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)

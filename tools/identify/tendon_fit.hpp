@@ -23,6 +23,9 @@ auto friction_torque(
 auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
     -> LawForm;
 
+/// The same from where the shapes are: for a law whose joint has changed a little.
+auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form) -> LawForm;
+
 /// The law with the pretension that fits these rows best, its other shapes as they are.
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
     -> LawForm;

@@ -84,7 +84,16 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
   }
-  return text + "]\n";
+  text += "]\n";
+  if (fit.torque) {
+    text +=
+        "\n# Motor torque while the joint follows: friction s + offset + viscous q1' + inertia q1''\n"
+        "# + (sine + odd_sine s) sin q2 + (cosine + odd_cosine s) (1 - cos q2), s the direction.\n[fit.torque]\n";
+    for (std::size_t i = 0; i < TorqueParts::kCount; ++i) {
+      text += std::string(TorqueParts::kNames[i]) + " = " + quantity(fit.torque->values[i], TorqueParts::kUnits[i], {});
+    }
+  }
+  return text;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "capstan/model/motion_law.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/identify/torque_parts.hpp"
 
 namespace capstan::tools {
 
@@ -34,6 +35,7 @@ struct FitSummary {
   std::optional<Interval> motor_range = {};    ///< of the motor angle in the logs, rad
   std::optional<double> loop_half_width = {};  ///< of a law with tendons: of the loop in the logs, at the motor, rad
   std::optional<double> loop_torque = {};      ///< that it takes, Nm
+  std::optional<TorqueParts> torque = {};      ///< of the motor beyond the loop
   double joint_range = 0.0;                    ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };

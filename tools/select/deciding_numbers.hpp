@@ -102,8 +102,26 @@ inline constexpr double kWorthABase = 0.8;
 /// Change of a loop's width or torque, as a share, that counts as one. Healthy joints drawn by chance come out within
 /// 1 % (seeds 400 to 405, November 2026).
 inline constexpr double kLoopTold = 0.03;
+/// What a loop's width over another time's may be off by, two spreads, beside its fit's interval: the same drawn
+/// joints.
+inline constexpr double kLoopBias = 0.01;
+/// How well a law with tendons knows the motor's own friction, as a share, two spreads: 0.0049 Nm of one choice of rows
+/// and 0.0046 of another (drawn joint 700, November 2026).
+inline constexpr double kMotorFrictionKnown = 0.07;
+/// Tendons that take less of the torque than this share are no gauge of their pretension.
+inline constexpr double kLeastOfFriction = 0.1;
 /// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
 /// this share of the other's: some of the torque is not the tendons'.
 inline constexpr double kLeastTogether = 0.5;
+/// Change of the motor's torque, rms over the healthy joint's friction, that counts as one: 0.5 % without a change, 0.7
+/// to 1.4 % by what shows in the joint's angle alone. This and the next three on seeds 700 to 705, November 2026.
+inline constexpr double kTorqueTold = 0.04;
+/// Share of that change's energy that a weight, a mass or drag takes away alone: 67 % and more where it is the cause,
+/// 18 % and less where none is.
+inline constexpr double kTorqueCauseShare = 0.45;
+/// The same of friction that bends before it slides: 82 % and more where it is the cause, less where tendons go slack.
+inline constexpr double kBendsShare = 0.6;
+/// And by how much more than friction that is the same everywhere; drag goes with the direction too.
+inline constexpr double kBendsBeyond = 0.15;
 
 }  // namespace capstan::tools

@@ -31,7 +31,27 @@ struct Answer {
   std::vector<std::string> in_answer;
   double after = 0.0;  ///< over the camera's noise
   std::string verdict;
+  std::optional<EffectSize> size;  ///< of the first one named
 };
+
+auto size_of(const AddedEffect& effect, const JointFile& law) -> std::optional<EffectSize> {
+  if (!effect.size && effect.name == "transport_delay" && law.has(effect.name)) {
+    const std::size_t at = law.catalogue->term(effect.name).first_shape;
+    return EffectSize{law.parameters.shapes[at], "s", law.shape_ci95[at]};
+  }
+  return effect.size;
+}
+
+/// The same of the plant, where its switch means what the diagnosis says; 0 elsewhere.
+auto true_size(const Switch& one, const sim::PlantParameters& plant) -> double {
+  const double size = plant.effects.*one.size;
+  if (one.name == "pretension_change") {
+    return 1.0 + size / plant.pretension_n;
+  }
+  const bool alike = one.name == "gravity" || one.name == "load_inertia" || one.name == "presliding" ||
+                     one.name == "play" || one.name == "transport_delay";
+  return alike ? size : 0.0;
+}
 
 auto answer_of(const Diagnosis& d, double noise) -> Answer {
   Answer answer;
@@ -45,6 +65,9 @@ auto answer_of(const Diagnosis& d, double noise) -> Answer {
   }
   answer.after = d.after.rmse / noise;
   answer.verdict = verdict_word(d.verdict);
+  if (!d.effects.empty()) {
+    answer.size = size_of(d.effects.front(), d.found ? *d.found : d.law);
+  }
   return answer;
 }
 
@@ -111,23 +134,27 @@ class Benchmark {
   void one_joint(std::uint64_t seed, PlantMotion motion) {
     const sim::PlantParameters plant = drawn_plant(seed);
     AxisLog log;
-    Diagnosis healthy;
+    HealthyJoint healthy;
     try {
       log = log_of(plant, motion, seed, kept("healthy", seed, motion));
-      healthy = diagnose({log}, {});
+      if (options_.compare) {
+        healthy = healthy_joint({log}, {});
+      } else {
+        healthy.diagnosis = diagnose({log}, {});
+      }
     } catch (const std::exception& error) {
       std::printf("seed %llu %s: %s\n", static_cast<unsigned long long>(seed), name_of(motion).c_str(), error.what());
       ++unfit_;
       return;
     }
-    const Answer answer = answer_of(healthy, plant.camera_noise_rad);
+    const Answer answer = answer_of(healthy.diagnosis, plant.camera_noise_rad);
     ++healthy_joints_;
     healthy_unnamed_ += answer.named.empty() ? 1 : 0;
     healthy_after_.push_back(answer.after);
-    count(healthy_confusion_, healthy.base_model, answer);
+    count(healthy_confusion_, healthy.diagnosis.base_model, answer);
     if (options_.verbose) {
       std::printf("seed %llu %s healthy: base %s, %s %s, after over camera noise %.3f\n",
-                  static_cast<unsigned long long>(seed), name_of(motion).c_str(), healthy.base_model.c_str(),
+                  static_cast<unsigned long long>(seed), name_of(motion).c_str(), healthy.diagnosis.base_model.c_str(),
                   answer.verdict.c_str(), joined(answer.named).c_str(), answer.after);
       std::fflush(stdout);
     }
@@ -142,37 +169,30 @@ class Benchmark {
     }
   }
 
-  void one_switch(const sim::PlantParameters& plant, const Switch& one, const Diagnosis& healthy, const AxisLog& log,
+  void one_switch(const sim::PlantParameters& plant, const Switch& one, const HealthyJoint& healthy, const AxisLog& log,
                   PlantMotion motion, std::uint64_t seed, double strength) {
     try {
       const double wanted = strength * plant.camera_noise_rad;
-      const sim::PlantParameters sick = with_switch(plant, one, healthy.law, log, motion, seed, wanted);
+      const sim::PlantParameters sick = with_switch(plant, one, healthy.diagnosis.law, log, motion, seed, wanted);
       const AxisLog now = log_of(sick, motion, seed + 1, kept(one.name, seed, motion));
-      const double size = size_of_effect(healthy.law, now, log) / plant.camera_noise_rad;
+      const double size = size_of_effect(healthy.diagnosis.law, now, log) / plant.camera_noise_rad;
       if (size < 0.5 * strength) {
         ++too_small_[one.name];
         return;
       }
       Answer answer;
       if (options_.compare) {
-        const Comparison comparison = compare({log}, {now}, {});
-        for (const auto& effect : comparison.came) {
-          answer.named.push_back(effect.name);
-        }
-        for (const auto& moved : comparison.moved) {
-          answer.in_answer.push_back(moved.name);
-        }
-        answer.after = comparison.now.after.rmse / plant.camera_noise_rad;
-        answer.verdict = verdict_word(comparison.now.verdict);
+        answer = answer_of(compare(healthy, {now}, {}).now, plant.camera_noise_rad);
       } else {
         DiagnoseOptions options;
         if (!options_.from_nothing) {
           options.base_model = "healthy.toml";
-          options.base_law = healthy.law;
+          options.base_law = healthy.diagnosis.law;
         }
         answer = answer_of(diagnose({now}, options), plant.camera_noise_rad);
       }
       judge(one, answer, strength, size, seed, motion);
+      judge_size(one, answer, true_size(one, sick));
     } catch (const std::exception& error) {
       std::printf("%s, seed %llu: %s\n", one.name.c_str(), static_cast<unsigned long long>(seed), error.what());
       ++unfit_;
@@ -206,6 +226,21 @@ class Benchmark {
     }
   }
 
+  void judge_size(const Switch& one, const Answer& answer, double truth) {
+    if (truth == 0.0 || !answer.size || answer.named.front() != one.expected) {
+      return;
+    }
+    const double error = answer.size->value / truth - 1.0;
+    size_errors_[one.name].push_back(std::abs(error));
+    const auto& ci95 = answer.size->ci95;
+    ++sizes_;
+    sizes_covered_ += ci95 && (*ci95)[0] <= truth && truth <= (*ci95)[1] ? 1 : 0;
+    if (options_.verbose) {
+      std::printf("  size %.5g of %.5g, off by %.1f %%, interval +-%.1f %%\n", answer.size->value, truth, 100.0 * error,
+                  ci95 ? 50.0 * ((*ci95)[1] - (*ci95)[0]) / truth : 0.0);
+    }
+  }
+
   static auto middle(std::vector<double> values) -> double {
     return values.empty()
                ? 0.0
@@ -226,6 +261,13 @@ class Benchmark {
       std::printf("by switch:\n");
       print(confusion_);
     }
+    for (const auto& [name, errors] : size_errors_) {
+      std::printf("  size of %s: off by %.1f %% in the median of %zu, %.1f %% at most\n", name.c_str(),
+                  100.0 * middle(errors), errors.size(), 100.0 * *std::max_element(errors.begin(), errors.end()));
+    }
+    if (sizes_ > 0) {
+      std::printf("  true size within its 95 %% interval: %d of %d\n", sizes_covered_, sizes_);
+    }
     for (const auto& [name, times] : too_small_) {
       std::printf("  %s could not be made large enough %d times\n", name.c_str(), times);
     }
@@ -238,6 +280,8 @@ class Benchmark {
   int healthy_joints_ = 0, healthy_unnamed_ = 0, listed_ = 0, first_ = 0, contained_ = 0, foreign_ = 0,
       foreign_named_ = 0, unfit_ = 0;
   std::vector<double> healthy_after_, after_;
+  std::map<std::string, std::vector<double>> size_errors_;  ///< shares
+  int sizes_ = 0, sizes_covered_ = 0;
   std::map<std::string, std::map<std::string, int>> healthy_confusion_, confusion_;
   std::map<std::string, int> too_small_;
 };

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// What has come to a joint by its motor's torque, on torques written down by hand: every cause alone is told with its
+// size, and what is none of them has no name.
+#include "capstan/tools/identify/torque_balance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "capstan/tools/diagnose/torque_gauge.hpp"
+#include "capstan/tools/support/random.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kHalfWidth = 0.02;  // rad, at the motor
+constexpr double kBeta = 0.9;
+constexpr double kFriction = 0.015;  // Nm
+
+/// One instant of the joint: what a load may hang on.
+struct Instant {
+  double q1, dq1, ddq1, q2, ddq2, s, way, time;
+};
+using Load = std::function<double(const Instant&)>;  // Nm at the motor, beside the healthy joint's torque
+
+/// A minute of two swings at a time, the joint behind a gap, its torque f s + b q1' + m q1'' and the load.
+auto log_with(const Load& load, std::uint64_t seed = 1) -> AxisLog {
+  constexpr Eigen::Index kRows = 30000;
+  AxisLog log;
+  log.name = "made.csv";
+  log.period_s = 0.002;
+  log.has_torque = true;
+  log.time_s = log.q1_rad = log.tau_nm = log.q2_rad = Eigen::VectorXd(kRows);
+  Random random(seed);
+  double behind = 0.0;
+  double turned = 0.0;
+  double s = 1.0;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    const double t = log.period_s * static_cast<double>(i);
+    const double w[] = {2.0 * std::numbers::pi * 0.23, 2.0 * std::numbers::pi * 0.71};
+    Instant now{};
+    now.time = t;
+    now.q1 = 0.4 * std::sin(w[0] * t) + 0.15 * std::sin(w[1] * t);
+    now.dq1 = 0.4 * w[0] * std::cos(w[0] * t) + 0.15 * w[1] * std::cos(w[1] * t);
+    now.ddq1 = -0.4 * w[0] * w[0] * std::sin(w[0] * t) - 0.15 * w[1] * w[1] * std::sin(w[1] * t);
+    if ((now.dq1 > 0.0) != (s > 0.0)) {
+      s = -s;
+      turned = now.q1;
+    }
+    behind = std::clamp(behind, now.q1 - kHalfWidth, now.q1 + kHalfWidth);
+    now.s = s;
+    now.q2 = kBeta * behind;
+    now.ddq2 = kBeta * now.ddq1;
+    now.way = std::abs(now.q1 - turned) - 2.0 * kHalfWidth;
+    log.time_s[i] = t;
+    log.q1_rad[i] = now.q1;
+    log.q2_rad[i] = now.q2 + 0.001 * random.normal();
+    log.tau_nm[i] = kFriction * s + 3e-4 * now.dq1 + 2e-5 * now.ddq1 + 4e-4 + load(now) + 3e-4 * random.normal();
+  }
+  return log;
+}
+
+auto samples_of(const AxisLog& log) -> Samples {
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = 1e-4;
+  return causal_samples(log, shape);
+}
+
+auto none(const Instant& /*now*/) -> double {
+  return 0.0;
+}
+
+auto change_by(const Load& load) -> TorqueChange {
+  const std::vector<AxisLog> before = {log_with(none)};
+  const std::vector<AxisLog> after = {log_with(load, 2)};
+  const std::vector<Samples> seen[] = {{samples_of(before[0])}, {samples_of(after[0])}};
+  const auto healthy = torque_parts({before, seen[0], kHalfWidth, kBeta});
+  EXPECT_TRUE(healthy);
+  const auto change = torque_change({after, seen[1], kHalfWidth, kBeta}, *healthy);
+  EXPECT_TRUE(change);
+  return *change;
+}
+
+auto name_of(const Load& load) -> std::string {
+  const auto finding = found_in_torque(change_by(load), kFriction, kBeta);
+  return finding ? finding->name : "";
+}
+
+TEST(TorqueBalance, PartsAreThoseOfTheJoint) {
+  const std::vector<AxisLog> logs = {log_with(none)};
+  const std::vector<Samples> samples = {samples_of(logs[0])};
+  const auto parts = torque_parts({logs, samples, kHalfWidth, kBeta});
+  ASSERT_TRUE(parts);
+  const double truth[] = {kFriction, 4e-4, 3e-4, 2e-5, 0.0, 0.0, 0.0, 0.0};
+  const double tolerance[] = {1e-4, 1e-4, 3e-5, 4e-6, 5e-4, 2e-3, 5e-4, 2e-3};
+  for (std::size_t i = 0; i < TorqueParts::kCount; ++i) {
+    EXPECT_NEAR(parts->values[i], truth[i], tolerance[i]) << TorqueParts::kNames[i];
+  }
+}
+
+TEST(TorqueBalance, AWeightIsToldWithItsSizeWhichTautTendonsPassOnOneToOne) {
+  const double weight = 0.02;  // Nm at the joint
+  const Load load = [&](const Instant& now) { return kBeta * weight * std::sin(now.q2); };
+  const auto finding = found_in_torque(change_by(load), kFriction, kBeta);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->name, "gravity");
+  EXPECT_NEAR(finding->size.value, weight, 0.05 * weight);
+  EXPECT_LT((*finding->size.ci95)[0], weight);
+  EXPECT_GT((*finding->size.ci95)[1], weight);
+}
+
+TEST(TorqueBalance, AWeightThatOneTendonCarriesAloneIsNotTakenForALargerOne) {
+  // (2.17): the pulled tendon gives T_in = T_out e^eta against the motion, and T_out e^-eta with it, as soon as that is
+  // more than both of them do.
+  const double weight = 0.12;
+  const double eta = 1.0;
+  const Load load = [&](const Instant& now) {
+    const double against = now.s * kBeta * weight * std::sin(now.q2);
+    const double taut = against + kFriction;
+    const double slack = against * (against > 0.0 ? std::exp(eta) : std::exp(-eta));
+    return now.s * ((slack > taut ? slack : taut) - kFriction);
+  };
+  const auto finding = found_in_torque(change_by(load), kFriction, kBeta);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->name, "gravity");
+  EXPECT_NEAR(finding->size.value, weight, 0.06 * weight);
+}
+
+TEST(TorqueBalance, AMassAndDragAreTold) {
+  const double mass = 4e-4;  // kg m2
+  const auto by_mass =
+      found_in_torque(change_by([&](const Instant& now) { return kBeta * mass * now.ddq2; }), kFriction, kBeta);
+  ASSERT_TRUE(by_mass);
+  EXPECT_EQ(by_mass->name, "load_inertia");
+  EXPECT_NEAR(by_mass->size.value, mass, 0.1 * mass);
+  EXPECT_EQ(name_of([](const Instant& now) { return 3e-3 * now.dq1; }), "transmission_viscous");
+}
+
+TEST(TorqueBalance, FrictionThatBendsFirstIsPresliding) {
+  EXPECT_EQ(name_of([](const Instant& now) {
+              const double bent = std::clamp(-1.0 + 2.0 * now.way / 0.06, -1.0, 1.0);
+              return 0.008 * now.s * bent;
+            }),
+            "presliding");
+}
+
+TEST(TorqueBalance, WhatIsNoneOfThemHasNoName) {
+  EXPECT_EQ(name_of(none), "") << "healthy";
+  EXPECT_EQ(name_of([](const Instant& now) { return 0.006 * now.s; }), "") << "friction, as of more pretension";
+  EXPECT_EQ(name_of([](const Instant& now) { return 0.006 * now.s * std::exp(-std::pow((now.q2 - 0.2) / 0.05, 2.0)); }),
+            "")
+      << "friction at one place";
+  EXPECT_EQ(name_of([](const Instant& now) { return 0.005 * std::sin(35.0 * now.q1); }), "") << "cogging";
+  EXPECT_EQ(name_of([](const Instant& now) { return 0.01 * now.s * std::abs(now.q2); }), "")
+      << "friction that grows with the angle";
+  EXPECT_EQ(name_of([](const Instant& now) { return 0.005 * std::sin(2.0 * std::numbers::pi * 3.0 * now.time); }), "")
+      << "a tremor";
+  EXPECT_EQ(name_of([](const Instant& /*now*/) { return 0.01; }), "") << "a constant";
+}
+
+TEST(TorqueBalance, AMotionWithinTheLoopTellsNothing) {
+  const std::vector<AxisLog> logs = {log_with(none)};
+  const std::vector<Samples> samples = {samples_of(logs[0])};
+  EXPECT_FALSE(torque_parts({logs, samples, 0.6, kBeta}));
+}
+
+}  // namespace
+}  // namespace capstan::tools

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/torque_gauge.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+auto text_of(const EffectSize& size) -> std::string {
+  if (!size.ci95) {
+    return rounded(size.value, 2) + " " + size.unit + " or less";
+  }
+  return rounded(size.value, 3) + " [" + rounded((*size.ci95)[0], 3) + ", " + rounded((*size.ci95)[1], 3) + "] " +
+         size.unit;
+}
+
+/// At the joint: its torque is the motor's over beta, its speed the motor's times beta.
+auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> TorqueFinding {
+  const auto at = static_cast<std::size_t>(cause);
+  const auto size_by = [&](double gain, const char* unit) -> EffectSize {
+    const double value = change.size[at] / gain;
+    const double half = change.size_95[at] / std::abs(gain);
+    return {value, unit, Interval{value - half, value + half}};
+  };
+  const auto told = [&](const char* name, const EffectSize& size, const std::string& what,
+                        const std::string& where) -> TorqueFinding {
+    return {name, size, what + text_of(size) + where, change.share[at]};
+  };
+  switch (cause) {
+    case TorqueCause::kWeight:
+      return told("gravity", size_by(beta, "Nm"), "a weight of ", " times sin q2 at the joint");
+    case TorqueCause::kMass:
+      return told("load_inertia", size_by(beta * beta, "kgm2"), "a mass of ", " at the joint");
+    case TorqueCause::kDrag:
+      return told("transmission_viscous", size_by(1.0, "Nms/rad"), "drag of ", " at the motor");
+    case TorqueCause::kBristle:  // tendons that go slack pass more of it on, and it does not show how much
+      return told("presliding", {change.size[at] / beta, "Nm"}, "friction of ",
+                  " at the joint that bends over " + rounded(std::abs(beta) * change.bristle_way_rad, 2) +
+                      " rad before it slides");
+    case TorqueCause::kFriction:
+      break;
+  }
+  return {"", {}, "", change.share[at]};
+}
+
+}  // namespace
+
+auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding> {
+  const auto share = [&](TorqueCause cause) { return change.share[static_cast<std::size_t>(cause)]; };
+  const auto is_certain = [&](TorqueCause cause) {
+    const auto at = static_cast<std::size_t>(cause);
+    return change.size[at] > change.size_95[at];
+  };
+  if (change.rms_nm < kTorqueTold * friction_nm) {
+    return std::nullopt;
+  }
+  const double slides = share(TorqueCause::kFriction);
+  const bool bends = share(TorqueCause::kBristle) > kBendsShare &&
+                     share(TorqueCause::kBristle) > slides + kBendsBeyond &&
+                     share(TorqueCause::kBristle) > share(TorqueCause::kDrag);
+  if (bends && is_certain(TorqueCause::kBristle)) {
+    return finding(TorqueCause::kBristle, change, beta);
+  }
+  for (const TorqueCause cause : {TorqueCause::kWeight, TorqueCause::kMass, TorqueCause::kDrag}) {
+    const bool told = cause == TorqueCause::kWeight || is_certain(cause);  // weight may pull either way
+    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBendsBeyond) {
+      return finding(cause, change, beta);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace capstan::tools
