@@ -51,7 +51,8 @@ struct Sample {
   Scalar q2{};            ///< joint angle of the last cycle, rad
   std::array<OtherMotor<Scalar>, kMostOthers> others{};  ///< motors that this joint is coupled to
   Scalar warmth{};  ///< temperature above 25 degrees Celsius, K; 0 where nobody measures it
-  /// Share of the dry friction that still acts, 0 to 1: 1 while the motor moves; at rest it may let go (RestingFriction).
+  /// Share of the dry friction that still acts, 0 to 1: 1 while the motor moves; at rest it may let go
+  /// (RestingFriction).
   Scalar grip = ScalarTraits<Scalar>::from(1.0);
 
   /// Direction of the dry friction, -1 to 1.
