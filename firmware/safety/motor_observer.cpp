@@ -169,7 +169,7 @@ auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised
   if (energised && watching_) {
     const FaultSet of_motion = rt_watch_speed(moved) | rt_watch_answer(moved, drive_a.raw());
     faults |= springing_ == 0 ? of_motion : of_motion & ~bit(Fault::kEncoderMotion);
-    springing_ = std::max(springing_ - 1, 0);
+    springing_ = std::max<std::int32_t>(springing_ - 1, 0);
   }
   watching_ = energised;
   std::copy_backward(before_.begin(), before_.end() - 1, before_.end());
