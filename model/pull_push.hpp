@@ -43,20 +43,25 @@ constexpr auto describe(PullPushFault fault) -> const char* {
 /// The first parameter that is not a number or out of its range.
 template <typename Scalar>
 constexpr auto check(const PullPushParameters<Scalar>& p) -> PullPushFault {
-  const auto within = [](Scalar x, double high) { return Scalar{} <= x && x <= ScalarTraits<Scalar>::from(high); };
-  if (!within(p.eta_top, 3.0)) {
+  using Traits = ScalarTraits<Scalar>;
+  constexpr Scalar kEta = Traits::from(3.0);  // constants: the target converts no double at run time
+  constexpr Scalar kPretension = Traits::from(8.0);
+  constexpr Scalar kRatio = Traits::from(4.0);
+  constexpr Scalar kWeight = Traits::from(2.0);
+  const auto within = [](Scalar x, Scalar high) { return Scalar{} <= x && x <= high; };
+  if (!within(p.eta_top, kEta)) {
     return PullPushFault::kEtaTop;
   }
-  if (!within(p.eta_bottom, 3.0)) {
+  if (!within(p.eta_bottom, kEta)) {
     return PullPushFault::kEtaBottom;
   }
-  if (!within(p.pretension_nm, 8.0)) {
+  if (!within(p.pretension_nm, kPretension)) {
     return PullPushFault::kPretension;
   }
-  if (!within(p.ratio, 4.0) || p.ratio == Scalar{}) {
+  if (!within(p.ratio, kRatio) || p.ratio == Scalar{}) {
     return PullPushFault::kRatio;
   }
-  const bool weights = within(p.pull_weight, 2.0) && within(p.pull_push_weight, 2.0);
+  const bool weights = within(p.pull_weight, kWeight) && within(p.pull_push_weight, kWeight);
   return weights && Scalar{} < p.pull_weight + p.pull_push_weight ? PullPushFault::kNone : PullPushFault::kWeights;
 }
 

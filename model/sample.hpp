@@ -53,8 +53,9 @@ struct Sample {
   Scalar warmth{};  ///< temperature above 25 degrees Celsius, K; 0 where nobody measures it
   /// Share of the dry friction that still acts, 0 to 1: 1 while the motor moves; at rest it may let go
   /// (RestingFriction).
-  Scalar grip = ScalarTraits<Scalar>::from(1.0);
+  Scalar grip = kWhole;
 
+  static constexpr Scalar kWhole = ScalarTraits<Scalar>::from(1.0);  // the target converts no double at run time
   /// Direction of the dry friction, -1 to 1.
   [[nodiscard]] constexpr auto slide() const -> Scalar { return forward ? grip : -grip; }
 };
