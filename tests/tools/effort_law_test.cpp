@@ -229,7 +229,8 @@ TEST(EffortFile, RefusesWhatCanNotBeMeant) {
   EXPECT_THROW(parse_effort_file(with("window = { value = 0.12", "window = { value = 120"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("skew = { value = 0", "skew = { value = nan"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("letting_go = { value = 0", "letting_go = { value = -0"), "law.toml"), BadInput);
-  EXPECT_EQ(parse_effort_file(with("\nletting_go", "\n# letting_go"), "law.toml").view.letting_go_s, 0.0);  // older files
+  EXPECT_EQ(parse_effort_file(with("\nletting_go", "\n# letting_go"), "law.toml").view.letting_go_s,
+            0.0);  // older files
   EXPECT_THROW(parse_effort_file(with("[conditioner]", "[conditioner"), "law.toml"), BadInput);
 }
 

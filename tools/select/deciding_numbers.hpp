@@ -50,9 +50,10 @@ struct DecidingNumbers {
   Eigen::Index parts = 16;
   Eigen::Index first_judged_part = 8;
   /// That alone judges by half of the rows. The score is the mean of it and of the error of so many parts in a row,
-  /// fitted to all others, before and after. Of eight scores (forward alone, left out alone, larger of both, other means;
-  /// 1, 2 and 4 parts), on eight windows of each log, none of them the scoreboard's, this one did best whichever machine
-  /// was left out: 1.10 in 86 % and a geometric mean of 0.67, with forward alone 80 % and 0.72 (23 November 2026).
+  /// fitted to all others, before and after. Of eight scores (forward alone, left out alone, larger of both, other
+  /// means; 1, 2 and 4 parts), on eight windows of each log, none of them the scoreboard's, this one did best whichever
+  /// machine was left out: 1.10 in 86 % and a geometric mean of 0.67, with forward alone 80 % and 0.72 (23 November
+  /// 2026).
   Eigen::Index parts_left_out = 4;
   /// Pieces of each judged part, and how many of them in a row are resampled together.
   Eigen::Index pieces_per_part = 8;
