@@ -124,7 +124,7 @@ void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
   all.size_95[at] = half_interval(fit, 0);
 }
 
-/// A constant torque beside it counts for nothing: sensors of current have one.
+/// What a cause alone, and a constant, take away of the change.
 void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::VectorXd& change, TorqueChange& all) {
   const LinearFit fit = fitted(with_offset(columns), change);
   all.share[static_cast<std::size_t>(cause)] = 1.0 - (fit.rmse * fit.rmse) / (all.rms_nm * all.rms_nm);
