@@ -71,7 +71,7 @@ auto ShellCommands::refuses_mode(Shell& shell, std::size_t axis, ControlMode mod
 }
 
 void ShellCommands::move_joint(Shell& shell, std::size_t axis, std::string_view target) {
-  Request request{.kind = Request::Kind::kMove, .axis = axis};
+  Request request{.kind = Request::Kind::kMove, .axis = static_cast<std::uint8_t>(axis)};
   const LimitConfig& limits = shell.machine_.config()[axis].limits;
   if (!parse_target(shell, target, {"joint", limits.joint_min_rad, limits.joint_max_rad}, request.position_rad) ||
       refuses_mode(shell, axis, ControlMode::kPosition)) {
@@ -82,7 +82,7 @@ void ShellCommands::move_joint(Shell& shell, std::size_t axis, std::string_view 
 }
 
 void ShellCommands::move_motor(Shell& shell, std::size_t axis, std::string_view target) {
-  Request request{.kind = Request::Kind::kMoveMotor, .axis = axis};
+  Request request{.kind = Request::Kind::kMoveMotor, .axis = static_cast<std::uint8_t>(axis)};
   const LimitConfig& limits = shell.machine_.config()[axis].limits;
   if (!parse_target(shell, target, {"motor", limits.motor_min_rad, limits.motor_max_rad}, request.position_rad) ||
       refuses_mode(shell, axis, ControlMode::kMotor)) {
@@ -95,7 +95,9 @@ void ShellCommands::move_motor(Shell& shell, std::size_t axis, std::string_view 
 /// "force=TORQUE [rate=R]"
 void ShellCommands::move_force(Shell& shell, std::size_t axis, std::string_view arguments) {
   const AxisConfig& config = shell.machine_.config()[axis];
-  Request request{.kind = Request::Kind::kForce, .axis = axis, .torque_rate_nm_s = config.force.rate_nm_per_s};
+  Request request{.kind = Request::Kind::kForce,
+                  .axis = static_cast<std::uint8_t>(axis),
+                  .torque_rate_nm_s = config.force.rate_nm_per_s};
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     const std::size_t sign = std::min(word.find('='), word.size());
     const std::string_view name(word.data(), sign);
@@ -128,30 +130,31 @@ void ShellCommands::move_force(Shell& shell, std::size_t axis, std::string_view 
 
 void ShellCommands::hold(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kStop};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
+  std::size_t axis = 0;
+  if (!shell.parse_axis(joint, axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'hold joint0'");
     return;
   }
-  if (refuses_missing(shell, request.axis)) {
+  if (refuses_missing(shell, axis)) {
     return;
   }
   if (!energised(shell.machine_.telemetry().state)) {
     shell.error("not_armed", "nothing is held without torque", "'arm' first");
     return;
   }
-  post(shell, request, Shell::Activity::kMoving);
+  post(shell, {.kind = Request::Kind::kStop, .axis = static_cast<std::uint8_t>(axis)}, Shell::Activity::kMoving);
 }
 
 void ShellCommands::zero(Shell& shell, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kZero};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
+  std::size_t axis = 0;
+  if (!shell.parse_axis(joint, axis) || !joint.empty()) {
     shell.error("unknown_joint", "there is no such joint", "write 'zero joint0' or 'zero joint0 30 deg'");
     return;
   }
+  Request request{.kind = Request::Kind::kZero, .axis = static_cast<std::uint8_t>(axis)};
   skip_blanks(arguments);
-  const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
+  const LimitConfig& limits = shell.machine_.config()[axis].limits;
   const ValueError problem =
       arguments.empty() ? ValueError::kNone : parse_quantity(arguments, "rad", request.position_rad);
   if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {

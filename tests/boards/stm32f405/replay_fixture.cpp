@@ -223,29 +223,29 @@ class Story {
     return second % 4 == 2 && within >= 900 && within < 980;
   }
 
-  auto order(std::uint32_t second, std::uint32_t within, std::size_t axis, const AxisSensed& sensed) -> AxisCommand {
+  auto order(std::uint32_t second, std::uint32_t within, std::size_t axis, const AxisSensed& sensed) -> Request {
     if (within == 1 && second % 4 == 0) {  // after a jump's loss of position; the motor is where its encoder says
       constexpr double kRadPerCount = 6.283185307179586 / 40960.0;
-      return {AxisCommand::Kind::kZero, Q24::from_double(kRadPerCount * sensed.encoder_counts), {}};
+      return {.kind = Request::Kind::kZero, .position_rad = Q24::from_double(kRadPerCount * sensed.encoder_counts)};
     }
     if (within == 20 + axis) {
-      return {AxisCommand::Kind::kMove, angle(1.2), Q24::from_double(1.5)};
+      return {.kind = Request::Kind::kMove, .position_rad = angle(1.2), .speed_rad_s = Q24::from_double(1.5)};
     }
     if (second % 4 == 1 && within > 200) {
-      return {
-          AxisCommand::Kind::kFollow, Q24::from_double(0.8 * std::sin(0.01 * within + static_cast<double>(axis))), {}};
+      return {.kind = Request::Kind::kFollow,
+              .position_rad = Q24::from_double(0.8 * std::sin(0.01 * within + static_cast<double>(axis)))};
     }
     if (presses(second, within)) {
-      return {.kind = AxisCommand::Kind::kTorque,
+      return {.kind = Request::Kind::kTorque,
               .torque_nm = Q24::from_double(0.05 * std::sin(0.1 * within + static_cast<double>(axis)))};
     }
     if (second % 4 == 0 && within == 900) {  // from rest too; a joint that nobody holds runs away, and is held
-      return {.kind = AxisCommand::Kind::kForce,
+      return {.kind = Request::Kind::kForce,
               .joint_torque_nm = Q24::from_double(axis % 2 == 0 ? 0.03 : -0.03),
               .torque_rate_nm_s = Q24::from_double(0.5)};
     }
     if (within == 700 || (second % 4 == 0 && within == 980) || (second % 4 == 2 && within == 980)) {
-      return {AxisCommand::Kind::kStop, {}, {}};
+      return {.kind = Request::Kind::kStop};
     }
     return {};
   }

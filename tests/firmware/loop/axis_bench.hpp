@@ -35,7 +35,7 @@ class AxisBench {
     report();
   }
   auto faults(bool energised) -> FaultSet { return faults_ = axis_.rt_faults(motor_, joint_, energised); }
-  auto command(const AxisCommand& command) -> bool { return axis_.rt_command(motor_, joint_, command); }
+  auto command(const Request& command) -> bool { return axis_.rt_command(motor_, joint_, command); }
   void arm() { axis_.rt_arm(joint_); }
   auto control() -> Q24 {
     const Q24 torque = axis_.rt_reference(motor_, joint_, true).torque_nm;
