@@ -53,7 +53,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
   EXPECT_EQ(rig.allocations_of(1000), 0) << "arming and holding";
   ASSERT_EQ(rig.application.telemetry().state, State::kHolding);
-  for (std::size_t axis = 0; axis < 4; ++axis) {
+  for (std::uint8_t axis = 0; axis < 4; ++axis) {
     ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kMove,
                                       .axis = axis,
                                       .position_rad = Q24::from_int(1),
