@@ -299,6 +299,76 @@ TEST(ShellInput, ATypedDisarmTakesTorqueAwayInTheMiddleOfALogAndIsAnsweredInItsT
   }
 }
 
+/// A log under torque, and behind it as much as finds room.
+struct Crowded : Fed {
+  explicit Crowded(bool armed = true) {
+    send(armed ? "arm\nlog joint0 1000000\n" : "log joint0 1000000\n");
+    background(50);
+    while (input.room() > 0) {
+      input.take("version\n"[(256 - input.room()) % 8]);
+    }
+    sink.take();
+  }
+  auto answers() -> std::vector<std::string> {
+    background(50);
+    return lines_of(sink.take());
+  }
+};
+
+TEST(ShellInput, ADisarmIsHeardWithoutRoomAndTheLinesBeforeItAreToldAsLost) {
+  for (const std::string behind : {"disarm\n", "move joint0 1 rad\nmove joint0 -1 rad\n  disarm\r\n"}) {
+    Crowded fed;
+    ASSERT_GT(fed.input.wants(), 0U);
+    for (const char c : behind) {
+      fed.input.take(c);
+    }
+    fed.background(1);
+    EXPECT_EQ(fed.state(), State::kDisarmed) << behind;
+    EXPECT_FALSE(fed.io.has_torque());
+    const auto lines = fed.answers();
+    const auto is_version = [](const std::string& line) { return line.starts_with("capstan "); };
+    EXPECT_TRUE(std::none_of(lines.begin(), lines.end(), is_version)) << testing::PrintToString(lines);
+    ASSERT_GE(lines.size(), 3U);
+    const auto* const last = &lines[lines.size() - (behind.size() > 10 ? 3 : 2)];
+    EXPECT_EQ(error_of(last[0]), "not_text") << testing::PrintToString(lines);
+    EXPECT_EQ(last[1], "ok");
+  }
+}
+
+TEST(ShellInput, CtrlCIsHeardWithoutRoomAndEndsWhatStreams) {
+  Crowded fed;
+  fed.input.take('\x03');
+  fed.background(3);
+  EXPECT_FALSE(fed.shell.busy());
+  EXPECT_EQ(fed.state(), State::kHolding);
+  fed.send("status\n");
+  EXPECT_EQ(fed.answers().back(), "ok");
+}
+
+TEST(ShellInput, ALineThatFoundNoRoomIsRefusedAndSoIsOneThatActsRightBehindIt) {
+  for (const std::string lost : {"status\n", "sta"}) {
+    Crowded fed;
+    for (const char c : lost) {
+      fed.input.take(c);
+    }
+    fed.shell.receive('\x03');  // the log ends, the lines that wait stay
+    fed.background(10);
+    fed.sink.take();
+    fed.send(lost == "sta" ? "tus\nmove joint0 1 rad\n" : "move joint0 1 rad\n");
+    const auto lines = fed.answers();
+    ASSERT_EQ(lines.size(), 2U) << testing::PrintToString(lines);
+    EXPECT_EQ(error_of(lines[0]), "not_text");
+    EXPECT_EQ(error_of(lines[1]), "after_damage");
+  }
+}
+
+TEST(ShellInput, ItWantsNoMoreThanItHasRoomForWhereNothingCanMove) {
+  const Crowded still(false);
+  EXPECT_EQ(still.input.wants(), 0U);
+  const Crowded armed;
+  EXPECT_GT(armed.input.wants(), 0U);
+}
+
 TEST(ShellInput, NothingElseOvertakes) {
   for (const std::string typed : {"status\n", "disarmed\n", "# disarm\n", "arm\n", "disarm", "disarm\x15\n"}) {
     Fed fed;
