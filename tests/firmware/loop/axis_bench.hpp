@@ -24,6 +24,12 @@ inline auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
           .current = Quality::kOk};
 }
 
+inline auto config_without_rate_limit() -> AxisConfig {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
+  return config;
+}
+
 /// An axis whose stages are called one by one, with the values of the last call of each handed on.
 class AxisBench {
  public:
