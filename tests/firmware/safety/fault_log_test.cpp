@@ -249,6 +249,10 @@ TEST(FaultLog, WithoutMemoryThereIsNoLogAndNothingElseChanges) {
   EXPECT_EQ(verdict(bench.say("faults")), "ok");
   EXPECT_EQ(verdict(bench.say("faults release")), "ok");
   EXPECT_EQ(verdict(bench.say("faults second")).rfind("error nothing_kept: ", 0), 0U);
+  FaultLog& log = bench.application.fault_log();
+  EXPECT_EQ(log.count(), 0U);
+  EXPECT_EQ(log.entry(0).fault, Fault::kNone);
+  EXPECT_EQ(log.kept_entry().fault, Fault::kNone);
 }
 
 }  // namespace
