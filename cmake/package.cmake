@@ -14,11 +14,14 @@ if(CAPSTAN_HAS_FIRMWARE_IMAGES)
   set(packages_firmware capstan-firmware)
 endif()
 
+# Who answers for the packages; whoever distributes them gives an address of his own. RFC 2606 keeps `invalid` for what is none.
+set(CAPSTAN_MAINTAINER "The Capstan project <noreply@capstan.invalid>" CACHE STRING "name and address of the packages' maintainer")
+
 # What Debian wants of every package: changelog and copyright.
 find_program(GZIP gzip)
 set(changelog ${PROJECT_BINARY_DIR}/package/changelog)
 file(WRITE ${changelog}.Debian "capstan (${PROJECT_VERSION}-1) unstable; urgency=medium\n\n  * See /usr/share/doc/capstan/changelog.gz.\n\n"
-  " -- Capstan maintainers <maintainers@capstan.invalid>  Sun, 22 Nov 2026 00:00:00 +0000\n")
+  " -- ${CAPSTAN_MAINTAINER}  Sun, 22 Nov 2026 00:00:00 +0000\n")
 configure_file(${PROJECT_SOURCE_DIR}/CHANGELOG.md ${changelog} COPYONLY)
 if(GZIP)
   foreach(file ${changelog} ${changelog}.Debian)
@@ -50,7 +53,7 @@ install(FILES ${pages} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tools/package builds what is packed, and no test
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME capstan)
-set(CPACK_PACKAGE_CONTACT "Capstan maintainers <maintainers@capstan.invalid>")
+set(CPACK_PACKAGE_CONTACT "${CAPSTAN_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Control firmware and tools for joints driven through tendons")
 set(CPACK_COMPONENTS_ALL ${components})
 set(CPACK_STRIP_FILES ON)

@@ -30,19 +30,17 @@ class RestingFriction {
       : lets_go_(letting_go_s > Scalar{}), share_(dt, letting_go_s) {
     restart();
   }
-  constexpr void restart() { share_.start(kWhole); }
+  constexpr void restart() { share_.start(Sample<Scalar>::kWhole); }
   /// @returns the share that acts, 1 while it moves
   constexpr auto update(bool moves) -> Scalar {
     if (moves || !lets_go_) {
       restart();
-      return kWhole;
+      return Sample<Scalar>::kWhole;
     }
     return share_.update(Scalar{});
   }
 
  private:
-  static constexpr Scalar kWhole = ScalarTraits<Scalar>::from(1.0);
-
   bool lets_go_;
   LowPass<Scalar> share_;
 };

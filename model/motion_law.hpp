@@ -139,19 +139,18 @@ class MotionLaw {
   [[nodiscard]] constexpr auto sample() const -> const Sample<Scalar>& { return conditioner_.sample(); }
   [[nodiscard]] constexpr auto beta() const -> Scalar { return coefficients_[kBeta]; }
 
-  /// What the tendons give to the joint, N m, where the law has them (`tendon`); nothing, unknown, where not.
+  /// Whether it has a state of the tendons (`tendon`).
+  [[nodiscard]] constexpr auto has_tendons() const -> bool { return is_active<Tendons<Scalar>>(); }
+  /// What they give to the joint, N m. @pre has_tendons()
   [[nodiscard]] constexpr auto joint_torque() const -> ForceEstimate<Scalar> {
+    const auto& tendons = std::get<kPlace<Tendons<Scalar>>>(terms_).tendons();
     ForceEstimate<Scalar> estimate;
-    if (is_active<Tendons<Scalar>>()) {
-      const auto& tendons = std::get<kPlace<Tendons<Scalar>>>(terms_).tendons();
-      estimate.force = per_beta(tendons.output());
-      estimate.known = tendons.is_known();
-      estimate.phase = tendons.phase();
-      estimate.saturated = Traits::is_saturated(estimate.force);
-    }
+    estimate.force = per_beta(tendons.output());
+    estimate.known = tendons.is_known();
+    estimate.phase = tendons.phase();
+    estimate.saturated = Traits::is_saturated(estimate.force);
     return estimate;
   }
-  [[nodiscard]] constexpr auto has_tendons() const -> bool { return is_active<Tendons<Scalar>>(); }
 
   /// The law turned round, for feedforward: the motor angle, rad, at which the joint stands at q2 while a motion like
   /// `motion` (its direction, speed and torque) has settled. From (5.28): h = (q2 - rest) / beta, the curve of the

@@ -50,7 +50,7 @@ struct ScalarTraits<Q24> {
   static constexpr auto share_of(Q24 x) -> Q30 { return Q30::from_raw(x.raw() * (1 << (Q30::kFrac - Q24::kFrac))); }
   template <int Bits>
   static constexpr auto shifted_down(Q24 x) -> Q24 {
-    return Q24::from_raw((x.raw() + (1 << (Bits - 1))) >> Bits);
+    return Q24::from_raw((x.raw() >> Bits) + ((x.raw() >> (Bits - 1)) & 1));  // rounds; the sum with a half would wrap
   }
   static constexpr auto between(Q24 a, Q24 b, Q30 share) -> Q24 {
     const std::int32_t rest = Q30::from_int(1).raw() - share.raw();

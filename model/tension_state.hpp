@@ -49,25 +49,33 @@ constexpr auto describe(TensionStateFault fault) -> const char* {
 /// The first parameter that is not a number or out of its range.
 template <typename Scalar>
 constexpr auto check(const TensionStateParameters<Scalar>& p) -> TensionStateFault {
-  const auto within = [](Scalar x, double low, double high) {
-    return ScalarTraits<Scalar>::from(low) <= x && x <= ScalarTraits<Scalar>::from(high);
-  };
-  if (!within(p.eta_top, 0.0, 3.0) || !within(p.eta_bottom, 0.0, 3.0)) {
+  using Traits = ScalarTraits<Scalar>;
+  constexpr Scalar kEta = Traits::from(3.0);  // constants: the target converts no double at run time
+  constexpr Scalar kPretension = Traits::from(8.0);
+  constexpr Scalar kLeastCompliance = Traits::from(1e-4);
+  constexpr Scalar kMostCompliance = Traits::from(6.0);
+  constexpr Scalar kLeastBeta = Traits::from(0.25);
+  constexpr Scalar kMostBeta = Traits::from(2.0);
+  constexpr Scalar kOffset = Traits::from(3.2);
+  constexpr Scalar kFriction = Traits::from(1.0);
+  const auto within = [](Scalar x, Scalar low, Scalar high) { return low <= x && x <= high; };
+  if (!within(p.eta_top, Scalar{}, kEta) || !within(p.eta_bottom, Scalar{}, kEta)) {
     return TensionStateFault::kEta;
   }
-  if (!within(p.pretension_nm, 0.0, 8.0)) {
+  if (!within(p.pretension_nm, Scalar{}, kPretension)) {
     return TensionStateFault::kPretension;
   }
-  if (!within(p.compliance_top, 1e-4, 6.0) || !within(p.compliance_bottom, 1e-4, 6.0)) {
+  if (!within(p.compliance_top, kLeastCompliance, kMostCompliance) ||
+      !within(p.compliance_bottom, kLeastCompliance, kMostCompliance)) {
     return TensionStateFault::kCompliance;
   }
-  if (!within(p.beta, 0.25, 2.0)) {
+  if (!within(p.beta, kLeastBeta, kMostBeta)) {
     return TensionStateFault::kBeta;
   }
-  if (!within(p.joint_offset, -3.2, 3.2)) {
+  if (!within(p.joint_offset, -kOffset, kOffset)) {
     return TensionStateFault::kOffset;
   }
-  return within(p.friction_nm, 0.0, 1.0) ? TensionStateFault::kNone : TensionStateFault::kFriction;
+  return within(p.friction_nm, Scalar{}, kFriction) ? TensionStateFault::kNone : TensionStateFault::kFriction;
 }
 
 template <typename Scalar>

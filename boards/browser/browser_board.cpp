@@ -25,7 +25,7 @@ void BrowserBoard::start() {
 }
 
 auto BrowserBoard::receive(std::string_view bytes) -> std::size_t {
-  const std::size_t count = std::min(bytes.size(), input_->room());
+  const std::size_t count = std::min(bytes.size(), input_->wants());
   for (const char c : bytes.substr(0, count)) {
     input_->take(c);
   }

@@ -8,14 +8,17 @@
 namespace capstan {
 
 void ShellFeed::take() {
+  constexpr int kMostRounds = 16;  // for who never stops sending must not keep the shell from going on
   std::array<char, 64> fresh{};
-  std::size_t count = 0;
-  do {
-    count = console_.receive(std::span(fresh).first(std::min(fresh.size(), input_.room())));
+  bool more = true;
+  for (int round = 0; more && round < kMostRounds; ++round) {
+    const std::size_t wanted = console_.is_script() ? input_.room() : input_.wants();
+    const std::size_t count = console_.receive(std::span(fresh).first(std::min(fresh.size(), wanted)));
     for (std::size_t i = 0; i < count; ++i) {
       input_.take(fresh[i], !console_.is_script());
     }
-  } while (count == fresh.size());
+    more = count == fresh.size();
+  }
 }
 
 auto ShellFeed::poll() -> bool {

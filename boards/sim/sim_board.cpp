@@ -31,7 +31,7 @@ class SimBoard::JointsOf final : public SimBoard::Joints {
   void tick(std::span<const double> references_rad) override {
     typename Application<Io>::Streamed streamed{};
     for (std::size_t i = 0; i < std::min(Axes, references_rad.size()); ++i) {
-      streamed[i] = {AxisCommand::Kind::kFollow, Q24::from_double(references_rad[i]), {}};
+      streamed[i] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(references_rad[i])};
     }
     application_.rt_tick(streamed);
     if (!io_.failure().empty()) {

@@ -117,24 +117,15 @@ class CanNode {
       troubles_.rt_add(CanTrouble::kShellDuplicate);
       return;
     }
-    bool damaged = heard_ && ahead != 1;
+    const bool damaged = heard_ && ahead != 1;
     if (damaged) {
       troubles_.rt_add(CanTrouble::kShellLost);
     }
     heard_ = true;
     shell_in_ = frame.data[0];
-    if (input_.room() < frame.data.size() + 1) {
+    if (input_.room() < frame.size) {
       troubles_.rt_add(CanTrouble::kShellCrowded);
-      const auto* end = frame.data.begin() + frame.size;
-      const bool cancels = shell_.busy() && std::find(frame.data.begin() + 1, end, kCancel) != end;
-      if (cancels) {  // needs no room: it makes some
-        input_.take(static_cast<char>(kCancel));
-      }
-      damage_next_ = !cancels;
-      return;
     }
-    damaged = damaged || damage_next_;
-    damage_next_ = false;
     if (damaged) {
       input_.take(kNoText);  // the shell refuses a line with it, and says why
     }
@@ -225,7 +216,6 @@ class CanNode {
   }
 
   static constexpr char kNoText = '\x01';
-  static constexpr std::uint8_t kCancel = 0x03;  // Ctrl-C
 
   Port& port_;
   const Clock& clock_;
@@ -244,7 +234,6 @@ class CanNode {
   std::uint8_t shell_in_ = 0;
   std::uint8_t shell_out_ = 0;
   bool heard_ = false;
-  bool damage_next_ = false;
 };
 
 }  // namespace capstan::stm32f405

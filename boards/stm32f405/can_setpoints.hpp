@@ -15,7 +15,7 @@ namespace capstan::stm32f405 {
 template <std::size_t Axes>
 class CanSetpoints {
  public:
-  using Streamed = std::array<AxisCommand, Axes>;
+  using Streamed = std::array<Request, Axes>;
   static constexpr std::uint32_t kSilentCycles = 100;
 
   CanSetpoints(std::uint8_t node, CanTroubleCounters& troubles) : node_(node), troubles_(troubles) {}
@@ -63,11 +63,12 @@ class CanSetpoints {
     } else if (take<can_setpoint::kKind>(frame) != kFollowAngle) {
       troubles_.rt_add(CanTrouble::kSetpointKind);
     } else if (in_turn(streams_[axis], static_cast<std::uint8_t>(take<can_setpoint::kSequence>(frame)))) {
-      if (streamed_[axis].kind != AxisCommand::Kind::kNone) {
+      if (streamed_[axis].kind != Request::Kind::kNone) {
         troubles_.rt_add(CanTrouble::kSetpointCrowded);
       }
       const auto raw = static_cast<std::int32_t>(take<can_setpoint::kAngle>(frame));
-      streamed_[axis] = {AxisCommand::Kind::kFollow, Q24::from_raw(raw), {}};
+      streamed_[axis].kind = Request::Kind::kFollow;
+      streamed_[axis].position_rad = Q24::from_raw(raw);
     }
   }
 

@@ -51,8 +51,9 @@ class ConsoleFeed {
 
   /// Call it in the background loop.
   void poll() {
+    constexpr std::size_t kMost = 256;
     std::uint8_t byte = 0;
-    while (input_.room() > 0 && port_.read(byte)) {
+    for (std::size_t taken = 0; taken < kMost && input_.wants() > 0 && port_.read(byte); ++taken) {
       input_.take(static_cast<char>(byte));
     }
     input_.poll();

@@ -80,7 +80,7 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
   out.u32(input.sensed.overruns);
   for (std::size_t i = 0; i < Axes; ++i) {
     const AxisSensed& sensed = input.sensed.axis[i];
-    const AxisCommand& command = input.command.axis[i];
+    const Request& command = input.command.axis[i];
     out.u32(static_cast<std::uint32_t>(sensed.encoder_counts));
     out.q24(sensed.current_a);
     out.u8(
@@ -106,13 +106,13 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
   input.sensed.overruns = in.u32();
   for (std::size_t i = 0; i < Axes; ++i) {
     AxisSensed& sensed = input.sensed.axis[i];
-    AxisCommand& command = input.command.axis[i];
+    Request& command = input.command.axis[i];
     sensed.encoder_counts = static_cast<std::int32_t>(in.u32());
     sensed.current_a = in.q24();
     const std::uint8_t qualities = in.u8();
     sensed.encoder = static_cast<Quality>(qualities & 0xFU);
     sensed.current = static_cast<Quality>(qualities >> 4U);
-    command.kind = static_cast<AxisCommand::Kind>(in.u8());
+    command.kind = static_cast<Request::Kind>(in.u8());
     for (Q24* const value : {&command.position_rad, &command.speed_rad_s, &command.torque_nm, &command.joint_torque_nm,
                              &command.torque_rate_nm_s, &command.dither_nm}) {
       *value = in.q24();

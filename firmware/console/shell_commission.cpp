@@ -2,8 +2,10 @@
 // The shell's command that finds the motor observer's values from the joint's own motion.
 #include <algorithm>
 
+#include "capstan/firmware/console/recording.hpp"
 #include "capstan/firmware/console/shell_commands.hpp"
 #include "capstan/firmware/parameters/parameters.hpp"
+#include "capstan/firmware/safety/motor_commissioning.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
@@ -45,178 +47,216 @@ auto parse_option(std::string_view word, ExperimentSetup& setup) -> bool {
           setup.dither_nm > Q24{});
 }
 
-}  // namespace
+/// Moves, dither and fast moves, one experiment after the other, and what was found.
+struct CommissionStream final : Stream {
+  MotorCommissioning found;
+  ExperimentSetup setup;
 
-void ShellCommands::commission(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  std::size_t axis = 0;
-  if (!shell.parse_axis(joint, axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'commission joint0'");
-    return;
-  }
-  if (!MotorCommissioning::kAvailable) {
-    shell.error(
-        "not_here", "this board has no floating point to find the values with, and nothing moved",
-        "commission such a joint on Linux and set observer.* here, or find them as docs/safety_concept.md says");
-    return;
-  }
-  const AxisConfig& config = shell.machine_.config()[axis];
-  ExperimentSetup& setup = shell.setup_;
-  take_usual(setup, axis, config, shell.machine_.axis_telemetry(axis).q2_rad);
-  for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
-    if (!parse_option(word, setup)) {
-      shell.error("option", "an option is not understood, and nothing moved",
-                  "write 'commission joint0 amplitude=0.2rad dither=5mNm'");
-      return;
-    }
-  }
-  if (!shell.maintenance_.is_open(shell.machine_.telemetry().tick)) {
-    shell.error("maintenance", "what is found is a safety limit, and nothing moved",
-                "'maintenance open' first, with the key if one is set");
-  } else if (MotorObserver::commissioned(config.observer)) {
-    shell.out_ << "error commissioned: joint" << static_cast<std::uint32_t>(axis)
-               << " is commissioned, its observer would take the dither for a fault, and nothing moved; 'disarm' and "
-                  "'set joint"
-               << static_cast<std::uint32_t>(axis) << ".observer.inertia 0' to begin anew\r\n";
-    shell.prompt();
-  } else if (const char* problem = check_experiment(setup, config)) {
-    shell.out_ << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
-    shell.prompt();
-  } else if (shell.machine_.telemetry().state != State::kHolding) {
-    shell.error("not_holding", "commissioning begins with torque on and every joint at rest",
-                "'arm' first, or wait until the joints stand");
-  } else if (shell.framing_ || !shell.machine_.settled()) {
-    shell.error("busy", "frames are being sent or the last request is under way, and nothing moved",
-                "'frames off' if they are on, and send the line again");
-  } else {
-    shell.commissioning_.begin(config.motor);
-    static_cast<void>(shell.begin_commissioning(Shell::CommissioningStep::kMoves));
-  }
+  /// False: the recorder is not free, and that was answered.
+  auto begin(Session& session) -> bool { return begin_step(session, Step::kMoves); }
+  [[maybe_unused]] void step(Session& session) override;  // not on a board that can not commission
+  void cancel(Session& /*session*/) override { cancelled_ = true; }
+
+ private:
+  enum class Step : std::uint8_t { kMoves, kDither, kResting, kRising, kFastMoves, kTaking };
+  auto begin_step(Session& session, Step step) -> bool;
+  void add_samples(Session& session);
+  void next_step(Session& session);
+  void take(Session& session);
+
+  Step step_ = Step::kMoves;
+  bool cancelled_ = false;
+};
+
+void refuse(Session& session, const char* problem) {
+  session.out() << "error not_identified: nothing was changed, because " << problem << "\r\n";
+  session.refused();
 }
 
-/// False: the recorder is not free, and that was answered.
-auto Shell::begin_commissioning(CommissioningStep step) -> bool {
-  choose_signals(recorded_, setup_.axis, kSignals);
-  if (!machine_.recorder().start(this, recorded_)) {
-    error("busy", "the recorder is in use, by another console or still by the last command", "send the line again");
+void refuse_cancelled(Session& session) {
+  session.error("aborted", "commissioning was ended before it was over, and nothing was changed",
+                "read 'faults', and begin it again");
+}
+
+auto CommissionStream::begin_step(Session& session, Step step) -> bool {
+  RecorderSetup recorded;
+  choose_signals(recorded, setup.axis, kSignals);
+  if (!start_recorder(session, recorded)) {
     return false;
   }
-  const Q24 fastest = machine_.config()[setup_.axis].limits.joint_speed_rad_s;
-  if (step == CommissioningStep::kDither) {
-    commissioning_.begin_dither();
-    setup_.recipe = Recipe::kDither;
-    setup_.rungs[0] = fastest * kCautiousShares.back();
-    setup_.rung_count = 1;
-    setup_.cycles = kDitherLegs;
-  } else if (step == CommissioningStep::kFastMoves) {
-    setup_.recipe = Recipe::kSpeedLadder;
-    setup_.rung_count = kShares.size();
+  const Q24 fastest = session.machine().config()[setup.axis].limits.joint_speed_rad_s;
+  if (step == Step::kDither) {
+    found.begin_dither();
+    setup.recipe = Recipe::kDither;
+    setup.rungs[0] = fastest * kCautiousShares.back();
+    setup.rung_count = 1;
+    setup.cycles = kDitherLegs;
+  } else if (step == Step::kFastMoves) {
+    setup.recipe = Recipe::kSpeedLadder;
+    setup.rung_count = kShares.size();
     for (std::size_t i = 0; i < kShares.size(); ++i) {
-      setup_.rungs[i] = fastest * kShares[i];
+      setup.rungs[i] = fastest * kShares[i];
     }
-    setup_.cycles = kFastCycles;
+    setup.cycles = kFastCycles;
   }
-  commissioning_step_ = step;
-  static_cast<void>(machine_.begin_experiment(setup_));  // its way to the cycle is free
-  log_left_ = 1;
-  activity_ = Activity::kCommissioning;
+  step_ = step;
+  static_cast<void>(session.machine().begin_experiment(setup));  // its way to the cycle is free
+  session.begin(*this);
   return true;
 }
 
-void Shell::go_on_commissioning() {
-  if (!machine_.settled()) {
+void CommissionStream::step(Session& session) {
+  if (!session.machine().settled()) {
     return;
   }
-  const MachineTelemetry now = machine_.telemetry();
-  switch (commissioning_step_) {
-    case CommissioningStep::kTaking:
-      take_commissioned();
+  const MachineTelemetry now = session.machine().telemetry();
+  switch (step_) {
+    case Step::kTaking:
+      take(session);
       return;
-    case CommissioningStep::kResting:  // torque is off: from here on the joint may be as fast as it will be
-      commissioning_step_ = CommissioningStep::kRising;
-      static_cast<void>(machine_.post({.kind = Request::Kind::kArm}));
+    case Step::kResting:  // torque is off: from here on the joint may be as fast as it will be
+      if (cancelled_) {
+        refuse_cancelled(session);
+        return;
+      }
+      step_ = Step::kRising;
+      static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
       return;
-    case CommissioningStep::kRising:
-      if (now.state == State::kHolding) {
-        static_cast<void>(begin_commissioning(CommissioningStep::kFastMoves));
+    case Step::kRising:
+      if (now.state == State::kHolding && cancelled_) {
+        refuse_cancelled(session);
+      } else if (now.state == State::kHolding) {
+        static_cast<void>(begin_step(session, Step::kFastMoves));
       } else if (!energised(now.state)) {
-        refuse_commissioning("torque did not come back for the fast moves; read 'faults'");
+        refuse(session, "torque did not come back for the fast moves; read 'faults'");
       }
       return;
     default:
       break;
   }
-  const bool running_only = commissioning_step_ == CommissioningStep::kDither;
-  SignalSample sample;
-  while (machine_.recorder().next(sample)) {
-    if (!running_only || sample.raw[kSignals.size()] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
-      commissioning_.add(sample.tick, Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]),
-                         Q24::from_raw(sample.raw[2]));
-    }
-  }
-  if (log_left_ == 0 && now.state == State::kExperiment && urgent_ == Urgent::kNone) {  // somebody wants it to end
-    static_cast<void>(machine_.post({.kind = Request::Kind::kStop, .axis = setup_.axis}));
+  add_samples(session);
+  if (cancelled_ && now.state == State::kExperiment && !session.disarming()) {  // somebody wants it to end
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kStop, .axis = setup.axis}));
   }
   const bool over = now.experiment == ExperimentPhase::kDone || now.experiment == ExperimentPhase::kEnded;
   if (over && (now.state == State::kHolding || !energised(now.state))) {  // and does not brake any more
-    next_commissioning_step();
+    next_step(session);
   }
 }
 
-void Shell::refuse_commissioning(const char* problem) {
-  out_ << "error not_identified: nothing was changed, because " << problem << "\r\n";
-  activity_ = Activity::kIdle;
-  prompt();
-}
-
-void Shell::next_commissioning_step() {
-  machine_.recorder().stop(this);
-  const MachineTelemetry now = machine_.telemetry();
-  if (now.experiment == ExperimentPhase::kEnded || log_left_ == 0) {
-    if (now.first_fault != Fault::kNone) {
-      print_fault("ended by ", info(now.first_fault));
+void CommissionStream::add_samples(Session& session) {
+  const bool running_only = step_ == Step::kDither;
+  SignalSample sample;
+  while (session.machine().recorder().next(sample)) {
+    if (!running_only || sample.raw[kSignals.size()] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
+      found.add(sample.tick, Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]), Q24::from_raw(sample.raw[2]));
     }
-    error("aborted", "commissioning was ended before it was over, and nothing was changed",
-          "read 'faults', and begin it again");
+  }
+}
+
+void CommissionStream::next_step(Session& session) {
+  session.machine().recorder().stop(&session);
+  const MachineTelemetry now = session.machine().telemetry();
+  if (now.experiment == ExperimentPhase::kEnded || cancelled_) {
+    if (now.first_fault != Fault::kNone) {
+      print_fault(session, "ended by ", info(now.first_fault));
+    }
+    refuse_cancelled(session);
     return;
   }
-  if (commissioning_step_ == CommissioningStep::kMoves) {
-    static_cast<void>(begin_commissioning(CommissioningStep::kDither));
+  if (step_ == Step::kMoves) {
+    static_cast<void>(begin_step(session, Step::kDither));
     return;
   }
-  const bool identified = commissioning_step_ == CommissioningStep::kFastMoves;
-  const char* problem = identified ? commissioning_.result().problem : commissioning_.begin_fast_moves();
+  const bool identified = step_ == Step::kFastMoves;
+  const char* problem = identified ? found.result().problem : found.begin_fast_moves();
   if (problem != nullptr) {
-    refuse_commissioning(problem);
+    refuse(session, problem);
     return;
   }
-  commissioning_step_ = identified ? CommissioningStep::kTaking : CommissioningStep::kResting;
-  static_cast<void>(machine_.post({.kind = Request::Kind::kDisarm}));
+  step_ = identified ? Step::kTaking : Step::kResting;
+  static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
 }
 
 /// Without torque, for these are safety limits.
-void Shell::take_commissioned() {
-  if (!begin_staging()) {
+void CommissionStream::take(Session& session) {
+  if (!session.take_staging_room()) {
     return;
   }
-  ObserverConfig& observer = staged_[setup_.axis].observer;
-  observer = commissioning_.result().values;
-  const SetAnswer answer = machine_.configure(staged_, Rights::kMaintenance);
+  ObserverConfig& observer = session.staged()[setup.axis].observer;
+  observer = found.result().values;
+  const SetAnswer answer = session.machine().configure(session.staged(), Rights::kMaintenance);
   for (const ParameterInfo& parameter : parameters()) {
     if (answer.taken() && parameter.group == std::string_view("observer")) {
-      out_ << "joint" << static_cast<std::uint32_t>(setup_.axis) << ".observer." << parameter.name << ' ';
-      print_value(out_, parameter, raw_value(staged_[setup_.axis], parameter));
-      out_ << "\r\n";
+      session.out() << "joint" << static_cast<std::uint32_t>(setup.axis) << ".observer." << parameter.name << ' ';
+      print_value(session.out(), parameter, raw_value(session.staged()[setup.axis], parameter));
+      session.out() << "\r\n";
     }
   }
-  abandon();
+  session.abandon();
   if (!answer.taken()) {
-    activity_ = Activity::kIdle;
-    print_refusal(answer);
+    print_refusal(session, answer);
     return;
   }
-  out_ << "# torque is off; 'save' keeps these values\r\n";
-  activity_ = Activity::kApplying;
+  session.out() << "# torque is off; 'save' keeps these values\r\n";
+  session.answer_when_settled();
+}
+
+/// A template, so that a board that can not commission has no room for the stream.
+template <typename Answer>
+void begin_commissioning(Session& session, std::size_t axis, std::string_view arguments) {
+  const AxisConfig& config = session.machine().config()[axis];
+  auto& stream = session.make<Answer>();
+  ExperimentSetup& setup = stream.setup;
+  take_usual(setup, axis, config, session.machine().axis_telemetry(axis).q2_rad);
+  for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
+    if (!parse_option(word, setup)) {
+      session.error("option", "an option is not understood, and nothing moved",
+                    "write 'commission joint0 amplitude=0.2rad dither=5mNm'");
+      return;
+    }
+  }
+  if (!session.maintenance().is_open(session.machine().telemetry().tick)) {
+    session.error("maintenance", "what is found is a safety limit, and nothing moved",
+                  "'maintenance open' first, with the key if one is set");
+  } else if (MotorObserver::commissioned(config.observer)) {
+    session.out()
+        << "error commissioned: joint" << static_cast<std::uint32_t>(axis)
+        << " is commissioned, its observer would take the dither for a fault, and nothing moved; 'disarm' and "
+           "'set joint"
+        << static_cast<std::uint32_t>(axis) << ".observer.inertia 0' to begin anew\r\n";
+    session.refused();
+  } else if (const char* problem = check_experiment(setup, config)) {
+    session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
+    session.refused();
+  } else if (session.machine().telemetry().state != State::kHolding) {
+    session.error("not_holding", "commissioning begins with torque on and every joint at rest",
+                  "'arm' first, or wait until the joints stand");
+  } else if (session.has_beside() || !session.machine().settled()) {
+    session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
+                  "'frames off' if they are on, and send the line again");
+  } else {
+    stream.found.begin(config.motor);
+    static_cast<void>(stream.begin(session));
+  }
+}
+
+}  // namespace
+
+void commands::commission(Session& session, std::string_view arguments) {
+  std::string_view joint = next_word(arguments);
+  std::size_t axis = 0;
+  if (!session.parse_axis(joint, axis) || !joint.empty()) {
+    session.error("unknown_joint", "there is no such joint", "write 'commission joint0'");
+    return;
+  }
+  if constexpr (MotorCommissioning::kAvailable) {
+    begin_commissioning<CommissionStream>(session, axis, arguments);
+  } else {
+    session.error(
+        "not_here", "this board has no floating point to find the values with, and nothing moved",
+        "commission such a joint on Linux and set observer.* here, or find them as docs/safety_concept.md says");
+  }
 }
 
 }  // namespace capstan

@@ -2,6 +2,7 @@
 // What Tab offers: commands, joints, parameters, signals and recipes, up to the next dot.
 #include <algorithm>
 
+#include "capstan/firmware/console/shell.hpp"
 #include "capstan/firmware/console/shell_commands.hpp"
 
 namespace capstan {

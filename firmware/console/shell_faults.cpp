@@ -14,7 +14,7 @@ void print_entry(Print& out, const FaultEntry& entry) {
     return;
   }
   out << ": " << info(entry.fault).name << " while " << name(entry.state);
-  for (std::uint32_t joint = 0; joint < Shell::kMaxAxes; ++joint) {
+  for (std::uint32_t joint = 0; joint < Session::kMaxAxes; ++joint) {
     if ((entry.joints & (1U << joint)) != 0) {
       out << ", joint" << joint;
     }
@@ -27,51 +27,9 @@ void print_entry(Print& out, const FaultEntry& entry) {
   out << "\r\n";
 }
 
-}  // namespace
-
-void ShellCommands::faults(Shell& shell, std::string_view arguments) {
-  const std::string_view word = next_word(arguments);
-  if (word == "second") {
-    fault_second(shell);
-    return;
-  }
-  if (word == "release") {
-    shell.machine_.fault_log().release();
-    shell.ok();
-    return;
-  }
-  if (!word.empty()) {
-    shell.error("usage", "faults knows 'second' and 'release'", "alone it shows what is latched, present and logged");
-    return;
-  }
-  const MachineTelemetry now = shell.machine_.telemetry();
-  const FaultInfo& first = info(now.first_fault);
-  Print& out = shell.out_;
-  out << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
-  if (now.first_fault != Fault::kNone) {
-    const SafeStop stop = safe_stop(now.conditions | bit(now.first_fault), shell.board_.stop_means());
-    out << "stopped by " << name(stop) << "\r\n";
-  }
-  for (const FaultInfo& entry : kFaultTable) {
-    if ((now.conditions & bit(entry.fault)) != 0) {
-      shell.print_fault("present ", entry);
-    }
-  }
-  shell.print_warnings(now.warnings);
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    if (const AxisTelemetry joint = shell.machine_.axis_telemetry(axis); joint.warnings != 0) {
-      out << "joint" << static_cast<std::uint32_t>(axis) << ", nothing is stopped by this:\r\n";
-      shell.print_warnings(joint.warnings);
-      shell.print_tendons(joint);
-    }
-  }
-  fault_history(shell);
-  shell.ok();
-}
-
-void ShellCommands::fault_history(Shell& shell) {
-  Print& out = shell.out_;
-  const FaultLog& log = shell.machine_.fault_log();
+void fault_history(Session& session) {
+  Print& out = session.out();
+  const FaultLog& log = session.machine().fault_log();
   const auto shown = std::min<std::uint32_t>(log.count(), FaultLog::kEntries);
   for (std::uint32_t age = 0; age < shown; ++age) {
     out << (age == 0 ? "last " : "before ");
@@ -84,45 +42,113 @@ void ShellCommands::fault_history(Shell& shell) {
   }
 }
 
-void ShellCommands::fault_second(Shell& shell) {
-  if (shell.machine_.fault_log().kept() == 0) {
-    shell.error("nothing_kept", "no second before a fault is kept",
-                "it is after a fault under torque, until it was printed and the joints are armed again");
+class FaultSecondStream final : public Stream {
+ public:
+  void step(Session& session) override;
+  void cancel(Session& /*session*/) override { cancelled_ = true; }
+
+ private:
+  std::size_t next_ = 0;  // sample
+  bool cancelled_ = false;
+};
+
+void FaultSecondStream::step(Session& session) {
+  constexpr std::size_t kLinesAtOnce = 4;
+  FaultLog& log = session.machine().fault_log();
+  if (cancelled_) {
+    session.ok();  // not all of it was seen: it stays kept
     return;
   }
-  shell.out_ << "time_s";
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    for (const SignalInfo* signal : FaultLog::signals()) {
-      shell.out_ << ',';
-      print_column(shell.out_, {signal, static_cast<std::uint8_t>(axis)});
-    }
-  }
-  shell.out_ << "\r\n";
-  shell.dump_next_ = 0;
-  shell.activity_ = Shell::Activity::kDumpingFaults;
-}
-
-void Shell::go_on_dumping_faults() {
-  constexpr std::size_t kLinesAtOnce = 4;
-  FaultLog& log = machine_.fault_log();
-  const std::size_t end = std::min(log.kept(), dump_next_ + kLinesAtOnce);
-  for (; dump_next_ < end; ++dump_next_) {
-    const std::int32_t cycles = log.cycles_from_fault(dump_next_);
-    out_ << (cycles < 0 ? "-" : "");
-    print_seconds(out_, static_cast<std::uint32_t>(-cycles));
-    for (std::size_t axis = 0; axis < machine_.axes(); ++axis) {
+  Print& out = session.out();
+  const std::size_t end = std::min(log.kept(), next_ + kLinesAtOnce);
+  for (; next_ < end; ++next_) {
+    const std::int32_t cycles = log.cycles_from_fault(next_);
+    out << (cycles < 0 ? "-" : "");
+    print_seconds(out, static_cast<std::uint32_t>(-cycles));
+    for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
       for (std::size_t i = 0; i < FaultLog::kSignals; ++i) {
-        out_ << ',' << Q24::from_raw(log.raw(dump_next_, axis, i));
+        out << ',' << Q24::from_raw(log.raw(next_, axis, i));
       }
     }
-    out_ << "\r\n";
+    out << "\r\n";
   }
-  if (dump_next_ == log.kept()) {
+  if (next_ == log.kept()) {
     log.release();
-    ok();
-  } else if (dump_next_ > log.kept()) {  // Ctrl-C: not all of it was seen
-    ok();
+    session.ok();
   }
+}
+
+void fault_second(Session& session) {
+  if (session.machine().fault_log().kept() == 0) {
+    session.error("nothing_kept", "no second before a fault is kept",
+                  "it is after a fault under torque, until it was printed and the joints are armed again");
+    return;
+  }
+  session.out() << "time_s";
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
+    for (const SignalInfo* signal : FaultLog::signals()) {
+      session.out() << ',';
+      print_column(session.out(), {signal, static_cast<std::uint8_t>(axis)});
+    }
+  }
+  session.out() << "\r\n";
+  session.begin(session.make<FaultSecondStream>());
+}
+
+}  // namespace
+
+/// With the joints that show it, where it is a joint's.
+void print_fault(Session& session, const char* what, const FaultInfo& entry) {
+  Print& out = session.out();
+  out << what << entry.name << ": " << entry.cause << "; " << entry.cure;
+  const char* before = " (joint";
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
+    if ((session.machine().axis_telemetry(axis).faults & bit(entry.fault)) != 0) {
+      out << before << static_cast<std::uint32_t>(axis);
+      before = ", joint";
+    }
+  }
+  out << (before[0] == ',' ? ")\r\n" : "\r\n");
+}
+
+void commands::faults(Session& session, std::string_view arguments) {
+  const std::string_view word = next_word(arguments);
+  if (word == "second") {
+    fault_second(session);
+    return;
+  }
+  if (word == "release") {
+    session.machine().fault_log().release();
+    session.ok();
+    return;
+  }
+  if (!word.empty()) {
+    session.error("usage", "faults knows 'second' and 'release'", "alone it shows what is latched, present and logged");
+    return;
+  }
+  const MachineTelemetry now = session.machine().telemetry();
+  const FaultInfo& first = info(now.first_fault);
+  Print& out = session.out();
+  out << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
+  if (now.first_fault != Fault::kNone) {
+    const SafeStop stop = safe_stop(now.conditions | bit(now.first_fault), session.board().stop_means());
+    out << "stopped by " << name(stop) << "\r\n";
+  }
+  for (const FaultInfo& entry : kFaultTable) {
+    if ((now.conditions & bit(entry.fault)) != 0) {
+      print_fault(session, "present ", entry);
+    }
+  }
+  print_warnings(out, now.warnings);
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
+    if (const AxisTelemetry joint = session.machine().axis_telemetry(axis); joint.warnings != 0) {
+      out << "joint" << static_cast<std::uint32_t>(axis) << ", nothing is stopped by this:\r\n";
+      print_warnings(out, joint.warnings);
+      print_tendons(out, joint);
+    }
+  }
+  fault_history(session);
+  session.ok();
 }
 
 }  // namespace capstan

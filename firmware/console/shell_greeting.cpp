@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the shell says unasked: to who has just come, and about stored parameters that are not what was saved.
+#include "capstan/firmware/console/shell.hpp"
 #include "capstan/firmware/console/shell_commands.hpp"
 #include "capstan/firmware/loop/version.hpp"
 
@@ -26,28 +27,27 @@ void print_migration(Print& out, const char* begin, const LoadReport& report) {
 
 }  // namespace
 
-void Shell::print_load_report(const char* begin) {
-  const LoadReport& report = machine_.load_report();
+void print_load_report(Print& out, const LoadReport& report, const char* begin) {
   switch (report.result) {
     case LoadResult::kLoaded:
       if (report.migrated()) {
-        print_migration(out_, begin, report);
+        print_migration(out, begin, report);
       }
       break;
     case LoadResult::kForeign:
-      out_ << begin << "stored parameters have format " << report.format
-           << ", which this version does not read; defaults are in use until a set is loaded or saved\r\n";
+      out << begin << "stored parameters have format " << report.format
+          << ", which this version does not read; defaults are in use until a set is loaded or saved\r\n";
       break;
     case LoadResult::kCorrupt:
     case LoadResult::kUnreadable:
-      out_ << begin << "stored parameters are " << (report.result == LoadResult::kCorrupt ? "corrupt" : "not readable")
-           << "; defaults are in use until a set is loaded or saved\r\n";
+      out << begin << "stored parameters are " << (report.result == LoadResult::kCorrupt ? "corrupt" : "not readable")
+          << "; defaults are in use until a set is loaded or saved\r\n";
       break;
     case LoadResult::kUnfinished:
-      out_ << begin << "power went while the first set was saved; defaults are in use\r\n";
+      out << begin << "power went while the first set was saved; defaults are in use\r\n";
       break;
     case LoadResult::kEmpty:
-      out_ << begin << "no parameters were ever saved; defaults are in use\r\n";
+      out << begin << "no parameters were ever saved; defaults are in use\r\n";
       break;
     case LoadResult::kRefused:
       break;
@@ -64,10 +64,10 @@ void Shell::greet() {
     out_ << ", something blocks arming: 'faults' says what";
   }
   out_ << "\r\n";
-  print_load_report("# ");
+  print_load_report(out_, machine_.load_report(), "# ");
   out_ << "# 'help' lists the commands, Tab completes, 'status' shows the joints, 'arm' gives torque, 'disarm' takes "
           "it\r\n";
-  prompt();
+  editor_.prompt();
 }
 
 }  // namespace capstan

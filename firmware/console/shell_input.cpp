@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/shell_input.hpp"
-#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
 #include <utility>
 
 namespace capstan {
 namespace {
+constexpr char kNoText = 0x01;  // the shell refuses a line with it, and says why
 constexpr char kCancel = 0x03;
 constexpr char kBackspace = '\b';
 constexpr char kDelete = 0x7F;
@@ -40,10 +40,41 @@ void ShellInput::take(char c, bool urgent) {
     forget();
     return;
   }
-  CAPSTAN_EXPECT(room() > 0);
-  waiting_[(first_ + count_++) % waiting_.size()] = c;
+  if (!push(c)) {
+    lost_ = true;
+    lost_end_ = ends_line(c);
+  }
   if (disarm && urgent && shell_.busy()) {
+    if (lost_) {
+      disarm_without_room();
+    }
     shell_.disarm_now();
+  }
+}
+
+auto ShellInput::push(char c) -> bool {
+  const std::size_t mark = !lost_ ? 0 : lost_end_ ? 2 : 1;
+  if (room() <= mark) {
+    return false;
+  }
+  const auto put = [this](char one) { waiting_[(first_ + count_++) % waiting_.size()] = one; };
+  if (lost_) {
+    put(kNoText);
+  }
+  if (lost_ && lost_end_) {
+    put('\n');
+  }
+  lost_ = false;
+  put(c);
+  return true;
+}
+
+/// One answer says that lines were lost, and the next is that of the `disarm`.
+void ShellInput::disarm_without_room() {
+  count_ = 0;
+  lost_ = lost_end_ = true;
+  for (const char c : std::string_view("disarm\n")) {
+    static_cast<void>(push(c));
   }
 }
 
@@ -66,7 +97,7 @@ void ShellInput::peer_left() {
 
 void ShellInput::forget() {
   count_ = 0;
-  in_line_ = false;
+  lost_ = in_line_ = false;
   length_ = 0;
   shell_.receive(kCancel);
 }

@@ -140,26 +140,26 @@ void print_law_status(Print& out, const AxisConfig& config) {
   }
 }
 
-void ShellCommands::model(Shell& shell, std::string_view arguments) {
+void commands::model(Session& session, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   std::size_t only = 0;
   const bool one = !joint.empty();
-  if (one && (!shell.parse_axis(joint, only) || !joint.empty())) {
-    shell.error("unknown_joint", "there is no such joint", "write 'model' or 'model joint0'");
+  if (one && (!session.parse_axis(joint, only) || !joint.empty())) {
+    session.error("unknown_joint", "there is no such joint", "write 'model' or 'model joint0'");
     return;
   }
-  for (std::size_t axis = one ? only : 0; axis < (one ? only + 1 : shell.machine_.axes()); ++axis) {
-    shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << " joint angle q2 is the sum of\r\n";
-    print_law_status(shell.out_, shell.machine_.config()[axis]);
-    const LawParameters<Q24>& law = shell.machine_.config()[axis].law;
-    LawPrinter<false> printer(shell.out_, law.coefficients, law.shapes);
+  for (std::size_t axis = one ? only : 0; axis < (one ? only + 1 : session.machine().axes()); ++axis) {
+    session.out() << "joint" << static_cast<std::uint32_t>(axis) << " joint angle q2 is the sum of\r\n";
+    print_law_status(session.out(), session.machine().config()[axis]);
+    const LawParameters<Q24>& law = session.machine().config()[axis].law;
+    LawPrinter<false> printer(session.out(), law.coefficients, law.shapes);
     for_each_term<Q24>(printer);
-    shell.out_ << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
-               << ".TERM.NAME' changes one while disarmed\r\n";
-    print_effort_law(shell.out_, shell.machine_.config()[axis].effort);
-    print_force_law(shell.out_, shell.machine_.config()[axis].force);
+    session.out() << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
+                  << ".TERM.NAME' changes one while disarmed\r\n";
+    print_effort_law(session.out(), session.machine().config()[axis].effort);
+    print_force_law(session.out(), session.machine().config()[axis].force);
   }
-  shell.ok();
+  session.ok();
 }
 
 }  // namespace capstan

@@ -4,98 +4,99 @@
 
 namespace capstan {
 
-auto ShellCommands::refuses_missing(Shell& shell, std::size_t axis) -> bool {
-  const bool missing = shell.machine_.config()[axis].motor.fitted == 0;
+namespace {
+
+class MoveStream final : public ConsentStream {
+ public:
+  void step(Session& session) override {
+    if (!session.machine().settled()) {
+      return;
+    }
+    if (energised(session.machine().telemetry().state)) {
+      session.ok();
+    } else {
+      session.error("not_armed", "torque went away before the move began", "'faults' says why");
+    }
+  }
+};
+
+struct MoveRange {
+  const char* what;  ///< "joint" or "motor"
+  Q24 lowest_rad, highest_rad;
+};
+
+/// Says so where there is no joint. True: nothing may be done.
+auto refuses_missing(Session& session, std::size_t axis) -> bool {
+  const bool missing = session.machine().config()[axis].motor.fitted == 0;
   if (missing) {
-    shell.error("not_fitted", "there is no joint (motor.fitted is 0), and nothing was done", "choose another");
+    session.error("not_fitted", "there is no joint (motor.fitted is 0), and nothing was done", "choose another");
   }
   return missing;
 }
 
-void ShellCommands::move(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  std::size_t axis = 0;
-  if (!shell.parse_axis(joint, axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'move joint0 30 deg'");
-    return;
-  }
-  if (refuses_missing(shell, axis)) {
-    return;
-  }
-  constexpr std::string_view kMotor = "motor=";
-  skip_blanks(arguments);
-  std::string_view rest = arguments;
-  if (arguments.starts_with(kMotor)) {
-    arguments.remove_prefix(kMotor.size());
-    move_motor(shell, axis, arguments);
-  } else if (next_word(rest).find('=') != std::string_view::npos) {
-    move_force(shell, axis, arguments);
-  } else {
-    move_joint(shell, axis, arguments);
-  }
-}
-
 /// An angle within limits that bear these names. False: it was refused.
-auto ShellCommands::parse_target(Shell& shell, std::string_view text, const MoveRange& range, Q24& angle_rad) -> bool {
+auto parse_target(Session& session, std::string_view text, const MoveRange& range, Q24& angle_rad) -> bool {
   const ValueError problem = parse_quantity(text, "rad", angle_rad);
   if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {
-    shell.error("not_an_angle", "the target is not an angle, and nothing was done",
-                "write 'move joint0 0.5 rad', 'move joint0 30 deg' or 'move joint0 motor=30 deg'");
+    session.error("not_an_angle", "the target is not an angle, and nothing was done",
+                  "write 'move joint0 0.5 rad', 'move joint0 30 deg' or 'move joint0 motor=30 deg'");
     return false;
   }
   if (problem == ValueError::kRange || angle_rad < range.lowest_rad || angle_rad > range.highest_rad) {
-    shell.out_ << "error range: the " << range.what << " moves only from limits." << range.what << "_min "
-               << range.lowest_rad << " to limits." << range.what << "_max " << range.highest_rad
-               << " rad, and nothing was done; give a target in that range\r\n";
-    shell.prompt();
+    session.out() << "error range: the " << range.what << " moves only from limits." << range.what << "_min "
+                  << range.lowest_rad << " to limits." << range.what << "_max " << range.highest_rad
+                  << " rad, and nothing was done; give a target in that range\r\n";
+    session.refused();
     return false;
   }
   return true;
 }
 
 /// Says why the joint can not be given to this mode now. True: nothing may be done.
-auto ShellCommands::refuses_mode(Shell& shell, std::size_t axis, ControlMode mode) -> bool {
-  const State state = shell.machine_.telemetry().state;
-  const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
+auto refuses_mode(Session& session, std::size_t axis, ControlMode mode) -> bool {
+  const State state = session.machine().telemetry().state;
+  const AxisTelemetry joint = session.machine().axis_telemetry(axis);
   if (!energised(state)) {
-    shell.error("not_armed", "nothing moves or presses without torque", "'arm' first");
+    session.error("not_armed", "nothing moves or presses without torque", "'arm' first");
     return true;
   }
   // Into joint position from anywhere but a motor on its way; into the others from rest only.
   const bool from_rest = mode != ControlMode::kPosition || joint.mode == ControlMode::kMotor;
   if (from_rest && joint.mode != mode && (state == State::kExperiment || joint.moving)) {
-    shell.error("moving", "another kind of control begins with the joint at rest, and it moves", "'hold' it first");
+    session.error("moving", "another kind of control begins with the joint at rest, and it moves", "'hold' it first");
     return true;
   }
   return false;
 }
 
-void ShellCommands::move_joint(Shell& shell, std::size_t axis, std::string_view target) {
-  Request request{.kind = Request::Kind::kMove, .axis = axis};
-  const LimitConfig& limits = shell.machine_.config()[axis].limits;
-  if (!parse_target(shell, target, {"joint", limits.joint_min_rad, limits.joint_max_rad}, request.position_rad) ||
-      refuses_mode(shell, axis, ControlMode::kPosition)) {
+void move_joint(Session& session, std::size_t axis, std::string_view target) {
+  Request request{.kind = Request::Kind::kMove, .axis = static_cast<std::uint8_t>(axis)};
+  const LimitConfig& limits = session.machine().config()[axis].limits;
+  if (!parse_target(session, target, {"joint", limits.joint_min_rad, limits.joint_max_rad}, request.position_rad) ||
+      refuses_mode(session, axis, ControlMode::kPosition)) {
     return;
   }
   request.speed_rad_s = limits.joint_speed_rad_s;
-  post(shell, request, Shell::Activity::kMoving);
+  session.post<MoveStream>(request);
 }
 
-void ShellCommands::move_motor(Shell& shell, std::size_t axis, std::string_view target) {
-  Request request{.kind = Request::Kind::kMoveMotor, .axis = axis};
-  const LimitConfig& limits = shell.machine_.config()[axis].limits;
-  if (!parse_target(shell, target, {"motor", limits.motor_min_rad, limits.motor_max_rad}, request.position_rad) ||
-      refuses_mode(shell, axis, ControlMode::kMotor)) {
+void move_motor(Session& session, std::size_t axis, std::string_view target) {
+  Request request{.kind = Request::Kind::kMoveMotor, .axis = static_cast<std::uint8_t>(axis)};
+  const LimitConfig& limits = session.machine().config()[axis].limits;
+  if (!parse_target(session, target, {"motor", limits.motor_min_rad, limits.motor_max_rad}, request.position_rad) ||
+      refuses_mode(session, axis, ControlMode::kMotor)) {
     return;
   }
   request.speed_rad_s = limits.joint_speed_rad_s;
-  post(shell, request, Shell::Activity::kMoving);
+  session.post<MoveStream>(request);
 }
 
 /// "force=TORQUE [rate=R]"
-void ShellCommands::move_force(Shell& shell, std::size_t axis, std::string_view arguments) {
-  const AxisConfig& config = shell.machine_.config()[axis];
-  Request request{.kind = Request::Kind::kForce, .axis = axis, .torque_rate_nm_s = config.force.rate_nm_per_s};
+void move_force(Session& session, std::size_t axis, std::string_view arguments) {
+  const AxisConfig& config = session.machine().config()[axis];
+  Request request{.kind = Request::Kind::kForce,
+                  .axis = static_cast<std::uint8_t>(axis),
+                  .torque_rate_nm_s = config.force.rate_nm_per_s};
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     const std::size_t sign = std::min(word.find('='), word.size());
     const std::string_view name(word.data(), sign);
@@ -105,71 +106,102 @@ void ShellCommands::move_force(Shell& shell, std::size_t axis, std::string_view 
     if ((!force && name != "rate") ||
         parse_quantity(value, force ? "Nm" : "Nm/s", force ? request.joint_torque_nm : request.torque_rate_nm_s) !=
             ValueError::kNone) {
-      shell.error("not_a_torque", "the target is not a joint torque with an optional rate, and nothing was done",
-                  "write 'move joint0 force=0.05Nm rate=0.02Nm/s'");
+      session.error("not_a_torque", "the target is not a joint torque with an optional rate, and nothing was done",
+                    "write 'move joint0 force=0.05Nm rate=0.02Nm/s'");
       return;
     }
   }
   if (abs(request.joint_torque_nm) > config.limits.joint_torque_nm || request.torque_rate_nm_s <= Q24{}) {
-    shell.out_ << "error range: the joint's torque goes up to limits.joint_torque " << config.limits.joint_torque_nm
-               << " Nm at a rate above 0, and nothing was done; give a target in that range\r\n";
-    shell.prompt();
+    session.out() << "error range: the joint's torque goes up to limits.joint_torque " << config.limits.joint_torque_nm
+                  << " Nm at a rate above 0, and nothing was done; give a target in that range\r\n";
+    session.refused();
     return;
   }
   if (config.force.law == 0) {
-    shell.error("no_force_law", "force control turns a force law round, and this joint has none",
-                "identify one with the tip held and 'capstan apply' it");
+    session.error("no_force_law", "force control turns a force law round, and this joint has none",
+                  "identify one with the tip held and 'capstan apply' it");
     return;
   }
-  if (!refuses_mode(shell, axis, ControlMode::kForce)) {
-    post(shell, request, Shell::Activity::kMoving);
+  if (!refuses_mode(session, axis, ControlMode::kForce)) {
+    session.post<MoveStream>(request);
   }
 }
 
-void ShellCommands::hold(Shell& shell, std::string_view arguments) {
-  std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kStop};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'hold joint0'");
-    return;
-  }
-  if (refuses_missing(shell, request.axis)) {
-    return;
-  }
-  if (!energised(shell.machine_.telemetry().state)) {
-    shell.error("not_armed", "nothing is held without torque", "'arm' first");
-    return;
-  }
-  post(shell, request, Shell::Activity::kMoving);
-}
+}  // namespace
 
-void ShellCommands::zero(Shell& shell, std::string_view arguments) {
+void commands::move(Session& session, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
-  Request request{.kind = Request::Kind::kZero};
-  if (!shell.parse_axis(joint, request.axis) || !joint.empty()) {
-    shell.error("unknown_joint", "there is no such joint", "write 'zero joint0' or 'zero joint0 30 deg'");
+  std::size_t axis = 0;
+  if (!session.parse_axis(joint, axis) || !joint.empty()) {
+    session.error("unknown_joint", "there is no such joint", "write 'move joint0 30 deg'");
     return;
   }
+  if (refuses_missing(session, axis)) {
+    return;
+  }
+  constexpr std::string_view kMotor = "motor=";
   skip_blanks(arguments);
-  const LimitConfig& limits = shell.machine_.config()[request.axis].limits;
+  std::string_view rest = arguments;
+  if (arguments.starts_with(kMotor)) {
+    arguments.remove_prefix(kMotor.size());
+    move_motor(session, axis, arguments);
+  } else if (next_word(rest).find('=') != std::string_view::npos) {
+    move_force(session, axis, arguments);
+  } else {
+    move_joint(session, axis, arguments);
+  }
+}
+
+void commands::hold(Session& session, std::string_view arguments) {
+  std::string_view joint = next_word(arguments);
+  std::size_t axis = 0;
+  if (!session.parse_axis(joint, axis) || !joint.empty()) {
+    session.error("unknown_joint", "there is no such joint", "write 'hold joint0'");
+    return;
+  }
+  if (refuses_missing(session, axis)) {
+    return;
+  }
+  if (!energised(session.machine().telemetry().state)) {
+    session.error("not_armed", "nothing is held without torque", "'arm' first");
+    return;
+  }
+  session.post<MoveStream>({.kind = Request::Kind::kStop, .axis = static_cast<std::uint8_t>(axis)});
+}
+
+void commands::zero(Session& session, std::string_view arguments) {
+  std::string_view joint = next_word(arguments);
+  std::size_t axis = 0;
+  if (!session.parse_axis(joint, axis) || !joint.empty()) {
+    session.error("unknown_joint", "there is no such joint", "write 'zero joint0' or 'zero joint0 30 deg'");
+    return;
+  }
+  Request request{.kind = Request::Kind::kZero, .axis = static_cast<std::uint8_t>(axis)};
+  skip_blanks(arguments);
+  const LimitConfig& limits = session.machine().config()[axis].limits;
   const ValueError problem =
       arguments.empty() ? ValueError::kNone : parse_quantity(arguments, "rad", request.position_rad);
   if (problem == ValueError::kNotANumber || problem == ValueError::kUnit) {
-    shell.error("not_an_angle", "the motor's position is not an angle, and nothing was changed",
-                "write 'zero joint0' or 'zero joint0 30 deg'");
+    session.error("not_an_angle", "the motor's position is not an angle, and nothing was changed",
+                  "write 'zero joint0' or 'zero joint0 30 deg'");
     return;
   }
   if (problem == ValueError::kRange || request.position_rad < limits.motor_min_rad ||
       request.position_rad > limits.motor_max_rad) {
-    shell.error("range", "a motor can not stand outside limits.motor_min to limits.motor_max, and nothing was changed",
-                "give the angle at which it stands");
+    session.error("range",
+                  "a motor can not stand outside limits.motor_min to limits.motor_max, and nothing was changed",
+                  "give the angle at which it stands");
     return;
   }
-  if (energised(shell.machine_.telemetry().state)) {
-    shell.error("armed", "a joint that is held would be thrown by a new zero", "'disarm' first");
+  if (energised(session.machine().telemetry().state)) {
+    session.error("armed", "a joint that is held would be thrown by a new zero", "'disarm' first");
     return;
   }
-  post(shell, request, Shell::Activity::kApplying);
+  if (session.machine().post(request)) {
+    session.answer_when_settled();
+  } else {
+    session.busy_cycle();
+  }
 }
 
 }  // namespace capstan

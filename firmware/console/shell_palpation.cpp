@@ -2,7 +2,7 @@
 // What the shell tells of palpated sites.
 #include <algorithm>
 
-#include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/console/shell_experiment.hpp"
 
 namespace capstan {
 namespace {
@@ -21,25 +21,24 @@ void print_site(Print& out, const SiteStiffness& site, Q24 largest) {
 
 }  // namespace
 
-void Shell::print_stiffness() {
-  palpating_ = false;
-  if (const auto site = machine_.palpation().end()) {
-    print_site(out_, *site, site->value_nm_per_rad);
+void print_stiffness(Session& session) {
+  if (const auto site = session.machine().palpation().end()) {
+    print_site(session.out(), *site, site->value_nm_per_rad);
   } else {
-    out_ << "# no stiffness: the tip was not pressed far enough twice, or rests on something as stiff as the "
-            "instrument; raise amplitude or cycles\r\n";
+    session.out() << "# no stiffness: the tip was not pressed far enough twice, or rests on something as stiff as the "
+                     "instrument; raise amplitude or cycles\r\n";
   }
 }
 
-void ShellCommands::palpation_map(Shell& shell) {
+void print_palpation_map(Session& session) {
   Q24 largest;
-  for (const SiteStiffness& site : shell.machine_.palpation().map()) {
+  for (const SiteStiffness& site : session.machine().palpation().map()) {
     largest = std::max(largest, site.value_nm_per_rad);
   }
-  for (const SiteStiffness& site : shell.machine_.palpation().map()) {
-    print_site(shell.out_, site, largest);
+  for (const SiteStiffness& site : session.machine().palpation().map()) {
+    print_site(session.out(), site, largest);
   }
-  shell.ok();
+  session.ok();
 }
 
 }  // namespace capstan

@@ -15,29 +15,70 @@ auto is_group(std::string_view name) -> bool {
                      [name](const ParameterInfo& parameter) { return name == parameter.group; });
 }
 
-}  // namespace
-
-void ShellCommands::get(Shell& shell, std::string_view arguments) {
-  Shell::Name wanted;
-  if (!shell.parse_name(next_word(arguments), wanted)) {
-    shell.error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
-    return;
+/// False: the value was refused.
+auto stage(Session& session, std::string_view arguments) -> bool {
+  Session::Name wanted;
+  if (!session.parse_name(next_word(arguments), wanted)) {
+    session.error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
+    return false;
   }
   const ParameterInfo& parameter = *wanted.parameter;
-  shell.out_ << "joint" << static_cast<std::uint32_t>(wanted.axis) << '.' << parameter.group << '.' << parameter.name
-             << ' ';
-  print_value(shell.out_, parameter, raw_value(shell.machine_.config()[wanted.axis], parameter));
-  shell.out_ << " (";
-  print_range(shell.out_, parameter);
-  shell.out_ << ")\r\n";
-  shell.ok();
+  std::int32_t raw = 0;
+  const ValueError problem = parse_value(arguments, parameter, raw);
+  if (problem == ValueError::kNone) {
+    set_raw_value(session.staged()[wanted.axis], parameter, raw);
+    return true;
+  }
+  Print& out = session.out();
+  out << "error "
+      << (problem == ValueError::kNotANumber ? "not_a_number"
+          : problem == ValueError::kUnit     ? "unit"
+                                             : "range")
+      << ": " << parameter.group << '.' << parameter.name << " takes ";
+  print_range(out, parameter);
+  out << " and nothing was changed; give a "
+      << (problem == ValueError::kRange ? "value in that range" : "number, with that unit or none") << "\r\n";
+  session.refused();
+  return false;
 }
 
+void commit_staged(Session& session) {
+  const bool open = session.maintenance().is_open(session.machine().telemetry().tick);
+  const SetAnswer answer =
+      session.machine().configure(session.staged(), open ? Rights::kMaintenance : Rights::kOperator);
+  if (!answer.taken()) {
+    print_refusal(session, answer);
+    return;
+  }
+  session.abandon();
+  session.answer_when_settled();
+}
+
+void replay_lines(Session& session, bool changed_only) {
+  session.out() << "begin\r\n";
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
+    for (const ParameterInfo& parameter : parameters()) {
+      const std::int32_t raw = raw_value(session.machine().config()[axis], parameter);
+      if (changed_only && raw == raw_value(kFresh, parameter)) {
+        continue;
+      }
+      session.out() << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.'
+                    << parameter.name << ' ';
+      print_value(session.out(), parameter, raw);
+      session.out() << "\r\n";
+    }
+  }
+  session.out() << "commit\r\n";
+  session.ok();
+}
+
+}  // namespace
+
 /// `name`: "group.name" or "group", with or without a joint before it.
-void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
+void help_parameters(Session& session, std::string_view name) {
   std::size_t axis = 0;
   std::string_view rest = name;
-  if (shell.parse_axis(rest, axis) && rest.size() > 1 && rest.front() == '.') {
+  if (session.parse_axis(rest, axis) && rest.size() > 1 && rest.front() == '.') {
     name = std::string_view(rest.data() + 1, rest.size() - 1);
   }
   const ParameterInfo* one = find_parameter(name);
@@ -47,7 +88,7 @@ void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
       continue;
     }
     found = true;
-    Print& out = shell.out_;
+    Print& out = session.out();
     out << "  " << parameter.group << '.' << parameter.name << ": " << parameter.doc << "\r\n      ";
     print_range(out, parameter);
     out << ", default ";
@@ -65,117 +106,82 @@ void ShellCommands::help_parameters(Shell& shell, std::string_view name) {
     }
   }
   if (found) {
-    shell.ok();
+    session.ok();
   } else {
-    shell.error("unknown_topic", "there is no such command, parameter or group",
-                "'help' lists the commands, 'list' the parameters");
+    session.error("unknown_topic", "there is no such command, parameter or group",
+                  "'help' lists the commands, 'list' the parameters");
   }
-}
-
-/// Takes the room for a new set, with the one in force in it. False: another console has it, and that was answered.
-auto Shell::begin_staging() -> bool {
-  staged_ = machine_.staging(this);
-  if (staged_.empty()) {
-    error("staging", "another console puts a set together, and nothing was changed", "'commit' or 'abandon' it there");
-    return false;
-  }
-  std::copy(machine_.config().begin(), machine_.config().end(), staged_.begin());
-  return true;
-}
-
-void Shell::abandon() {
-  staging_ = false;
-  staged_ = {};
-  machine_.end_staging(this);
-}
-
-void ShellCommands::set(Shell& shell, std::string_view arguments) {
-  if (shell.staging_) {
-    if (shell.stage(arguments)) {
-      shell.ok();
-    }
-    return;
-  }
-  if (!shell.begin_staging()) {
-    return;
-  }
-  if (shell.stage(arguments)) {
-    shell.commit();
-  }
-  shell.abandon();  // what is to be taken is on its way, and what was refused is forgotten
-}
-
-auto Shell::stage(std::string_view arguments) -> bool {
-  Name wanted;
-  if (!parse_name(next_word(arguments), wanted)) {
-    error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
-    return false;
-  }
-  const ParameterInfo& parameter = *wanted.parameter;
-  std::int32_t raw = 0;
-  const ValueError problem = parse_value(arguments, parameter, raw);
-  if (problem == ValueError::kNone) {
-    set_raw_value(staged_[wanted.axis], parameter, raw);
-    return true;
-  }
-  out_ << "error "
-       << (problem == ValueError::kNotANumber ? "not_a_number"
-           : problem == ValueError::kUnit     ? "unit"
-                                              : "range")
-       << ": " << parameter.group << '.' << parameter.name << " takes ";
-  print_range(out_, parameter);
-  out_ << " and nothing was changed; give a "
-       << (problem == ValueError::kRange ? "value in that range" : "number, with that unit or none") << "\r\n";
-  prompt();
-  return false;
 }
 
 /// Says why the staged set was refused.
-void Shell::print_refusal(const SetAnswer& answer) {
+void print_refusal(Session& session, const SetAnswer& answer) {
   using Refusal = SetAnswer::Refusal;
   switch (answer.refusal) {
     case Refusal::kNone:
       return;
     case Refusal::kNeedsRest:
-      error("armed", "the model, the motor and the limits change only without torque, and nothing was changed",
-            "'disarm' first");
+      session.error("armed", "the model, the motor and the limits change only without torque, and nothing was changed",
+                    "'disarm' first");
       return;
     case Refusal::kBusy:
-      error("busy", "the cycle has not taken the last change yet, and nothing was changed", "send the line again");
+      session.error("busy", "the cycle has not taken the last change yet, and nothing was changed",
+                    "send the line again");
       return;
     case Refusal::kSafetyLimit:
-      out_ << "error maintenance: " << answer.limit->group << '.' << answer.limit->name
-           << " is a safety limit, and nothing was changed; 'maintenance open' first, with the key if one is set\r\n";
+      session.out()
+          << "error maintenance: " << answer.limit->group << '.' << answer.limit->name
+          << " is a safety limit, and nothing was changed; 'maintenance open' first, with the key if one is set\r\n";
       break;
     case Refusal::kInconsistent:
-      out_ << "error inconsistent: nothing was changed, because ";
+      session.out() << "error inconsistent: nothing was changed, because ";
       if (!answer.grid.ok() && answer.reason == std::string_view(describe(answer.grid.fault))) {
-        out_ << "at row " << static_cast<std::uint32_t>(answer.grid.row) << ", column "
-             << static_cast<std::uint32_t>(answer.grid.column) << " of the preisach grid ";
+        session.out() << "at row " << static_cast<std::uint32_t>(answer.grid.row) << ", column "
+                      << static_cast<std::uint32_t>(answer.grid.column) << " of the preisach grid ";
       }
-      out_ << answer.reason << "\r\n";  // it ends in its own cure
+      session.out() << answer.reason << "\r\n";  // it ends in its own cure
       break;
   }
-  prompt();
+  session.refused();
 }
 
-void Shell::commit() {
-  const bool open = maintenance_.is_open(machine_.telemetry().tick);
-  const SetAnswer answer = machine_.configure(staged_, open ? Rights::kMaintenance : Rights::kOperator);
-  if (!answer.taken()) {
-    print_refusal(answer);
+void commands::get(Session& session, std::string_view arguments) {
+  Session::Name wanted;
+  if (!session.parse_name(next_word(arguments), wanted)) {
+    session.error("unknown_parameter", "there is no such parameter", "'list' shows all of them");
     return;
   }
-  abandon();
-  activity_ = Activity::kApplying;
+  const ParameterInfo& parameter = *wanted.parameter;
+  session.out() << "joint" << static_cast<std::uint32_t>(wanted.axis) << '.' << parameter.group << '.' << parameter.name
+                << ' ';
+  print_value(session.out(), parameter, raw_value(session.machine().config()[wanted.axis], parameter));
+  session.out() << " (";
+  print_range(session.out(), parameter);
+  session.out() << ")\r\n";
+  session.ok();
 }
 
-void ShellCommands::list(Shell& shell, std::string_view arguments) {
+void commands::set(Session& session, std::string_view arguments) {
+  if (session.staging()) {
+    if (stage(session, arguments)) {
+      session.ok();
+    }
+    return;
+  }
+  if (!session.take_staging_room()) {
+    return;
+  }
+  if (stage(session, arguments)) {
+    commit_staged(session);
+  }
+  session.abandon();  // what is to be taken is on its way, and what was refused is forgotten
+}
+
+void commands::list(Session& session, std::string_view arguments) {
   std::string_view filter = next_word(arguments);
   std::size_t only = 0;
   const bool one_axis = !filter.empty();
-  if (one_axis && !shell.parse_axis(filter, only)) {
-    shell.error("unknown_joint", "there is no such joint", "give joint0 and so on, or nothing");
+  if (one_axis && !session.parse_axis(filter, only)) {
+    session.error("unknown_joint", "there is no such joint", "give joint0 and so on, or nothing");
     return;
   }
   const bool one_group = !filter.empty();
@@ -184,124 +190,107 @@ void ShellCommands::list(Shell& shell, std::string_view arguments) {
     filter.remove_prefix(1);
   }
   if (one_group && !(dot && is_group(filter))) {
-    shell.error("unknown_group", "there is no such group of parameters",
-                "'list' shows all of them, 'list joint0.limits' one");
+    session.error("unknown_group", "there is no such group of parameters",
+                  "'list' shows all of them, 'list joint0.limits' one");
     return;
   }
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
     for (const ParameterInfo& parameter : parameters()) {
       if ((one_axis && axis != only) || (one_group && filter != parameter.group)) {
         continue;
       }
-      shell.out_ << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
-                 << ' ';
-      print_value(shell.out_, parameter, raw_value(shell.machine_.config()[axis], parameter));
-      shell.out_ << " (";
-      print_range(shell.out_, parameter);
-      shell.out_ << ") " << parameter.doc << "\r\n";
+      session.out() << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
+                    << ' ';
+      print_value(session.out(), parameter, raw_value(session.machine().config()[axis], parameter));
+      session.out() << " (";
+      print_range(session.out(), parameter);
+      session.out() << ") " << parameter.doc << "\r\n";
     }
   }
-  shell.ok();
+  session.ok();
 }
 
-void ShellCommands::replay_lines(Shell& shell, bool changed_only) {
-  shell.out_ << "begin\r\n";
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    for (const ParameterInfo& parameter : parameters()) {
-      const std::int32_t raw = raw_value(shell.machine_.config()[axis], parameter);
-      if (changed_only && raw == raw_value(kFresh, parameter)) {
-        continue;
-      }
-      shell.out_ << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
-                 << ' ';
-      print_value(shell.out_, parameter, raw);
-      shell.out_ << "\r\n";
-    }
-  }
-  shell.out_ << "commit\r\n";
-  shell.ok();
+void commands::dump(Session& session, std::string_view /*arguments*/) {
+  replay_lines(session, false);
+}
+void commands::diff(Session& session, std::string_view /*arguments*/) {
+  replay_lines(session, true);
 }
 
-void ShellCommands::dump(Shell& shell, std::string_view /*arguments*/) {
-  replay_lines(shell, false);
-}
-void ShellCommands::diff(Shell& shell, std::string_view /*arguments*/) {
-  replay_lines(shell, true);
-}
-
-void ShellCommands::begin(Shell& shell, std::string_view /*arguments*/) {
-  if (shell.begin_staging()) {
-    shell.staging_ = true;
-    shell.ok();
+void commands::begin(Session& session, std::string_view /*arguments*/) {
+  if (session.take_staging_room()) {
+    session.keep_staging();
+    session.ok();
   }
 }
 
-void ShellCommands::commit(Shell& shell, std::string_view /*arguments*/) {
-  if (!shell.staging_) {
-    shell.error("not_staging", "nothing is staged", "'begin', then 'set' what you want to change");
+void commands::commit(Session& session, std::string_view /*arguments*/) {
+  if (!session.staging()) {
+    session.error("not_staging", "nothing is staged", "'begin', then 'set' what you want to change");
     return;
   }
-  shell.commit();
+  commit_staged(session);
 }
 
-void ShellCommands::abandon(Shell& shell, std::string_view /*arguments*/) {
-  shell.abandon();
-  shell.ok();
+void commands::abandon(Session& session, std::string_view /*arguments*/) {
+  session.abandon();
+  session.ok();
 }
 
-void ShellCommands::defaults(Shell& shell, std::string_view /*arguments*/) {
-  if (shell.begin_staging()) {
-    std::fill(shell.staged_.begin(), shell.staged_.end(), kFresh);
-    shell.staging_ = true;
-    shell.ok();
+void commands::defaults(Session& session, std::string_view /*arguments*/) {
+  if (session.take_staging_room()) {
+    std::fill(session.staged().begin(), session.staged().end(), kFresh);
+    session.keep_staging();
+    session.ok();
   }
 }
 
-void ShellCommands::save(Shell& shell, std::string_view /*arguments*/) {
-  if (energised(shell.machine_.telemetry().state)) {
-    shell.error("armed", "saving stops the processor for up to seconds", "'disarm' first");
-  } else if (!shell.machine_.save()) {
-    shell.error("storage", "the storage did not take the parameters, and the old set is still there",
-                "'save' again; if that fails too the memory is worn or write protected");
+void commands::save(Session& session, std::string_view /*arguments*/) {
+  if (energised(session.machine().telemetry().state)) {
+    session.error("armed", "saving stops the processor for up to seconds", "'disarm' first");
+  } else if (!session.machine().save()) {
+    session.error("storage", "the storage did not take the parameters, and the old set is still there",
+                  "'save' again; if that fails too the memory is worn or write protected");
   } else {
-    shell.ok();
+    session.ok();
   }
 }
 
-void ShellCommands::load(Shell& shell, std::string_view /*arguments*/) {
-  if (energised(shell.machine_.telemetry().state)) {
-    shell.error("armed", "a model changes only without torque", "'disarm' first");
+void commands::load(Session& session, std::string_view /*arguments*/) {
+  if (energised(session.machine().telemetry().state)) {
+    session.error("armed", "a model changes only without torque", "'disarm' first");
     return;
   }
-  shell.abandon();
-  switch (shell.machine_.load()) {
+  session.abandon();
+  switch (session.machine().load()) {
     case LoadResult::kLoaded:
-      shell.print_load_report("");
-      shell.activity_ = Shell::Activity::kApplying;
+      print_load_report(session.out(), session.machine().load_report(), "");
+      session.answer_when_settled();
       break;
     case LoadResult::kForeign:
-      shell.print_load_report("");
-      shell.error("storage_foreign", "the stored set has a format of another version, and nothing was changed",
-                  "flash the version that stored it, or load a model and 'save' it");
+      print_load_report(session.out(), session.machine().load_report(), "");
+      session.error("storage_foreign", "the stored set has a format of another version, and nothing was changed",
+                    "flash the version that stored it, or load a model and 'save' it");
       break;
     case LoadResult::kEmpty:
-      shell.error("storage_empty", "nothing was ever saved, and nothing was changed", "'set' what you want and 'save'");
+      session.error("storage_empty", "nothing was ever saved, and nothing was changed",
+                    "'set' what you want and 'save'");
       break;
     case LoadResult::kUnfinished:
-      shell.error("storage_unfinished", "power went while the first set was saved, and nothing was changed",
-                  "'set' what you want and 'save' again");
+      session.error("storage_unfinished", "power went while the first set was saved, and nothing was changed",
+                    "'set' what you want and 'save' again");
       break;
     case LoadResult::kUnreadable:
-      shell.error("storage_failed", "the memory can not be read, and nothing was changed",
-                  "'reboot', and if this comes back replace the memory");
+      session.error("storage_failed", "the memory can not be read, and nothing was changed",
+                    "'reboot', and if this comes back replace the memory");
       break;
     case LoadResult::kCorrupt:
-      shell.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
-                  "load a model and 'save' it");
+      session.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
+                    "load a model and 'save' it");
       break;
     case LoadResult::kRefused:
-      shell.error("busy", "the last change is not taken yet or another console stages one, and nothing was changed",
-                  "send the line again");
+      session.error("busy", "the last change is not taken yet or another console stages one, and nothing was changed",
+                    "send the line again");
       break;
   }
 }

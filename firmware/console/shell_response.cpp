@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The experiments that measure a frequency response: chirp, and multisine with `on=`.
 #include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/console/shell_experiment.hpp"
 
 namespace capstan {
 namespace {
@@ -28,11 +29,6 @@ void take_usual(ExcitationSetup& own, bool chirp, bool reference, const AxisConf
   own.speed_rad_s = config.limits.joint_speed_rad_s * kUsualSpeedShare;
 }
 
-/// A whole number of seconds or rows.
-auto parse_count(std::string_view text, std::int32_t most, std::int32_t& value) -> bool {
-  return parse_integer(text, value) == ParseResult::kOk && value >= 1 && value <= most;
-}
-
 /// Hz, also above the 128 where Q24 ends.
 auto parse_frequency(std::string_view text, Q24& khz) -> bool {
   std::size_t used = 0;
@@ -56,7 +52,7 @@ auto parse_option(std::string_view word, ExperimentSetup& setup, std::int32_t& e
   const bool torque = own.point == ExcitationSetup::Point::kMotorTorque;
   std::int32_t seconds = 0;
   if (name == "duration") {
-    const bool good = parse_count(value, kLongest, seconds);
+    const bool good = parse_count(value, 1, kLongest, seconds);
     own.length_ms = good ? static_cast<std::uint32_t>(seconds) * 1000U : own.length_ms;
     return good;
   }
@@ -68,7 +64,7 @@ auto parse_option(std::string_view word, ExperimentSetup& setup, std::int32_t& e
          (name == "travel" && quantity("rad", own.travel_rad)) ||
          (name == "speed" && quantity("rad/s", own.speed_rad_s)) ||
          (name == "corridor" && quantity("rad", own.corridor_rad)) ||
-         (name == "every" && parse_count(value, 1000, every));
+         (name == "every" && parse_count(value, 1, 1000, every));
 }
 
 /// nullptr, or why rows so far apart can not show it.
@@ -97,23 +93,24 @@ auto asks_for_response(std::string_view recipe, std::string_view arguments) -> b
   return recipe == "chirp" || (recipe == "multisine" && word.size() >= 3 && std::string_view(word.data(), 3) == "on=");
 }
 
-void ShellCommands::begin_response(Shell& shell, std::string_view recipe, std::size_t axis,
-                                   std::string_view arguments) {
-  const AxisConfig& config = shell.machine_.config()[axis];
+void begin_response(Session& session, std::string_view recipe, std::size_t axis, std::string_view arguments) {
+  const AxisConfig& config = session.machine().config()[axis];
   const bool chirp = recipe == "chirp";
-  ExperimentSetup& setup = shell.setup_;
+  auto& stream = session.make<ExperimentStream>();
+  ExperimentSetup& setup = stream.setup;
   setup = kUsual;
   setup.axis = static_cast<std::uint8_t>(axis);
-  setup.offset_rad = shell.machine_.axis_telemetry(axis).q2_rad;
+  setup.offset_rad = session.machine().axis_telemetry(axis).q2_rad;
   std::string_view first = arguments;
   take_usual(setup.excitation, chirp, next_word(first) == "on=reference", config);
   std::int32_t every = 1;
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
     if (!parse_option(word, setup, every)) {
-      shell.out_ << "error option: '" << word << "' is not understood by " << recipe
-                 << ", and nothing moved; write 'on=torque amplitude=5mNm from=1Hz to=200Hz duration=20', 'on=' before "
-                    "all others, numbers in their range; 'help experiment' shows all\r\n";
-      shell.prompt();
+      session.out()
+          << "error option: '" << word << "' is not understood by " << recipe
+          << ", and nothing moved; write 'on=torque amplitude=5mNm from=1Hz to=200Hz duration=20', 'on=' before "
+             "all others, numbers in their range; 'help experiment' shows all\r\n";
+      session.refused();
       return;
     }
   }
@@ -127,14 +124,14 @@ void ShellCommands::begin_response(Shell& shell, std::string_view recipe, std::s
     problem = check_experiment(setup, config);
   }
   if (problem != nullptr) {
-    shell.out_ << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
-    shell.prompt();
+    session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
+    session.refused();
     return;
   }
   prepare_excitation(own);
-  shell.log_site_ = -1;
-  choose_signals(shell.recorded_, axis, kLogged);
-  start_experiment(shell, static_cast<std::uint32_t>(every));
+  choose_signals(stream.recording.setup, axis, kLogged);
+  stream.recording.setup.every = static_cast<std::uint32_t>(every);
+  static_cast<void>(stream.begin(session));
 }
 
 }  // namespace capstan

@@ -58,34 +58,34 @@ void print_thermometer(Print& out, const MachineTelemetry& now) {
 
 }  // namespace
 
-void Shell::print_warnings(WarningSet warnings) {
+void print_warnings(Print& out, WarningSet warnings) {
   for (const WarningInfo& entry : kWarningTable) {
     if ((warnings & bit(entry.warning)) != 0) {
-      out_ << "  warning " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
+      out << "  warning " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
     }
   }
 }
 
-void Shell::print_tendons(const AxisTelemetry& joint) {
+void print_tendons(Print& out, const AxisTelemetry& joint) {
   if (joint.tendons != TendonHealth::kNothing) {
     const TendonHealthInfo& tendons = info(joint.tendons);
-    out_ << "  tendons " << tendons.name << ": " << tendons.cause << "; " << tendons.cure << "\r\n";
+    out << "  tendons " << tendons.name << ": " << tendons.cause << "; " << tendons.cure << "\r\n";
   }
 }
 
-void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
-  const MachineTelemetry now = shell.machine_.telemetry();
-  Print& out = shell.out_;
+void commands::status(Session& session, std::string_view /*arguments*/) {
+  const MachineTelemetry now = session.machine().telemetry();
+  Print& out = session.out();
   out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
       << " overruns " << now.overruns << "\r\n";
-  if (const LoadReport& report = shell.machine_.load_report();
+  if (const LoadReport& report = session.machine().load_report();
       report.migrated() || report.result == LoadResult::kForeign) {
-    shell.print_load_report("");
+    print_load_report(out, report, "");
   }
-  for (std::size_t axis = 0; axis < shell.machine_.axes(); ++axis) {
-    const AxisTelemetry joint = shell.machine_.axis_telemetry(axis);
+  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
+    const AxisTelemetry joint = session.machine().axis_telemetry(axis);
     out << "joint" << static_cast<std::uint32_t>(axis);
-    if (shell.machine_.config()[axis].motor.fitted == 0) {
+    if (session.machine().config()[axis].motor.fitted == 0) {
       out << " not fitted\r\n";
       continue;
     }
@@ -95,8 +95,8 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
     if (joint.mode == ControlMode::kMotor) {
       out << " motor reference " << joint.q1_reference_rad << " rad";
     }
-    print_disturbance(out, joint, shell.machine_.config()[axis].effort);
-    print_force(out, joint, shell.machine_.config()[axis].force);
+    print_disturbance(out, joint, session.machine().config()[axis].effort);
+    print_force(out, joint, session.machine().config()[axis].force);
     if (joint.tension > Q24{}) {
       out << " tension " << joint.tension << " of the healthy joint's";
     }
@@ -106,12 +106,12 @@ void ShellCommands::status(Shell& shell, std::string_view /*arguments*/) {
       }
     }
     out << "\r\n";
-    print_law_status(out, shell.machine_.config()[axis]);
-    shell.print_warnings(joint.warnings);
-    shell.print_tendons(joint);
+    print_law_status(out, session.machine().config()[axis]);
+    print_warnings(out, joint.warnings);
+    print_tendons(out, joint);
   }
   print_thermometer(out, now);
-  shell.ok();
+  session.ok();
 }
 
 }  // namespace capstan

@@ -178,7 +178,7 @@ void Experiment::rt_start(const ExperimentSetup& setup) {
   phase_ = ExperimentPhase::kApproaching;
 }
 
-auto Experiment::rt_step(const Axis& axis) -> AxisCommand {
+auto Experiment::rt_step(const Axis& axis) -> Request {
   if (phase_ == ExperimentPhase::kApproaching) {
     return rt_approach(axis);
   }
@@ -194,11 +194,11 @@ auto Experiment::rt_step(const Axis& axis) -> AxisCommand {
   return is_tonal(setup_.recipe) ? rt_run_tones() : rt_run_moves(axis);
 }
 
-auto Experiment::rt_approach(const Axis& axis) -> AxisCommand {
+auto Experiment::rt_approach(const Axis& axis) -> Request {
   if (!moving_ && setup_.recipe != Recipe::kTorqueTriangle) {
     moving_ = true;
     constexpr Q24 kShare = Q24::from_double(0.25);
-    return {.kind = AxisCommand::Kind::kMove,
+    return {.kind = Request::Kind::kMove,
             .position_rad = setup_.offset_rad,
             .speed_rad_s = axis.config().limits.joint_speed_rad_s * kShare};
   }
@@ -225,16 +225,16 @@ auto Experiment::rt_next_rung() -> bool {
   return repeat_ < setup_.repeats;
 }
 
-auto Experiment::rt_finish() -> AxisCommand {
+auto Experiment::rt_finish() -> Request {
   phase_ = ExperimentPhase::kDone;
-  return {.kind = AxisCommand::Kind::kStop};
+  return {.kind = Request::Kind::kStop};
 }
 
-auto Experiment::rt_run_tones() -> AxisCommand {
+auto Experiment::rt_run_tones() -> Request {
   if (++t_ms_ > rt_rung_ms(setup_, rung_) && !rt_next_rung()) {
     return rt_finish();
   }
-  return {.kind = AxisCommand::Kind::kFollow, .position_rad = setup_.offset_rad + rt_tone(setup_, rung_, t_ms_)};
+  return {.kind = Request::Kind::kFollow, .position_rad = setup_.offset_rad + rt_tone(setup_, rung_, t_ms_)};
 }
 
 /// Ends of legs in a rung.
@@ -269,7 +269,7 @@ auto Experiment::rt_dither() -> Q24 {
   return Q24::from_raw((setup_.dither_nm * both).raw() >> std::clamp<std::int32_t>(legs_left, 0, 8) / 2);
 }
 
-auto Experiment::rt_run_moves(const Axis& axis) -> AxisCommand {
+auto Experiment::rt_run_moves(const Axis& axis) -> Request {
   const Q24 dither = rt_dither();
   if (moving_ && axis.in_motion()) {
     return {.dither_nm = dither};
@@ -278,13 +278,13 @@ auto Experiment::rt_run_moves(const Axis& axis) -> AxisCommand {
     return rt_finish();
   }
   moving_ = true;
-  return {.kind = AxisCommand::Kind::kMove,
+  return {.kind = Request::Kind::kMove,
           .position_rad = setup_.offset_rad + rt_corner(),
           .speed_rad_s = setup_.rungs[rung_],
           .dither_nm = dither};
 }
 
-auto Experiment::rt_run_torque(const Axis& axis) -> AxisCommand {
+auto Experiment::rt_run_torque(const Axis& axis) -> Request {
   if (moving_ && !axis.in_torque()) {  // it left its limits, and is held
     phase_ = ExperimentPhase::kEnded;
     return {};
@@ -300,7 +300,7 @@ auto Experiment::rt_run_torque(const Axis& axis) -> AxisCommand {
   if (torque_ == target && ++corner_ == rt_corners() && !rt_next_rung()) {
     return rt_finish();
   }
-  return {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_wide(torque_ / kCycleRateHz)};
+  return {.kind = Request::Kind::kTorque, .torque_nm = Q24::from_wide(torque_ / kCycleRateHz)};
 }
 
 /// Outside its corridor, or faster than moves may be; a mean over 20 ms, for a rate from counts is mostly noise.
@@ -314,10 +314,10 @@ auto Experiment::rt_strays(const Axis& axis) -> bool {
          abs(q2 - trailing_q2_) > axis.config().limits.joint_speed_rad_s * kTrailS;
 }
 
-auto Experiment::rt_run_response(const Axis& axis) -> AxisCommand {
+auto Experiment::rt_run_response(const Axis& axis) -> Request {
   if (rt_strays(axis)) {
     phase_ = ExperimentPhase::kEnded;
-    return {.kind = AxisCommand::Kind::kStop};
+    return {.kind = Request::Kind::kStop};
   }
   const ExcitationSetup& own = setup_.excitation;
   if (t_ms_ == own.length_ms) {
@@ -325,14 +325,14 @@ auto Experiment::rt_run_response(const Axis& axis) -> AxisCommand {
   }
   const Q24 value = excitation_.rt_next(own, t_ms_++);
   if (own.point == ExcitationSetup::Point::kJointReference) {
-    return {.kind = AxisCommand::Kind::kFollow, .position_rad = setup_.offset_rad + value};
+    return {.kind = Request::Kind::kFollow, .position_rad = setup_.offset_rad + value};
   }
   if (own.travel_rad == Q24{} || (moving_ && axis.in_motion())) {
     return {.dither_nm = value};
   }
   moving_ = true;
   const Q24 end = corner_++ % 2 == 0 ? own.travel_rad : -own.travel_rad;
-  return {.kind = AxisCommand::Kind::kMove,
+  return {.kind = Request::Kind::kMove,
           .position_rad = setup_.offset_rad + end,
           .speed_rad_s = own.speed_rad_s,
           .dither_nm = value};

@@ -62,7 +62,7 @@ class Experiment {
   /// Ends whatever runs.
   void rt_end() { phase_ = active() ? ExperimentPhase::kEnded : phase_; }
   /// The joint's command of this cycle. @param axis  the joint of the setup, as it stood after the last cycle
-  auto rt_step(const Axis& axis) -> AxisCommand;
+  auto rt_step(const Axis& axis) -> Request;
   [[nodiscard]] auto active() const -> bool {
     return phase_ == ExperimentPhase::kApproaching || phase_ == ExperimentPhase::kRunning;
   }
@@ -70,17 +70,17 @@ class Experiment {
   [[nodiscard]] auto phase() const -> ExperimentPhase { return phase_; }
 
  private:
-  auto rt_approach(const Axis& axis) -> AxisCommand;
-  auto rt_run_tones() -> AxisCommand;
-  auto rt_run_moves(const Axis& axis) -> AxisCommand;
-  auto rt_run_torque(const Axis& axis) -> AxisCommand;
-  auto rt_run_response(const Axis& axis) -> AxisCommand;
+  auto rt_approach(const Axis& axis) -> Request;
+  auto rt_run_tones() -> Request;
+  auto rt_run_moves(const Axis& axis) -> Request;
+  auto rt_run_torque(const Axis& axis) -> Request;
+  auto rt_run_response(const Axis& axis) -> Request;
   auto rt_strays(const Axis& axis) -> bool;
   auto rt_dither() -> Q24;
   auto rt_next_rung() -> bool;
   [[nodiscard]] auto rt_corners() const -> std::int32_t;
   [[nodiscard]] auto rt_corner() const -> Q24;
-  auto rt_finish() -> AxisCommand;
+  auto rt_finish() -> Request;
 
   ExperimentSetup setup_;
   ExperimentPhase phase_ = ExperimentPhase::kIdle;

@@ -36,13 +36,15 @@ void Modes::rt_observe(Q24 drive_nm, bool estimate_valid) {
   }
 }
 
-auto Modes::rt_command(const JointView& joint, const AxisCommand& command) -> bool {
-  switch (command.kind) {
-    case AxisCommand::Kind::kNone:
+auto Modes::rt_command(const JointView& joint, const Request& request) -> bool {
+  switch (request.kind) {
+    case Request::Kind::kNone:
       return true;
-    case AxisCommand::Kind::kZero:
+    case Request::Kind::kZero:
+    case Request::Kind::kArm:
+    case Request::Kind::kDisarm:
       return false;
-    case AxisCommand::Kind::kStop:
+    case Request::Kind::kStop:
       if (in_torque()) {
         rt_hold_here(joint.estimate, Start::kKeepsTorque);
       }
@@ -50,36 +52,36 @@ auto Modes::rt_command(const JointView& joint, const AxisCommand& command) -> bo
       following_ = false;
       braking_ = true;
       return true;
-    case AxisCommand::Kind::kMove:
-      return rt_take_move(joint, command);
-    case AxisCommand::Kind::kMoveMotor:
-      return rt_take_motor(joint, command);
-    case AxisCommand::Kind::kFollow:
-      return rt_take_stream(joint, command);
-    case AxisCommand::Kind::kTorque:
-      return rt_take_torque(joint, command);
-    case AxisCommand::Kind::kForce:
-    case AxisCommand::Kind::kFollowForce:
-      return rt_take_force(joint, command);
+    case Request::Kind::kMove:
+      return rt_take_move(joint, request);
+    case Request::Kind::kMoveMotor:
+      return rt_take_motor(joint, request);
+    case Request::Kind::kFollow:
+      return rt_take_stream(joint, request);
+    case Request::Kind::kTorque:
+      return rt_take_torque(joint, request);
+    case Request::Kind::kForce:
+    case Request::Kind::kFollowForce:
+      return rt_take_force(joint, request);
   }
   return false;
 }
 
-auto Modes::rt_take_move(const JointView& joint, const AxisCommand& command) -> bool {
+auto Modes::rt_take_move(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
-  if (command.position_rad < limits.joint_min_rad || command.position_rad > limits.joint_max_rad ||
-      command.speed_rad_s <= Q24{} || rt_motor_moves()) {
+  if (request.position_rad < limits.joint_min_rad || request.position_rad > limits.joint_max_rad ||
+      request.speed_rad_s <= Q24{} || rt_motor_moves()) {
     return false;
   }
   if (reference_.mode != ControlMode::kPosition) {
     rt_hold_here(joint.estimate, Start::kKeepsTorque);
   }
   following_ = braking_ = false;
-  trajectory_.rt_start(command.position_rad, std::min(command.speed_rad_s, limits.joint_speed_rad_s));
+  trajectory_.rt_start(request.position_rad, std::min(request.speed_rad_s, limits.joint_speed_rad_s));
   return true;
 }
 
-auto Modes::rt_take_stream(const JointView& joint, const AxisCommand& command) -> bool {
+auto Modes::rt_take_stream(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
   if (rt_motor_moves()) {
     return false;
@@ -87,8 +89,8 @@ auto Modes::rt_take_stream(const JointView& joint, const AxisCommand& command) -
   if (reference_.mode != ControlMode::kPosition) {
     rt_hold_here(joint.estimate, Start::kKeepsTorque);
   }
-  const Q24 target = clamp(command.position_rad, limits.joint_min_rad, limits.joint_max_rad);
-  const bool inside = target == command.position_rad;
+  const Q24 target = clamp(request.position_rad, limits.joint_min_rad, limits.joint_max_rad);
+  const bool inside = target == request.position_rad;
   trajectory_.rt_stream(target, following_ ? cycles_since_reference_ : 1, reference_.q2_rad);
   if (!inside) {
     rt_flag(Limit::kReference);
@@ -101,10 +103,10 @@ auto Modes::rt_take_stream(const JointView& joint, const AxisCommand& command) -
 
 /// In position control the motor goes on from where its servo holds it; from torque, from where a servo would have to
 /// hold it for that torque.
-auto Modes::rt_take_motor(const JointView& joint, const AxisCommand& command) -> bool {
+auto Modes::rt_take_motor(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
-  if (command.position_rad < limits.motor_min_rad || command.position_rad > limits.motor_max_rad ||
-      command.speed_rad_s <= Q24{} || (!in_motor() && in_motion())) {
+  if (request.position_rad < limits.motor_min_rad || request.position_rad > limits.motor_max_rad ||
+      request.speed_rad_s <= Q24{} || (!in_motor() && in_motion())) {
     return false;
   }
   if (!in_motor()) {
@@ -120,13 +122,13 @@ auto Modes::rt_take_motor(const JointView& joint, const AxisCommand& command) ->
     reference_.begins = true;
   }
   braking_ = false;
-  trajectory_.rt_start(command.position_rad,
-                       abs(joint.law.per_beta(std::min(command.speed_rad_s, limits.joint_speed_rad_s))));
+  trajectory_.rt_start(request.position_rad,
+                       abs(joint.law.per_beta(std::min(request.speed_rad_s, limits.joint_speed_rad_s))));
   return true;
 }
 
-auto Modes::rt_take_torque(const JointView& joint, const AxisCommand& command) -> bool {
-  torque_target_nm_ = command.torque_nm;
+auto Modes::rt_take_torque(const JointView& joint, const Request& request) -> bool {
+  torque_target_nm_ = request.torque_nm;
   trailing_q2_ = in_torque() ? trailing_q2_ : joint.estimate.q2_rad;
   reference_.mode = ControlMode::kTorque;
   following_ = true;
@@ -135,13 +137,13 @@ auto Modes::rt_take_torque(const JointView& joint, const AxisCommand& command) -
   return true;
 }
 
-auto Modes::rt_take_force(const JointView& joint, const AxisCommand& command) -> bool {
-  if (!force_.has_law() || command.torque_rate_nm_s <= Q24{} || (!in_force() && in_motion())) {
+auto Modes::rt_take_force(const JointView& joint, const Request& request) -> bool {
+  if (!force_.has_law() || request.torque_rate_nm_s <= Q24{} || (!in_force() && in_motion())) {
     return false;
   }
   const Q24 most = joint.config.limits.joint_torque_nm;
-  const bool inside = abs(command.joint_torque_nm) <= most;
-  const bool streamed = command.kind == AxisCommand::Kind::kFollowForce;
+  const bool inside = abs(request.joint_torque_nm) <= most;
+  const bool streamed = request.kind == Request::Kind::kFollowForce;
   if (!inside && !streamed) {
     return false;
   }
@@ -153,7 +155,7 @@ auto Modes::rt_take_force(const JointView& joint, const AxisCommand& command) ->
     reference_.mode = ControlMode::kForce;
     force_.rt_start(joint.drive_nm);
   }
-  force_.rt_aim(clamp(command.joint_torque_nm, -most, most), command.torque_rate_nm_s);
+  force_.rt_aim(clamp(request.joint_torque_nm, -most, most), request.torque_rate_nm_s);
   following_ = streamed;
   braking_ = false;
   cycles_since_reference_ = 0;

@@ -3,36 +3,11 @@
 
 #include "capstan/firmware/control/controller.hpp"
 #include "capstan/firmware/control/force_control.hpp"
+#include "capstan/firmware/control/request.hpp"
 #include "capstan/firmware/control/trajectory.hpp"
 #include "capstan/firmware/estimate/estimator.hpp"
 
 namespace capstan {
-
-/// What one joint is asked to do in a cycle.
-struct AxisCommand {
-  enum class Kind : std::uint8_t {
-    kNone,    ///< go on with what it does
-    kMove,    ///< to position_rad at no more than speed_rad_s
-    kStop,    ///< brake and stand
-    kFollow,  ///< a streamed reference: position_rad now, the next one within 100 ms
-    kZero,    ///< the motor stands at position_rad, whatever its encoder says; only without torque
-    kTorque,  ///< streamed too: motor-side torque_nm instead of a position. A joint that gets faster than its moves may
-              ///< or leaves its range is held where it then is
-    kForce,  ///< force control: the joint's torque to joint_torque_nm at torque_rate_nm_s, and there from then on; from
-             ///< rest only. Watched as kTorque is
-    kFollowForce,  ///< the same as a stream, the next one within 100 ms
-    kMoveMotor,    ///< motor position control: the motor to position_rad, so that the joint gets no faster than
-                   ///< speed_rad_s makes it and accelerates no more; from rest only. A joint that leaves its range is
-                   ///< held there
-  };
-  Kind kind = Kind::kNone;
-  Q24 position_rad{};
-  Q24 speed_rad_s{};
-  Q24 torque_nm{};
-  Q24 joint_torque_nm{};
-  Q24 torque_rate_nm_s{};
-  Q24 dither_nm{};  ///< added to the motor's torque in this cycle, whatever else it does
-};
 
 /// Normal, reported, and each names the setting behind it; not faults.
 enum class Limit : std::uint8_t {
@@ -89,10 +64,10 @@ class Modes {
   void rt_make_force_law(const ForceConfig& force) { force_.rt_configure(force); }
   /// The first call of a cycle: the force law learns what the motor was told in the last one.
   void rt_observe(Q24 drive_nm, bool estimate_valid);
-  /// Takes a command. Only while energised. A move outside the limits or without speed is refused, and so is force
+  /// Takes a request. Only while energised. A move outside the limits or without speed is refused, and so is force
   /// control without a law, without a rate or of a joint that moves: false, and nothing changes. A streamed reference
   /// outside the limits is cut to them: false, and followed.
-  auto rt_command(const JointView& joint, const AxisCommand& command) -> bool;
+  auto rt_command(const JointView& joint, const Request& request) -> bool;
   /// Without torque nothing is wanted.
   void rt_rest();
   /// Gets ready for torque: stand where the joint is.
@@ -126,11 +101,11 @@ class Modes {
   enum class Start : std::uint8_t { kNone, kSteady, kKeepsTorque };
   void rt_hold_here(const JointEstimate& estimate, Start start);
   auto rt_take_over(const JointView& joint) -> Q24;
-  auto rt_take_move(const JointView& joint, const AxisCommand& command) -> bool;
-  auto rt_take_stream(const JointView& joint, const AxisCommand& command) -> bool;
-  auto rt_take_motor(const JointView& joint, const AxisCommand& command) -> bool;
-  auto rt_take_torque(const JointView& joint, const AxisCommand& command) -> bool;
-  auto rt_take_force(const JointView& joint, const AxisCommand& command) -> bool;
+  auto rt_take_move(const JointView& joint, const Request& request) -> bool;
+  auto rt_take_stream(const JointView& joint, const Request& request) -> bool;
+  auto rt_take_motor(const JointView& joint, const Request& request) -> bool;
+  auto rt_take_torque(const JointView& joint, const Request& request) -> bool;
+  auto rt_take_force(const JointView& joint, const Request& request) -> bool;
   auto rt_torque(const JointView& joint) -> Q24;
   auto rt_force(const ForceConfig& config) -> Q24;
   auto rt_next_position(const LimitConfig& limits) -> Q24;

@@ -15,7 +15,7 @@ template <JointIo Io>
 class Application final : public Machine {
  public:
   static constexpr std::size_t kAxes = Io::kAxes;
-  using Streamed = std::array<AxisCommand, kAxes>;
+  using Streamed = std::array<Request, kAxes>;
 
   /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not
   /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.
@@ -189,25 +189,12 @@ class Application final : public Machine {
         case Request::Kind::kDisarm:
           command.disarm = true;
           break;
-        case Request::Kind::kMove:
-        case Request::Kind::kMoveMotor:
-          rt_end_experiment(command, request->axis);
-          command.axis[request->axis] = {
-              request->kind == Request::Kind::kMove ? AxisCommand::Kind::kMove : AxisCommand::Kind::kMoveMotor,
-              request->position_rad, request->speed_rad_s};
-          break;
-        case Request::Kind::kStop:
-          rt_end_experiment(command, request->axis);
-          command.axis[request->axis] = {AxisCommand::Kind::kStop, {}, {}};
-          break;
-        case Request::Kind::kForce:
-          rt_end_experiment(command, request->axis);
-          command.axis[request->axis] = {.kind = AxisCommand::Kind::kForce,
-                                         .joint_torque_nm = request->joint_torque_nm,
-                                         .torque_rate_nm_s = request->torque_rate_nm_s};
-          break;
         case Request::Kind::kZero:
-          command.axis[request->axis] = {AxisCommand::Kind::kZero, request->position_rad, {}};
+          command.axis[request->axis] = *request;
+          break;
+        default:
+          rt_end_experiment(command, request->axis);
+          command.axis[request->axis] = *request;
           break;
       }
       acknowledge_ = true;

@@ -108,9 +108,9 @@ auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 te
   return estimate;
 }
 
-auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool {
-  dither_nm_ = command.dither_nm;
-  return fitted() && modes_.rt_command(view(motor, estimate), command);
+auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, const Request& request) -> bool {
+  dither_nm_ = request.dither_nm;
+  return fitted() && modes_.rt_command(view(motor, estimate), request);
 }
 
 auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet {

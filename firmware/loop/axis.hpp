@@ -33,8 +33,8 @@ class Axis {
       -> JointEstimate;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
   void rt_judge_law() { estimator_.rt_judge_law(config_); }
-  /// Takes a command, as Modes::rt_command; false too where there is no joint.
-  auto rt_command(const MotorState& motor, const JointEstimate& estimate, const AxisCommand& command) -> bool;
+  /// Takes a request, as Modes::rt_command; false too where there is no joint.
+  auto rt_command(const MotorState& motor, const JointEstimate& estimate, const Request& request) -> bool;
   /// Faults this joint sees now. `energised` adds those that need torque to mean anything.
   auto rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet;
   /// Gets ready for torque: stand where the joint is. @param cautious  within cautious_limits() until the next time, if

@@ -8,14 +8,14 @@
 
 namespace capstan {
 
-/// What the operator or the host asks of the machine in one cycle.
+/// What is asked of the machine in one cycle: the requests of its joints in their order, and those of the machine.
 template <std::size_t Axes>
 struct Command {
   bool arm = false;
   bool disarm = false;
   bool experiment = false;  ///< the commands to the joints come from an experiment
   bool cautious = false;    ///< with `arm`: joints whose observer is not commissioned keep to cautious_limits()
-  std::array<AxisCommand, Axes> axis{};
+  std::array<Request, Axes> axis{};
 };
 
 /// Where an experiment is.
@@ -120,7 +120,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   rt_update_temperature(state.telemetry, sensed.temperature, sensed.temperature_c);
 
   for (std::size_t i = 0; i < Axes; ++i) {
-    if (!had_torque && command.axis[i].kind == AxisCommand::Kind::kZero) {
+    if (!had_torque && command.axis[i].kind == Request::Kind::kZero) {
       state.axis[i].rt_zero(command.axis[i].position_rad);
     }
     motor[i] = state.axis[i].rt_sense(sensed.axis[i]);
@@ -144,7 +144,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     machine.faults |= joint_faults[i];
     machine.in_motion |= axis.in_motion();
     machine.braking &= !axis.in_motion() || axis.braking();
-    stops |= command.axis[i].kind == AxisCommand::Kind::kStop;
+    stops |= command.axis[i].kind == Request::Kind::kStop;
   }
   if (!stops) {  // a stop costs two long divisions, and the law can wait for its next turn
     state.axis[state.telemetry.tick % Axes].rt_judge_law();

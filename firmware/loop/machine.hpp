@@ -13,18 +13,6 @@
 
 namespace capstan {
 
-/// What the shell asks the cycle to do; one at a time.
-struct Request {
-  enum class Kind : std::uint8_t { kArm, kDisarm, kMove, kStop, kZero, kForce, kMoveMotor };
-  Kind kind = Kind::kDisarm;
-  std::size_t axis = 0;
-  Q24 position_rad{};
-  Q24 speed_rad_s{};
-  Q24 joint_torque_nm{};
-  Q24 torque_rate_nm_s{};
-  bool cautious = false;  ///< of kArm
-};
-
 /// The machine as slow code sees it: the shell on one side, an application of any number of joints on the other.
 /// Nothing here waits for the cycle or makes it wait.
 class Machine {
@@ -41,7 +29,7 @@ class Machine {
   /// Hands a set to the cycle, which takes it whole before its next step; or says why not, and nothing is changed. The
   /// one place where a set is judged, whoever brings it.
   virtual auto configure(std::span<const AxisConfig> axes, Rights rights) -> SetAnswer = 0;
-  /// Hands a request to the cycle. False: the last one is still under way, or there is no such joint.
+  /// Hands a request to the cycle, one at a time. False: the last one is still under way, or there is no such joint.
   virtual auto post(const Request& request) -> bool = 0;
   /// True once the cycle has carried out or refused the last request and taken the last parameters.
   [[nodiscard]] virtual auto settled() const -> bool = 0;

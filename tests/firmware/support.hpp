@@ -111,7 +111,9 @@ class FlashBanks final : public Banks {
   bool erases_backwards = false;
   long bytes_changed = 0;
   bool write_fails = false;
+  bool write_does_nothing = false;  ///< and says that it did
   bool read_fails = false;
+  long reads_left = -1;  ///< then all fail; -1: no end
 
  private:
   auto change(std::uint8_t& cell, std::uint8_t to) -> bool {
@@ -143,6 +145,9 @@ class FlashBanks final : public Banks {
     if (write_fails || offset + bytes.size() > kSize) {
       return false;
     }
+    if (write_does_nothing) {
+      return true;
+    }
     for (std::size_t i = 0; i < bytes.size(); ++i) {
       std::uint8_t& cell = memory[static_cast<std::size_t>(bank)][offset + i];
       if (!change(cell, static_cast<std::uint8_t>(cell & bytes[i]))) {
@@ -152,9 +157,10 @@ class FlashBanks final : public Banks {
     return true;
   }
   auto do_read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool override {
-    if (read_fails || offset + bytes.size() > kSize) {
+    if (read_fails || reads_left == 0 || offset + bytes.size() > kSize) {
       return false;
     }
+    reads_left -= reads_left > 0 ? 1 : 0;
     std::copy_n(memory[static_cast<std::size_t>(bank)].begin() + static_cast<std::ptrdiff_t>(offset), bytes.size(),
                 bytes.begin());
     return true;
@@ -254,6 +260,12 @@ inline auto is_final(const std::string& line) -> bool {
 inline auto verdict(const std::string& answer) -> std::string {
   const auto lines = lines_of(answer);
   return lines.empty() ? "" : lines.back();
+}
+
+/// The name of the error that an answer ends in; its last line where it is none.
+inline auto error_of(const std::string& answer) -> std::string {
+  const std::string last = verdict(answer);
+  return last.rfind("error ", 0) == 0 ? last.substr(6, last.find(':') - 6) : last;
 }
 
 inline auto has_line(const std::string& answer, const std::string& begin) -> bool {

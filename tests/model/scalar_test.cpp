@@ -84,5 +84,17 @@ TEST(SamplePeriod, DurationsOutsideAllReasonAreCutInsteadOfUndefined) {
   EXPECT_EQ(fixed_fraction, Q30{});
 }
 
+// Where constants are worked out a sum that wraps does not compile.
+TEST(Scalar, ANumberShiftedDownRoundsAndDoesNotWrapAtTheEndsOfItsRange) {
+  using Traits = ScalarTraits<Q24>;
+  static_assert(Traits::shifted_down<1>(Q24::max()).raw() == 1 << 30);
+  static_assert(Traits::shifted_down<5>(Q24::max()).raw() == 1 << 26);
+  static_assert(Traits::shifted_down<1>(Q24::lowest()).raw() == -(1 << 30));
+  for (const auto& [raw, half] :
+       {std::pair(3, 2), std::pair(2, 1), std::pair(1, 1), std::pair(-1, 0), std::pair(-3, -1)}) {
+    EXPECT_EQ(Traits::shifted_down<1>(Q24::from_raw(raw)).raw(), half) << raw;
+  }
+}
+
 }  // namespace
 }  // namespace capstan

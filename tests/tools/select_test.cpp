@@ -68,6 +68,20 @@ struct Chosen {
   LawChoice choice;
 };
 
+/// Logs as the selection of a law sees them.
+struct Opened {
+  explicit Opened(std::vector<AxisLog> of) : logs(std::move(of)) {}
+  /// The law that made_log() has.
+  [[nodiscard]] auto truth() const -> LawCandidate {
+    return with_term(*form.catalogue, with_play(with_play(candidate_of(form), 0.1), 0.4), {"curved_ratio", {0.0, 1.0}});
+  }
+  std::vector<AxisLog> logs;
+  LawForm form = form_of_model("kinematic", logs);
+  Preparation p = prepare(logs, form);
+  SelectionData data{p, *form.catalogue};
+  ForwardScore forward{data, data.logs()};
+};
+
 TEST(Select, ASheathWithACurveBehindItIsLearnedDownToItsNoise) {
   const Made made;
   const Chosen chosen(made_log(made));
@@ -108,10 +122,8 @@ TEST(Select, AScaleOfAngleJointOrTimeChangesTheLawByThatScaleAlone) {
 }
 
 TEST(Select, RowsBeforeTheMotorHasCoveredItsRangeTakeNoPart) {
-  const AxisLog log = made_log({});
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  const SelectionData data(p, *form.catalogue);
+  const Opened made({made_log({})});
+  const SelectionData& data = made.data;
   const RowRange settled = data.settled().front();
   const auto seen = data.q1().head(settled.begin);
   const double range = data.q1().maxCoeff() - data.q1().minCoeff();
@@ -121,19 +133,15 @@ TEST(Select, RowsBeforeTheMotorHasCoveredItsRangeTakeNoPart) {
 }
 
 TEST(Select, OnlyPlaysThatTheMotionTurnsRoundAreTried) {
-  const AxisLog log = made_log({});
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  const SelectionData data(p, *form.catalogue);
-  ASSERT_FALSE(data.play_widths().empty());
-  EXPECT_LE(data.play_widths().back(), 0.5 * (log.q1_rad.maxCoeff() - log.q1_rad.minCoeff()));
+  const Opened made({made_log({})});
+  const Eigen::VectorXd& q1 = made.logs.front().q1_rad;
+  ASSERT_FALSE(made.data.play_widths().empty());
+  EXPECT_LE(made.data.play_widths().back(), 0.5 * (q1.maxCoeff() - q1.minCoeff()));
 }
 
 TEST(Select, TimesThatAreTriedAreShareOfTheLogInTheUnitOfTheShape) {
-  const AxisLog log = made_log({.rows = 16000});  // 320 s
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  const Vocabulary vocabulary = angle_vocabulary(SelectionData(p, *form.catalogue));
+  const Opened made({made_log({.rows = 16000})});  // 320 s
+  const Vocabulary vocabulary = angle_vocabulary(made.data);
   const auto longest = [&](const std::string& term) {
     const auto grid = std::find_if(vocabulary.terms.begin(), vocabulary.terms.end(),
                                    [&](const auto& one) { return one.term == term && !one.settings.empty(); });
@@ -149,13 +157,10 @@ TEST(Select, ALawBeyondTheRangeOfNumbersIsNoneUnlessTheBaseLawIsBeyondItToo) {
     Made made;
     made.time_unit = 100.0;
     made.angle_unit = angle_unit;
-    const AxisLog log = made_log(made);
-    const LawForm form = form_of_model("kinematic", {log});
-    const Preparation p = prepare({log}, form);
-    SelectionData data(p, *form.catalogue);
-    ForwardScore forward(data, data.logs());
-    const LawCandidate base = candidate_of(form);
-    const LawCandidate beyond = with_term(*form.catalogue, base, {"load_inertia", {}});
+    Opened opened({made_log(made)});
+    ForwardScore& forward = opened.forward;
+    const LawCandidate base = candidate_of(opened.form);
+    const LawCandidate beyond = with_term(*opened.form.catalogue, base, {"load_inertia", {}});
     EXPECT_TRUE(std::isfinite(forward.score(beyond)));
     forward.limit_as(base);
     EXPECT_TRUE(std::isfinite(forward.score(base)));
@@ -165,14 +170,10 @@ TEST(Select, ALawBeyondTheRangeOfNumbersIsNoneUnlessTheBaseLawIsBeyondItToo) {
 
 TEST(Select, TheScoreOfTheTrueLawIsTheNoiseAndThatOfTheRatioAloneIsNot) {
   const Made made;
-  const AxisLog log = made_log(made);
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  SelectionData data(p, *form.catalogue);
-  ForwardScore forward(data, data.logs());
-  const LawCandidate ratio = candidate_of(form);
-  LawCandidate truth = with_play(with_play(ratio, 0.1), 0.4);
-  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
+  Opened opened({made_log(made)});
+  ForwardScore& forward = opened.forward;
+  const LawCandidate ratio = candidate_of(opened.form);
+  const LawCandidate truth = opened.truth();
   EXPECT_NEAR(std::sqrt(forward.score(truth)), made.noise, 0.1 * made.noise);
   EXPECT_GT(std::sqrt(forward.score(ratio)), 20.0 * made.noise);
   const Eigen::VectorXd losses = forward.losses(truth);
@@ -180,14 +181,9 @@ TEST(Select, TheScoreOfTheTrueLawIsTheNoiseAndThatOfTheRatioAloneIsNot) {
 }
 
 TEST(Select, AFittedCandidateHasTheWeightsOfItsPlays) {
-  const AxisLog log = made_log({});
-  const LawForm form = form_of_model("kinematic", {log});
-  const Preparation p = prepare({log}, form);
-  SelectionData data(p, *form.catalogue);
-  LawCandidate truth = with_play(with_play(candidate_of(form), 0.1), 0.4);
-  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
-  const JointFile joint = joint_of(data, data.logs(), truth, p.conditioner);
-  const std::size_t first = form.catalogue->term("hysteresis").first_shape;
+  Opened made({made_log({})});
+  const JointFile joint = joint_of(made.data, made.data.logs(), made.truth(), made.p.conditioner);
+  const std::size_t first = made.form.catalogue->term("hysteresis").first_shape;
   EXPECT_DOUBLE_EQ(joint.parameters.shapes[first], 0.1);
   EXPECT_NEAR(joint.parameters.shapes[first + 1], 0.3, 0.02);
   EXPECT_DOUBLE_EQ(joint.parameters.shapes[first + 2], 0.4);
@@ -198,14 +194,8 @@ TEST(Select, AFittedCandidateHasTheWeightsOfItsPlays) {
 TEST(Select, TwoLogsWithZerosOfTheirOwnGiveOneLaw) {
   AxisLog second = made_log({});
   second.q2_rad.array() += 0.3;
-  const std::vector<AxisLog> logs = {made_log({}), second};
-  const LawForm form = form_of_model("kinematic", logs);
-  const Preparation p = prepare(logs, form);
-  SelectionData data(p, *form.catalogue);
-  ForwardScore forward(data, data.logs());
-  LawCandidate truth = with_play(with_play(candidate_of(form), 0.1), 0.4);
-  truth = with_term(*form.catalogue, truth, {"curved_ratio", {0.0, 1.0}});
-  EXPECT_LT(std::sqrt(forward.score(truth)), 1.2 * Made{}.noise);
+  Opened both({made_log({}), second});
+  EXPECT_LT(std::sqrt(both.forward.score(both.truth())), 1.2 * Made{}.noise);
 }
 
 TEST(Select, AShortLogWithTwoLoopsIsDiagnosed) {

@@ -92,9 +92,8 @@ class Session {
     if (hz_ > 0.0 && cycle_ >= kBegin) {
       const double reach = std::min(0.3, 1.5 / (6.3 * hz_));
       const double phase = 6.283185307179586 * hz_ * sim::kStepS * (cycle_ - begin_);
-      streamed[0] = {AxisCommand::Kind::kFollow,
-                     Q24::from_double(from_ * std::cos(phase) + reach * 0.5 * (1.0 - std::cos(phase))),
-                     {}};
+      streamed[0] = {.kind = Request::Kind::kFollow,
+                     .position_rad = Q24::from_double(from_ * std::cos(phase) + reach * 0.5 * (1.0 - std::cos(phase)))};
     }
     application_.rt_tick(streamed);
   }

@@ -199,7 +199,7 @@ class Rig {
       sent = reference;
     }
     if (sent) {
-      streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(*sent), {}};
+      streamed[0] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(*sent)};
     }
     application_.rt_tick(streamed);
     ++cycle_;

@@ -108,8 +108,7 @@ auto in_numbers(const Choice& choice, const PartProducts& products, const PartLa
 
 /// Half the logarithm of the mean squared error of a plain law seen through the law's view: of an effort inertia, drag,
 /// Coulomb friction and offset; of a gear gain, offset, Coulomb and load friction.
-auto plain_loss(const std::vector<AxisLog>& logs, const EffortLaw& law) -> double {
-  const EffortDesign design(logs, law.view);
+auto plain_loss(const std::vector<AxisLog>& logs, const EffortLaw& law, const EffortDesign& design) -> double {
   const MotionRanges ranges = motion_ranges(design);
   auto parts = law.of_gear() ? gear_parts(ranges) : effort_parts(ranges, {}, AxisKind::kLinear);
   parts.resize(law.of_gear() ? 6 : kRigidParts);
@@ -130,7 +129,7 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   const double step_s = std::max(0.5 * logs.front().period_s, kLongestS / kMostSteps);
   const auto loss = [&](double skew_s) {
     law.view.skew_s = skew_s;
-    return plain_loss(logs, law);
+    return plain_loss(logs, law, EffortDesign(logs, law.view));
   };
   double best = 0.0;
   double lowest = loss(0.0) - kWorthAnotherView;
@@ -145,35 +144,45 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   return best;
 }
 
+/// A law without terms, and its logs as it sees them.
+struct Frame {
+  EffortLaw law;
+  EffortDesign design;
+};
+
 /// Whether the dry friction of the last motion stays while the motor stands, which the log has to show, or lets go.
-auto best_letting_go(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
-  law.view.letting_go_s = kLettingGoS;
-  const double lets_go = plain_loss(logs, law);
-  law.view.letting_go_s = 0.0;
-  return plain_loss(logs, law) < lets_go - kWorthAnotherView ? 0.0 : kLettingGoS;
+auto best_letting_go(const std::vector<AxisLog>& logs, const EffortLaw& law) -> Frame {
+  const auto seen = [&](double letting_go_s) {
+    EffortLaw trial = law;
+    trial.view.letting_go_s = letting_go_s;
+    EffortDesign design(logs, trial.view);
+    return Frame{std::move(trial), std::move(design)};
+  };
+  Frame lets_go = seen(kLettingGoS);
+  Frame holds = seen(0.0);
+  const double worth = plain_loss(logs, lets_go.law, lets_go.design) - kWorthAnotherView;
+  return plain_loss(logs, holds.law, holds.design) < worth ? std::move(holds) : std::move(lets_go);
 }
 
 /// The window through which a law that is given errs least against what was logged. Fast motion asks for a short one, a
-/// coarse encoder for a long one.
-auto best_window(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
+/// coarse encoder for a long one. @param design  of the law's own view
+auto best_window(const std::vector<AxisLog>& logs, const EffortLaw& law, const EffortDesign& design) -> double {
   const Eigen::VectorXd target = stacked_target(logs);
   double best = law.view.window_s;
-  double lowest = std::numeric_limits<double>::infinity();
-  for (const double share : {1.0, 0.5, 0.25, 0.125}) {
-    EffortLaw trial = law;
-    trial.view.window_s = share * law.view.window_s;
-    const EffortDesign design(logs, trial.view);
-    const double error = rms(target - sum_of_terms(design, trial.joint));
+  double lowest = rms(target - sum_of_terms(design, law.joint));
+  for (const double share : {0.5, 0.25, 0.125}) {
+    EffortView view = law.view;
+    view.window_s = share * law.view.window_s;
+    const double error = rms(target - sum_of_terms(EffortDesign(logs, view), law.joint));
     if (error < lowest) {
       lowest = error;
-      best = trial.view.window_s;
+      best = view.window_s;
     }
   }
   return best;
 }
 
-/// A law without terms for these logs.
-auto frame_for(const std::vector<AxisLog>& logs) -> EffortLaw {
+auto frame_for(const std::vector<AxisLog>& logs) -> Frame {
   const bool gear = !logs.front().motion_alone();
   EffortLaw law;
   law.joint = JointFile(gear ? gear_law_catalogue()
@@ -181,8 +190,7 @@ auto frame_for(const std::vector<AxisLog>& logs) -> EffortLaw {
   law.target = logs.front().target;
   law.view = usual_view(logs);
   law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
-  law.view.letting_go_s = best_letting_go(logs, law);
-  return law;
+  return best_letting_go(logs, law);
 }
 
 /// What is new in a law: effects of its parts, in the order they came, whose terms its base does not hold.
@@ -218,8 +226,9 @@ auto can_select_effort_law(const std::vector<AxisLog>& logs) -> bool {
 }
 
 auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSelection {
-  const EffortLaw frame = frame_for(logs);
-  const EffortDesign design(logs, frame.view);
+  const Frame framed = frame_for(logs);
+  const EffortLaw& frame = framed.law;
+  const EffortDesign& design = framed.design;
   const Eigen::VectorXd target = stacked_target(logs);
   const MotionRanges ranges = motion_ranges(design);
   const bool gear = frame.of_gear();
@@ -267,7 +276,7 @@ void set_status(LawStatus status, EffortLaw& law) {
 }
 
 auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw {
-  EffortLaw runnable = frame_for(logs);
+  auto [runnable, design] = frame_for(logs);
   JointFile& joint = runnable.joint;
   for (const auto& term : *joint.catalogue) {
     if (!law.has(term.name)) {
@@ -286,7 +295,7 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
   }
   joint.fit = law.fit;
   set_status(law.status, runnable);
-  runnable.view.window_s = best_window(logs, runnable);
+  runnable.view.window_s = best_window(logs, runnable, design);
   return runnable;
 }
 

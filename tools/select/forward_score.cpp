@@ -20,97 +20,11 @@ auto is_offset(const std::string& term) -> bool {
   return term == "joint_offset" || term == "offset";
 }
 
-/// Rows of one part of every log, log after log, and the parts one after the other.
-struct Order {
-  std::vector<Eigen::Index> rows, log;
-  Blocks parts;
-};
-
-auto ordered_in_parts(const SelectionData& data, const Blocks& allowed) -> Order {
-  std::vector<std::vector<Eigen::Index>> of_log(data.settled().size());
-  for (std::size_t log = 0; log < of_log.size(); ++log) {
-    const RowRange& settled = data.settled()[log];
-    for (const auto& block : allowed) {
-      for (Eigen::Index row = std::max(block.begin, settled.begin); row < std::min(block.end, settled.end); ++row) {
-        of_log[log].push_back(row);
-      }
-    }
-  }
-  Order order;
-  const Eigen::Index parts = data.numbers().parts;
-  for (Eigen::Index part = 0; part < parts; ++part) {
-    const auto begin = static_cast<Eigen::Index>(order.rows.size());
-    for (std::size_t log = 0; log < of_log.size(); ++log) {
-      const auto count = static_cast<Eigen::Index>(of_log[log].size());
-      for (Eigen::Index i = count * part / parts; i < count * (part + 1) / parts; ++i) {
-        order.rows.push_back(of_log[log][static_cast<std::size_t>(i)]);
-        order.log.push_back(static_cast<Eigen::Index>(log));
-      }
-    }
-    order.parts.push_back({begin, static_cast<Eigen::Index>(order.rows.size())});
-  }
-  return order;
-}
-
-/// Least squares with a little ridge, from scalar products; the last row and column are the target's.
-auto solve(const Eigen::MatrixXd& gram, const std::vector<Sign>& signs, const Eigen::VectorXd& ridge)
-    -> Eigen::VectorXd {
-  const Eigen::Index n = gram.cols() - 1;
-  Eigen::VectorXd scale = gram.diagonal().head(n).cwiseSqrt();
-  scale = scale.unaryExpr([](double x) { return x > 0.0 ? 1.0 / x : 0.0; });
-  Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(n, n) * scale.asDiagonal();
-  scaled.diagonal() += ridge;
-  const Eigen::VectorXd rhs = scale.cwiseProduct(gram.col(n).head(n));
-  Eigen::VectorXd theta = scaled.ldlt().solve(rhs);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    if (!has_sign(theta[i], signs[static_cast<std::size_t>(i)])) {
-      theta = solve_signed(scaled, rhs, signs);
-      break;
-    }
-  }
-  return theta.cwiseProduct(scale);
-}
-
-auto energy_left(const Eigen::MatrixXd& gram, const Eigen::VectorXd& theta) -> double {
-  const Eigen::Index n = theta.size();
-  const Eigen::VectorXd rhs = gram.col(n).head(n);
-  return std::max(0.0, gram(n, n) - 2.0 * theta.dot(rhs) + theta.dot(gram.topLeftCorner(n, n) * theta));
-}
-
 }  // namespace
 
-/// The columns of a fit and what becomes of their coefficients.
-struct ForwardScore::Assembly {
-  static constexpr std::size_t kNotKept = std::numeric_limits<std::size_t>::max();
-  struct Column {
-    std::size_t id = kNotKept;
-    Eigen::VectorXd own;  ///< where it is not kept
-    Sign sign = Sign::kAny;
-    double ridge = 0.0;
-    std::vector<Eigen::Index> coefficients;  ///< of the law
-  };
-  LawCandidate law;  ///< with what is placed by the log where it lies
-  std::vector<Column> columns;
-  Eigen::Index coefficients = 0, beta = -1, first_play = 0, plays = 0, first_bent = 0;
-  Eigen::VectorXd held;                ///< weights of plays that are no columns any more
-  std::vector<Eigen::MatrixXd> grams;  ///< per part, the target last
-  std::vector<Sign> signs;
-  Eigen::VectorXd ridge;
-
-  [[nodiscard]] auto sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd {
-    Eigen::MatrixXd all = grams[static_cast<std::size_t>(first)];
-    for (Eigen::Index part = first + 1; part < end; ++part) {
-      all += grams[static_cast<std::size_t>(part)];
-    }
-    return all;
-  }
-  [[nodiscard]] auto fit(Eigen::Index parts) const -> Eigen::VectorXd { return solve(sum(0, parts), signs, ridge); }
-};
-
 ForwardScore::ForwardScore(SelectionData& data, const Blocks& rows) : data_(data) {
-  Order order = ordered_in_parts(data, rows);
+  auto order = ordered_in_parts(data, rows);
   rows_ = std::move(order.rows);
-  log_of_row_ = std::move(order.log);
   parts_ = std::move(order.parts);
   column_id("target", data.target());
 }
@@ -156,7 +70,7 @@ auto ForwardScore::offset_ids() -> const std::vector<std::size_t>& {
   return offsets_;
 }
 
-void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* output, Assembly& fit) {
+void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* output, LawAssembly& fit) {
   const CatalogueTerm& term = data_.catalogue().term(choice.term);
   const Eigen::Index first = fit.coefficients;
   fit.coefficients += static_cast<Eigen::Index>(term.coefficients.size());
@@ -180,7 +94,7 @@ void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* outpu
 }
 
 /// A table has one value per knot here, whichever way the motor goes.
-void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, Assembly& fit) {
+void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, LawAssembly& fit) {
   const Eigen::MatrixXd columns = data_.columns_at(choice, h);
   const CatalogueTerm& term = data_.catalogue().term(choice.term);
   const auto knots = static_cast<Eigen::Index>(Table<double>::kKnots);
@@ -188,31 +102,31 @@ void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const 
   const Eigen::Index count = is_table ? std::lround(choice.shapes[1]) : columns.cols();
   for (Eigen::Index i = 0; i < count; ++i) {
     if (is_table) {
-      fit.columns.push_back({Assembly::kNotKept,
+      fit.columns.push_back({LawAssembly::kNotKept,
                              taken(columns.col(i) + columns.col(knots + i)),
                              Sign::kAny,
                              numbers().ridge,
                              {first + i, first + knots + i}});
     } else {
-      fit.columns.push_back({Assembly::kNotKept, taken(columns.col(i)), Sign::kAny, numbers().ridge, {first + i}});
+      fit.columns.push_back({LawAssembly::kNotKept, taken(columns.col(i)), Sign::kAny, numbers().ridge, {first + i}});
     }
   }
 }
 
-void ForwardScore::multiply(Assembly& fit) {
+void ForwardScore::multiply(LawAssembly& fit) {
   const auto n = static_cast<Eigen::Index>(fit.columns.size());
   fit.grams.assign(parts_.size(), Eigen::MatrixXd(n + 1, n + 1));
   fit.signs.clear();
   fit.ridge.resize(n);
-  const auto values = [&](const Assembly::Column& column) -> const Eigen::VectorXd& {
-    return column.id == Assembly::kNotKept ? column.own : columns_[column.id];
+  const auto values = [&](const LawAssembly::Column& column) -> const Eigen::VectorXd& {
+    return column.id == LawAssembly::kNotKept ? column.own : columns_[column.id];
   };
-  Assembly::Column target{kTarget, {}, Sign::kAny, 0.0, {}};
+  LawAssembly::Column target{kTarget, {}, Sign::kAny, 0.0, {}};
   for (Eigen::Index i = 0; i <= n; ++i) {
-    const Assembly::Column& a = i < n ? fit.columns[static_cast<std::size_t>(i)] : target;
+    const LawAssembly::Column& a = i < n ? fit.columns[static_cast<std::size_t>(i)] : target;
     for (Eigen::Index k = 0; k <= i; ++k) {
-      const Assembly::Column& b = k < n ? fit.columns[static_cast<std::size_t>(k)] : target;
-      const bool kept = a.id != Assembly::kNotKept && b.id != Assembly::kNotKept;
+      const LawAssembly::Column& b = k < n ? fit.columns[static_cast<std::size_t>(k)] : target;
+      const bool kept = a.id != LawAssembly::kNotKept && b.id != LawAssembly::kNotKept;
       const Products all = kept ? products(a.id, b.id) : products_of(values(a), values(b));
       for (std::size_t part = 0; part < parts_.size(); ++part) {
         fit.grams[part](i, k) = fit.grams[part](k, i) = all[static_cast<Eigen::Index>(part)];
@@ -230,7 +144,7 @@ auto ForwardScore::ratio_column(const LawCandidate& law) -> Eigen::VectorXd {
   return data_.columns({"motor_angle", {}}, law.output(data_.catalogue())).col(0);
 }
 
-auto ForwardScore::behind_plays(const LawCandidate& law, const Assembly& fit, const Eigen::VectorXd& theta)
+auto ForwardScore::behind_plays(const LawCandidate& law, const LawAssembly& fit, const Eigen::VectorXd& theta)
     -> Eigen::VectorXd {
   Eigen::VectorXd h = ratio_column(law);
   for (Eigen::Index i = 0; i < fit.plays && theta[fit.beta] != 0.0; ++i) {
@@ -256,16 +170,16 @@ auto ForwardScore::placed(TermChoice choice, const Eigen::VectorXd& h) const -> 
 
 /// Holds the plays as they were fitted: what bends over their output was fitted beside it, so a law of both is one
 /// whose plays stay where they are. Their columns go; the ratio's is that of their output.
-void ForwardScore::hold_plays(const LawCandidate& law, Assembly& fit) const {
+void ForwardScore::hold_plays(const LawCandidate& law, LawAssembly& fit) const {
   const Eigen::VectorXd theta = fit.fit(numbers().parts);
   fit.held = theta.segment(fit.first_play, fit.plays) / theta[fit.beta];
   const auto first = fit.columns.begin() + fit.first_play;
   fit.columns.erase(first, first + static_cast<std::ptrdiff_t>(law.plays.size()));
-  fit.columns[static_cast<std::size_t>(fit.beta)].id = Assembly::kNotKept;
+  fit.columns[static_cast<std::size_t>(fit.beta)].id = LawAssembly::kNotKept;
   fit.plays = 0;
 }
 
-auto ForwardScore::behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd {
+auto ForwardScore::behind_held_plays(const LawCandidate& law, const LawAssembly& fit) -> Eigen::VectorXd {
   Eigen::VectorXd h = ratio_column(law);
   for (std::size_t i = 0; i < law.plays.size(); ++i) {
     h += fit.held[static_cast<Eigen::Index>(i)] *
@@ -274,8 +188,8 @@ auto ForwardScore::behind_held_plays(const LawCandidate& law, const Assembly& fi
   return h;
 }
 
-auto ForwardScore::assemble(const LawCandidate& law) -> Assembly {
-  Assembly fit;
+auto ForwardScore::assemble(const LawCandidate& law) -> LawAssembly {
+  LawAssembly fit;
   fit.law = law;
   const TermChoice* output = law.output(data_.catalogue());
   std::vector<std::pair<const TermChoice*, Eigen::Index>> bent;
@@ -329,11 +243,11 @@ auto ForwardScore::assemble(const LawCandidate& law) -> Assembly {
 
 void ForwardScore::limit_as(const LawCandidate& base) {
   most_ = kAnyNumber;
-  const Assembly fit = assemble(base);
+  const LawAssembly fit = assemble(base);
   most_ = fit.fit(numbers().parts).cwiseAbs().maxCoeff() <= kLargestNumber ? kLargestNumber : kAnyNumber;
 }
 
-auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) const -> bool {
+auto ForwardScore::is_law(const LawAssembly& fit, const Eigen::VectorXd& theta) const -> bool {
   if (!theta.allFinite() || theta.cwiseAbs().maxCoeff() > most_) {
     return false;
   }
@@ -346,7 +260,7 @@ auto ForwardScore::is_law(const Assembly& fit, const Eigen::VectorXd& theta) con
 }
 
 auto ForwardScore::score(const LawCandidate& law) -> double {
-  const Assembly fit = assemble(law);
+  const LawAssembly fit = assemble(law);
   if (!is_law(fit, fit.fit(numbers().parts))) {
     return kNoLaw;
   }
@@ -363,18 +277,18 @@ auto ForwardScore::score(const LawCandidate& law) -> double {
 }
 
 /// What a law leaves of each piece of the log in turn, fitted to all others: energy of all rows.
-auto ForwardScore::left_out(const Assembly& fit) const -> double {
+auto ForwardScore::left_out(const LawAssembly& fit) const -> double {
   const Eigen::MatrixXd all = fit.sum(0, numbers().parts);
   double energy = 0.0;
   for (Eigen::Index part = 0; part < numbers().parts; part += numbers().parts_left_out) {
     const Eigen::MatrixXd own = fit.sum(part, std::min(part + numbers().parts_left_out, numbers().parts));
-    energy += energy_left(own, solve(all - own, fit.signs, fit.ridge));
+    energy += energy_left(own, solve_ridge(all - own, fit.signs, fit.ridge));
   }
   return energy;
 }
 
 auto ForwardScore::losses(const LawCandidate& law) -> Eigen::VectorXd {
-  const Assembly fit = assemble(law);
+  const LawAssembly fit = assemble(law);
   Eigen::VectorXd losses((numbers().parts - numbers().first_judged_part) * numbers().pieces_per_part);
   Eigen::Index at = 0;
   for (Eigen::Index part = numbers().first_judged_part; part < numbers().parts; ++part) {
@@ -383,7 +297,7 @@ auto ForwardScore::losses(const LawCandidate& law) -> Eigen::VectorXd {
     Eigen::VectorXd error = columns_[kTarget].segment(rows.begin, rows.size());
     for (std::size_t i = 0; i < fit.columns.size(); ++i) {
       const auto& column = fit.columns[i];
-      const Eigen::VectorXd& values = column.id == Assembly::kNotKept ? column.own : columns_[column.id];
+      const Eigen::VectorXd& values = column.id == LawAssembly::kNotKept ? column.own : columns_[column.id];
       error -= theta[static_cast<Eigen::Index>(i)] * values.segment(rows.begin, rows.size());
     }
     for (Eigen::Index piece = 0; piece < numbers().pieces_per_part; ++piece) {
@@ -397,7 +311,7 @@ auto ForwardScore::losses(const LawCandidate& law) -> Eigen::VectorXd {
 }
 
 auto ForwardScore::fitted(const LawCandidate& law) -> FittedCandidate {
-  const Assembly fit = assemble(law);
+  const LawAssembly fit = assemble(law);
   const Eigen::VectorXd theta = fit.fit(numbers().parts);
   FittedCandidate result{
       fit.law, Eigen::VectorXd::Zero(fit.coefficients),

@@ -4,7 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "capstan/tools/select/selection_data.hpp"
+#include "capstan/tools/select/law_assembly.hpp"
 
 namespace capstan::tools {
 
@@ -41,20 +41,19 @@ class ForwardScore {
 
  private:
   using Products = Eigen::Matrix<double, Eigen::Dynamic, 1>;  ///< one per part
-  struct Assembly;
 
-  auto assemble(const LawCandidate& law) -> Assembly;
-  void add_columns(const TermChoice& choice, const TermChoice* output, Assembly& fit);
-  void add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, Assembly& fit);
+  auto assemble(const LawCandidate& law) -> LawAssembly;
+  void add_columns(const TermChoice& choice, const TermChoice* output, LawAssembly& fit);
+  void add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, LawAssembly& fit);
   [[nodiscard]] auto placed(TermChoice choice, const Eigen::VectorXd& h) const -> TermChoice;
-  void multiply(Assembly& fit);
+  void multiply(LawAssembly& fit);
   /// The motor angle behind the plays of a fit, coarse.
-  auto behind_plays(const LawCandidate& law, const Assembly& fit, const Eigen::VectorXd& theta) -> Eigen::VectorXd;
+  auto behind_plays(const LawCandidate& law, const LawAssembly& fit, const Eigen::VectorXd& theta) -> Eigen::VectorXd;
   auto ratio_column(const LawCandidate& law) -> Eigen::VectorXd;
-  void hold_plays(const LawCandidate& law, Assembly& fit) const;
-  auto behind_held_plays(const LawCandidate& law, const Assembly& fit) -> Eigen::VectorXd;
-  [[nodiscard]] auto left_out(const Assembly& fit) const -> double;
-  [[nodiscard]] auto is_law(const Assembly& fit, const Eigen::VectorXd& theta) const -> bool;
+  void hold_plays(const LawCandidate& law, LawAssembly& fit) const;
+  auto behind_held_plays(const LawCandidate& law, const LawAssembly& fit) -> Eigen::VectorXd;
+  [[nodiscard]] auto left_out(const LawAssembly& fit) const -> double;
+  [[nodiscard]] auto is_law(const LawAssembly& fit, const Eigen::VectorXd& theta) const -> bool;
   auto column_id(const std::string& key, const Eigen::VectorXd& coarse) -> std::size_t;
   auto offset_ids() -> const std::vector<std::size_t>&;
   auto products(std::size_t a, std::size_t b) -> const Products&;
@@ -64,9 +63,8 @@ class ForwardScore {
   static constexpr double kAnyNumber = std::numeric_limits<double>::infinity();
 
   SelectionData& data_;
-  double most_ = kAnyNumber;        ///< size of a coefficient
-  std::vector<Eigen::Index> rows_;  ///< coarse rows in the order of the parts
-  std::vector<Eigen::Index> log_of_row_;
+  double most_ = kAnyNumber;              ///< size of a coefficient
+  std::vector<Eigen::Index> rows_;        ///< coarse rows in the order of the parts
   Blocks parts_;                          ///< in taken rows
   std::vector<Eigen::VectorXd> columns_;  ///< taken rows; [0] is the target
   std::unordered_map<std::string, std::size_t> ids_;

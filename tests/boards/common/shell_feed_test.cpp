@@ -104,6 +104,36 @@ TEST_F(ShellFeedTest, CtrlCOvertakesAndEndsALog) {
   EXPECT_FALSE(shell_.busy());
 }
 
+TEST_F(ShellFeedTest, ADisarmBehindMoreThanFindsRoomTakesTheTorqueAndEndsTheLog) {
+  send("arm\nlog joint0 1000000\n");
+  run();
+  ASSERT_EQ(state(), State::kHolding);
+  std::string many;
+  for (int i = 0; i < 300; ++i) {
+    many += "status\n";
+  }
+  send(many + "disarm\n");
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(feed_.poll());
+    application_.rt_tick();
+  }
+  EXPECT_EQ(state(), State::kDisarmed);
+  EXPECT_FALSE(shell_.busy());
+}
+
+TEST_F(ShellFeedTest, BehindALogWithoutTorqueNothingIsLost) {
+  send("log joint0 20\n");
+  std::string many;
+  for (int i = 0; i < 100; ++i) {
+    many += "timing\n";
+  }
+  send(many);
+  EXPECT_FALSE(run());
+  const std::string got = answers();
+  EXPECT_EQ(count_of("ok\r\n", got), 101) << got;
+  EXPECT_EQ(count_of("error", got), 0) << got;
+}
+
 TEST_F(ShellFeedTest, APeerThatLeavesIsReportedOnceAndItsHalfTypedLineIsForgotten) {
   send("arm\n");
   run();

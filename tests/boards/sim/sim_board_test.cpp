@@ -96,5 +96,29 @@ TEST_F(FaultsFromTheShell, AMistakeChangesNothingAndSaysWhatIsKnown) {
   EXPECT_EQ(say("break encoder").rfind("error unknown_command: ", 0), 0U);
 }
 
+// Between its parts it takes the torque away and gives it again: who stops it then must not be forgotten.
+TEST_F(FaultsFromTheShell, CtrlCWhileCommissioningHasNoTorqueEndsItWithoutGivingItAgain) {
+  ASSERT_EQ(arm(), "ok\r\n");
+  say("maintenance open");
+  for (const char c : std::string("commission joint0\n")) {
+    board_.shell().receive(c);
+  }
+  const auto has_torque = [this] { return energised(board_.machine().telemetry().state); };
+  for (int i = 0; i < 100'000 && has_torque(); ++i) {
+    board_.shell().poll();
+    ticks(1);
+  }
+  ASSERT_FALSE(has_torque());
+  ASSERT_TRUE(board_.shell().busy()) << sink_.take();
+  board_.shell().receive('\x03');
+  for (int i = 0; i < 20'000 && board_.shell().busy(); ++i) {
+    ticks(1);
+    board_.shell().poll();
+    ASSERT_FALSE(has_torque());
+  }
+  const std::string answer = sink_.take();
+  EXPECT_NE(answer.find("error aborted: "), std::string::npos) << answer;
+}
+
 }  // namespace
 }  // namespace capstan

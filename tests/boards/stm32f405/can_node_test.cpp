@@ -132,6 +132,20 @@ TEST_F(Node, HostThatDoesNotWaitIsToldAndDamagesNoOtherLine) {
   EXPECT_NE(ask("version").find("ok"), std::string::npos);
 }
 
+TEST_F(Node, DisarmOfAHostThatDoesNotWaitTakesTheTorque) {
+  ASSERT_NE(ask("arm").find("ok"), std::string::npos);
+  static_cast<void>(ask("log joint0 1000000 1000"));
+  for (int i = 0; i < 60; ++i) {
+    chip.arrive({.id = 0x605, .size = 8, .data = {++sequence, 's', 'a', 'v', 'e', ' ', ' ', '\n'}});
+    step();
+  }
+  ASSERT_TRUE(io.has_torque());
+  chip.arrive({.id = 0x605, .size = 8, .data = {++sequence, 'd', 'i', 's', 'a', 'r', 'm', '\n'}});
+  step();
+  step();
+  EXPECT_FALSE(io.has_torque());
+}
+
 TEST_F(Node, StreamMovesTheJointAndItsEndTakesTheTorqueWithinATenthOfASecond) {
   ASSERT_NE(ask("arm").find("ok"), std::string::npos);
   std::uint8_t number = 0;

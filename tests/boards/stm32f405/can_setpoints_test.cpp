@@ -16,7 +16,7 @@ class Setpoints : public testing::Test {
     for (const stm32f4::CanFrame& frame : frames) {
       setpoints.rt_take(frame);
     }
-    return setpoints.rt_streamed()[axis].kind == AxisCommand::Kind::kFollow;
+    return setpoints.rt_streamed()[axis].kind == Request::Kind::kFollow;
   }
   [[nodiscard]] auto angle(std::size_t axis = 0) const -> double {
     return setpoints.rt_streamed()[axis].position_rad.to_double();

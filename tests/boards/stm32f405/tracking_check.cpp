@@ -121,7 +121,7 @@ auto agreeing(const Console& console, const std::vector<Sensed<kAxes>>& record, 
     Command<kAxes> command;
     const std::int64_t tick = static_cast<std::int64_t>(line) + offset;
     if (tick == zero_tick) {
-      command.axis[0].kind = AxisCommand::Kind::kZero;
+      command.axis[0].kind = Request::Kind::kZero;
     }
     static_cast<void>(cycle(state, record[line], command));
     if (tick == console.log[next].tick) {

@@ -1,24 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// watch, scope, model, timing, zero and reboot, as a person or a script meets them.
+// watch, scope, timing, zero and reboot, as a person or a script meets them.
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-#include "capstan/firmware/console/shell_input.hpp"
 #include "capstan/tests/firmware/support.hpp"
 
 namespace capstan {
 namespace {
 
 using Bench = test::Bench<2>;
+using test::error_of;
 using test::has_line;
 using test::lines_of;
 using test::verdict;
-
-auto error_of(const std::string& answer) -> std::string {
-  const std::string last = verdict(answer);
-  return last.rfind("error ", 0) == 0 ? last.substr(6, last.find(':') - 6) : last;
-}
 
 void run(Bench& bench, int cycles) {
   for (int i = 0; i < cycles; ++i) {
@@ -161,62 +156,6 @@ TEST(ShellWatch, CtrlCEndsItAndWrongOnesAreRefused) {
   EXPECT_EQ(error_of(bench.say("watch joint0.q9")), "unknown_signal");
 }
 
-TEST(ShellModel, ShowsTheTermsThatAreOnWithTheirParametersAndCountsTheOthers) {
-  Bench bench;
-  const std::string rigid = bench.say("model joint0");
-  EXPECT_TRUE(has_line(rigid, "  motor_angle: ")) << rigid;
-  EXPECT_TRUE(has_line(rigid, "    beta 1 ")) << rigid;
-  EXPECT_EQ(rigid.find("play"), std::string::npos) << rigid;
-  EXPECT_EQ(rigid.find("joint1"), std::string::npos);
-  for (const char* line :
-       {"set joint0.play.gain 1", "set joint0.play.half_width 0.02", "set joint0.motor_angle.beta 1.25"}) {
-    ASSERT_EQ(verdict(bench.say(line)), "ok");
-  }
-  const std::string with_play = bench.say("model");
-  EXPECT_TRUE(has_line(with_play, "  play: ")) << with_play;
-  EXPECT_TRUE(has_line(with_play, "    half_width 0.02 rad ")) << with_play;
-  EXPECT_TRUE(has_line(with_play, "    beta 1.25 ")) << with_play;
-  EXPECT_TRUE(has_line(with_play, "joint1 joint angle q2 is the sum of"));
-  EXPECT_EQ(error_of(bench.say("model joint7")), "unknown_joint");
-  bench.say("arm");
-  EXPECT_EQ(error_of(bench.say("set joint0.play.gain 0.5")), "armed");
-  EXPECT_EQ(bench.say("model"), with_play) << "and nothing was changed";
-}
-
-TEST(ShellModel, ShowsOfAHysteresisThePlaysThatItHas) {
-  Bench bench;
-  ASSERT_EQ(verdict(bench.say("set joint0.hysteresis.half_width_1 0.02")), "ok");
-  EXPECT_FALSE(has_line(bench.say("model joint0"), "  hysteresis: ")) << "a width without a weight is none";
-  ASSERT_EQ(verdict(bench.say("set joint0.hysteresis.half_width_3 0.05")), "ok");
-  ASSERT_EQ(verdict(bench.say("set joint0.hysteresis.weight_3 0.5")), "ok");
-  const std::string shown = bench.say("model joint0");
-  EXPECT_TRUE(has_line(shown, "  hysteresis: ")) << shown;
-  EXPECT_TRUE(has_line(shown, "    weight_3 0.5 ")) << shown;
-  EXPECT_EQ(shown.find("half_width_1"), std::string::npos) << shown;
-}
-
-TEST(ShellModel, SaysThatALawIsProvisionalAndSoDoesStatus) {
-  Bench bench;
-  EXPECT_EQ(bench.say("model joint0").find("provisional"), std::string::npos);
-  ASSERT_EQ(verdict(bench.say("set joint0.law.status 1")), "ok");
-  EXPECT_TRUE(has_line(bench.say("model joint0"), "  the law is provisional: "));
-  EXPECT_TRUE(has_line(bench.say("status"), "  the law is provisional: "));
-  EXPECT_EQ(bench.say("model joint1").find("provisional"), std::string::npos);
-  ASSERT_EQ(verdict(bench.say("set joint0.law.status 2")), "ok");
-  EXPECT_TRUE(has_line(bench.say("model joint0"), "  the law is the base law: "));
-  EXPECT_EQ(error_of(bench.say("set joint0.law.status 3")), "range");
-}
-
-TEST(ShellModel, RefusesACurveThatTurnsBackAndATableWithItsEndsOutOfOrder) {
-  Bench bench;
-  ASSERT_EQ(verdict(bench.say("set joint0.curved_ratio.span 1")), "ok");
-  EXPECT_NE(bench.say("set joint0.curved_ratio.square 0.6").find("curve of curved_ratio turns back"),
-            std::string::npos);
-  ASSERT_EQ(verdict(bench.say("set joint0.curved_ratio.square 0.3")), "ok");
-  ASSERT_EQ(verdict(bench.say("set joint0.table.low 1")), "ok");
-  EXPECT_NE(bench.say("set joint0.table.forward_0 0.1").find("table.low is not below table.high"), std::string::npos);
-}
-
 TEST(ShellTiming, ShowsWhatTheBoardSaysAndWhatWasLost) {
   Bench bench;
   bench.io.overruns = 2;
@@ -258,80 +197,6 @@ TEST(ShellZero, SaysWhereTheMotorStandsAndClearsTheLossOfPosition) {
   EXPECT_EQ(verdict(bench.say("zero joint1")), "ok");
   EXPECT_EQ(verdict(bench.say("arm")), "ok");
   EXPECT_EQ(error_of(bench.say("zero joint0")), "armed");
-}
-
-struct Fed : Bench {
-  void send(const std::string& text, bool urgent = true) {
-    for (const char c : text) {
-      ASSERT_GT(input.room(), 0U);
-      input.take(c, urgent);
-    }
-  }
-  void background(int cycles) {
-    for (int i = 0; i < cycles; ++i) {
-      input.poll();
-      application.rt_tick();
-    }
-    input.poll();
-  }
-  ShellInput input{shell};
-};
-
-TEST(ShellInput, ATypedDisarmTakesTorqueAwayInTheMiddleOfALogAndIsAnsweredInItsTurn) {
-  for (const std::string typed : {"disarm\n", "  disarm now\r\n", "disx\barm\r",
-                                  "nonsense\x15"
-                                  "disarm\n"}) {
-    Fed fed;
-    fed.send("arm\nlog joint0 1000000\n");
-    fed.background(50);
-    ASSERT_EQ(fed.state(), State::kHolding);
-    ASSERT_TRUE(fed.shell.busy());
-    fed.sink.take();
-    fed.send("status\n" + typed);
-    fed.background(1);
-    EXPECT_EQ(fed.state(), State::kDisarmed) << typed;
-    EXPECT_FALSE(fed.io.has_torque());
-    fed.background(20);
-    EXPECT_FALSE(fed.shell.busy());
-    const auto lines = lines_of(fed.sink.take());
-    EXPECT_EQ(std::count(lines.begin(), lines.end(), "ok"), 3) << typed << " after a log and a status:\n"
-                                                               << testing::PrintToString(lines);
-  }
-}
-
-TEST(ShellInput, NothingElseOvertakes) {
-  for (const std::string typed : {"status\n", "disarmed\n", "# disarm\n", "arm\n", "disarm", "disarm\x15\n"}) {
-    Fed fed;
-    fed.send("arm\nlog joint0 1000000\n");
-    fed.background(50);
-    fed.send(typed);
-    fed.background(20);
-    EXPECT_EQ(fed.state(), State::kHolding) << typed;
-    EXPECT_TRUE(fed.shell.busy()) << typed;
-  }
-}
-
-TEST(ShellInput, InAScriptADisarmWaitsForTheLogBeforeIt) {
-  Fed fed;
-  fed.send("arm\nlog joint0 100\n", false);
-  fed.background(10);
-  fed.send("disarm\n", false);
-  fed.background(20);
-  EXPECT_EQ(fed.state(), State::kHolding);
-  fed.background(200);
-  EXPECT_EQ(fed.state(), State::kDisarmed);
-  EXPECT_EQ(lines_of(fed.sink.take()).size(), 1U + 1 + 100 + 1 + 1);
-}
-
-TEST(ShellInput, ALineOfDisarmEndsAWatchToo) {
-  Fed fed;
-  fed.send("arm\n");
-  fed.background(10);
-  fed.send("watch 20 joint0.q2\n");
-  fed.background(100);
-  fed.send("disarm\n");
-  fed.background(3);
-  EXPECT_EQ(fed.state(), State::kDisarmed);
 }
 
 }  // namespace

@@ -244,7 +244,7 @@ TEST(ForceControlStream, EndsWithItsLinkAndIsCutToTheLimit) {
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
   rig.application.rt_tick();
   Application<test::FakeIo<1>>::Streamed streamed{};
-  streamed[0] = {.kind = AxisCommand::Kind::kFollowForce,
+  streamed[0] = {.kind = Request::Kind::kFollowForce,
                  .joint_torque_nm = Q24::from_double(5.0),
                  .torque_rate_nm_s = Q24::from_int(100)};
   for (int i = 0; i < 200; ++i) {

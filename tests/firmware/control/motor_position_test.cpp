@@ -132,7 +132,9 @@ using Rig = test::CycleRig<1>;
 
 auto to_motor(double target_rad, double speed_rad_s = 2.0) -> Command<1> {
   Command<1> command;
-  command.axis[0] = {AxisCommand::Kind::kMoveMotor, Q24::from_double(target_rad), Q24::from_double(speed_rad_s)};
+  command.axis[0] = {.kind = Request::Kind::kMoveMotor,
+                     .position_rad = Q24::from_double(target_rad),
+                     .speed_rad_s = Q24::from_double(speed_rad_s)};
   return command;
 }
 

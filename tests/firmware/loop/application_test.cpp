@@ -322,7 +322,7 @@ TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) 
   rig.arm();
   Application<FakeIo<1>>::Streamed streamed{};
   for (int i = 0; i < 500; ++i) {
-    streamed[0] = {AxisCommand::Kind::kFollow, Q24::from_double(0.001 * i), {}};
+    streamed[0] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(0.001 * i)};
     rig.application.rt_tick(streamed);
   }
   EXPECT_EQ(rig.state(), State::kMoving);

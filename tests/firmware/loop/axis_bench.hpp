@@ -24,6 +24,12 @@ inline auto sensed_at(double q1_rad, double current_a) -> AxisSensed {
           .current = Quality::kOk};
 }
 
+inline auto config_without_rate_limit() -> AxisConfig {
+  AxisConfig config;
+  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
+  return config;
+}
+
 /// An axis whose stages are called one by one, with the values of the last call of each handed on.
 class AxisBench {
  public:
@@ -35,7 +41,7 @@ class AxisBench {
     report();
   }
   auto faults(bool energised) -> FaultSet { return faults_ = axis_.rt_faults(motor_, joint_, energised); }
-  auto command(const AxisCommand& command) -> bool { return axis_.rt_command(motor_, joint_, command); }
+  auto command(const Request& command) -> bool { return axis_.rt_command(motor_, joint_, command); }
   void arm() { axis_.rt_arm(joint_); }
   auto control() -> Q24 {
     const Q24 torque = axis_.rt_reference(motor_, joint_, true).torque_nm;

@@ -71,21 +71,33 @@ TEST(AxisArming, AnAmplifierOnItsWayToTorqueGetsNoneAndIsNotJudged) {
 TEST(AxisCommands, AMoveOutsideTheLimitsOrWithoutSpeedChangesNothing) {
   AxisBench axis(AxisConfig{});
   arm_at_rest(axis);
-  using Kind = AxisCommand::Kind;
-  EXPECT_FALSE(axis.command({Kind::kMove, q(2.0001), q(1.0)}));
-  EXPECT_FALSE(axis.command({Kind::kMove, q(-2.0001), q(1.0)}));
-  EXPECT_FALSE(axis.command({Kind::kMove, Q24::max(), q(1.0)}));
-  EXPECT_FALSE(axis.command({Kind::kMove, q(1.0), Q24{}}));
-  EXPECT_FALSE(axis.command({Kind::kMove, q(1.0), q(-1.0)}));
+  const auto move = [&axis](Q24 to, Q24 speed) {
+    return axis.command({.kind = Request::Kind::kMove, .position_rad = to, .speed_rad_s = speed});
+  };
+  EXPECT_FALSE(move(q(2.0001), q(1.0)));
+  EXPECT_FALSE(move(q(-2.0001), q(1.0)));
+  EXPECT_FALSE(move(Q24::max(), q(1.0)));
+  EXPECT_FALSE(move(q(1.0), Q24{}));
+  EXPECT_FALSE(move(q(1.0), q(-1.0)));
   EXPECT_FALSE(axis.in_motion());
-  EXPECT_TRUE(axis.command({Kind::kMove, q(2.0), q(1.0)}));
+  EXPECT_TRUE(move(q(2.0), q(1.0)));
   EXPECT_TRUE(axis.in_motion());
+}
+
+TEST(AxisCommands, WhatIsAskedOfTheMachineIsNothingToAJoint) {
+  AxisBench axis(AxisConfig{});
+  arm_at_rest(axis);
+  ASSERT_TRUE(axis.command({.kind = Request::Kind::kMove, .position_rad = q(1.0), .speed_rad_s = q(1.0)}));
+  for (const Request::Kind kind : {Request::Kind::kArm, Request::Kind::kDisarm}) {
+    EXPECT_FALSE(axis.command({.kind = kind}));
+    EXPECT_TRUE(axis.in_motion());
+  }
 }
 
 TEST(AxisCommands, AMoveIsNoFasterThanTheJointsLimitWhateverIsAskedFor) {
   AxisBench axis(AxisConfig{});
   arm_at_rest(axis);
-  ASSERT_TRUE(axis.command({AxisCommand::Kind::kMove, q(2.0), q(100.0)}));
+  ASSERT_TRUE(axis.command({.kind = Request::Kind::kMove, .position_rad = q(2.0), .speed_rad_s = q(100.0)}));
   Q24 last;
   for (int i = 0; i < 2000; ++i) {
     axis.estimate(sensed_at(0.0, 0.0));
@@ -103,7 +115,7 @@ TEST(AxisCommands, AWildStreamIsFollowedNoFasterAndNoFurtherThanTheLimits) {
     Q24 last;
     for (int i = 0; i < 1500; ++i) {
       axis.estimate(sensed_at(0.0, 0.0));
-      EXPECT_FALSE(axis.command({AxisCommand::Kind::kFollow, q(wild), {}}));
+      EXPECT_FALSE(axis.command({.kind = Request::Kind::kFollow, .position_rad = q(wild)}));
       static_cast<void>(axis.control());
       const Q24 now = axis.telemetry().q2_reference_rad;
       ASSERT_LE(abs(now - last), q(0.002) + Q24::from_raw(1));
@@ -126,12 +138,12 @@ TEST(AxisCommands, AMoveTakesOverFromAStreamWhereItWas) {
   arm_at_rest(axis);
   for (int i = 0; i < 200; ++i) {
     axis.estimate(sensed_at(0.0, 0.0));
-    static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(ramped(1.0, i)), {}}));
+    static_cast<void>(axis.command({.kind = Request::Kind::kFollow, .position_rad = q(ramped(1.0, i))}));
     static_cast<void>(axis.control());
   }
   const Q24 before = axis.telemetry().q2_reference_rad;
   axis.estimate(sensed_at(0.0, 0.0));
-  ASSERT_TRUE(axis.command({AxisCommand::Kind::kMove, q(-1.0), q(1.0)}));
+  ASSERT_TRUE(axis.command({.kind = Request::Kind::kMove, .position_rad = q(-1.0), .speed_rad_s = q(1.0)}));
   static_cast<void>(axis.control());
   // The stream ran at 1 rad/s, and a cycle at 10 rad/s2 takes 0.01 rad/s of it.
   EXPECT_NEAR((axis.telemetry().q2_reference_rad - before).to_double(), 0.00099, 1e-6);
@@ -144,13 +156,13 @@ TEST(AxisCommands, AHoldDuringAStreamBrakesWithTheJointsAccelerationAndNotAtOnce
     Q24 last;
     for (int i = 1; i <= 500; ++i) {
       axis.estimate(sensed_at(0.0, 0.0));
-      static_cast<void>(axis.command({AxisCommand::Kind::kFollow, q(ramped(speed, i)), {}}));
+      static_cast<void>(axis.command({.kind = Request::Kind::kFollow, .position_rad = q(ramped(speed, i))}));
       static_cast<void>(axis.control());
       last = axis.telemetry().q2_reference_rad;
     }
     const double began = last.to_double();
     axis.estimate(sensed_at(0.0, 0.0));
-    ASSERT_TRUE(axis.command({AxisCommand::Kind::kStop, {}, {}}));
+    ASSERT_TRUE(axis.command({.kind = Request::Kind::kStop}));
     double before = 0.001 * speed;
     int cycles = 0;
     for (; axis.in_motion() && cycles < 1000; ++cycles) {
@@ -198,7 +210,7 @@ TEST(AxisNotFitted, NothingOfItIsAFaultMovesOrHasTorqueAndFittedAgainItIsAnother
     for (int i = 0; i < 200; ++i) {
       axis.estimate({.encoder_counts = i * 100'000, .current_a = q(90.0), .encoder = quality, .current = quality});
       ASSERT_EQ(axis.faults(true), 0U);
-      ASSERT_FALSE(axis.command({.kind = AxisCommand::Kind::kFollow, .position_rad = q(0.5)}));
+      ASSERT_FALSE(axis.command({.kind = Request::Kind::kFollow, .position_rad = q(0.5)}));
       const AxisDrive drive = axis.drive(axis.control(), true);
       ASSERT_FALSE(drive.enabled);
       ASSERT_EQ(drive.current_a, Q24{});

@@ -86,7 +86,7 @@ const std::vector<Cause> kCauses = {
        rig.state.axis[0].rt_configure(config);
        rig.disturb = [](Sensed<1>& s) { s.axis[0].current_a = Q24::from_double(2.5); };
        Command<1> stop;  // ends a stream, whose silence would be the earlier fault
-       stop.axis[0].kind = AxisCommand::Kind::kStop;
+       stop.axis[0].kind = Request::Kind::kStop;
        rig.tick(stop);
      }},
     {"the memory is not readable", Fault::kStorageFailed, 1, false,
@@ -179,7 +179,7 @@ TEST(CycleFaults, AFaultStaysLatchedWithoutItsCauseUntilTheOperatorDisarms) {
     rig.state.model_faults = 0;
     rig.state.drive_faults = 0;
     rig.state.board_faults = 0;
-    rig.tick({.disarm = false, .axis = {AxisCommand{AxisCommand::Kind::kZero, rig.joint().q1_rad, {}}}});
+    rig.tick({.disarm = false, .axis = {Request{.kind = Request::Kind::kZero, .position_rad = rig.joint().q1_rad}}});
     for (int i = 0; i < 3500; ++i) {
       rig.tick({.arm = true});
       ASSERT_TRUE(rig.torque_off());
@@ -247,7 +247,7 @@ TEST(CycleFaults, AfterAJumpThePositionIsUnknownSoArmingIsBlockedUntilTheOperato
   EXPECT_FALSE(rig.joint().estimate_valid);
 
   Command<1> zero;
-  zero.axis[0] = {AxisCommand::Kind::kZero, Q24::from_double(0.25), {}};
+  zero.axis[0] = {.kind = Request::Kind::kZero, .position_rad = Q24::from_double(0.25)};
   rig.tick(zero);
   EXPECT_FALSE(rig.has(Fault::kEncoderJump));
   EXPECT_NEAR(rig.joint().q1_rad.to_double(), 0.25, 1e-4);
@@ -260,7 +260,7 @@ TEST(CycleFaults, TheOperatorsZeroIsNotTakenUnderTorque) {
   Rig rig;
   bring_into(rig, Situation::kHolding);
   Command<1> zero;
-  zero.axis[0] = {AxisCommand::Kind::kZero, Q24::from_double(1.0), {}};
+  zero.axis[0] = {.kind = Request::Kind::kZero, .position_rad = Q24::from_double(1.0)};
   rig.tick(zero);
   rig.ticks(10);
   EXPECT_NEAR(rig.joint().q1_rad.to_double(), 0.0, 1e-3);
@@ -347,7 +347,7 @@ TEST(CycleFaults, AStopEndsTheStreamSoItsSilenceIsNoFault) {
   Rig rig;
   bring_into(rig, Situation::kFollowing);
   Command<1> stop;
-  stop.axis[0].kind = AxisCommand::Kind::kStop;
+  stop.axis[0].kind = Request::Kind::kStop;
   rig.tick(stop);
   rig.ticks(500);
   EXPECT_EQ(rig.now(), State::kHolding);

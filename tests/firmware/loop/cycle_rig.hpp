@@ -34,12 +34,14 @@ struct CycleRig {
   }
   void move(double target_rad, double speed_rad_s = 2.0) {
     Command<Axes> command;
-    command.axis[0] = {AxisCommand::Kind::kMove, Q24::from_double(target_rad), Q24::from_double(speed_rad_s)};
+    command.axis[0] = {.kind = Request::Kind::kMove,
+                       .position_rad = Q24::from_double(target_rad),
+                       .speed_rad_s = Q24::from_double(speed_rad_s)};
     tick(command);
   }
   void follow(double reference_rad) {
     Command<Axes> command;
-    command.axis[0] = {AxisCommand::Kind::kFollow, Q24::from_double(reference_rad), {}};
+    command.axis[0] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(reference_rad)};
     tick(command);
   }
   [[nodiscard]] auto now() const -> State { return state.telemetry.state; }

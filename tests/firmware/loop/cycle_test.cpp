@@ -19,7 +19,7 @@ TEST(Cycle, CommandsBeforeArmingDoNotMoveAnything) {
   rig.follow(0.5);
   EXPECT_EQ(rig.now(), State::kDisarmed);
   Command<1> both{.arm = true};
-  both.axis[0] = {AxisCommand::Kind::kMove, Q24::from_int(1), Q24::from_int(1)};
+  both.axis[0] = {.kind = Request::Kind::kMove, .position_rad = Q24::from_int(1), .speed_rad_s = Q24::from_int(1)};
   rig.tick(both);
   rig.ticks(1000);
   EXPECT_EQ(rig.now(), State::kHolding);
@@ -50,7 +50,7 @@ TEST(Cycle, AMoveOutOfTorqueControlBeginsWithTheTorqueThatTheMotorHasAndRunsFrom
   rig.arm();
   EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.05, 1e-5) << "the mean of both directions, 0.1 N m/A";
   Command<1> torque;
-  torque.axis[0] = {.kind = AxisCommand::Kind::kTorque, .torque_nm = Q24::from_double(0.04)};
+  torque.axis[0] = {.kind = Request::Kind::kTorque, .torque_nm = Q24::from_double(0.04)};
   rig.tick(torque);
   EXPECT_NEAR(rig.drive.axis[0].current_a.to_double(), 0.4, 1e-5);
   rig.move(1.0);
@@ -115,8 +115,12 @@ TEST(Cycle, ARecordedRunReplaysBitForBitIntoAnyFreshState) {
     command.arm = i % 1000 == 10;
     command.disarm = i % 1000 == 990;
     if (i % 300 == 100) {
-      command.axis[0] = {AxisCommand::Kind::kMove, Q24::from_double(-0.15 * (i % 5)), Q24::from_int(1)};
-      command.axis[1] = {AxisCommand::Kind::kMove, Q24::from_double(0.1 * (i % 7)), Q24::from_int(2)};
+      command.axis[0] = {.kind = Request::Kind::kMove,
+                         .position_rad = Q24::from_double(-0.15 * (i % 5)),
+                         .speed_rad_s = Q24::from_int(1)};
+      command.axis[1] = {.kind = Request::Kind::kMove,
+                         .position_rad = Q24::from_double(0.1 * (i % 7)),
+                         .speed_rad_s = Q24::from_int(2)};
     }
     rig.io.encoder = i % 1700 == 1600 ? Quality::kMissing : Quality::kOk;
     rig.tick(command);
@@ -149,9 +153,9 @@ RC_GTEST_PROP(Cycle, NoInputWhateverGivesTorqueBeyondTheLimitOrWithoutArming, ()
     Command<1> command;
     command.arm = *rc::gen::inRange(0, 10) == 0;
     command.disarm = *rc::gen::inRange(0, 100) == 0;
-    command.axis[0] = {static_cast<AxisCommand::Kind>(*rc::gen::inRange(0, 4)),
-                       Q24::from_raw(*rc::gen::arbitrary<std::int32_t>()),
-                       Q24::from_raw(*rc::gen::arbitrary<std::int32_t>())};
+    command.axis[0] = {.kind = static_cast<Request::Kind>(*rc::gen::inRange(0, 4)),
+                       .position_rad = Q24::from_raw(*rc::gen::arbitrary<std::int32_t>()),
+                       .speed_rad_s = Q24::from_raw(*rc::gen::arbitrary<std::int32_t>())};
     const Drive<1> drive = cycle(state, sensed, command);
     armed = (armed || command.arm) && !command.disarm;
     RC_ASSERT(!drive.axis[0].enabled || armed);

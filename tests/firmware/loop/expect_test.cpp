@@ -37,15 +37,6 @@ TEST_F(Expect, WhatDoesNotHoldEndsTheProgram) {
   EXPECT_EXIT(CAPSTAN_EXPECT(1 + 1 == 3), trapped, "");
 }
 
-TEST_F(Expect, CharactersWithoutRoom) {
-  test::Bench<1> bench(false);
-  ShellInput input(bench.shell);
-  for (std::size_t i = input.room(); i > 0; --i) {
-    input.take('x');
-  }
-  EXPECT_EXIT(input.take('x'), trapped, "");
-}
-
 TEST_F(Expect, ForceControlWithoutALaw) {
   const ForceConfig none;
   ForceControl control(none);

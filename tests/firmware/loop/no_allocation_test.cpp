@@ -53,7 +53,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
   EXPECT_EQ(rig.allocations_of(1000), 0) << "arming and holding";
   ASSERT_EQ(rig.application.telemetry().state, State::kHolding);
-  for (std::size_t axis = 0; axis < 4; ++axis) {
+  for (std::uint8_t axis = 0; axis < 4; ++axis) {
     ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kMove,
                                       .axis = axis,
                                       .position_rad = Q24::from_int(1),
@@ -64,7 +64,7 @@ TEST(NoAllocation, NotInAnyCycleAtRestArmedMovingHoldingOrFaulted) {
   ASSERT_TRUE(rig.application.recorder().start(&rig, {.signals = {find_signal("joint2.q1", 4)}, .count = 1}));
   EXPECT_EQ(rig.allocations_of(3000), 0) << "recording, and dropping what nobody fetches";
   Firmware::Streamed streamed{};
-  streamed.fill({AxisCommand::Kind::kFollow, Q24::from_double(0.3), {}});
+  streamed.fill({.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(0.3)});
   EXPECT_EQ(rig.allocations_of(1000, streamed), 0) << "following";
   EXPECT_EQ(rig.allocations_of(1000), 0) << "link lost";
   ASSERT_EQ(rig.application.telemetry().first_fault, Fault::kLinkLost);

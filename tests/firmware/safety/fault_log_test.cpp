@@ -162,6 +162,19 @@ TEST(FaultLog, AFirmwareThatEndsUnderTorqueLeavesItsLastSecond) {
   EXPECT_EQ(board.log().count(), 1U) << "at rest a restart is no news";
 }
 
+TEST(FaultLog, AnOperatorWhoDisarmsLeavesNothingAlsoOverARestart) {
+  Board board;
+  board.say("arm");
+  board.ticks(300);
+  board.say("disarm");
+  EXPECT_EQ(board.log().count(), 0U);
+  EXPECT_EQ(board.log().kept(), 0U);
+  board.start();
+  EXPECT_EQ(board.log().count(), 0U) << "the firmware did not end under torque";
+  board.fault_after(300);
+  EXPECT_GT(board.log().kept(), 0U) << "and the next second has room";
+}
+
 TEST(FaultLog, ASecondThatNobodyReadIsNotWrittenOverAndOneThatWasReadIs) {
   Board board;
   board.fault_after(300);
@@ -236,6 +249,10 @@ TEST(FaultLog, WithoutMemoryThereIsNoLogAndNothingElseChanges) {
   EXPECT_EQ(verdict(bench.say("faults")), "ok");
   EXPECT_EQ(verdict(bench.say("faults release")), "ok");
   EXPECT_EQ(verdict(bench.say("faults second")).rfind("error nothing_kept: ", 0), 0U);
+  FaultLog& log = bench.application.fault_log();
+  EXPECT_EQ(log.count(), 0U);
+  EXPECT_EQ(log.entry(0).fault, Fault::kNone);
+  EXPECT_EQ(log.kept_entry().fault, Fault::kNone);
 }
 
 }  // namespace

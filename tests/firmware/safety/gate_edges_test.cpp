@@ -12,12 +12,6 @@ namespace {
 
 using namespace test;
 
-auto config_without_rate_limit() -> AxisConfig {
-  AxisConfig config;
-  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
-  return config;
-}
-
 auto motor_at(Q24 q1_rad) -> MotorState {
   MotorState motor;
   motor.q1_rad = q1_rad;

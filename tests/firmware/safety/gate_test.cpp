@@ -13,12 +13,6 @@ namespace {
 
 using namespace test;
 
-auto config_without_rate_limit() -> AxisConfig {
-  AxisConfig config;
-  config.limits.current_rate_a_per_cycle = Q24::from_int(100);
-  return config;
-}
-
 TEST(Gate, WithoutPermissionThereIsNoTorqueWhateverIsAskedFor) {
   AxisBench axis(AxisConfig{});
   for (int i = 0; i < 100; ++i) {

@@ -101,6 +101,18 @@ export async function arm(console_) {
   await state(console_, 'holding');
 }
 
+/** From rest: 10 degrees by a click and no torque by a key. */
+export async function armMoveDisarm(console_) {
+  const { page } = console_;
+  await arm(console_);
+  await view(console_, 'move');
+  await page.waitForSelector('#joints .joint');
+  await page.click('text="+10 deg"');
+  await moved(console_, 10);
+  await page.keyboard.press('Space');
+  await state(console_, 'disarmed');
+}
+
 /** Waits until the first joint stands there, degrees. */
 export function moved({ page }, degrees) {
   return page.waitForFunction((wanted) => Math.abs(parseFloat(document.querySelector('#joints output').textContent) - wanted) < 0.7, degrees, { timeout: kPatience });

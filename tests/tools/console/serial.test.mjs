@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import test, { afterEach } from 'node:test';
 import { Board } from '../../boards/browser/module.mjs';
-import { arm, kPatience, message as told, moved, pages, state, type, view } from './browser.mjs';
+import { arm, armMoveDisarm, kPatience, message as told, pages, state, type, view } from './browser.mjs';
 
 const rig = pages();
 let one;
@@ -72,13 +72,7 @@ test('arms, moves and disarms a board on a serial line, and shows its signals', 
   await connected();
   await one.page.waitForFunction(() => /one every 10 ms/.test(document.getElementById('rate').textContent), null, { timeout: kPatience });
   assert.ok(await one.page.isHidden('#tab-break'), 'a board is not broken by a click');
-  await arm(one);
-  await view(one, 'move');
-  await one.page.waitForSelector('#joints .joint');
-  await one.page.click('text="+10 deg"');
-  await moved(one, 10);
-  await one.page.keyboard.press('Space');
-  await state(one, 'disarmed');
+  await armMoveDisarm(one);
   assert.match(board.heard, /move joint0 10\.0 deg\n/);
 });
 

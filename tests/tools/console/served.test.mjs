@@ -7,7 +7,7 @@ import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
-import { arm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
+import { arm, armMoveDisarm, eventually, kPatience, message, moved, pages, state, type, view } from './browser.mjs';
 import { between, board, console_, endAll, foxglove, freePort } from './served.mjs';
 
 const rig = pages();
@@ -49,13 +49,7 @@ test('from the first request to a trace that moves it takes less than 2 s', asyn
 test('arms, moves and disarms the simulated joint of capstan console, at 1 kHz without a loss', async () => {
   const one = await open(await console_());
   await until(one, () => /one every 1 ms, 0 lost/.test(document.getElementById('rate').textContent));
-  await arm(one);
-  await view(one, 'move');
-  await one.page.waitForSelector('#joints .joint');
-  await one.page.click('text="+10 deg"');
-  await moved(one, 10);
-  await one.page.keyboard.press('Space');
-  await state(one, 'disarmed');
+  await armMoveDisarm(one);
 });
 
 for (const kind of ['tcp', 'pty']) {

@@ -98,15 +98,15 @@ auto error_share(Rig& rig, Ask&& ask) -> double {
   return std::sqrt(squares / (kCycles - kFirst)) / kPeakNm;
 }
 
-auto by_law(double wanted_nm) -> AxisCommand {
-  return {.kind = AxisCommand::Kind::kFollowForce,
+auto by_law(double wanted_nm) -> Request {
+  return {.kind = Request::Kind::kFollowForce,
           .joint_torque_nm = Q24::from_double(wanted_nm),
           .torque_rate_nm_s = Q24::from_int(10)};
 }
 /// What one does who knows the pulleys only.
-auto by_ratio(double wanted_nm) -> AxisCommand {
+auto by_ratio(double wanted_nm) -> Request {
   const sim::PlantParameters plant;
-  return {.kind = AxisCommand::Kind::kTorque,
+  return {.kind = Request::Kind::kTorque,
           .torque_nm = Q24::from_double(wanted_nm * plant.input_radius_m / plant.output_radius_m)};
 }
 

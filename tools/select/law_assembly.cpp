@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/law_assembly.hpp"
+
+#include <algorithm>
+
+namespace capstan::tools {
+
+auto ordered_in_parts(const SelectionData& data, const Blocks& allowed) -> RowOrder {
+  std::vector<std::vector<Eigen::Index>> of_log(data.settled().size());
+  for (std::size_t log = 0; log < of_log.size(); ++log) {
+    const RowRange& settled = data.settled()[log];
+    for (const auto& block : allowed) {
+      for (Eigen::Index row = std::max(block.begin, settled.begin); row < std::min(block.end, settled.end); ++row) {
+        of_log[log].push_back(row);
+      }
+    }
+  }
+  RowOrder order;
+  const Eigen::Index parts = data.numbers().parts;
+  for (Eigen::Index part = 0; part < parts; ++part) {
+    const auto begin = static_cast<Eigen::Index>(order.rows.size());
+    for (std::size_t log = 0; log < of_log.size(); ++log) {
+      const auto count = static_cast<Eigen::Index>(of_log[log].size());
+      for (Eigen::Index i = count * part / parts; i < count * (part + 1) / parts; ++i) {
+        order.rows.push_back(of_log[log][static_cast<std::size_t>(i)]);
+      }
+    }
+    order.parts.push_back({begin, static_cast<Eigen::Index>(order.rows.size())});
+  }
+  return order;
+}
+
+auto solve_ridge(const Eigen::MatrixXd& gram, const std::vector<Sign>& signs, const Eigen::VectorXd& ridge)
+    -> Eigen::VectorXd {
+  const Eigen::Index n = gram.cols() - 1;
+  Eigen::VectorXd scale = gram.diagonal().head(n).cwiseSqrt();
+  scale = scale.unaryExpr([](double x) { return x > 0.0 ? 1.0 / x : 0.0; });
+  Eigen::MatrixXd scaled = scale.asDiagonal() * gram.topLeftCorner(n, n) * scale.asDiagonal();
+  scaled.diagonal() += ridge;
+  const Eigen::VectorXd rhs = scale.cwiseProduct(gram.col(n).head(n));
+  Eigen::VectorXd theta = scaled.ldlt().solve(rhs);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (!has_sign(theta[i], signs[static_cast<std::size_t>(i)])) {
+      theta = solve_signed(scaled, rhs, signs);
+      break;
+    }
+  }
+  return theta.cwiseProduct(scale);
+}
+
+auto energy_left(const Eigen::MatrixXd& gram, const Eigen::VectorXd& theta) -> double {
+  const Eigen::Index n = theta.size();
+  const Eigen::VectorXd rhs = gram.col(n).head(n);
+  return std::max(0.0, gram(n, n) - 2.0 * theta.dot(rhs) + theta.dot(gram.topLeftCorner(n, n) * theta));
+}
+
+auto LawAssembly::sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd {
+  Eigen::MatrixXd all = grams[static_cast<std::size_t>(first)];
+  for (Eigen::Index part = first + 1; part < end; ++part) {
+    all += grams[static_cast<std::size_t>(part)];
+  }
+  return all;
+}
+
+auto LawAssembly::fit(Eigen::Index parts) const -> Eigen::VectorXd {
+  return solve_ridge(sum(0, parts), signs, ridge);
+}
+
+}  // namespace capstan::tools
