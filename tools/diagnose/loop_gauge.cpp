@@ -132,11 +132,11 @@ class LoopSearch {
         left_by_loop_(left_to_choose(p, loop_)),
         left_by_found_(left_to_choose(p, search_.law)),
         enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
-    const double width_rad = half_width_of(search_.law);
+    compare_width(search_.law);
+    const double width_rad = half_width_of(gauge_);
     const auto sliding =
         healthy.fit && healthy.fit->loop_torque ? loop_torque(p.hindsight, p.certain(), width_rad) : std::nullopt;
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
-    width_ = now.half_width_rad / before.half_width_rad;
     force_ = now.torque_nm / before.torque_nm;
     search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
@@ -162,6 +162,12 @@ class LoopSearch {
   }
 
  private:
+  /// By the law's loop, its lateness beside it where the healthy joint's was.
+  void compare_width(const LawForm& law) {
+    gauge_ = before_.late_s ? with_lateness(p_.causal, p_.target, p_.certain(), law) : law;
+    width_ = half_width_of(gauge_) / before_.half_width_rad;
+  }
+
   /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
   /// whichever leaves least.
   auto of_the_torque() -> Search {
@@ -190,6 +196,7 @@ class LoopSearch {
   }
 
   auto of_the_loop_alone() -> Search {
+    compare_width(loop_);
     const std::string name = name_of_change(width_, force_);
     if (name.empty()) {
       search_.law = loop_;
@@ -216,6 +223,7 @@ class LoopSearch {
       if (effect.name == "transport_delay" || effect.name == "transmission_viscous") {
         effect.name = name_of_lateness();
         effect.alternatives.clear();
+        effect.size = delay_of(effect.name);
       }
     }
     const auto& found = search_.effects;
@@ -226,7 +234,10 @@ class LoopSearch {
     for (const char* term : {"transport_delay", "transmission_viscous"}) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
-        return complete(late, left_by_it, {named(name_of_lateness())});
+        compare_width(late);
+        AddedEffect effect = named(name_of_lateness());
+        effect.size = delay_of(effect.name);
+        return complete(late, left_by_it, {effect});
       }
     }
     const Course course = course_of(p_, loop_);
@@ -246,23 +257,28 @@ class LoopSearch {
     return answer;
   }
 
+  /// The gauge with its intervals.
+  [[nodiscard]] auto gauged() const -> JointFile {
+    const Blocks blocks = interval_blocks(
+        unbroken(refined(p_.split, p_.factor).learned()),
+        p_.target - law_columns(p_.causal, gauge_) * fit_law(p_.causal, p_.target, p_.certain(), gauge_).theta);
+    return law_with_intervals(p_.causal, p_.target, blocks, gauge_, p_.conditioner);
+  }
+
   /// How large a change of the loop alone is: of a play the gap to either side at the joint, else what the pretension
   /// or the stiffness is over the healthy joint's. The healthy width is as sure as this one.
   [[nodiscard]] auto size_of(const std::string& name) const -> EffectSize {
-    const Blocks blocks = interval_blocks(
-        unbroken(refined(p_.split, p_.factor).learned()),
-        p_.target - law_columns(p_.causal, loop_) * fit_law(p_.causal, p_.target, p_.certain(), loop_).theta);
-    const JointFile law = law_with_intervals(p_.causal, p_.target, blocks, loop_, p_.conditioner);
-    const CatalogueTerm& play = loop_.catalogue->term(kPlay);
+    const JointFile law = gauged();
+    const CatalogueTerm& play = gauge_.catalogue->term(kPlay);
     const auto& ci95 = law.shape_ci95[play.first_shape];
-    const double width = half_width_of(loop_);
+    const double width = half_width_of(gauge_);
     const double half = ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / width * std::sqrt(2.0), kLoopBias) : 1.0;
     const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
       return {value, unit, Interval{value - slope * half, value + slope * half}};
     };
     if (name == kPlay) {
-      const double beta = law.parameters.coefficients[loop_.catalogue->term("motor_angle").first_coefficient];
-      return with(beta * width * (1.0 - 1.0 / width_), beta * width / width_, "rad");
+      const double beta = law.parameters.coefficients[gauge_.catalogue->term("motor_angle").first_coefficient];
+      return with(beta * width * (1.0 - 1.0 / width_), beta * width, "rad");
     }
     if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {
       return *pretension;
@@ -292,9 +308,22 @@ class LoopSearch {
     }
     const double per_width = std::pow(more / (tendons * (width_ - 1.0)), 2.0);
     const double per_motor = 2.0 * std::abs(more) / (tendons * tendons);
-    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * motor);
+    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * friction);
     const double over = 1.0 + more / tendons;
     return EffectSize{over, "1", Interval{over - half, over + half}};
+  }
+  /// How much later the joint is than the healthy one was: its sensors have clocks of their own, too.
+  [[nodiscard]] auto delay_of(const std::string& name) const -> std::optional<EffectSize> {
+    if (name != "transport_delay" || !gauge_.has(name) || !before_.late_s) {
+      return std::nullopt;
+    }
+    const auto& ci95 = gauged().shape_ci95[gauge_.catalogue->term(name).first_shape];
+    const double value = lateness_of(gauge_) - *before_.late_s;
+    if (!ci95) {
+      return EffectSize{value, "s"};
+    }
+    const double half = 0.5 * ((*ci95)[1] - (*ci95)[0]) * std::sqrt(2.0);  // the healthy one is as sure as this one
+    return EffectSize{value, "s", Interval{value - half, value + half}};
   }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
@@ -342,7 +371,8 @@ class LoopSearch {
   const LawForm& tendons_;
   LawForm loop_;
   Search search_;
-  double left_;  ///< by the healthy tendons, rms, of the rows to choose by; and by the others
+  LawForm gauge_;  ///< whose numbers are compared with the healthy joint's
+  double left_;    ///< by the healthy tendons, rms, of the rows to choose by; and by the others
   double left_by_loop_;
   double left_by_found_;
   double enough_;
