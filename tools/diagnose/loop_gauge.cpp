@@ -149,11 +149,11 @@ class LoopSearch {
   }
 
   auto answer() -> std::optional<Search> {
-    if (left_ <= enough_) {
-      return complete(tendons_, left_, {});
-    }
     if (by_torque_) {
       return of_the_torque();
+    }
+    if (left_ <= enough_) {
+      return complete(tendons_, left_, {});
     }
     if (left_ < left_by_found_) {
       return std::nullopt;
@@ -178,7 +178,9 @@ class LoopSearch {
         best = {left, std::move(law)};
       }
     };
-    if (left_by_found_ > enough_) {
+    if (left_ <= enough_) {
+      best = {left_, tendons_};  // they carry all of it
+    } else if (left_by_found_ > enough_) {
       LawForm anew = tendons_;
       anew.held.clear();
       anew.tied_compliance.reset();

@@ -59,15 +59,15 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
     return std::nullopt;
   }
   const double slides = share(TorqueCause::kFriction);
-  const bool bends = share(TorqueCause::kBristle) > kBendsShare &&
-                     share(TorqueCause::kBristle) > slides + kBendsBeyond &&
-                     share(TorqueCause::kBristle) > share(TorqueCause::kDrag);
+  const double bending = share(TorqueCause::kBristle);
+  const bool bends = bending > kBendsShare && bending > slides + kBendsBeyond &&
+                     1.0 - bending < kBendsLeaves * (1.0 - slides) && bending > share(TorqueCause::kDrag);
   if (bends && is_certain(TorqueCause::kBristle)) {
     return finding(TorqueCause::kBristle, change, beta);
   }
   for (const TorqueCause cause : {TorqueCause::kWeight, TorqueCause::kMass, TorqueCause::kDrag}) {
     const bool told = cause == TorqueCause::kWeight || is_certain(cause);  // weight may pull either way
-    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBendsBeyond) {
+    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBeyondFriction) {
       return finding(cause, change, beta);
     }
   }

@@ -302,7 +302,6 @@ auto between_tendons(const LoadRows& of, double friction, double start) -> doubl
     fit.run(start);
     load[positive] = fit.best().load;
   }
-  fprintf(stderr, "sides %.6g %.6g whole %.6g\n", load[0], load[1], start);
   return 0.5 * std::abs(load[1] - load[0]);
 }
 

@@ -125,7 +125,14 @@ inline constexpr double kTorqueTold = 0.04;
 inline constexpr double kTorqueCauseShare = 0.45;
 /// The same of friction that bends before it slides: 82 % and more where it is the cause, less where tendons go slack.
 inline constexpr double kBendsShare = 0.6;
-/// And by how much more than friction that is the same everywhere; drag goes with the direction too.
-inline constexpr double kBendsBeyond = 0.15;
+/// And of what friction that is the same everywhere leaves it leaves this share at most: 5 to 18 % where it is the cause
+/// (7 to 23 % being left), next to all of it with wear, a sticky spot, cogging, a tremor, bent sheaths, fading magnets
+/// and drag. Joints 701 to 705 with 0.01 Nm, the others on 702 (23 November 2026). Until then it had to take away 15 %
+/// more of the change, and a bend that is short beside the stroke takes 7 (joint 703).
+inline constexpr double kBendsLeaves = 0.4;
+/// And this much of the change more: another pretension is all but friction alone, and its rest looks like anything.
+inline constexpr double kBendsBeyond = 0.03;
+/// By how much more than such friction a weight, a mass or drag takes away; drag goes with the direction too.
+inline constexpr double kBeyondFriction = 0.15;
 
 }  // namespace capstan::tools
