@@ -7,6 +7,7 @@
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/loop_course.hpp"
 #include "capstan/tools/diagnose/torque_gauge.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
@@ -37,52 +38,6 @@ auto name_of_change(double width, double torque) -> std::string {
     return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
   }
   return same_torque ? kPlay : "";
-}
-
-/// The rows of the blocks that are `begin` to `end` of all of them, counted through.
-auto share_of(const Blocks& blocks, Eigen::Index begin, Eigen::Index end) -> Blocks {
-  Blocks share;
-  Eigen::Index before = 0;
-  for (const auto& block : blocks) {
-    const RowRange here{block.begin + std::max<Eigen::Index>(0, begin - before),
-                        std::min(block.end, block.begin + end - before)};
-    if (here.begin < here.end) {
-      share.push_back(here);
-    }
-    before += block.size();
-  }
-  return share.size() > 1 ? share : even_parts(share, 2);
-}
-
-auto loop_in(const Preparation& p, const LawForm& loop, const Blocks& rows) -> Loop {
-  const LawForm now = refine_shapes(p.hindsight, p.target, rows, loop);
-  return {half_width_of(now), friction_torque(p.hindsight, rows)};
-}
-
-/// How the loop changed from the first fifth of the logs over the middle one to the last.
-struct Course {
-  double width = 1.0;  ///< last over first
-  double torque = 1.0;
-  bool early = false;  ///< most of the change of width came before the middle
-
-  [[nodiscard]] auto narrows() const -> bool { return width < 1.0 - kLoopTold && torque < 1.0 - kLoopTold; }
-  [[nodiscard]] auto widens() const -> bool { return width > 1.0 + kLoopTold && torque > 1.0 + kLoopTold; }
-};
-
-auto course_of(const Preparation& p, const LawForm& loop) -> Course {
-  constexpr Eigen::Index kParts = 5;
-  constexpr double kMost = 2.0;
-  const Blocks rows = p.certain();
-  const Eigen::Index all = rows_in(rows);
-  const auto part = [&](Eigen::Index i) {
-    return loop_in(p, loop, share_of(rows, all * i / kParts, all * (i + 1) / kParts));
-  };
-  const Loop first = part(0);
-  const Loop middle = part(kParts / 2);
-  const Loop last = part(kParts - 1);
-  return {last.half_width_rad / first.half_width_rad, last.torque_nm / first.torque_nm,
-          std::abs(middle.half_width_rad - first.half_width_rad) >
-              kMost * std::abs(last.half_width_rad - middle.half_width_rad)};
 }
 
 auto sentence_of(const std::string& name, const EffectSize& size) -> std::string {
@@ -152,7 +107,7 @@ class LoopSearch {
     if (by_torque_) {
       return of_the_torque();
     }
-    if (left_ <= enough_) {
+    if (left_ <= enough_ || is_as_before()) {
       return complete(tendons_, left_, {});
     }
     if (left_ < left_by_found_) {
@@ -162,6 +117,12 @@ class LoopSearch {
   }
 
  private:
+  /// Tendons of a loop that is wide beside the noise err by more than that on a healthy day.
+  [[nodiscard]] auto is_as_before() const -> bool {
+    return std::abs(width_ - 1.0) <= kLoopTold && std::abs(force_ - 1.0) <= kLoopTold && healthy_.fit &&
+           left_ <= kAboveFloor * healthy_.fit->rmse;
+  }
+
   /// By the law's loop, its lateness beside it where the healthy joint's was.
   void compare_width(const LawForm& law) {
     gauge_ = before_.late_s ? with_lateness(p_.causal, p_.target, p_.certain(), law) : law;
