@@ -165,7 +165,7 @@ TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
-  constexpr std::size_t kConditionerTorqueAndMonitor = 5;
+  constexpr std::size_t kConditionerTorqueAndMonitor = 6;
   constexpr std::size_t kCouplingAndStatus = kMostOthers + 1;
   EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kCouplingAndStatus + 2);
   EXPECT_EQ(lines.front(), "begin");
