@@ -153,6 +153,7 @@ class LoopSearch {
     AddedEffect effect = named(by_torque_->name);
     effect.size = by_torque_->size;
     Search answer = complete(best.second, best.first, {effect});
+    answer.by_torque = true;
     answer.share.value = std::max(answer.share.value, by_torque_->share);
     answer.share.lower = std::max(answer.share.lower, by_torque_->share);
     return answer;
