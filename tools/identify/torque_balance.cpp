@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
-#include <utility>
 
 #include "capstan/tools/identify/hindsight.hpp"
-#include "capstan/tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/load_fit.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -17,7 +15,6 @@ namespace {
 constexpr auto kParts = static_cast<Eigen::Index>(TorqueParts::kCount);
 /// Of the parts, in their order.
 enum Column : Eigen::Index { kSense, kOne, kRate, kSpeedup, kSine, kCosine };
-constexpr Eigen::Index kBlocks = 24;
 
 /// Means over stretches in which the motor goes one way and is through the loop.
 struct Rows {
@@ -129,18 +126,6 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   return rows;
 }
 
-auto fitted(const Eigen::MatrixXd& columns, const Eigen::VectorXd& torque) -> LinearFit {
-  const std::vector<Sign> signs(static_cast<std::size_t>(columns.cols()), Sign::kAny);
-  return fit_columns(columns, torque, even_parts({{0, columns.rows()}}, kBlocks), signs);
-}
-
-/// A constant torque beside it counts for nothing: sensors of current have one.
-auto with_offset(const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
-  Eigen::MatrixXd all(columns.rows(), columns.cols() + 1);
-  all << columns, Eigen::VectorXd::Ones(columns.rows());
-  return all;
-}
-
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
   const auto at = static_cast<std::size_t>(cause);
   all.size[at] = fit.theta[0];
@@ -154,117 +139,6 @@ void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::Vecto
   take_size(cause, fit, all);
 }
 
-/// Both tendons sliding under a load L of the joint, by the motor's torque (2.16), (2.18), (5.35): while both are taut
-/// the load comes through one to one beside their friction f, beyond that one is slack and the other passes it on by
-/// e^eta against the motion, by e^-eta with it.
-///   tau = s max(s L + f, s L e^(+-eta)),  + where the load is against the motion
-struct Carried {
-  double load = 0.0;       ///< L per regressor
-  double eta = 0.0;        ///< of both tendons
-  double elsewhere = 0.0;  ///< friction that is not the tendons', Nm
-
-  /// What the load changes of the torque. @param friction  of all, without load
-  [[nodiscard]] auto torque(double regressor, double sense, double friction) const -> double {
-    const double against = sense * load * regressor;
-    const double tendons = friction - elsewhere;
-    const double slack = against * std::exp(against > 0.0 ? eta : -eta);
-    return sense * (std::max(against + tendons, slack) - tendons);
-  }
-};
-
-/// What a load is told by.
-struct LoadRows {
-  Eigen::VectorXd regressor, sense, change;
-  bool other_friction = false;  ///< the friction may have changed, too
-};
-
-/// What a change of torque may have beside its cause: a constant, and perhaps another friction.
-class Beside {
- public:
-  explicit Beside(Eigen::MatrixXd columns)
-      : columns_(std::move(columns)), inverse_((columns_.transpose() * columns_).inverse()) {}
-
-  [[nodiscard]] auto columns() const -> const Eigen::MatrixXd& { return columns_; }
-  /// Squares that are left of a signal.
-  [[nodiscard]] auto left(const Eigen::VectorXd& signal) const -> double {
-    const Eigen::VectorXd part = columns_.transpose() * signal;
-    return signal.squaredNorm() - part.dot(inverse_ * part);
-  }
-
- private:
-  Eigen::MatrixXd columns_, inverse_;
-};
-
-/// The load that explains a change of torque, of one regressor.
-class LoadFit {
- public:
-  LoadFit(const LoadRows& of, double friction)
-      : x_(of.regressor),
-        s_(of.sense),
-        change_(of.change),
-        friction_(friction),
-        beside_(of.other_friction ? with_offset(s_) : Eigen::MatrixXd::Ones(s_.size(), 1)) {}
-
-  void run(double start) {
-    for (const double eta : {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5}) {
-      for (const double share : {0.0, 0.15, 0.3, 0.5}) {
-        Carried trial{0.0, eta, share * friction_};
-        settle(start, trial);
-      }
-    }
-  }
-  [[nodiscard]] auto left() const -> double { return left_; }
-  [[nodiscard]] auto best() const -> const Carried& { return best_; }
-  /// Half width of the load's interval, eta and the other friction free.
-  [[nodiscard]] auto half_95() const -> double {
-    Eigen::MatrixXd slopes(x_.size(), 3);
-    for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
-      double Carried::*const part[] = {&Carried::load, &Carried::eta, &Carried::elsewhere};
-      Carried more = best_;
-      const double step = 1e-3 * std::max(std::abs(best_.*part[k]), 1e-2 * (k == 1 ? 1.0 : friction_));
-      more.*part[k] += step;
-      slopes.col(k) = (told(more) - told(best_)) / step;
-    }
-    Eigen::MatrixXd columns(x_.size(), 3 + beside_.columns().cols());
-    columns << slopes, beside_.columns();
-    return half_interval(fitted(columns, change_ - told(best_)), 0);
-  }
-
- private:
-  [[nodiscard]] auto told(const Carried& by) const -> Eigen::VectorXd {
-    Eigen::VectorXd torque(x_.size());
-    for (Eigen::Index i = 0; i < x_.size(); ++i) {
-      torque[i] = by.torque(x_[i], s_[i], friction_);
-    }
-    return torque;
-  }
-  /// Golden section over the load, from a tenth to twice what it would be were all of it to come through one to one.
-  void settle(double start, Carried& trial) {
-    constexpr double kGolden = 0.6180339887498949;
-    constexpr int kHalvings = 16;
-    const auto left = [&](double load) {
-      trial.load = load;
-      return beside_.left(change_ - told(trial));
-    };
-    double low = 0.1 * start;
-    double high = 2.0 * start;
-    for (int i = 0; i < kHalvings; ++i) {
-      const double inner[2] = {high - kGolden * (high - low), low + kGolden * (high - low)};
-      (left(inner[0]) < left(inner[1]) ? high : low) = left(inner[0]) < left(inner[1]) ? inner[1] : inner[0];
-    }
-    if (const double rest = left(0.5 * (low + high)); rest < left_) {
-      left_ = rest;
-      best_ = trial;
-    }
-  }
-
-  Eigen::VectorXd x_, s_, change_;
-  double friction_;
-  Beside beside_;
-  double left_ = std::numeric_limits<double>::infinity();
-  Carried best_;
-};
-
 /// Under a load the tendons need a longer way until both slide: rows this many half widths behind the loop, where there
 /// are enough. On drawn joints 704 a weight was 15 % too large without, 4 % with 5 and more.
 constexpr double kLoaded = 5.0;
@@ -277,40 +151,18 @@ auto loaded_rows(const Rows& rows, double half_width) -> std::vector<Eigen::Inde
       far.push_back(i);
     }
   }
-  if (static_cast<Eigen::Index>(far.size()) < 4 * kBlocks) {
+  if (static_cast<Eigen::Index>(far.size()) < 4 * kLoadBlocks) {
     far.resize(static_cast<std::size_t>(rows.way.size()));
     std::iota(far.begin(), far.end(), Eigen::Index{0});
   }
   return far;
 }
 
-/// A load pulls at one tendon where its regressor is positive and at the other where it is negative, and the one that
-/// takes most of it has a friction and a stiffness of its own: half of what two answers, of either alone, are apart.
-auto between_tendons(const LoadRows& of, double friction, double start) -> double {
-  std::array<double, 2> load{};
-  for (const bool positive : {false, true}) {
-    std::vector<Eigen::Index> here;
-    for (Eigen::Index i = 0; i < of.regressor.size(); ++i) {
-      if ((of.regressor[i] > 0.0) == positive) {
-        here.push_back(i);
-      }
-    }
-    if (static_cast<Eigen::Index>(here.size()) < kBlocks) {
-      return 0.0;
-    }
-    LoadFit fit({of.regressor(here), of.sense(here), of.change(here), of.other_friction}, friction);
-    fit.run(start);
-    load[positive] = fit.best().load;
-  }
-  return 0.5 * std::abs(load[1] - load[0]);
-}
-
 void take_load(TorqueCause cause, const LoadRows& of, double friction, TorqueChange& all) {
   const auto at = static_cast<std::size_t>(cause);
-  LoadFit fit(of, friction);
-  fit.run(all.size[at]);
-  all.size[at] = fit.best().load;
-  all.size_95[at] = std::hypot(fit.half_95(), between_tendons(of, friction, all.size[at]));
+  const LoadAnswer told = told_load(of, friction, all.size[at]);
+  all.size[at] = told.load;
+  all.size_95[at] = told.half_95;
 }
 
 /// A mass swings on its tendons, at some Hz, and they stick and slide at that; over 0.1 s that averages out, in the
@@ -328,7 +180,7 @@ void size_mass(const Rows& rows, const Eigen::VectorXd& alike, const TorqueLogs&
       }
     }
   }
-  if (static_cast<Eigen::Index>(means.size()) > kBlocks) {
+  if (static_cast<Eigen::Index>(means.size()) > kLoadBlocks) {
     const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> table(
         means.front().data(), static_cast<Eigen::Index>(means.size()), 3);
     take_load(TorqueCause::kMass, {table.col(0), table.col(2), table.col(1), true}, friction, all);
@@ -353,7 +205,7 @@ void size_bristle(const Rows& rows, const Eigen::VectorXd& change, TorqueChange&
       slid.push_back(i);
     }
   }
-  if (static_cast<Eigen::Index>(slid.size()) < 4 * kBlocks) {
+  if (static_cast<Eigen::Index>(slid.size()) < 4 * kLoadBlocks) {
     return;
   }
   const Eigen::VectorXd sense = rows.columns.col(kSense);
