@@ -177,7 +177,9 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
                          .motor_range = Interval{-1.0 / 3.0, 2.0},
                          .loop_half_width = 1.0 / 19.0,
                          .loop_torque = 1.0 / 23.0,
+                         .late = 1.0 / 2100.0,
                          .torque = TorqueParts{{1.0 / 3.0, -0.02, 1e-4, 1.0 / 7e4, 0.05, -1.0 / 9.0, 0.0, 2.0}},
+                         .friction_rms = 1.0 / 900.0,
                          .joint_range = 2.2,
                          .logs = {"a \"b\".csv", "c.csv"}};
   const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
@@ -193,6 +195,8 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(again.fit->joint_range, joint.fit->joint_range);
   EXPECT_EQ(again.fit->loop_half_width, joint.fit->loop_half_width);
   EXPECT_EQ(again.fit->loop_torque, joint.fit->loop_torque);
+  EXPECT_EQ(again.fit->late, joint.fit->late);
+  EXPECT_EQ(again.fit->friction_rms, joint.fit->friction_rms);
   ASSERT_TRUE(again.fit->torque);
   EXPECT_EQ(again.fit->torque->values, joint.fit->torque->values);
 }

@@ -146,6 +146,23 @@ TEST(TorqueBalance, FrictionThatBendsFirstIsPresliding) {
             "presliding");
 }
 
+TEST(TorqueBalance, ABendThatIsShortBesideTheStrokeIsPreslidingWithTheSizeItSlidesAt) {
+  const double friction = 0.008;  // Nm at the motor
+  const Load load = [&](const Instant& now) {
+    return friction * now.s * std::clamp(-1.0 + 2.0 * now.way / 0.03, -1.0, 1.0);
+  };
+  const auto change = change_by(load);
+  const auto plain = change.share[static_cast<std::size_t>(TorqueCause::kFriction)];
+  EXPECT_GT(plain, 0.85) << "friction that is the same everywhere takes away most, too";
+  const auto finding = found_in_torque(change, kFriction, kBeta);
+  ASSERT_TRUE(finding);
+  EXPECT_EQ(finding->name, "presliding");
+  EXPECT_NEAR(finding->size.value, friction / kBeta, 0.05 * friction / kBeta);
+  ASSERT_TRUE(finding->size.ci95);
+  EXPECT_LT((*finding->size.ci95)[0], friction / kBeta);
+  EXPECT_GT((*finding->size.ci95)[1], friction / kBeta);
+}
+
 TEST(TorqueBalance, WhatIsNoneOfThemHasNoName) {
   EXPECT_EQ(name_of(none), "") << "healthy";
   EXPECT_EQ(name_of([](const Instant& now) { return 0.006 * now.s; }), "") << "friction, as of more pretension";

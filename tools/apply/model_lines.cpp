@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "capstan/firmware/estimate/law_monitor.hpp"
+#include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 
 namespace capstan::tools {
@@ -60,6 +62,25 @@ auto expected_error_rad(const JointFile& joint) -> double {
   return std::min(std::hypot(joint.fit->rmse, width_rad), kMostRad);
 }
 
+static_assert(MonitorStretch::kSamples == LawMonitor::kSteadyStretch);
+static_assert(MonitorStretch::kUnsettled == LawMonitor::kUnsettled);
+static_assert(MonitorStretch::kStrideRad == LawMonitor::kStride.to_double());
+static_assert(Q24::from_double(MonitorStretch::kSettleRad) == MonitorConfig{}.settle_rad);
+
+/// Friction is expected to change from stretch to stretch as it did in the logs, and by some from one motion to
+/// another; without enough of them nobody knows.
+auto expected_friction_nm(const JointFile& joint) -> double {
+  constexpr double kMostNm = 10.0;
+  // Of the steady friction; the logs' own change is 0.7 to 2.2 % on drawn joints 701 to 705. Set on 23 November 2026
+  // before a board had watched by it.
+  constexpr double kAnotherMotion = 0.01;
+  if (!joint.fit || !joint.steady_torque || !joint.fit->friction_rms) {
+    return 0.0;
+  }
+  const double friction = 0.5 * std::abs(joint.steady_torque->forward_nm - joint.steady_torque->backward_nm);
+  return std::min(std::hypot(*joint.fit->friction_rms, kAnotherMotion * friction), kMostNm);
+}
+
 }  // namespace
 
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
@@ -82,6 +103,7 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
     write.set("control", "torque_backward", joint.steady_torque->backward_nm, "Nm");
   }
   write.set("monitor", "joint_rms", expected_error_rad(joint), "rad");
+  write.set("monitor", "torque_rms", expected_friction_nm(joint), "Nm");
   lines.emplace_back("commit");
   return lines;
 }

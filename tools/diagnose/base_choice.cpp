@@ -18,6 +18,23 @@ auto fitted_tendons(const Preparation& p, const LawForm& start) -> LawForm {
   return base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
 }
 
+/// Half the width at the joint of the loop that a search called a gap; 0 where it found none.
+auto loop_size(const Preparation& p, const LawForm& law) -> double {
+  const std::string play = "play";
+  if (!law.has(play)) {
+    return 0.0;
+  }
+  Eigen::Index gain = 0;
+  for (const CatalogueTerm* term : ordered_terms(law)) {
+    if (term->name == play) {
+      break;
+    }
+    gain += static_cast<Eigen::Index>(term->coefficients.size());
+  }
+  const LinearFit fit = fit_law(p.causal, p.target, p.certain(), law);
+  return std::abs(fit.theta[gain]) * law.shapes_of(law.catalogue->term(play)).front();
+}
+
 auto with_effects(const LawForm& base, const LawForm& all, const std::vector<AddedEffect>& effects, std::size_t count)
     -> LawForm {
   LawForm law = all;
@@ -50,7 +67,7 @@ auto settled_base(const Preparation& p, LawForm base) -> LawForm {
   return base;
 }
 
-auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<LawForm> {
+auto better_base(const Preparation& p, const LawForm& usual, const Search& search) -> std::optional<BaseChoice> {
   const bool torque = std::all_of(p.logs.begin(), p.logs.end(), [](const auto& log) { return log.has_torque; });
   const double found = left_to_choose(p, search.law);
   const double noise = noise_of(p, search, found);
@@ -64,12 +81,15 @@ auto better_base(const Preparation& p, const LawForm& usual, const Search& searc
   tendons = settled_base(p, tendons);
   const double left = left_to_choose(p, tendons);
   const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
-  const bool as_good = tendons_likely && left <= kAsGoodABase * found;
-  return complete || as_good || left <= kWorthABase * found ? std::optional(tendons) : std::nullopt;
+  const double form_error = tendons_likely ? kTendonForm * loop_size(p, search.law) : 0.0;
+  const bool as_good = tendons_likely && left <= std::hypot(kAsGoodABase * found, form_error);
+  return complete || as_good || left <= kWorthABase * found ? std::optional(BaseChoice{tendons, form_error})
+                                                            : std::nullopt;
 }
 
-auto without_form_error(const Preparation& p, const LawForm& tendons, Search search) -> Search {
-  const double enough = kAboveFloor * noise_of(p, search, left_to_choose(p, search.law));
+auto without_form_error(const Preparation& p, const BaseChoice& base, Search search) -> Search {
+  const LawForm& tendons = base.law;
+  const double enough = std::hypot(kAboveFloor * noise_of(p, search, left_to_choose(p, search.law)), base.form_error);
   const double left = left_to_choose(p, tendons);
   const auto answer = [&](const LawForm& law, double left_by_it, std::vector<AddedEffect> effects) {
     search.law = law;

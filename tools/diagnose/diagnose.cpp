@@ -108,7 +108,8 @@ auto found_law(const Preparation& p, const Search& search, const LawForm& base, 
   if (!is_refusal(d.verdict)) {
     d.effects = search.effects;
     const Interval ratio = ratio_interval(p, d.traces.before, estimates(p.logs, p.causal, found));
-    if (ratio[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law)) {
+    // What the torque shows need not be in the angle: tendons that are taut carry it.
+    if (!search.by_torque && (ratio[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law))) {
       take_back(search, d);
     }
   }
@@ -240,16 +241,18 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
 void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
   const auto by_its_loop = options.base_law ? by_loop(p, *options.base_law, base, options.progress) : std::nullopt;
   Search search = by_its_loop ? *by_its_loop : search_effects(p, base, options.progress);
+  double form_error = 0.0;
   if (d.base_model == kDefaultModel && options.base_model.empty() && !options.base_law) {
     options.progress("trying the law of two tendons");
     if (const auto tendons = better_base(p, base, search)) {
-      base = *tendons;
+      base = tendons->law;
+      form_error = tendons->form_error;
       d.base_model = kTendonModel;
       search = search_effects(p, base, options.progress);
     }
   }
   if (base.has(kTendonModel) && !by_its_loop) {
-    search = without_form_error(p, base, std::move(search));
+    search = without_form_error(p, {base, form_error}, std::move(search));
   }
   d.rounds = search.rounds;
   d.explained_share = search.share.value;

@@ -7,6 +7,7 @@
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/loop_course.hpp"
 #include "capstan/tools/diagnose/torque_gauge.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
@@ -37,52 +38,6 @@ auto name_of_change(double width, double torque) -> std::string {
     return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
   }
   return same_torque ? kPlay : "";
-}
-
-/// The rows of the blocks that are `begin` to `end` of all of them, counted through.
-auto share_of(const Blocks& blocks, Eigen::Index begin, Eigen::Index end) -> Blocks {
-  Blocks share;
-  Eigen::Index before = 0;
-  for (const auto& block : blocks) {
-    const RowRange here{block.begin + std::max<Eigen::Index>(0, begin - before),
-                        std::min(block.end, block.begin + end - before)};
-    if (here.begin < here.end) {
-      share.push_back(here);
-    }
-    before += block.size();
-  }
-  return share.size() > 1 ? share : even_parts(share, 2);
-}
-
-auto loop_in(const Preparation& p, const LawForm& loop, const Blocks& rows) -> Loop {
-  const LawForm now = refine_shapes(p.hindsight, p.target, rows, loop);
-  return {half_width_of(now), friction_torque(p.hindsight, rows)};
-}
-
-/// How the loop changed from the first fifth of the logs over the middle one to the last.
-struct Course {
-  double width = 1.0;  ///< last over first
-  double torque = 1.0;
-  bool early = false;  ///< most of the change of width came before the middle
-
-  [[nodiscard]] auto narrows() const -> bool { return width < 1.0 - kLoopTold && torque < 1.0 - kLoopTold; }
-  [[nodiscard]] auto widens() const -> bool { return width > 1.0 + kLoopTold && torque > 1.0 + kLoopTold; }
-};
-
-auto course_of(const Preparation& p, const LawForm& loop) -> Course {
-  constexpr Eigen::Index kParts = 5;
-  constexpr double kMost = 2.0;
-  const Blocks rows = p.certain();
-  const Eigen::Index all = rows_in(rows);
-  const auto part = [&](Eigen::Index i) {
-    return loop_in(p, loop, share_of(rows, all * i / kParts, all * (i + 1) / kParts));
-  };
-  const Loop first = part(0);
-  const Loop middle = part(kParts / 2);
-  const Loop last = part(kParts - 1);
-  return {last.half_width_rad / first.half_width_rad, last.torque_nm / first.torque_nm,
-          std::abs(middle.half_width_rad - first.half_width_rad) >
-              kMost * std::abs(last.half_width_rad - middle.half_width_rad)};
 }
 
 auto sentence_of(const std::string& name, const EffectSize& size) -> std::string {
@@ -132,11 +87,11 @@ class LoopSearch {
         left_by_loop_(left_to_choose(p, loop_)),
         left_by_found_(left_to_choose(p, search_.law)),
         enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
-    const double width_rad = half_width_of(search_.law);
+    compare_width(search_.law);
+    const double width_rad = half_width_of(gauge_);
     const auto sliding =
         healthy.fit && healthy.fit->loop_torque ? loop_torque(p.hindsight, p.certain(), width_rad) : std::nullopt;
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
-    width_ = now.half_width_rad / before.half_width_rad;
     force_ = now.torque_nm / before.torque_nm;
     search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
@@ -149,11 +104,11 @@ class LoopSearch {
   }
 
   auto answer() -> std::optional<Search> {
-    if (left_ <= enough_) {
-      return complete(tendons_, left_, {});
-    }
     if (by_torque_) {
       return of_the_torque();
+    }
+    if (left_ <= enough_ || is_as_before()) {
+      return complete(tendons_, left_, {});
     }
     if (left_ < left_by_found_) {
       return std::nullopt;
@@ -162,6 +117,18 @@ class LoopSearch {
   }
 
  private:
+  /// Tendons of a loop that is wide beside the noise err by more than that on a healthy day.
+  [[nodiscard]] auto is_as_before() const -> bool {
+    return std::abs(width_ - 1.0) <= kLoopTold && std::abs(force_ - 1.0) <= kLoopTold && healthy_.fit &&
+           left_ <= kAboveFloor * healthy_.fit->rmse;
+  }
+
+  /// By the law's loop, its lateness beside it where the healthy joint's was.
+  void compare_width(const LawForm& law) {
+    gauge_ = before_.late_s ? with_lateness(p_.causal, p_.target, p_.certain(), law) : law;
+    width_ = half_width_of(gauge_) / before_.half_width_rad;
+  }
+
   /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
   /// whichever leaves least.
   auto of_the_torque() -> Search {
@@ -172,7 +139,9 @@ class LoopSearch {
         best = {left, std::move(law)};
       }
     };
-    if (left_by_found_ > enough_) {
+    if (left_ <= enough_) {
+      best = {left_, tendons_};  // they carry all of it
+    } else if (left_by_found_ > enough_) {
       LawForm anew = tendons_;
       anew.held.clear();
       anew.tied_compliance.reset();
@@ -184,12 +153,14 @@ class LoopSearch {
     AddedEffect effect = named(by_torque_->name);
     effect.size = by_torque_->size;
     Search answer = complete(best.second, best.first, {effect});
+    answer.by_torque = true;
     answer.share.value = std::max(answer.share.value, by_torque_->share);
     answer.share.lower = std::max(answer.share.lower, by_torque_->share);
     return answer;
   }
 
   auto of_the_loop_alone() -> Search {
+    compare_width(loop_);
     const std::string name = name_of_change(width_, force_);
     if (name.empty()) {
       search_.law = loop_;
@@ -216,6 +187,7 @@ class LoopSearch {
       if (effect.name == "transport_delay" || effect.name == "transmission_viscous") {
         effect.name = name_of_lateness();
         effect.alternatives.clear();
+        effect.size = delay_of(effect.name);
       }
     }
     const auto& found = search_.effects;
@@ -226,7 +198,10 @@ class LoopSearch {
     for (const char* term : {"transport_delay", "transmission_viscous"}) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
-        return complete(late, left_by_it, {named(name_of_lateness())});
+        compare_width(late);
+        AddedEffect effect = named(name_of_lateness());
+        effect.size = delay_of(effect.name);
+        return complete(late, left_by_it, {effect});
       }
     }
     const Course course = course_of(p_, loop_);
@@ -246,23 +221,28 @@ class LoopSearch {
     return answer;
   }
 
+  /// The gauge with its intervals.
+  [[nodiscard]] auto gauged() const -> JointFile {
+    const Blocks blocks = interval_blocks(
+        unbroken(refined(p_.split, p_.factor).learned()),
+        p_.target - law_columns(p_.causal, gauge_) * fit_law(p_.causal, p_.target, p_.certain(), gauge_).theta);
+    return law_with_intervals(p_.causal, p_.target, blocks, gauge_, p_.conditioner);
+  }
+
   /// How large a change of the loop alone is: of a play the gap to either side at the joint, else what the pretension
   /// or the stiffness is over the healthy joint's. The healthy width is as sure as this one.
   [[nodiscard]] auto size_of(const std::string& name) const -> EffectSize {
-    const Blocks blocks = interval_blocks(
-        unbroken(refined(p_.split, p_.factor).learned()),
-        p_.target - law_columns(p_.causal, loop_) * fit_law(p_.causal, p_.target, p_.certain(), loop_).theta);
-    const JointFile law = law_with_intervals(p_.causal, p_.target, blocks, loop_, p_.conditioner);
-    const CatalogueTerm& play = loop_.catalogue->term(kPlay);
+    const JointFile law = gauged();
+    const CatalogueTerm& play = gauge_.catalogue->term(kPlay);
     const auto& ci95 = law.shape_ci95[play.first_shape];
-    const double width = half_width_of(loop_);
+    const double width = half_width_of(gauge_);
     const double half = ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / width * std::sqrt(2.0), kLoopBias) : 1.0;
     const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
       return {value, unit, Interval{value - slope * half, value + slope * half}};
     };
     if (name == kPlay) {
-      const double beta = law.parameters.coefficients[loop_.catalogue->term("motor_angle").first_coefficient];
-      return with(beta * width * (1.0 - 1.0 / width_), beta * width / width_, "rad");
+      const double beta = law.parameters.coefficients[gauge_.catalogue->term("motor_angle").first_coefficient];
+      return with(beta * width * (1.0 - 1.0 / width_), beta * width, "rad");
     }
     if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {
       return *pretension;
@@ -292,9 +272,22 @@ class LoopSearch {
     }
     const double per_width = std::pow(more / (tendons * (width_ - 1.0)), 2.0);
     const double per_motor = 2.0 * std::abs(more) / (tendons * tendons);
-    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * motor);
+    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * friction);
     const double over = 1.0 + more / tendons;
     return EffectSize{over, "1", Interval{over - half, over + half}};
+  }
+  /// How much later the joint is than the healthy one was: its sensors have clocks of their own, too.
+  [[nodiscard]] auto delay_of(const std::string& name) const -> std::optional<EffectSize> {
+    if (name != "transport_delay" || !gauge_.has(name) || !before_.late_s) {
+      return std::nullopt;
+    }
+    const auto& ci95 = gauged().shape_ci95[gauge_.catalogue->term(name).first_shape];
+    const double value = lateness_of(gauge_) - *before_.late_s;
+    if (!ci95) {
+      return EffectSize{value, "s"};
+    }
+    const double half = 0.5 * ((*ci95)[1] - (*ci95)[0]) * std::sqrt(2.0);  // the healthy one is as sure as this one
+    return EffectSize{value, "s", Interval{value - half, value + half}};
   }
   /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
@@ -342,7 +335,8 @@ class LoopSearch {
   const LawForm& tendons_;
   LawForm loop_;
   Search search_;
-  double left_;  ///< by the healthy tendons, rms, of the rows to choose by; and by the others
+  LawForm gauge_;  ///< whose numbers are compared with the healthy joint's
+  double left_;    ///< by the healthy tendons, rms, of the rows to choose by; and by the others
   double left_by_loop_;
   double left_by_found_;
   double enough_;

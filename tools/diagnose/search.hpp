@@ -12,8 +12,9 @@ struct Search {
   std::vector<RoundSummary> rounds;
   /// The law found still leaves more than noise; or a probe, and nothing listed, explains what the base leaves.
   bool lacks_something = false;
-  std::string unlisted;  ///< the probe that fits best what is left; empty if none does
-  ExplainedShare share;  ///< of all that can be explained, by the effects found
+  bool by_torque = false;  ///< the effects are told by the motor's torque, whatever they do for the angle
+  std::string unlisted;    ///< the probe that fits best what is left; empty if none does
+  ExplainedShare share;    ///< of all that can be explained, by the effects found
   double noise_floor = 0.0;
   double base_reducible = 0.0;               ///< share of the base law's residual energy that is no noise
   std::vector<std::string> sizes;            ///< sentences on how large what came is

@@ -21,9 +21,9 @@ auto text_of(const EffectSize& size) -> std::string {
 /// At the joint: its torque is the motor's over beta, its speed the motor's times beta.
 auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> TorqueFinding {
   const auto at = static_cast<std::size_t>(cause);
-  const auto size_by = [&](double gain, const char* unit) -> EffectSize {
+  const auto size_by = [&](double gain, const char* unit, double known = 0.0) -> EffectSize {
     const double value = change.size[at] / gain;
-    const double half = change.size_95[at] / std::abs(gain);
+    const double half = std::hypot(change.size_95[at] / gain, known * value);
     return {value, unit, Interval{value - half, value + half}};
   };
   const auto told = [&](const char* name, const EffectSize& size, const std::string& what,
@@ -34,11 +34,11 @@ auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> Torq
     case TorqueCause::kWeight:
       return told("gravity", size_by(beta, "Nm"), "a weight of ", " times sin q2 at the joint");
     case TorqueCause::kMass:
-      return told("load_inertia", size_by(beta * beta, "kgm2"), "a mass of ", " at the joint");
+      return told("load_inertia", size_by(beta * beta, "kgm2", kMassKnown), "a mass of ", " at the joint");
     case TorqueCause::kDrag:
       return told("transmission_viscous", size_by(1.0, "Nms/rad"), "drag of ", " at the motor");
-    case TorqueCause::kBristle:  // tendons that go slack pass more of it on, and it does not show how much
-      return told("presliding", {change.size[at] / beta, "Nm"}, "friction of ",
+    case TorqueCause::kBristle:
+      return told("presliding", size_by(beta, "Nm"), "friction of ",
                   " at the joint that bends over " + rounded(std::abs(beta) * change.bristle_way_rad, 2) +
                       " rad before it slides");
     case TorqueCause::kFriction:
@@ -59,15 +59,15 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
     return std::nullopt;
   }
   const double slides = share(TorqueCause::kFriction);
-  const bool bends = share(TorqueCause::kBristle) > kBendsShare &&
-                     share(TorqueCause::kBristle) > slides + kBendsBeyond &&
-                     share(TorqueCause::kBristle) > share(TorqueCause::kDrag);
+  const double bending = share(TorqueCause::kBristle);
+  const bool bends = bending > kBendsShare && bending > slides + kBendsBeyond &&
+                     1.0 - bending < kBendsLeaves * (1.0 - slides) && bending > share(TorqueCause::kDrag);
   if (bends && is_certain(TorqueCause::kBristle)) {
     return finding(TorqueCause::kBristle, change, beta);
   }
   for (const TorqueCause cause : {TorqueCause::kWeight, TorqueCause::kMass, TorqueCause::kDrag}) {
     const bool told = cause == TorqueCause::kWeight || is_certain(cause);  // weight may pull either way
-    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBendsBeyond) {
+    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBeyondFriction) {
       return finding(cause, change, beta);
     }
   }

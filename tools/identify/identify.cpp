@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -324,10 +325,15 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   for (const auto& log : logs) {
     summary.logs.push_back(log.name);
   }
+  if (joint.steady_torque) {
+    summary.friction_rms = friction_spread(logs, design.samples(), *joint.steady_torque);
+  }
   joint.fit = summary;
   if (const auto loop = loop_of(joint)) {
     const Blocks rows = even_blocks(design.log_rows(), 2);
-    joint.fit->loop_half_width = half_width_of(fit_loop(design, target, rows, *loop));
+    const LawForm gauge = with_lateness(design, target, rows, fit_loop(design, target, rows, *loop));
+    joint.fit->loop_half_width = half_width_of(gauge);
+    joint.fit->late = lateness_of(gauge);
     joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
     joint.fit->torque = torque_parts({logs, design.samples(), *joint.fit->loop_half_width});
   }

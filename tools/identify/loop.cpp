@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -12,6 +13,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr const char* kPlay = "play";
+constexpr const char* kDelay = "transport_delay";
 
 /// Half the width of the loop at these torques, both tendons sliding.
 auto width_by_law(const JointFile& joint, const SteadyTorque& torque) -> double {
@@ -40,7 +42,7 @@ auto loop_of(const JointFile& joint) -> std::optional<Loop> {
   const double width = measured ? *joint.fit->loop_half_width : width_by_law(joint, *joint.steady_torque);
   const double torque =
       joint.fit && joint.fit->loop_torque ? *joint.fit->loop_torque : friction_of(*joint.steady_torque);
-  const Loop loop{width, torque};
+  const Loop loop{width, torque, measured ? joint.fit->late : std::nullopt};
   return loop.half_width_rad > 0.0 && loop.torque_nm > 0.0 ? std::optional(loop) : std::nullopt;
 }
 
@@ -54,6 +56,23 @@ auto fit_loop(const LawDesign& design, const Eigen::VectorXd& target, const Bloc
 
 auto half_width_of(const LawForm& loop) -> double {
   return loop.shapes_of(loop.catalogue->term(kPlay)).front();
+}
+
+auto with_lateness(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm loop)
+    -> LawForm {
+  if (!loop.has(kDelay) && !loop.has("transmission_viscous")) {
+    loop.terms.emplace_back(kDelay);
+    loop.set_shapes(loop.catalogue->term(kDelay), {design.period_s(0)});
+  }
+  const std::vector<std::string> held = std::exchange(loop.held, loop.terms);
+  std::erase_if(loop.held, [](const std::string& term) { return term == kPlay || term == kDelay; });
+  loop = refine_shapes(design, target, rows, std::move(loop));
+  loop.held = held;
+  return loop;
+}
+
+auto lateness_of(const LawForm& law) -> double {
+  return law.has(kDelay) ? law.shapes_of(law.catalogue->term(kDelay)).front() : 0.0;
 }
 
 auto friction_of(const SteadyTorque& torque) -> double {

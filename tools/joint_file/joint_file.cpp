@@ -80,6 +80,12 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
   if (fit.loop_torque) {
     text += "loop_torque = " + quantity(*fit.loop_torque, "Nm", {});
   }
+  if (fit.late) {
+    text += "late = " + quantity(*fit.late, "s", {});
+  }
+  if (fit.friction_rms) {
+    text += "friction_rms = " + quantity(*fit.friction_rms, "Nm", {});
+  }
   text += "logs = [";
   for (std::size_t i = 0; i < fit.logs.size(); ++i) {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);

@@ -35,7 +35,9 @@ struct FitSummary {
   std::optional<Interval> motor_range = {};    ///< of the motor angle in the logs, rad
   std::optional<double> loop_half_width = {};  ///< of a law with tendons: of the loop in the logs, at the motor, rad
   std::optional<double> loop_torque = {};      ///< that it takes, Nm
+  std::optional<double> late = {};             ///< by which the joint's sensor is later than the motor's, s
   std::optional<TorqueParts> torque = {};      ///< of the motor beyond the loop
+  std::optional<double> friction_rms = {};     ///< of a stretch's friction beyond the steady torque, Nm
   double joint_range = 0.0;                    ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };

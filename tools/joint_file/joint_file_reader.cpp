@@ -138,8 +138,8 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
     return;
   }
   reader.only(*table,
-              {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "logs",
-               "torque"},
+              {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "late",
+               "friction_rms", "logs", "torque"},
               "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargestNumber});
@@ -158,6 +158,8 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   };
   fit.loop_half_width = if_there("loop_half_width", "rad");
   fit.loop_torque = if_there("loop_torque", "Nm");
+  fit.late = if_there("late", "s");
+  fit.friction_rms = if_there("friction_rms", "Nm");
   if (const toml::table* torque = reader.table(*table, "torque")) {
     fit.torque = torque_of(reader, *torque);
   }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "capstan/hal/sim/step.hpp"
 #include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
 #include "capstan/tools/diagnose/compare.hpp"
@@ -48,8 +49,11 @@ auto true_size(const Switch& one, const sim::PlantParameters& plant) -> double {
   if (one.name == "pretension_change") {
     return 1.0 + size / plant.pretension_n;
   }
-  const bool alike = one.name == "gravity" || one.name == "load_inertia" || one.name == "presliding" ||
-                     one.name == "play" || one.name == "transport_delay";
+  if (one.name == "transport_delay") {
+    return sim::kStepS * static_cast<double>(sim::steps(size));  // the camera's value is late by whole steps
+  }
+  const bool alike =
+      one.name == "gravity" || one.name == "load_inertia" || one.name == "presliding" || one.name == "play";
   return alike ? size : 0.0;
 }
 

@@ -17,8 +17,6 @@ namespace capstan::tools::plant {
 namespace {
 
 constexpr double kOnsetS = 20.0;
-// Of the steady torque: by how much it changes from one stretch of ordinary motion to another.
-constexpr double kTorqueShare = 0.02;
 
 class Answers final : public TextSink {
  public:
@@ -114,8 +112,6 @@ WatchedJoint::WatchedJoint(sim::PlantParameters plant, std::uint64_t seed, const
     std::snprintf(line.data(), line.size(), "set joint0.%s %.6f %s", name, value, unit);
     lines_.emplace_back(line.data());
   };
-  const double friction = 0.5 * (joint.steady_torque->forward_nm - joint.steady_torque->backward_nm);
-  set("monitor.torque_rms", kTorqueShare * friction, "Nm");
   AxisConfig config;
   config.motor.encoder_counts_per_turn = static_cast<std::int32_t>(plant.encoder_counts_per_turn);
   config.motor.torque_per_current_nm_per_a = Q24::from_double(plant.torque_constant_nm_per_a);

@@ -165,7 +165,7 @@ TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
-  constexpr std::size_t kConditionerTorqueAndMonitor = 5;
+  constexpr std::size_t kConditionerTorqueAndMonitor = 6;
   constexpr std::size_t kCouplingAndStatus = kMostOthers + 1;
   EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kCouplingAndStatus + 2);
   EXPECT_EQ(lines.front(), "begin");
@@ -184,6 +184,22 @@ TEST(ModelLines, TellTheMonitorWhatErrorTheFitLeftAndSwitchItOffWhereThereWasNoF
   EXPECT_TRUE(has("set joint2.monitor.joint_rms 0.01250000 rad"));
   joint.fit->rmse = 7.0;  // of a hopeless fit
   EXPECT_TRUE(has("set joint2.monitor.joint_rms 1.00000000 rad"));
+}
+
+TEST(ModelLines, TellTheMonitorHowFarFrictionGoesAndSwitchItOffWhereNobodyKnows) {
+  JointFile joint;
+  const auto has = [&joint](const char* line) {
+    const auto lines = model_lines(joint, 0);
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  };
+  joint.steady_torque = SteadyTorque{0.05, -0.03};
+  EXPECT_TRUE(has("set joint0.monitor.torque_rms 0.00000000 Nm"));
+  joint.fit = FitSummary{.rmse = 0.01, .gof_percent = 90.0, .samples = 5, .logs = {}};
+  EXPECT_TRUE(has("set joint0.monitor.torque_rms 0.00000000 Nm")) << "too few stretches";
+  joint.fit->friction_rms = 0.0003;  // and 1 % of 0.04 Nm: 3, 4, 5
+  EXPECT_TRUE(has("set joint0.monitor.torque_rms 0.00050000 Nm"));
+  joint.steady_torque.reset();
+  EXPECT_TRUE(has("set joint0.monitor.torque_rms 0.00000000 Nm"));
 }
 
 }  // namespace

@@ -104,7 +104,10 @@ auto watch(const std::string& change, bool joint_sensor, double seconds) -> Watc
   scenario.plant.effects.pulley_slip_at_s = 60.0;
   test::BoardRig rig(scenario);
   rig.say(forceps_law());
-  rig.say(Lines{joint_sensor ? "set joint0.monitor.joint_rms 0.6 deg" : "set joint0.monitor.torque_rms 2 mNm", "arm"});
+  if (joint_sensor) {
+    rig.say("set joint0.monitor.joint_rms 0.6 deg");
+  }
+  rig.say("arm");
   Watch result;
   for (long i = 0; i < std::lround(seconds * 1000.0); ++i) {
     const double t = 0.001 * static_cast<double>(i);

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "capstan/tools/identify/least_squares.hpp"
+
+namespace capstan::tools {
+
+inline constexpr Eigen::Index kLoadBlocks = 24;  ///< that rows of torque are resampled by
+
+auto fitted(const Eigen::MatrixXd& columns, const Eigen::VectorXd& torque) -> LinearFit;
+/// A constant torque beside it counts for nothing: sensors of current have one.
+auto with_offset(const Eigen::MatrixXd& columns) -> Eigen::MatrixXd;
+
+/// What a load is told by.
+struct LoadRows {
+  Eigen::VectorXd regressor, sense, change;
+  bool other_friction = false;  ///< the friction may have changed, too
+};
+
+/// A load and the half width of its interval, per regressor, at the motor.
+struct LoadAnswer {
+  double load = 0.0, half_95 = 0.0;
+};
+
+/// The load that explains a change of torque as tendons carry it.
+/// @param friction  of the healthy joint, Nm   @param start  the load, were all of it to come through one to one
+auto told_load(const LoadRows& of, double friction, double start) -> LoadAnswer;
+
+}  // namespace capstan::tools
