@@ -97,6 +97,9 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
     }
     print_disturbance(out, joint, session.machine().config()[axis].effort);
     print_force(out, joint, session.machine().config()[axis].force);
+    if (joint.q2_error_rad >= Q24{}) {
+      out << " within " << joint.q2_error_rad << " rad";
+    }
     if (joint.tension > Q24{}) {
       out << " tension " << joint.tension << " of the healthy joint's";
     }

@@ -15,12 +15,14 @@ Estimator::Estimator(const AxisConfig& config) : law_(kPeriod, config.law), moni
 void Estimator::rt_make_law(const LawParameters<Q24>& parameters) {
   std::construct_at(&law_, kPeriod, parameters);
   estimate_.joint_torque = {};
+  error_bar_.rt_forget();
 }
 
 auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
     -> const JointEstimate& {
   estimate_.valid = false;
   estimate_.faults = 0;
+  estimate_.error_bar_rad = ErrorBar::kUnknown;
   if (motor.faults != 0 || !others.estimable) {
     return estimate_;  // the fault is the sensor's own
   }
@@ -38,7 +40,10 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
   estimate_.valid = !estimate.saturated;
   if (estimate.saturated) {
     estimate_.faults = bit(Fault::kEstimatorRange);
-  } else if (monitor_.watches()) {
+    return estimate_;
+  }
+  estimate_.error_bar_rad = error_bar_.rt_step(config.error_bar, law_.sample());
+  if (monitor_.watches()) {
     rt_monitor(config, motor);
   }
   return estimate_;

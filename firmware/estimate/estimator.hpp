@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capstan/firmware/estimate/error_bar.hpp"
 #include "capstan/firmware/estimate/law_monitor.hpp"
 #include "capstan/firmware/estimate/motor_sensing.hpp"
 
@@ -14,11 +15,12 @@ struct Neighbours {
 
 /// What the law makes of one joint in this cycle.
 struct JointEstimate {
-  Q24 q2_rad;                       ///< joint angle
-  Q24 q2_reported_rad;              ///< what a joint sensor with the law's sensor effects would say
-  ForceEstimate<Q24> joint_torque;  ///< by the law's tendons, if it has them
-  bool valid = false;               ///< all are of this cycle
-  FaultSet faults = 0;              ///< of the law itself
+  Q24 q2_rad;                              ///< joint angle
+  Q24 q2_reported_rad;                     ///< what a joint sensor with the law's sensor effects would say
+  Q24 error_bar_rad = ErrorBar::kUnknown;  ///< 95 of 100 times q2_reported_rad is no further from the joint
+  ForceEstimate<Q24> joint_torque;         ///< by the law's tendons, if it has them
+  bool valid = false;                      ///< all are of this cycle
+  FaultSet faults = 0;                     ///< of the law itself
 };
 
 /// The law of one joint, and the monitor that says whether it still fits.
@@ -32,6 +34,7 @@ class Estimator {
   void rt_forget() {
     law_.restart();
     monitor_.rt_unsettle();
+    error_bar_.rt_forget();
   }
   /// There is no joint here.
   void rt_absent() { estimate_ = {}; }
@@ -51,6 +54,7 @@ class Estimator {
 
   MotionLaw<Q24> law_;
   LawMonitor monitor_;
+  ErrorBar error_bar_;
   JointEstimate estimate_;
 };
 

@@ -180,6 +180,7 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.current_a = motor.current_a;
   telemetry_.q2_rad = estimate.q2_rad;
   telemetry_.q2_reported_rad = estimate.q2_reported_rad;
+  telemetry_.q2_error_rad = estimate.error_bar_rad;
   telemetry_.estimate_valid = estimate.valid;
   telemetry_.q2_reference_rad = reference.q2_rad;
   telemetry_.q1_reference_rad = reference.q1_rad;

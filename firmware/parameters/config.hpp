@@ -96,6 +96,16 @@ struct MonitorConfig {
   Q24 settle_rad = Q24::from_double(0.35);  ///< motor's travel after a reversal until its torque is steady
 };
 
+/// How far the joint may be from its estimate, as the law's logs had it. steady_rad 0: nobody knows.
+struct ErrorBarConfig {
+  Q24 steady_rad{};   ///< what 95 of 100 samples kept within
+  Q24 turning_rad{};  ///< the same of those within turn_rad of a reversal
+  Q24 turn_rad{};     ///< of the motor since it turned
+  Q24 from_rad{};     ///< motor angles that the logs have seen
+  Q24 to_rad{};
+  Q24 torque_nm{};  ///< largest motor torque that they have seen
+};
+
 /// How sure the law of a joint is, as its joint.toml says.
 enum class LawStatus : std::int32_t {
   kConfirmed,    ///< its effects are certain, or it was asked for by name
@@ -129,6 +139,7 @@ struct AxisConfig {
   LawParameters<Q24> law;
   ForceConfig force;
   MonitorConfig monitor;
+  ErrorBarConfig error_bar;
   ObserverConfig observer;
   EffortConfig effort;
   /// Joints whose motors pull at this one, by the slots of the law's coupling; -1: none.

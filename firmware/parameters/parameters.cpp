@@ -23,6 +23,7 @@ using ForceGrid = decltype(ForceConfig::grid);
 constexpr std::size_t kForce = offsetof(AxisConfig, force);
 constexpr std::size_t kGrid = kForce + offsetof(ForceConfig, grid);
 constexpr std::size_t kMonitor = offsetof(AxisConfig, monitor);
+constexpr std::size_t kErrorBar = offsetof(AxisConfig, error_bar);
 constexpr std::size_t kCoupledTo = offsetof(AxisConfig, coupled_to);
 constexpr std::size_t kObserver = offsetof(AxisConfig, observer);
 constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
@@ -133,6 +134,18 @@ constexpr std::array kFixedParameters = {
          kMonitor + offsetof(MonitorConfig, excess), 1.1, 5.0),
     real("monitor", "settle", "rad", "motor's travel after a reversal until its torque is steady",
          kMonitor + offsetof(MonitorConfig, settle_rad), 0.0, 10.0),
+    real("error_bar", "steady", "rad", "95 of 100 estimates are no further from the joint than this; 0: not known",
+         kErrorBar + offsetof(ErrorBarConfig, steady_rad), 0.0, 7.0),
+    real("error_bar", "turning", "rad", "the same within error_bar.turn of a reversal",
+         kErrorBar + offsetof(ErrorBarConfig, turning_rad), 0.0, 7.0),
+    real("error_bar", "turn", "rad", "motor's travel after a reversal for which error_bar.turning holds",
+         kErrorBar + offsetof(ErrorBarConfig, turn_rad), 0.0, 100.0),
+    real("error_bar", "from", "rad", "smallest motor angle that the law's logs have seen",
+         kErrorBar + offsetof(ErrorBarConfig, from_rad), -127.0, 127.0),
+    real("error_bar", "to", "rad", "largest motor angle that they have seen",
+         kErrorBar + offsetof(ErrorBarConfig, to_rad), -127.0, 127.0),
+    real("error_bar", "torque", "Nm", "largest motor torque that they have seen, either way",
+         kErrorBar + offsetof(ErrorBarConfig, torque_nm), 0.0, 127.0),
     real("observer", "inertia", "gm2",
          "of motor and input pulley, as commissioned; 0: not known, and nothing is watched by it",
          kObserver + offsetof(ObserverConfig, inertia_gm2), 0.0, 100.0, kSafety),

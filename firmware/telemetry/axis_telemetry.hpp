@@ -14,6 +14,7 @@ struct AxisTelemetry {
   Q24 tau_nm;
   Q24 q2_rad;           ///< estimated joint angle
   Q24 q2_reported_rad;  ///< what a joint sensor with the law's sensor effects would say
+  Q24 q2_error_rad;     ///< how far from the joint that may be, 95 of 100 times; negative: not known
   Q24 q2_reference_rad;
   Q24 q1_reference_rad;           ///< where the servo holds the motor; its own angle while there is none
   Q24 current_a;                  ///< measured

@@ -14,12 +14,15 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 24> kJointSignals = {
+constexpr std::array<SignalInfo, 25> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
     real("q2_reported", "q2_reported_rad", "rad", "what a joint sensor with the law's sensor effects would say",
          offsetof(AxisTelemetry, q2_reported_rad)),
+    real("q2_error", "q2_err_rad", "rad",
+         "95 of 100 times q2_reported is no further from the joint, where the law's logs have been; -1 not known",
+         offsetof(AxisTelemetry, q2_error_rad)),
     real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
     real("motor_reference", "q1_ref_rad", "rad", "where the servo holds the motor",
          offsetof(AxisTelemetry, q1_reference_rad)),

@@ -81,6 +81,17 @@ auto expected_friction_nm(const JointFile& joint) -> double {
   return std::min(std::hypot(*joint.fit->friction_rms, kAnotherMotion * friction), kMostNm);
 }
 
+/// All 0 where the file has none: the board then says that nobody knows.
+void write_error_bar(const JointFile& joint, Lines& write) {
+  constexpr double kWidestRad = 7.0;  // ends of the parameters
+  const bool told = joint.fit && joint.fit->error_bar && joint.fit->error_bar->steady_rad() <= kWidestRad &&
+                    joint.fit->error_bar->turning_rad() <= kWidestRad;
+  const ErrorBarNumbers bar = told ? *joint.fit->error_bar : ErrorBarNumbers{};
+  for (std::size_t i = 0; i < ErrorBarNumbers::kCount; ++i) {
+    write.set("error_bar", ErrorBarNumbers::kNames[i], bar.values[i], ErrorBarNumbers::kUnits[i]);
+  }
+}
+
 }  // namespace
 
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
@@ -104,6 +115,7 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   }
   write.set("monitor", "joint_rms", expected_error_rad(joint), "rad");
   write.set("monitor", "torque_rms", expected_friction_nm(joint), "Nm");
+  write_error_bar(joint, write);
   lines.emplace_back("commit");
   return lines;
 }

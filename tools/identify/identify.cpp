@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/identify/error_bar.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
@@ -327,6 +328,9 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   }
   if (joint.steady_torque) {
     summary.friction_rms = friction_spread(logs, design.samples(), *joint.steady_torque);
+  }
+  if (joint.catalogue->target() == TargetKind::kAngle) {
+    summary.error_bar = error_bar(design.samples(), target - estimate);
   }
   joint.fit = summary;
   if (const auto loop = loop_of(joint)) {

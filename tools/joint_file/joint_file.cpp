@@ -67,6 +67,16 @@ auto coupling_text(const std::vector<int>& joints) -> std::string {
   return text + "]\n";
 }
 
+/// A line for each of a list of numbers that know their names and units.
+template <typename Numbers>
+auto numbers_text(const Numbers& numbers) -> std::string {
+  std::string text;
+  for (std::size_t i = 0; i < Numbers::kCount; ++i) {
+    text += std::string(Numbers::kNames[i]) + " = " + quantity(numbers.values[i], Numbers::kUnits[i], {});
+  }
+  return text;
+}
+
 auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
   std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse, unit, {}) + "gof_percent = " + exact(fit.gof_percent) +
                      "\nsamples = " + std::to_string(fit.samples) + "\n";
@@ -91,13 +101,17 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
     text += (i > 0 ? ", " : "") + quoted(fit.logs[i]);
   }
   text += "]\n";
+  if (fit.error_bar) {
+    text +=
+        "\n# 95 of 100 times the joint was no further from the law than steady, or turning up to turn of the motor\n"
+        "# behind a reversal, with motor angles and torques as given.\n[fit.error_bar]\n" +
+        numbers_text(*fit.error_bar);
+  }
   if (fit.torque) {
     text +=
         "\n# Motor torque while the joint follows: friction s + offset + viscous q1' + inertia q1''\n"
-        "# + (sine + odd_sine s) sin q2 + (cosine + odd_cosine s) (1 - cos q2), s the direction.\n[fit.torque]\n";
-    for (std::size_t i = 0; i < TorqueParts::kCount; ++i) {
-      text += std::string(TorqueParts::kNames[i]) + " = " + quantity(fit.torque->values[i], TorqueParts::kUnits[i], {});
-    }
+        "# + (sine + odd_sine s) sin q2 + (cosine + odd_cosine s) (1 - cos q2), s the direction.\n[fit.torque]\n" +
+        numbers_text(*fit.torque);
   }
   return text;
 }

@@ -9,6 +9,7 @@
 #include "capstan/model/motion_law.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
 #include "capstan/tools/identify/torque_parts.hpp"
+#include "capstan/tools/joint_file/error_bar_numbers.hpp"
 
 namespace capstan::tools {
 
@@ -32,13 +33,14 @@ struct FitSummary {
   double rmse = 0.0;  ///< in the target's unit
   double gof_percent = 0.0;
   long samples = 0;
-  std::optional<Interval> motor_range = {};    ///< of the motor angle in the logs, rad
-  std::optional<double> loop_half_width = {};  ///< of a law with tendons: of the loop in the logs, at the motor, rad
-  std::optional<double> loop_torque = {};      ///< that it takes, Nm
-  std::optional<double> late = {};             ///< by which the joint's sensor is later than the motor's, s
-  std::optional<TorqueParts> torque = {};      ///< of the motor beyond the loop
-  std::optional<double> friction_rms = {};     ///< of a stretch's friction beyond the steady torque, Nm
-  double joint_range = 0.0;                    ///< of the target in the logs: its way from end to end
+  std::optional<Interval> motor_range = {};       ///< of the motor angle in the logs, rad
+  std::optional<double> loop_half_width = {};     ///< of a law with tendons: of the loop in the logs, at the motor, rad
+  std::optional<double> loop_torque = {};         ///< that it takes, Nm
+  std::optional<double> late = {};                ///< by which the joint's sensor is later than the motor's, s
+  std::optional<TorqueParts> torque = {};         ///< of the motor beyond the loop
+  std::optional<double> friction_rms = {};        ///< of a stretch's friction beyond the steady torque, Nm
+  std::optional<ErrorBarNumbers> error_bar = {};  ///< of the estimate, in motions like the logs'
+  double joint_range = 0.0;                       ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };
 

@@ -122,14 +122,20 @@ auto is_newer(const std::optional<std::string>& schema) -> bool {
          schema->find_first_not_of("0123456789", stem.size()) == std::string::npos && schema->size() > stem.size();
 }
 
-auto torque_of(const SectionReader& reader, const toml::table& table) -> TorqueParts {
-  reader.only(table, {TorqueParts::kNames.begin(), TorqueParts::kNames.end()}, "[fit.torque]");
-  TorqueParts parts;
-  for (std::size_t i = 0; i < TorqueParts::kCount; ++i) {
-    parts.values[i] =
-        reader.quantity(table, TorqueParts::kNames[i], TorqueParts::kUnits[i], {-kLargestNumber, kLargestNumber});
+/// The table within [fit] of a list of numbers that know their names and units, if it is there.
+template <typename Numbers>
+auto numbers_of(const SectionReader& reader, const toml::table& fit, const char* key) -> std::optional<Numbers> {
+  const toml::table* table = reader.table(fit, key);
+  if (table == nullptr) {
+    return std::nullopt;
   }
-  return parts;
+  reader.only(*table, {Numbers::kNames.begin(), Numbers::kNames.end()}, "[fit." + std::string(key) + "]");
+  Numbers numbers;
+  for (std::size_t i = 0; i < Numbers::kCount; ++i) {
+    numbers.values[i] =
+        reader.quantity(*table, Numbers::kNames[i], Numbers::kUnits[i], {-kLargestNumber, kLargestNumber});
+  }
+  return numbers;
 }
 
 void read_fit(const SectionReader& reader, const toml::table& root, JointFile& joint) {
@@ -139,7 +145,7 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   }
   reader.only(*table,
               {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "late",
-               "friction_rms", "logs", "torque"},
+               "friction_rms", "logs", "torque", "error_bar"},
               "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargestNumber});
@@ -160,9 +166,8 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   fit.loop_torque = if_there("loop_torque", "Nm");
   fit.late = if_there("late", "s");
   fit.friction_rms = if_there("friction_rms", "Nm");
-  if (const toml::table* torque = reader.table(*table, "torque")) {
-    fit.torque = torque_of(reader, *torque);
-  }
+  fit.torque = numbers_of<TorqueParts>(reader, *table, "torque");
+  fit.error_bar = numbers_of<ErrorBarNumbers>(reader, *table, "error_bar");
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {
       fit.logs.push_back(from_ascii(log.value_or(std::string{})));

@@ -166,8 +166,10 @@ TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   joint.steady_torque = SteadyTorque{0.08, -0.08};
   const auto lines = model_lines(joint, 0);
   constexpr std::size_t kConditionerTorqueAndMonitor = 6;
+  constexpr std::size_t kErrorBar = 6;
   constexpr std::size_t kCouplingAndStatus = kMostOthers + 1;
-  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kCouplingAndStatus + 2);
+  EXPECT_EQ(lines.size(),
+            kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kErrorBar + kCouplingAndStatus + 2);
   EXPECT_EQ(lines.front(), "begin");
   EXPECT_EQ(lines.back(), "commit");
   EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint0.control.torque_backward -0.08000000 Nm"), lines.end());

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "capstan/firmware/parameters/config.hpp"
+#include "capstan/model/sample.hpp"
+
+namespace capstan {
+
+/// How far the joint may be from its estimate in this cycle. The logs that the law was made of tell it in two numbers,
+/// one near a reversal, where hysteresis is being crossed, and one beyond. It is told only where those logs have been:
+/// within their motor angles and torques, and once the law no longer depends on where the joint was when it started.
+class ErrorBar {
+ public:
+  static constexpr Q24 kUnknown = Q24::from_int(-1);  ///< no half width of an interval: nobody takes it for a small one
+
+  /// The law's memory begins anew.
+  void rt_forget() { settled_ = false; }
+  /// @returns half width of the interval that holds 95 of 100 samples, rad, or kUnknown
+  auto rt_step(const ErrorBarConfig& config, const Sample<Q24>& now) -> Q24 {
+    const bool turning = abs(now.q1 - now.q1_reversal) < config.turn_rad;
+    settled_ = settled_ || !turning;
+    const bool seen = config.from_rad <= now.q1 && now.q1 <= config.to_rad && abs(now.tau) <= config.torque_nm;
+    if (!settled_ || !seen || config.steady_rad == Q24{}) {
+      return kUnknown;
+    }
+    return turning ? config.turning_rad : config.steady_rad;
+  }
+
+ private:
+  bool settled_ = false;
+};
+
+}  // namespace capstan

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/firmware/estimate/error_bar.hpp"
+
+#include <gtest/gtest.h>
+
+namespace capstan {
+namespace {
+
+auto q(double value) -> Q24 {
+  return Q24::from_double(value);
+}
+
+/// Made of logs from -1 to 1 rad and up to 0.5 Nm; wide for 0.2 rad behind a reversal.
+auto bar_config() -> ErrorBarConfig {
+  return {.steady_rad = q(0.01),
+          .turning_rad = q(0.03),
+          .turn_rad = q(0.2),
+          .from_rad = q(-1.0),
+          .to_rad = q(1.0),
+          .torque_nm = q(0.5)};
+}
+
+auto at(double q1, double reversal, double tau = 0.1) -> Sample<Q24> {
+  Sample<Q24> sample;
+  sample.q1 = q(q1);
+  sample.q1_reversal = q(reversal);
+  sample.tau = q(tau);
+  return sample;
+}
+
+TEST(ErrorBar, IsWideBehindAReversalAndNarrowBeyond) {
+  ErrorBar bar;
+  const ErrorBarConfig config = bar_config();
+  EXPECT_EQ(bar.rt_step(config, at(0.3, 0.0)), q(0.01));
+  EXPECT_EQ(bar.rt_step(config, at(0.25, 0.3)), q(0.03)) << "back by 0.05";
+  EXPECT_EQ(bar.rt_step(config, at(0.05, 0.3)), q(0.01)) << "back by 0.25";
+}
+
+TEST(ErrorBar, IsUnknownUntilTheJointHasComeThroughItsHysteresisOnce) {
+  ErrorBar bar;
+  const ErrorBarConfig config = bar_config();
+  EXPECT_EQ(bar.rt_step(config, at(0.1, 0.0)), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step(config, at(0.05, 0.1)), ErrorBar::kUnknown) << "a turn on the way proves nothing";
+  EXPECT_EQ(bar.rt_step(config, at(-0.2, 0.1)), q(0.01));
+  bar.rt_forget();
+  EXPECT_EQ(bar.rt_step(config, at(-0.15, -0.2)), ErrorBar::kUnknown);
+}
+
+TEST(ErrorBar, IsUnknownWhereTheLogsHaveNotBeenAndComesBack) {
+  ErrorBar bar;
+  const ErrorBarConfig config = bar_config();
+  EXPECT_EQ(bar.rt_step(config, at(1.1, 0.0)), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step(config, at(-1.1, 1.1)), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step(config, at(0.0, 1.1, 0.6)), ErrorBar::kUnknown) << "more torque";
+  EXPECT_EQ(bar.rt_step(config, at(0.0, 1.1, -0.6)), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step(config, at(0.0, 1.1)), q(0.01));
+}
+
+TEST(ErrorBar, IsUnknownForALawThatNoFitToldOf) {
+  ErrorBar bar;
+  EXPECT_EQ(bar.rt_step({}, at(0.0, 0.0)), ErrorBar::kUnknown);
+  ErrorBarConfig config = bar_config();
+  config.steady_rad = Q24{};
+  EXPECT_EQ(bar.rt_step(config, at(0.3, 0.0)), ErrorBar::kUnknown);
+}
+
+TEST(ErrorBar, NoWidthCouldBeTakenForUnknown) {
+  EXPECT_LT(ErrorBar::kUnknown, Q24{});
+}
+
+}  // namespace
+}  // namespace capstan

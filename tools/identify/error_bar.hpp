@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/joint_file/error_bar_numbers.hpp"
+
+namespace capstan::tools {
+
+/// How far from the joint a law was in its logs, 95 of 100 times: near a reversal and beyond, as a board tells it.
+/// Where one number says as much as two, both are that one. Of each log only what comes after the law's memory of the
+/// start.
+/// @param samples    of each log, as the law runs over them
+/// @param error_rad  measured joint angle less the law's, all logs, one below the other
+/// @returns nothing where too few samples are left
+auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad) -> std::optional<ErrorBarNumbers>;
+
+}  // namespace capstan::tools
