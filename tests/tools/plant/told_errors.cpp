@@ -18,7 +18,8 @@ auto bar_of(const JointFile& law) -> ErrorBarConfig {
 
 auto told_errors(const JointFile& law, const AxisLog& log) -> ToldErrors {
   const ErrorBarConfig config = bar_of(law);
-  MotionLaw<Q24> motion(SamplePeriod<Q24>(std::lround(1.0 / log.period_s)), to_fixed(motion_parameters(law)));
+  MotionLaw<Q24> motion(SamplePeriod<Q24>(static_cast<std::int32_t>(std::lround(log.rate_hz()))),
+                        to_fixed(motion_parameters(law)));
   ErrorBar bar;
   ToldErrors all;
   double samples = 0.0;

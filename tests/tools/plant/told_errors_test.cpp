@@ -29,7 +29,7 @@ TEST_P(Told, ErrorHoldsInAMotionThatTheLawHasNotSeen) {
 TEST_P(Told, ErrorIsBrokenByAJointThatHasChanged) {
   sim::PlantParameters plant = drawn_plant(kSeed);
   const JointFile law = law_of(log_of(plant, PlantMotion::kIdentify, kSeed), GetParam());
-  plant.effects.play_rad = 0.1;
+  plant.effects.play_half_width_rad = 0.1;
   EXPECT_LT(told_errors(law, log_of(plant, PlantMotion::kLadder, kSeed)).held, 0.7);
 }
 
