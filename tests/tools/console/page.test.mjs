@@ -10,7 +10,7 @@ import { arm, eventually, kPatience, moved, pages, site, state, type, view } fro
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
 const { McapIndexedReader } = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'))('@mcap/core');
-const kViews = ['live', 'states', 'move', 'diagnose', 'parameters', 'break', 'shell'];
+const kViews = ['live', 'states', 'move', 'setup', 'diagnose', 'parameters', 'break', 'shell'];
 const rig = pages();
 before(() => mkdirSync(pictures, { recursive: true }));
 const fresh = (options) => rig.open(options);

@@ -80,6 +80,10 @@ export class LiveView {
   goOn(): Promise<void> {
     return this.choose(this.chosenNames);
   }
+  /** Shows these signals, and no others, at this rate or at the line's. */
+  show(names: string[], every?: number): Promise<void> {
+    return this.choose(names, every);
+  }
 
   /** Rows of a log come instead of frames; its columns tell the units. */
   columns(columns: string[]): void {
@@ -102,14 +106,13 @@ export class LiveView {
     this.series.push(tick, values);
   }
 
-  private async choose(names: string[]): Promise<void> {
+  private async choose(names: string[], every = this.board.link?.everyMs ?? 1): Promise<void> {
     const chosen = this.all.filter((one) => names.includes(one.name)).sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
     if (chosen.length > kMostSignals) {
       this.say(`a board sends ${kMostSignals} signals at most; take one away first`);
       options(this.add, this.offered());
       return;
     }
-    const every = this.board.link?.everyMs ?? 1;
     await this.board.ask('frames off');
     this.board.expectSchema();
     byId('go-on').hidden = true;
@@ -200,7 +203,7 @@ export class LiveView {
       return;
     }
     const [from, to] = this.window();
-    const what = [from, to, this.kind.value, this.across.value, this.up.value, this.plot.width, this.shapes].join();
+    const what = [from, to, this.frozen === undefined, this.kind.value, this.across.value, this.up.value, this.plot.width, this.shapes].join();
     this.count();
     if (what === this.drawn) {
       return;
@@ -213,7 +216,7 @@ export class LiveView {
       const label = (i: number) => `${this.shown[i]?.name ?? ''} ${this.shown[i]?.unit ?? ''}`;
       this.xy.show(data[x + 1] ?? [], data[y + 1] ?? [], label(x), label(y));
     } else {
-      this.plot.show(data, from / 1000, to / 1000);
+      this.plot.show(data, from / 1000, to / 1000, this.frozen !== undefined);
     }
   }
 
