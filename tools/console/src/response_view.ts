@@ -11,17 +11,24 @@ import { TimePlot, type Line } from './time_plot';
 
 const kDegrees = 180 / Math.PI;
 const kBehind = 5;
-const kDrawEveryMs = 60;
-const kMostPoints = 1000;
+const kDrawEveryMs = 100;
+const kMostPoints = 500;
 const kAttempts = 5; // of a move, while the board takes another request
 
-/** A trace's columns behind its time: reference, estimate, torque. */
+/** A trace's columns behind its time: reference, estimate and torque since it began, steps downwards turned upwards. */
 function table(trace: StepTrace): uPlot.AlignedData {
   const zero = trace.zero ?? trace.ticks[0] ?? 0;
   const step = Math.max(1, Math.ceil(trace.ticks.length / kMostPoints));
   const kept = trace.ticks.map((_, i) => i).filter((i) => i % step === 0);
-  const pick = (values: number[], scale: number) => kept.map((i) => values[i]! * scale);
-  return [kept.map((i) => (trace.ticks[i]! - zero) / 1000), pick(trace.reference, kDegrees), pick(trace.estimate, kDegrees), pick(trace.torque, 1000)];
+  const up = trace.size < 0 ? -1 : 1;
+  const pick = (values: number[], from: number, scale: number) => kept.map((i) => (values[i]! - from) * up * scale);
+  const from = trace.reference[0] ?? 0;
+  return [
+    kept.map((i) => (trace.ticks[i]! - zero) / 1000),
+    pick(trace.reference, from, kDegrees),
+    pick(trace.estimate, from, kDegrees),
+    pick(trace.torque, trace.torque[0] ?? 0, 1000),
+  ];
 }
 
 function linesOf(behind: number): Line[] {
