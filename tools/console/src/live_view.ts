@@ -10,6 +10,8 @@ import { TimePlot } from './time_plot';
 import { XyPlot } from './xy_plot';
 
 const kMostSignals = 8;
+const kMostBuckets = 2000; // of a plot, each with its smallest and largest value
+const kMovingPixels = 2; // of a plot that moves for each of them: half of the points are half of the time
 const kFirst = ['joint0.reference', 'joint0.q2', 'joint0.q1', 'joint0.torque'];
 
 /** A log's columns tell their units. */
@@ -209,14 +211,15 @@ export class LiveView {
       return;
     }
     this.drawn = what;
-    const data = this.series.view(from, to, Math.min(2000, this.plot.width));
+    const still = this.frozen !== undefined;
+    const data = this.series.view(from, to, Math.min(kMostBuckets, this.plot.width) / (still ? 1 : kMovingPixels));
     if (this.kind.value === 'xy') {
       const names = this.shown.map((one) => one.name);
       const [x, y] = [names.indexOf(this.across.value), names.indexOf(this.up.value)];
       const label = (i: number) => `${this.shown[i]?.name ?? ''} ${this.shown[i]?.unit ?? ''}`;
       this.xy.show(data[x + 1] ?? [], data[y + 1] ?? [], label(x), label(y));
     } else {
-      this.plot.show(data, from / 1000, to / 1000, this.frozen !== undefined);
+      this.plot.show(data, from / 1000, to / 1000, still);
     }
   }
 
