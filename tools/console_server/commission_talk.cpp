@@ -19,6 +19,8 @@ namespace {
 
 using nlohmann::json;
 constexpr std::string_view kCommission = "commission ";
+constexpr std::string_view kReport = "commission_report";
+constexpr std::string_view kResponse = "response/index.html";
 constexpr std::string_view kQuestionEnd = " [y/N] ";
 constexpr std::chrono::milliseconds kQuiet{200};  // after the torque was taken away: then no answer is under way
 constexpr std::chrono::seconds kPatience{2};  // with a board that goes on talking; the program then says why it can not
@@ -123,8 +125,11 @@ class CommissionTalk::Job final : public Guest {
       run();
     }
   }
-  [[nodiscard]] auto report() const -> std::optional<std::string> {
-    return folder_.text(std::filesystem::path("report") / "index.html");
+  [[nodiscard]] auto report(std::string_view name) const -> std::optional<std::string> {
+    const std::filesystem::path folder = "report";
+    return name == kReport     ? folder_.text(folder / "index.html")
+           : name == kResponse ? folder_.text(folder / kResponse)
+                               : std::nullopt;
   }
 
   // The board, to the program.
@@ -195,7 +200,9 @@ class CommissionTalk::Job final : public Guest {
   }
   void finish(int status) {
     close();
-    const json found = {{"status", status}, {"machine", folder_.text("machine.toml").value_or("")}};
+    const json found = {{"status", status},
+                        {"machine", folder_.text("machine.toml").value_or("")},
+                        {"response", report(kResponse).has_value()}};
     tell("ended " + found.dump());
     Guest* const page = std::exchange(page_, nullptr);
     stopped_.reset();
@@ -287,8 +294,8 @@ void CommissionTalk::look(Clock::time_point now) {
   job_->look(now);
 }
 
-auto CommissionTalk::report() const -> std::optional<std::string> {
-  return job_->report();
+auto CommissionTalk::report(std::string_view name) const -> std::optional<std::string> {
+  return job_->report(name);
 }
 
 }  // namespace capstan::tools

@@ -29,8 +29,9 @@ class CommissionTalk final : public Talk {
   void word(Guest& guest, std::string_view word, Clock::time_point now) override;
   /// To be called several times a second.
   void look(Clock::time_point now);
-  /// The last report, a page of its own; nothing if there is none.
-  [[nodiscard]] auto report() const -> std::optional<std::string>;
+  /// The last report ("commission_report") or the frequency response that it links to ("response/index.html"), pages of
+  /// their own; nothing if there is none of that name.
+  [[nodiscard]] auto report(std::string_view name) const -> std::optional<std::string>;
 
  private:
   class Job;

@@ -42,7 +42,7 @@ void serve_console(const ConsoleOptions& options,
   LogJob job(io);
   CommissionTalk commissioning(io, hub);
   WebServer server(io, options.listen, std::move(files), commissioning, job, [&](std::string_view place) {
-    return place == "report" ? job.report() : place == "commission_report" ? commissioning.report() : std::nullopt;
+    return place == "report" ? job.report() : commissioning.report(place);
   });
   FoxgloveFeed feed(hub);
   asio::steady_timer timer(io);

@@ -121,8 +121,8 @@ export class CommissionView {
       this.question.hidden = false;
       byId('commission-no').focus();
     } else if (word === 'ended') {
-      const { status, machine } = JSON.parse(rest) as { status: number; machine: string };
-      this.ended(status, machine);
+      const { status, machine, response } = JSON.parse(rest) as { status: number; machine: string; response?: boolean };
+      this.ended(status, machine, response === true);
     }
   }
 
@@ -138,7 +138,7 @@ export class CommissionView {
     this.words.textContent = problem ? line.slice('capstan: '.length) : line.trim();
   }
 
-  private ended(status: number, machine: string): void {
+  private ended(status: number, machine: string, response: boolean): void {
     this.running = false;
     this.board.guided = false;
     this.question.hidden = true;
@@ -146,7 +146,8 @@ export class CommissionView {
     window.clearInterval(this.timer);
     if (status === 0) {
       this.words.textContent = 'done: the joint has its gains, and its torque is off. What was found is below';
-      byId('commission-report').append(make('iframe', { src: `commission_report?${Date.now()}`, title: 'report of commissioning', sandbox: '' }));
+      const frame = (name: string, title: string) => make('iframe', { src: `${name}?${Date.now()}`, title, sandbox: '' });
+      byId('commission-report').append(frame('commission_report', 'report of commissioning'), ...(response ? [frame('response/index.html', 'frequency response of commissioning')] : []));
     }
     this.show();
   }
@@ -154,7 +155,7 @@ export class CommissionView {
   /** The line is gone, and the program with it. */
   lost(): void {
     if (this.running) {
-      this.ended(-1, '');
+      this.ended(-1, '', false);
       this.words.textContent = 'ended: the line to capstan console is gone';
     }
   }
