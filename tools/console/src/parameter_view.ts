@@ -53,11 +53,6 @@ export class ParameterView {
     return this.parameters.find((one) => full(one) === name);
   }
 
-  /** Those of one joint whose names begin so: "control." */
-  group(joint: string, begin: string): readonly Parameter[] {
-    return this.parameters.filter((one) => one.joint === joint && one.name.startsWith(begin));
-  }
-
   /** Reads all of them once, and afterwards their values again: others change them too. */
   load(): Promise<void> {
     this.loading ??= (this.parameters.length > 0 ? this.look() : this.read()).finally(() => (this.loading = undefined));

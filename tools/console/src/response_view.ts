@@ -3,7 +3,7 @@
 import uPlot from 'uplot';
 import type { Board } from './board';
 import { byId, make, options } from './dom';
-import { parseParameters, type Status } from './knowledge';
+import { parseParameters, type Parameter, type Status } from './knowledge';
 import type { LiveView } from './live_view';
 import type { ParameterView } from './parameter_view';
 import { StepTrace } from './step_response';
@@ -75,8 +75,7 @@ export class ResponseView {
     if (this.joint.options.length !== joints.length) {
       options(this.joint, joints);
     }
-    await this.parameters.load();
-    this.listGains();
+    await this.listGains();
   }
   /** The view is left. */
   leave(): void {
@@ -111,14 +110,19 @@ export class ResponseView {
     this.leave();
     this.traces = [];
     this.base = undefined;
-    this.listGains();
+    void this.listGains();
     this.draw();
     this.list();
   }
 
-  private listGains(): void {
+  /** Only these: reading every parameter takes a second on a serial line. */
+  private async readGains(): Promise<Parameter[]> {
+    return parseParameters((await this.board.ask(`list ${this.joint.value}.control`)).lines);
+  }
+
+  private async listGains(): Promise<void> {
     const joint = this.joint.value;
-    const gains = this.parameters.group(joint, 'control.');
+    const gains = await this.readGains();
     this.gains = gains.map((gain) => {
       const name = gain.name.slice('control.'.length);
       const input: HTMLInputElement = make('input', {
@@ -137,19 +141,19 @@ export class ResponseView {
     if (refusal === undefined) {
       this.changed(`${name.split('.').at(-1)!} ${value}`);
     }
-    this.showGains();
+    await this.showGains();
   }
   private async undo(): Promise<void> {
     this.words.textContent = await this.parameters.undoCommit();
     this.changed('undone');
-    this.showGains();
+    await this.showGains();
   }
   private changed(what: string): void {
     this.trace?.changes.push(`${what} meanwhile`);
     this.changes.push(what);
   }
-  private showGains(): void {
-    const values = new Map(this.parameters.group(this.joint.value, 'control.').map((one) => [one.name, one.value]));
+  private async showGains(): Promise<void> {
+    const values = new Map((await this.readGains()).map((one) => [one.name, one.value]));
     for (const input of this.gains) {
       input.value = values.get(input.dataset['gain']!) ?? input.value;
     }
