@@ -21,6 +21,8 @@ struct CommandOptions {
   bool yes = false, again = false;
 };
 
+volatile std::sig_atomic_t stop_asked = 0;
+
 auto agrees(const CommandOptions& options, const std::string& question) -> bool {
   if (options.yes) {
     return true;
@@ -50,9 +52,11 @@ auto run_commission(CommandOptions& options) -> int {
     line = std::make_unique<SimShell>(scenario);
   } else {
     struct sigaction stop {};
-    stop.sa_handler = [](int) {};  // what waits for the board ends, torque goes off, and parameters go back
+    // What waits for the board ends, torque goes off and is not given again, and parameters go back.
+    stop.sa_handler = [](int) { stop_asked = 1; };
     static_cast<void>(::sigaction(SIGINT, &stop, nullptr));
     line = std::make_unique<PortShell>(options.port);
+    line->stop_by(stop_asked);
   }
   const Operator person{.tell = [](const std::string& text) { std::cerr << text << "\n"; },
                         .agrees = [&options](const std::string& question) { return agrees(options, question); },

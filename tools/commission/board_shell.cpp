@@ -13,6 +13,13 @@ constexpr long kMostCycles = 1'000'000;  // of one answer, 1000 s
 
 }  // namespace
 
+auto BoardShell::ask(const std::string& line) -> std::vector<std::string> {
+  if (line == "arm" && stop_ != nullptr && *stop_ != 0) {
+    throw Refusal("stopped as you wished, torque is off; the same command goes on from here");
+  }
+  return do_ask(line);
+}
+
 auto PortShell::do_ask(const std::string& line) -> std::vector<std::string> {
   // An experiment may stay silent while the joint goes to where it begins, and commissioning until it is over.
   return shell_.ask(line, std::chrono::minutes{15});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,13 @@ class BoardShell {
   auto operator=(const BoardShell&) -> BoardShell& = delete;
   virtual ~BoardShell() = default;
   /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence.
-  auto ask(const std::string& line) -> std::vector<std::string> { return do_ask(line); }
+  auto ask(const std::string& line) -> std::vector<std::string>;
+  /// From when this is not 0 on, torque is not given any more: who tries again after an error shall not go on then.
+  void stop_by(const volatile std::sig_atomic_t& flag) { stop_ = &flag; }
 
  private:
   virtual auto do_ask(const std::string& line) -> std::vector<std::string> = 0;
+  const volatile std::sig_atomic_t* stop_ = nullptr;
 };
 
 /// Over a port, as ShellClient takes it.

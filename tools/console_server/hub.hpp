@@ -89,6 +89,7 @@ class Hub final : public Talk {
   std::function<void(std::string_view)> overhear;
   /// Sends a line for the server itself, if no page commands.
   void send_unattended(std::string_view line);
+  [[nodiscard]] auto commands(const Guest& guest) const -> bool { return commander_ == &guest; }
   [[nodiscard]] auto connected() const -> bool { return line_ != nullptr; }
 
  private:

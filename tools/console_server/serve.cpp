@@ -5,8 +5,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <csignal>
 
-#include "capstan/tools/console_server/diagnosis_job.hpp"
+#include "capstan/tools/console_server/commission_talk.hpp"
 #include "capstan/tools/console_server/lines.hpp"
+#include "capstan/tools/console_server/log_job.hpp"
 #include "capstan/tools/console_server/web_server.hpp"
 
 namespace capstan::tools {
@@ -14,14 +15,15 @@ namespace {
 
 namespace asio = boost::asio;
 
-/// Lets the hub look again and again.
-void keep_looking(asio::steady_timer& timer, Hub& hub, FoxgloveFeed& feed) {
+/// Lets all look again and again.
+void keep_looking(asio::steady_timer& timer, CommissionTalk& commissioning, Hub& hub, FoxgloveFeed& feed) {
   timer.expires_after(Hub::kAliveWithin / 10);
-  timer.async_wait([&timer, &hub, &feed](const boost::system::error_code& error) {
+  timer.async_wait([&](const boost::system::error_code& error) {
     if (!error) {
+      commissioning.look(Hub::Clock::now());
       hub.look(Hub::Clock::now());
       feed.look(Hub::Clock::now());
-      keep_looking(timer, hub, feed);
+      keep_looking(timer, commissioning, hub, feed);
     }
   });
 }
@@ -37,11 +39,14 @@ void serve_console(const ConsoleOptions& options,
     return options.port.empty() ? open_simulated_line(io, options.scenario, std::move(listener))
                                 : open_port_line(io, options.port, std::move(listener));
   });
-  DiagnosisJob job(io);
-  WebServer server(io, options.listen, std::move(files), hub, job);
+  LogJob job(io);
+  CommissionTalk commissioning(io, hub);
+  WebServer server(io, options.listen, std::move(files), commissioning, job, [&](std::string_view place) {
+    return place == "report" ? job.report() : commissioning.report(place);
+  });
   FoxgloveFeed feed(hub);
   asio::steady_timer timer(io);
-  keep_looking(timer, hub, feed);
+  keep_looking(timer, commissioning, hub, feed);
   asio::signal_set signals(io, SIGINT, SIGTERM);
   signals.async_wait([&](const boost::system::error_code&, int) {
     hub.close();

@@ -25,6 +25,7 @@ constexpr std::chrono::seconds kRequestWithin{10};
 constexpr std::string_view kFoxglove = "foxglove";
 constexpr std::string_view kFoxglovePage = "https://app.foxglove.dev";
 constexpr std::string_view kDiagnose = "diagnose/";  // and the column to explain, or nothing
+constexpr std::string_view kTune = "tune/";          // and the axis, and perhaps a bandwidth
 
 auto view(beast::string_view text) -> std::string_view {
   return {text.data(), text.size()};
@@ -55,14 +56,15 @@ auto caller_of(const Request& request) -> Caller {
 
 /// What every visitor needs; lives as long as the last of them.
 struct WebServer::Shop : std::enable_shared_from_this<Shop> {
-  Shop(asio::io_context& io, PageFiles page, Hub& board_hub, DiagnosisJob& diagnosis)
-      : acceptor(io), files(std::move(page)), hub(board_hub), job(diagnosis) {}
+  Shop(asio::io_context& io, PageFiles page, Talk& board_talk, LogJob& log_job, WebServer::Reports left)
+      : acceptor(io), files(std::move(page)), board(board_talk), job(log_job), reports(std::move(left)) {}
   void accept();
 
   tcp::acceptor acceptor;
   PageFiles files;
-  Hub& hub;
-  DiagnosisJob& job;
+  Talk& board;
+  LogJob& job;
+  WebServer::Reports reports;
   FoxgloveFeed* foxglove = nullptr;
   std::optional<Door> door;
 };
@@ -199,9 +201,9 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     }
     const std::string_view place = *shop_->door->behind_token(caller.target);
     if (talks && place == "board") {
-      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->hub)->begin(request, {});
-    } else if (request.method() == http::verb::post && place.starts_with(kDiagnose)) {
-      read_log(std::string(place.substr(kDiagnose.size())));
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->board)->begin(request, {});
+    } else if (request.method() == http::verb::post && (place.starts_with(kDiagnose) || place.starts_with(kTune))) {
+      read_log(std::string(place));
     } else if (talks || request.method() != http::verb::get) {
       answer(http::status::method_not_allowed, {kPlain, "the page's files can only be read\n"});
     } else {
@@ -225,7 +227,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
 
   void give(std::string_view place) {
     const auto file = shop_->files.find(place);
-    const auto report = place == "report" ? shop_->job.report() : std::nullopt;
+    const auto report = shop_->reports(place);
     if (report) {
       answer(http::status::ok, {"text/html; charset=utf-8", *report}, kReportPolicy);
     } else if (file == shop_->files.end()) {
@@ -235,29 +237,31 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     }
   }
 
-  /// @param target  column to explain, or nothing
-  void read_log(const std::string& target) {
+  /// @param place  what is to be done with it
+  void read_log(const std::string& place) {
     http::async_read(stream_, in_, parser_,
-                     [self = this->shared_from_this(), target](const error_code& error, std::size_t) {
+                     [self = this->shared_from_this(), place](const error_code& error, std::size_t) {
                        if (error == http::error::body_limit) {
                          self->too_large();
                        } else if (!error) {
-                         self->diagnose(target);
+                         self->look_at_log(place);
                        }
                      });
   }
   void too_large() {
     answer(http::status::payload_too_large,
-           {kPlain, "the log is larger than 64 MB; diagnose it by 'capstan diagnose'\n"});
+           {kPlain, "the log is larger than 64 MB; use 'capstan diagnose' or 'capstan tune'\n"});
   }
-  void diagnose(const std::string& target) {
+  void look_at_log(const std::string& place) {
     stream_.expires_never();
-    const bool begun =
-        shop_->job.start(parser_.get().body(), target, [self = this->shared_from_this()](std::string found) {
-          self->answer(http::status::ok, {"application/json", std::move(found)});
-        });
+    const auto done = [self = this->shared_from_this()](std::string found) {
+      self->answer(http::status::ok, {"application/json", std::move(found)});
+    };
+    const std::string& log = parser_.get().body();
+    const bool begun = place.starts_with(kTune) ? shop_->job.tune(log, place.substr(kTune.size()), done)
+                                                : shop_->job.diagnose(log, place.substr(kDiagnose.size()), done);
     if (!begun) {
-      answer(http::status::conflict, {kPlain, "a diagnosis is under way; wait for it\n"});
+      answer(http::status::conflict, {kPlain, "a diagnosis or tuning is under way; wait for it\n"});
     }
   }
 
@@ -303,8 +307,9 @@ void WebServer::Shop::accept() {
   });
 }
 
-WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, Hub& hub, DiagnosisJob& job)
-    : shop_(std::make_shared<Shop>(io, std::move(files), hub, job)) {
+WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, Talk& board, LogJob& job,
+                     Reports reports)
+    : shop_(std::make_shared<Shop>(io, std::move(files), board, job, std::move(reports))) {
   const tcp::endpoint endpoint(asio::ip::address_v4::loopback(), port);
   error_code error;
   shop_->acceptor.open(endpoint.protocol());

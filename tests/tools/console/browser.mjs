@@ -118,6 +118,11 @@ export function moved({ page }, degrees) {
   return page.waitForFunction((wanted) => Math.abs(parseFloat(document.querySelector('#joints output').textContent) - wanted) < 0.7, degrees, { timeout: kPatience });
 }
 
+/** The step responses that Move lists, the newest first, cell by cell. */
+export function responses({ page }) {
+  return page.$$eval('#response-table tbody tr', (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+}
+
 /** Asks again until it is so. */
 export async function eventually(check, what) {
   const end = performance.now() + kPatience;

@@ -10,7 +10,7 @@ import { arm, eventually, kPatience, moved, pages, site, state, type, view } fro
 const pictures = process.env.CAPSTAN_PICTURES;
 const axe = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js')).resolve('axe-core/axe.min.js');
 const { McapIndexedReader } = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'))('@mcap/core');
-const kViews = ['live', 'states', 'move', 'diagnose', 'parameters', 'break', 'shell'];
+const kViews = ['live', 'states', 'move', 'setup', 'diagnose', 'parameters', 'break', 'shell'];
 const rig = pages();
 before(() => mkdirSync(pictures, { recursive: true }));
 const fresh = (options) => rig.open(options);
@@ -35,7 +35,7 @@ test('arms, moves by a click, and the trace shows it', async () => {
     const canvas = document.querySelector('#plot canvas');
     const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
     let blue = 0;
-    for (let i = 0; i < data.length; i += 4) blue += data[i] < 40 && data[i + 2] > 140 && data[i + 3] > 200 ? 1 : 0;
+    for (let i = 0; i < data.length; i += 4) blue += data[i] < 40 && data[i + 2] > 140 && data[i + 3] > 60 ? 1 : 0;  // a line that moves is thin
     return blue;
   });
   await eventually(async () => (await ink()) > 300, 'the trace of the reference');

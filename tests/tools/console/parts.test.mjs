@@ -18,6 +18,7 @@ const { FrameSplitter, crc16 } = await part('frames');
 const { Series } = await part('series');
 const { ShellClient } = await part('shell_client');
 const knowledge = await part('knowledge');
+const { StepTrace, stepFigures } = await part('step_response');
 
 function started() {
   const board = new Board(process.env.CAPSTAN_MODULE);
@@ -195,4 +196,47 @@ test('a line that is lost leaves nobody waiting', async () => {
   const answer = client.ask('status');
   client.lost();
   assert.match((await answer).error, /^line: /);
+});
+
+/** A step of 0.02 rad from 0.1 rad, answered as `share` says, sampled every ms. */
+function answered(share, ms = 1000) {
+  const times = Array.from({ length: ms }, (_, i) => i);
+  return stepFigures(times, times.map((t) => 0.1 + 0.02 * share(t / 1000)), 0.1, 0.12);
+}
+
+test('overshoot, rise and settling are those of the textbook for systems of first and second order', () => {
+  const first = answered((t) => 1 - Math.exp(-t / 0.05));
+  assert.equal(first.overshoot, 0);
+  assert.ok(Math.abs(first.rise - 50 * Math.log(9)) < 0.1, `${first.rise}`);
+  assert.ok(Math.abs(first.settling - 50 * Math.log(20)) < 0.1, `${first.settling}`);
+  for (const damping of [0.4, 0.2]) {
+    const w = 20;
+    const wd = w * Math.sqrt(1 - damping ** 2);
+    const y = (t) => 1 - (Math.exp(-damping * w * t) * Math.sin(wd * t + Math.acos(damping))) / Math.sqrt(1 - damping ** 2);
+    const second = answered(y, 2000);
+    assert.ok(Math.abs(second.overshoot - Math.exp((-Math.PI * damping) / Math.sqrt(1 - damping ** 2))) < 1e-4, `${second.overshoot}`);
+    let last = 0;
+    for (let t = 0; t < 2; t += 1e-6) last = Math.abs(y(t) - 1) > 0.05 ? t : last;
+    assert.ok(Math.abs(second.settling - 1000 * last) < 0.5, `${second.settling} ${last}`);
+  }
+});
+
+test('a step that is not reached has no rise and does not settle, also downwards', () => {
+  const half = answered((t) => 0.5 * Math.min(1, t / 0.1));
+  assert.deepEqual([half.rise, half.settling, half.overshoot], [undefined, undefined, 0]);
+  const down = stepFigures([0, 1, 2, 3], [0.1, 0.09, 0.07, 0.08], 0.1, 0.08);
+  assert.ok(Math.abs(down.overshoot - 0.5) < 1e-9);
+});
+
+test('a step begins at the last sample at which its reference stood', () => {
+  const trace = new StepTrace();
+  for (let i = 0; i < 20; ++i) trace.push(1000 + 2 * i, i < 5 ? 0.1 : 0.12, i < 8 ? 0.1 : 0.12, i === 9 ? -0.004 : 0.001);
+  assert.equal(trace.zero, 1008);
+  assert.equal(trace.lasted, 1038 - 1008);
+  assert.equal(trace.largestTorque, 0.004);
+  const { settling } = trace.figures();
+  assert.ok(settling > 1014 - 1008 && settling <= 1016 - 1008, `${settling}`);
+  const still = new StepTrace();
+  for (let i = 0; i < 20; ++i) still.push(i, 0.1, 0.1, 0);
+  assert.equal(still.figures(), undefined);
 });

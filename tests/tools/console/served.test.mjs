@@ -154,6 +154,7 @@ test('garbage on the line is no state, no sample and no end', async () => {
   const there = await board();
   const line = await between(there.port, (text) => text);
   const one = await open(await console_(line.name));
+  await until(one, () => document.querySelectorAll('#fault-kind option').length > 0);  // what the page asks first is answered
   let random = 7;
   line.say(Uint8Array.from({ length: 5000 }, () => (random = (random * 48271) % 2147483647) & 0xff));
   await one.page.waitForTimeout(300);

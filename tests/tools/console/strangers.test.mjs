@@ -43,6 +43,8 @@ test('only the page itself is let in: token, Host and Origin', async () => {
     'a board without token': { ...ws, origin: own, path: '/board' },
     'a diagnosis for nobody': { path: `/${served.token}/diagnose/`, method: 'POST' },
     'a diagnosis for another origin': { path: `/${served.token}/diagnose/`, method: 'POST', origin: 'http://evil.example' },
+    'a tuning for nobody': { path: `/${served.token}/tune/0`, method: 'POST' },
+    'a tuning for another origin': { path: `/${served.token}/tune/0`, method: 'POST', origin: 'http://evil.example' },
     'a board for another origin': { ...ws, origin: 'http://evil.example' },
     'a board for nobody': ws,
     'a board for a frame without origin': { ...ws, origin: 'null' },
@@ -55,6 +57,7 @@ test('only the page itself is let in: token, Host and Origin', async () => {
   assert.equal((await visit(served, { path: `/${served.token}/../../etc/passwd` })).status, 404);
   assert.equal((await visit(served, { path: `/${served.token}/served.html` })).status, 404);
   assert.equal((await visit(served, { path: `/${served.token}/report` })).status, 404);
+  assert.equal((await visit(served, { path: `/${served.token}/commission_report` })).status, 404);
   assert.equal((await visit(served, { method: 'DELETE', origin: own })).status, 405);
 });
 
@@ -151,9 +154,11 @@ test('one diagnosis at a time; what is too large is told', async () => {
   const first = visit(served, { ...post, body });
   await new Promise((resolve) => setTimeout(resolve, 100));
   const second = await visit(served, { ...post, body });
-  assert.deepEqual([second.status, second.body], [409, 'a diagnosis is under way; wait for it\n']);
+  const tuning = await visit(served, { ...post, path: `/${served.token}/tune/0`, body });
+  assert.equal(tuning.status, 409, 'nor a tuning beside it');
+  assert.deepEqual([second.status, second.body], [409, 'a diagnosis or tuning is under way; wait for it\n']);
   assert.equal((await first).status, 200);
   const large = await visit(served, { ...post, 'content-length': String(65 * 1024 * 1024) });
   assert.equal(large.status, 413);
-  assert.match(large.body, /larger than 64 MB; diagnose it by 'capstan diagnose'/);
+  assert.match(large.body, /larger than 64 MB; use 'capstan diagnose' or 'capstan tune'/);
 });

@@ -93,6 +93,45 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
   }
 }
 
+/// A person who presses Ctrl-C while the joint is shaken for its gains.
+class StoppedShell final : public BoardShell {
+ public:
+  explicit StoppedShell(const sim::Scenario& scenario) : line_(scenario) { stop_by(stop_); }
+  [[nodiscard]] auto board() -> SimBoard& { return line_.board(); }
+  [[nodiscard]] auto armed_afterwards() const -> int { return armed_afterwards_; }
+
+ private:
+  auto do_ask(const std::string& line) -> std::vector<std::string> override {
+    armed_afterwards_ += stop_ != 0 && line == "arm" ? 1 : 0;
+    if (line.find("duration=120") != std::string::npos) {
+      stop_ = 1;
+      throw Refusal("stopped while the board was answering");
+    }
+    return line_.ask(line);
+  }
+  SimShell line_;
+  volatile std::sig_atomic_t stop_ = 0;
+  int armed_afterwards_ = 0;
+};
+
+TEST(Commission, StoppedWhileItTunesItDoesNotTryAgainAndPutsTheGainsBack) {
+  const sim::Scenario scenario;
+  StoppedShell line(scenario);
+  Progress progress;
+  progress.done = {"look", "shake", "press", "travel", "motor"};
+  progress.inertia_kgm2 = scenario.plant.motor_inertia_kgm2;
+  const double before = line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double();
+  const Operator person{.tell = [](const std::string&) {},
+                        .agrees = [](const std::string&) { return true; },
+                        .keep = [](const Progress&) {}};
+  EXPECT_THROW(
+      commission(line, person, {.axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = {}, .key = {}}, progress),
+      Refusal);
+  EXPECT_EQ(line.armed_afterwards(), 0);
+  EXPECT_FALSE(energised(line.board().machine().telemetry().state));
+  EXPECT_EQ(line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double(), before);
+}
+
 TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
   struct Wrong {
     const char* what;

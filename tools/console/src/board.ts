@@ -28,6 +28,8 @@ export class Board {
   link: Link | undefined;
   /** Another page commands; this one sees what the board tells that one. */
   looking = false;
+  /** It is a program that this page has started, which commands meanwhile: the torque is as good as this page's. */
+  guided = false;
   /** States without torque, from the firmware's table; whatever else a board says may have it. */
   safeStates = new Set<string>();
   private readonly frames: FrameSplitter;
@@ -78,6 +80,9 @@ export class Board {
     if (looking) {
       this.shell.lost(); // whatever was asked is the other page's now
       this.frames.expectSchema();
+      if (this.guided) {
+        this.events.status({ state: 'commissioning', fault: 'none', cycles: 0, joints: [] });
+      }
     } else {
       this.shell.cancel(); // whatever was half said before
       this.poll = window.setInterval(() => void this.askStatus(), kStatusEveryMs);
@@ -141,7 +146,7 @@ export class Board {
     const status = parseStatus(lines);
     if (status !== undefined) {
       this.status = status;
-      this.mayHaveTorque = !this.safeStates.has(status.state);
+      this.mayHaveTorque = this.guided || !this.safeStates.has(status.state); // a program gives it again by itself
       if (!this.mayHaveTorque) {
         window.clearTimeout(this.insist);
       }

@@ -30,9 +30,13 @@ export class BreakView {
     this.showRange();
   }
 
-  /** What can fail, and how, is what the board says when it does not understand. */
-  async connected(joints: number): Promise<void> {
+  /** What can fail, and how, is what the board says when it does not understand. @param own  the page's own simulator, which it can start anew */
+  async connected(joints: number, own: boolean): Promise<void> {
+    byId('effects').hidden = !own;
+    byId('effects-elsewhere').hidden = own;
     const targets = parseKnown((await this.board.ask('fail ?')).error ?? '');
+    byId('fault-form').hidden = targets.length === 0;
+    byId('fault-answer').textContent = targets.length > 0 ? '' : "this board's shell has no command 'fail': its joints are simulated by another program; give that program's scenario the faults, or connect a board of 'capstan run'";
     options(byId<HTMLSelectElement>('fault-target'), targets);
     options(byId<HTMLSelectElement>('fault-kind'), parseKnown((await this.board.ask(`fail ${targets[0] ?? ''} ?`)).error ?? ''));
     options(byId<HTMLSelectElement>('fault-joint'), Array.from({ length: joints }, (_, i) => String(i)));

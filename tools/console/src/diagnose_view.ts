@@ -3,6 +3,8 @@
 // behind the page, the log is offered with the command to run.
 import type { Board } from './board';
 import { byId, download, make } from './dom';
+import { valuesOf } from './knowledge';
+import type { ParameterView } from './parameter_view';
 import { XyPlot } from './xy_plot';
 
 interface Errors {
@@ -37,6 +39,7 @@ export class DiagnoseView {
   constructor(
     private readonly board: Board,
     private readonly served: boolean,
+    private readonly parameters: ParameterView,
     private readonly logs: { experiment(): string | undefined; live(): string },
   ) {
     byId('diagnose-form').addEventListener('submit', (event) => {
@@ -125,20 +128,13 @@ export class DiagnoseView {
     this.loop.show(all.get('axis0/q1_rad') ?? [], all.get(wanted) ?? [], 'axis0/q1_rad', wanted);
   }
 
-  /** All lines or none; the board reads them back. */
+  /** All of them or none; the board reads them back, and Parameters can undo them. */
   private async give(): Promise<void> {
     this.busy = true;
     this.show();
-    let refusal: string | undefined;
-    for (const line of this.lines) {
-      refusal = (await this.board.ask(line)).error;
-      if (refusal !== undefined) {
-        await this.board.ask('abandon');
-        break;
-      }
-    }
-    const set = this.lines.filter((line) => line.startsWith('set ')).length;
-    this.words.textContent = refusal ?? `the board has the law now, ${set} parameters; save them in Parameters, then record and diagnose again to see what is left`;
+    const values = valuesOf(this.lines);
+    const refusal = await this.parameters.take(values);
+    this.words.textContent = refusal ?? `the board has the law now, ${values.size} parameters; save them in Parameters, then record and diagnose again to see what is left`;
     byId('diagnose-said').textContent = (await this.board.ask('model')).lines.join('\n');
     this.busy = false;
     this.show();

@@ -70,6 +70,14 @@ export function parseParameters(lines: string[]): Parameter[] {
   });
 }
 
+/** Full names and values, with their units, of lines `set NAME VALUE`. */
+export function valuesOf(lines: string[]): Map<string, string> {
+  return new Map(lines.flatMap((line) => {
+    const found = /^set (\S+) (.*)$/.exec(line);
+    return found === null ? [] : [[found[1]!, found[2]!] as const];
+  }));
+}
+
 /** Adds what `help GROUP` says: default, and when a parameter may change. */
 export function addHelp(parameters: Parameter[], lines: string[]): void {
   for (let i = 0; i + 1 < lines.length; ++i) {

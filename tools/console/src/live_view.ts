@@ -10,6 +10,8 @@ import { TimePlot } from './time_plot';
 import { XyPlot } from './xy_plot';
 
 const kMostSignals = 8;
+const kMostBuckets = 2000; // of a plot, each with its smallest and largest value
+const kMovingPixels = 2; // of a plot that moves for each of them: half of the points are half of the time
 const kFirst = ['joint0.reference', 'joint0.q2', 'joint0.q1', 'joint0.torque'];
 
 /** A log's columns tell their units. */
@@ -80,6 +82,10 @@ export class LiveView {
   goOn(): Promise<void> {
     return this.choose(this.chosenNames);
   }
+  /** Shows these signals, and no others, at this rate or at the line's. */
+  show(names: string[], every?: number): Promise<void> {
+    return this.choose(names, every);
+  }
 
   /** Rows of a log come instead of frames; its columns tell the units. */
   columns(columns: string[]): void {
@@ -102,14 +108,13 @@ export class LiveView {
     this.series.push(tick, values);
   }
 
-  private async choose(names: string[]): Promise<void> {
+  private async choose(names: string[], every = this.board.link?.everyMs ?? 1): Promise<void> {
     const chosen = this.all.filter((one) => names.includes(one.name)).sort((a, b) => names.indexOf(a.name) - names.indexOf(b.name));
     if (chosen.length > kMostSignals) {
       this.say(`a board sends ${kMostSignals} signals at most; take one away first`);
       options(this.add, this.offered());
       return;
     }
-    const every = this.board.link?.everyMs ?? 1;
     await this.board.ask('frames off');
     this.board.expectSchema();
     byId('go-on').hidden = true;
@@ -200,20 +205,21 @@ export class LiveView {
       return;
     }
     const [from, to] = this.window();
-    const what = [from, to, this.kind.value, this.across.value, this.up.value, this.plot.width, this.shapes].join();
+    const what = [from, to, this.frozen === undefined, this.kind.value, this.across.value, this.up.value, this.plot.width, this.shapes].join();
     this.count();
     if (what === this.drawn) {
       return;
     }
     this.drawn = what;
-    const data = this.series.view(from, to, Math.min(2000, this.plot.width));
+    const still = this.frozen !== undefined;
+    const data = this.series.view(from, to, Math.min(kMostBuckets, this.plot.width) / (still ? 1 : kMovingPixels));
     if (this.kind.value === 'xy') {
       const names = this.shown.map((one) => one.name);
       const [x, y] = [names.indexOf(this.across.value), names.indexOf(this.up.value)];
       const label = (i: number) => `${this.shown[i]?.name ?? ''} ${this.shown[i]?.unit ?? ''}`;
       this.xy.show(data[x + 1] ?? [], data[y + 1] ?? [], label(x), label(y));
     } else {
-      this.plot.show(data, from / 1000, to / 1000);
+      this.plot.show(data, from / 1000, to / 1000, still);
     }
   }
 

@@ -2,6 +2,7 @@
 // The console page: joins the board with its views.
 import { Board } from './board';
 import { BreakView } from './break_view';
+import { CommissionView } from './commission_view';
 import { DiagnoseView } from './diagnose_view';
 import { byId, options } from './dom';
 import { ExperimentView } from './experiment_view';
@@ -9,6 +10,7 @@ import { parseTables, type Status } from './knowledge';
 import { LiveView } from './live_view';
 import { MoveView } from './move_view';
 import { ParameterView } from './parameter_view';
+import { ResponseView } from './response_view';
 import { Safety } from './safety';
 import { ScopeView } from './scope_view';
 import { SerialLink, serialOfBrowser } from './serial_link';
@@ -16,6 +18,7 @@ import { ShellView } from './shell_view';
 import { SimulatorLink } from './simulator_link';
 import { SocketLink } from './socket_link';
 import { StateView } from './state_view';
+import { TuneView } from './tune_view';
 import { connectTabs } from './tabs';
 
 const say = (text: string) => (byId('message').textContent = text);
@@ -23,7 +26,10 @@ const say = (text: string) => (byId('message').textContent = text);
 const board: Board = new Board({
   status: (status) => show(status),
   schema: (schema) => live.schema(schema),
-  sample: (tick, values) => live.sample(tick, values),
+  sample: (tick, values) => {
+    live.sample(tick, values);
+    response.sample(tick, values);
+  },
   remark: (text) => shell.show(text),
   connected: () => void connected(),
   lost: (why) => {
@@ -36,9 +42,13 @@ const live = new LiveView(board, say);
 const states = new StateView(board);
 const parameters = new ParameterView(board, say);
 const move = new MoveView(board, say);
+const response = new ResponseView(board, live, parameters);
 const experiments = new ExperimentView(board, live);
 const served = document.querySelector('meta[name="capstan-served"]') !== null;
-new DiagnoseView(board, served, { experiment: () => experiments.csv, live: () => live.csv() });
+const tuning = new TuneView(board, served, live, parameters);
+let socket: SocketLink | undefined;
+const commissioning = new CommissionView(board, () => (board.link === socket ? socket : undefined), served, () => live.standBack());
+new DiagnoseView(board, served, parameters, { experiment: () => experiments.csv, live: () => live.csv() });
 const scope = new ScopeView(board, live);
 const breaking = new BreakView(board, (effects) => startSimulator(effects));
 const shell = new ShellView(board);
@@ -57,46 +67,62 @@ const safety = new Safety(
 function show(status: Status | undefined): void {
   states.show(status);
   move.show(status);
+  response.show(status);
   safety.show(status !== undefined, board.mayHaveTorque);
 }
 
-async function connected(): Promise<void> {
-  const simulated = board.link?.simulated === true;
-  byId('tab-break').hidden = !simulated;
-  if (!simulated && visible === 'break') {
+/** Joints that are programs can be broken: those of this page, and behind capstan console those of boards that say so by their names. */
+function showBreaking(broken: boolean): void {
+  byId('tab-break').hidden = !broken;
+  if (!broken && visible === 'break') {
     byId('tab-live').click();
   }
+}
+
+async function connected(): Promise<void> {
+  const own = board.link?.simulated === true;
   parameters.forget();
-  byId('take').hidden = !board.looking;
+  byId('take').hidden = !board.looking || board.guided;
   if (board.looking) {
-    say('another page commands this board; this one looks, and DISARM works');
+    showBreaking(false);
+    say(board.guided ? 'capstan commission commands this board; DISARM ends it' : 'another page commands this board; this one looks, and DISARM works');
     return;
   }
-  if (!(await answers())) {
+  const [theirs, kind] = await answers();
+  if (theirs === undefined) {
     return;
   }
+  const simulated = own || (board.link === socket && (kind === 'sim' || kind.endsWith('-emulated')));
+  showBreaking(simulated);
   await live.connected();
   scope.connected();
   await board.askStatus();
   await experiments.connected(board.status?.joints.length ?? 1);
   if (simulated) {
-    await breaking.connected(board.status?.joints.length ?? 1);
+    await breaking.connected(board.status?.joints.length ?? 1, own);
   }
   viewShown(visible);
-  await compareVersions();
+  compareVersions(theirs);
 }
 
-/** A board that still starts hears nothing: waits until it does. False if it is another board's turn meanwhile. */
-async function answers(): Promise<boolean> {
+/** A board that still starts hears nothing: waits until it does. Its version and kind; no version if it is another board's turn meanwhile. */
+async function answers(): Promise<[string | undefined, string]> {
   const { link } = board;
-  while (board.link === link && (await board.ask('version')).error !== undefined);
-  return board.link === link && !board.looking;
+  for (;;) {
+    const { lines, error } = await board.ask('version');
+    if (board.link !== link || board.looking) {
+      return [undefined, ''];
+    }
+    if (error === undefined) {
+      const [, theirs = '', kind = ''] = /^capstan (\S+) board (\S+)/.exec(lines.join('\n')) ?? [];
+      return [theirs, kind];
+    }
+  }
 }
 
 /** The page reads other versions too; what they named otherwise it cannot know. */
-async function compareVersions(): Promise<void> {
-  const theirs = /^capstan (\S+) board /.exec((await board.ask('version')).lines.join('\n'))?.[1];
-  if (theirs !== undefined && theirs !== version) {
+function compareVersions(theirs: string): void {
+  if (theirs !== '' && theirs !== version) {
     say(`the board's firmware is version ${theirs}, this page is of ${version}: names may differ; use the page of that version, or flash the board`);
   }
 }
@@ -105,7 +131,12 @@ let visible = '';
 function viewShown(id: string): void {
   visible = id;
   if (id === 'parameters') void parameters.load();
-  if (id === 'move') void move.load();
+  if (id === 'move') void move.load().then(() => response.load());
+  else response.leave();
+  if (id === 'setup') {
+    tuning.load();
+    commissioning.load();
+  }
   if (id === 'states') void states.askFaults();
 }
 connectTabs(viewShown);
@@ -136,8 +167,13 @@ function connectServer(): void {
     },
     cancelled: () => board.link === server && board.shell.cancel(),
     remark: (text) => board.link === server && shell.show(text),
-    lost: (why) => (board.link === server ? events.lost(why) : say(why)),
+    commission: (words) => commissioning.hear(words),
+    lost: (why) => {
+      commissioning.lost();
+      (board.link === server ? events.lost : say)(why);
+    },
   });
+  socket = server;
   byId('take').addEventListener('click', () => server.askForCommand());
 }
 

@@ -4,6 +4,11 @@ import type { Board } from './board';
 import { byId, download, make, options } from './dom';
 import { addHelp, parseParameters, type Parameter } from './knowledge';
 
+const kMostCommits = 50;
+
+/** A commit of this page, so that it can be taken back. */
+type Commit = { name: string; before: string; after: string }[];
+
 function full(parameter: Parameter): string {
   return `${parameter.joint}.${parameter.name}`;
 }
@@ -13,7 +18,9 @@ export class ParameterView {
   private readonly staged = new Map<string, string>();
   private readonly refusals = new Map<string, string>();
   private readonly rows = new Map<string, HTMLTableRowElement>();
-  private loading = false;
+  private readonly commits: Commit[] = [];
+  private loading: Promise<void> | undefined;
+  private taking = false;
   private readonly joint = byId<HTMLSelectElement>('parameter-joint');
   private readonly search = byId<HTMLInputElement>('search');
   private readonly changedOnly = byId<HTMLInputElement>('changed-only');
@@ -26,7 +33,8 @@ export class ParameterView {
       element.addEventListener('input', () => this.filter());
     }
     byId('commit').addEventListener('click', () => void this.commit());
-    byId('undo').addEventListener('click', () => this.undo());
+    byId('undo').addEventListener('click', () => void this.undo());
+    byId('forget').addEventListener('click', () => this.forgetEdits());
     byId('save').addEventListener('click', () => void this.save());
     byId('diff').addEventListener('click', () => void this.saveDifferences());
     byId('maintenance').addEventListener('click', () => void this.openMaintenance());
@@ -37,6 +45,7 @@ export class ParameterView {
     this.parameters = [];
     this.staged.clear();
     this.refusals.clear();
+    this.commits.length = 0;
     this.build();
   }
 
@@ -44,14 +53,10 @@ export class ParameterView {
     return this.parameters.find((one) => full(one) === name);
   }
 
-  /** Reads all of them, once. */
-  async load(): Promise<void> {
-    if (this.loading || this.parameters.length > 0) {
-      return;
-    }
-    this.loading = true;
-    await this.read();
-    this.loading = false;
+  /** Reads all of them once, and afterwards their values again: others change them too. */
+  load(): Promise<void> {
+    this.loading ??= (this.parameters.length > 0 ? this.look() : this.read()).finally(() => (this.loading = undefined));
+    return this.loading;
   }
 
   private async read(): Promise<void> {
@@ -106,6 +111,7 @@ export class ParameterView {
     if (text.trim() === parameter.value) {
       this.staged.delete(name);
     } else {
+      this.staged.delete(name); // the last one edited stands last
       this.staged.set(name, text.trim());
     }
     this.markRow(parameter, false);
@@ -140,57 +146,125 @@ export class ParameterView {
   private count(): void {
     const count = this.staged.size;
     byId('staged').textContent = count === 0 ? '' : `${count} staged, not on the board yet`;
-    byId<HTMLButtonElement>('commit').disabled = byId<HTMLButtonElement>('undo').disabled = count === 0;
+    byId<HTMLButtonElement>('commit').disabled = byId<HTMLButtonElement>('forget').disabled = count === 0;
+    byId<HTMLButtonElement>('undo').disabled = count === 0 && this.commits.length === 0;
+    byId('undo').textContent = count === 0 ? 'Undo last commit' : 'Undo last edit';
   }
 
-  private undo(): void {
+  private forgetEdits(): void {
     this.staged.clear();
     this.refusals.clear();
     this.mark();
+    this.filter();
   }
 
-  /** All or none: whatever is refused, the board keeps what it had. */
+  /** Takes back the last edit; where there is none, the last commit, on the board. */
+  private async undo(): Promise<void> {
+    const name = [...this.staged.keys()].at(-1);
+    if (name === undefined) {
+      this.say(await this.undoCommit());
+      return;
+    }
+    this.staged.delete(name);
+    this.refusals.delete(name);
+    this.mark();
+    this.filter();
+  }
+
+  /** Takes the last commit back on the board; resolves to what became of it. */
+  async undoCommit(): Promise<string> {
+    const last = this.commits.at(-1);
+    if (last === undefined) {
+      return 'nothing was committed from this page yet';
+    }
+    await this.look();
+    const changed = last.find((one) => this.find(one.name)?.value !== one.after);
+    if (changed !== undefined) {
+      this.commits.pop();
+      this.mark();
+      return `${changed.name} was changed since then by another way, so that commit is not taken back; edit the values here`;
+    }
+    const refusal = await this.put(new Map(last.map((one) => [one.name, one.before])));
+    if (refusal !== undefined) {
+      return refusal;
+    }
+    this.commits.pop();
+    await this.look();
+    return `taken back: ${last.map((one) => `${one.name} is ${one.before} again`).join(', ')}; save to keep that over a restart`;
+  }
+
+  /** Gives the board these values by their full names, all or none; they can be undone. Resolves to why nothing was changed. */
+  async take(values: ReadonlyMap<string, string>): Promise<string | undefined> {
+    await this.load();
+    const before = new Map([...values.keys()].map((name) => [name, this.find(name)?.value ?? '']));
+    const refusal = await this.put(values);
+    if (refusal === undefined) {
+      for (const name of values.keys()) {
+        this.staged.delete(name);
+      }
+      await this.look();
+      const commit = [...before].map(([name, old]) => ({ name, before: old, after: this.find(name)?.value ?? '' })).filter((one) => one.before !== one.after);
+      if (commit.length > 0) {
+        this.commits.push(commit);
+        this.commits.splice(0, this.commits.length - kMostCommits);
+        this.count();
+      }
+    }
+    return refusal;
+  }
+
   private async commit(): Promise<void> {
-    this.refusals.clear();
-    let refusal = (await this.board.ask('begin')).error;
-    if (refusal === undefined) {
-      for (const [name, value] of this.staged) {
-        const error = (await this.board.ask(`set ${name} ${value}`)).error;
-        if (error !== undefined) {
-          this.refusals.set(name, error);
-        }
-      }
-      refusal = this.refusals.size > 0 ? `${this.refusals.size} refused, and nothing was changed` : (await this.board.ask('commit')).error;
-      if (refusal !== undefined) {
-        await this.board.ask('abandon');
-        this.blame(refusal);
-      }
-    }
-    if (refusal === undefined) {
-      this.staged.clear();
-      await this.refresh();
-    }
+    const refusal = await this.take(new Map(this.staged));
     this.mark();
     this.filter();
     this.say(refusal ?? 'taken; save them to keep them over a restart');
   }
 
+  /** All or none: whatever is refused, the board keeps what it had. */
+  private async put(values: ReadonlyMap<string, string>): Promise<string | undefined> {
+    if (this.taking) {
+      return 'the board is still taking values; wait for it';
+    }
+    this.taking = true;
+    this.refusals.clear();
+    let refusal = (await this.board.ask('begin')).error;
+    if (refusal === undefined) {
+      for (const [name, value] of values) {
+        const error = (await this.board.ask(`set ${name} ${value}`)).error;
+        if (error !== undefined) {
+          this.refusals.set(name, error);
+        }
+      }
+      const why = [...this.refusals.values()][0] ?? '';
+      refusal = this.refusals.size > 0 ? `${this.refusals.size} refused, and nothing was changed: ${why}` : (await this.board.ask('commit')).error;
+      if (refusal !== undefined) {
+        await this.board.ask('abandon');
+        this.blame(values.keys(), refusal);
+      }
+    }
+    this.taking = false;
+    return refusal;
+  }
+
   /** Some of a set are refused at its commit only; the sentence names them. */
-  private blame(refusal: string): void {
-    for (const name of this.staged.keys()) {
+  private blame(names: Iterable<string>, refusal: string): void {
+    for (const name of names) {
       if (!this.refusals.has(name) && refusal.includes(`${name.slice(name.indexOf('.') + 1)} `)) {
         this.refusals.set(name, refusal);
       }
     }
   }
 
-  private async refresh(): Promise<void> {
+  /** What the board has now. */
+  private async look(): Promise<void> {
     for (const now of parseParameters((await this.board.ask('list')).lines)) {
       const known = this.find(full(now));
       if (known !== undefined) {
         known.value = now.value;
       }
     }
+    this.mark();
+    this.filter();
   }
 
   private async save(): Promise<void> {

@@ -47,7 +47,7 @@ export class Safety {
 
   private away(why: string): void {
     this.withdraw();
-    if (this.board.mayHaveTorque && this.board.link !== undefined && !this.board.looking) {
+    if (this.board.mayHaveTorque && this.board.link !== undefined && (!this.board.looking || this.board.guided)) {
       this.disarm(why);
       this.board.link?.leave();
     }

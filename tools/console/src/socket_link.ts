@@ -10,6 +10,8 @@ export interface SocketEvents extends LinkEvents {
   /** Something urgent of another page came between: answers that are waited for may never come. */
   cancelled(): void;
   remark(text: string): void;
+  /** `capstan commission` says this (tools/console_server/commission_talk.hpp). */
+  commission(words: string): void;
 }
 
 export class SocketLink implements Link {
@@ -49,6 +51,10 @@ export class SocketLink implements Link {
   askForCommand(): void {
     this.say('take');
   }
+  /** To `capstan commission` on this board. */
+  commission(words: string): void {
+    this.say(`commission ${words}`);
+  }
   close(): void {
     this.ended = true;
     window.clearInterval(this.heart);
@@ -69,6 +75,8 @@ export class SocketLink implements Link {
       this.events.cancelled();
     } else if (word === 'remark') {
       this.events.remark(rest);
+    } else if (word === 'commission') {
+      this.events.commission(rest);
     } else if (word === 'lost') {
       this.lost(rest);
     }

@@ -5,6 +5,15 @@ import type { Signal } from './knowledge';
 import { stroke, themed } from './palette';
 
 const kMostAxes = 3;
+const kStillWidth = 1.5;
+
+/** A signal and how it is drawn. */
+export interface Line extends Signal {
+  /** Number of its stroke; its place among the lines otherwise. */
+  like?: number;
+  /** One of those behind, without a legend. */
+  faint?: boolean;
+}
 
 function height(): number {
   return Math.max(260, Math.round(window.innerHeight * 0.5));
@@ -23,7 +32,7 @@ export class TimePlot {
     return Math.max(200, this.place.clientWidth);
   }
 
-  shape(signals: Signal[]): void {
+  shape(signals: Line[], across = 'time since start, s'): void {
     this.plot?.destroy();
     const units = [...new Set(signals.map((signal) => signal.unit))];
     const common = { stroke: themed('ink'), grid: { stroke: themed('grid'), width: 1 }, ticks: { stroke: themed('grid'), width: 1 } };
@@ -37,15 +46,16 @@ export class TimePlot {
       grid: { ...common.grid, show: i === 0 },
     }));
     const series = signals.map((signal, i): uPlot.Series => {
-      const { colour, dash } = stroke(i);
-      return { label: signal.name, scale: `unit ${signal.unit}`, stroke: colour, width: 1.5, dash, points: { show: false }, value: (_, value) => (value === null || value === undefined ? '' : `${value.toPrecision(5)} ${signal.unit}`) };
+      const { colour, dash } = stroke(signal.like ?? i);
+      const faint = signal.faint === true;
+      return { ...(faint ? { class: 'faint', alpha: 0.35 } : {}), label: signal.name, scale: `unit ${signal.unit}`, stroke: colour, width: kStillWidth, dash, spanGaps: true, points: { show: false }, value: (_, value) => (value === null || value === undefined ? '' : `${value.toPrecision(5)} ${signal.unit}`) };
     });
     this.plot = new uPlot(
       {
         width: this.width,
         height: height(),
         scales: { x: { time: false, auto: false }, ...Object.fromEntries(units.map((unit) => [`unit ${unit}`, { range: readable }])) },
-        axes: [{ ...common, label: 'time since start, s' }, ...axes],
+        axes: [{ ...common, label: across }, ...axes],
         series: [{ label: 'time', value: (_, value) => (value === null || value === undefined ? '' : `${value.toFixed(3)} s`) }, ...series],
         cursor: { drag: { x: true, y: false, setScale: false } },
         hooks: { setSelect: [(plot) => this.selected(plot)] },
@@ -56,8 +66,12 @@ export class TimePlot {
     this.plot.over.addEventListener('dblclick', () => this.onZoom(undefined));
   }
 
-  show(data: number[][], from: number, to: number): void {
+  /** @param still  it is not drawn again at once: lines may take their time */
+  show(data: number[][], from: number, to: number, still = false): void {
     if (this.plot !== undefined && data.length === this.plot.series.length) {
+      // Without a graphics processor a wider line of noise, two points a pixel, takes five times as long as one of a device's pixel.
+      const width = still ? kStillWidth : 1 / window.devicePixelRatio;
+      this.plot.series.forEach((one) => (one.width = width));
       this.plot.batch(() => {
         this.plot!.setData(data as uPlot.AlignedData, true);
         this.plot!.setScale('x', { min: from, max: Math.max(to, from + 0.001) });

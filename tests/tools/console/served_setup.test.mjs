@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// node --test served_setup.test.mjs: a joint set up by the page that `capstan console` serves: commissioned, tuned, its response looked at;
+// and a simulated one broken.
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import test, { afterEach } from 'node:test';
+import { arm, eventually, kPatience, message, pages, responses, state, type, view } from './browser.mjs';
+import { between, board, console_, endAll } from './served.mjs';
+
+const rig = pages();
+afterEach(endAll);
+const until = ({ page }, check, given) => page.waitForFunction(check, given, { timeout: kPatience });
+const open = (served, options) => rig.open(options, served.address);
+
+for (const kind of ['tcp', 'pty']) {
+  test(`the step response of a board by ${kind} is drawn, with its numbers, and ends with the board`, async () => {
+    const there = await board(kind);
+    const one = await open(await console_(there.name));
+    await arm(one);
+    await view(one, 'move');
+    await one.page.waitForSelector('#response-gains input');
+    await one.page.click('#response-run');
+    await eventually(async () => (await responses(one)).length > 1, 'two responses');
+    const [newest] = await responses(one);
+    assert.ok(Math.abs(Math.abs(Number(newest[0])) - 2) < 0.01 && Number(newest[2]) > 0, newest.join());
+    there.child.kill();
+    await until(one, () => document.getElementById('response-answer').textContent.startsWith('ended: '));
+  });
+}
+
+/** Every step that `capstan commission` told of, and what it found. */
+const steps = (one) => one.page.textContent('#commission-steps');
+const commissioned = (one, part) => until(one, (wanted) => document.getElementById('commission-answer').textContent.includes(wanted), part);
+async function beginCommissioning(one) {
+  await view(one, 'setup');
+  await one.page.click('#commission-start');
+  await until(one, () => !document.getElementById('commission-question').hidden);
+  assert.equal(await one.page.textContent('#commission-asks'), 'may the joint move?');
+}
+
+test('commission is guided: it explains, asks before the joint moves, and No ends it without torque; a second start goes on from there', async () => {
+  const there = await board();
+  const one = await open(await console_(there.name));
+  await beginCommissioning(one);
+  assert.match(await steps(one), /look: reads encoder and current sensor.*current sensor: zero .*shake: shakes the motor/s);
+  assert.equal(await one.page.textContent('#state'), 'commissioning');
+  assert.ok(await one.page.isDisabled('#arm'));
+  await one.page.click('#commission-no');
+  await commissioned(one, 'stopped as you wished');
+  await state(one, 'disarmed');
+  assert.match(await type(one, 'version'), /capstan .*\nok/s, 'the page commands again');
+  await beginCommissioning(one);
+  assert.match(await steps(one), /look: done before/);
+  await one.page.check('#commission-again');
+  await one.page.click('#commission-stop');
+  await commissioned(one, 'stopped as you wished');
+  await beginCommissioning(one);
+  assert.doesNotMatch(await steps(one), /done before/);
+});
+
+test('DISARM ends a commissioning that shakes the joint: no torque comes back, and the gains are those of before', async () => {
+  const there = await board();
+  const served = await console_(there.name);
+  const one = await open(served);
+  const before = await type(one, 'dump');
+  await beginCommissioning(one);
+  const two = await open(served, { looks: true });
+  await one.page.click('#commission-yes');
+  await one.page.waitForTimeout(4000);  // within the first shake, which takes 11 s
+  await two.page.click('#take');
+  await two.page.waitForTimeout(300);
+  assert.ok(await one.page.isEnabled('#commission-stop'), 'the command is not taken from it');
+  await one.page.keyboard.press('Escape');
+  await state(one, 'disarmed');
+  const after = await type(one, 'dump');
+  assert.equal(after.replace(/^.*\n/, ''), before.replace(/^.*\n/, ''));
+  await one.page.waitForTimeout(1500);
+  assert.equal(await one.page.textContent('#state'), 'disarmed');
+});
+
+test('a page that is gone, or loses focus, takes its commissioning and the torque along', async () => {
+  const there = await board();
+  const served = await console_(there.name);
+  const two = await open(served);
+  const one = await open(served, { looks: true });
+  await one.page.click('#take');
+  await until(one, () => document.querySelectorAll('#signals button').length > 0);
+  await beginCommissioning(one);
+  await one.page.click('#commission-yes');
+  await one.page.waitForTimeout(3000);
+  await one.page.evaluate(() => window.dispatchEvent(new Event('blur')));
+  await until(one, () => !document.getElementById('commission-start').disabled);
+  await state(one, 'disarmed');
+  await beginCommissioning(one);
+  await one.page.click('#commission-yes');
+  await one.page.waitForTimeout(3000);
+  await one.page.goto('chrome://crash').catch(() => undefined);
+  await state(two, 'disarmed');
+  await arm(two);
+});
+
+test('a commissioning that can not begin says why', async () => {
+  const one = await open(await console_());
+  await view(one, 'setup');
+  await one.page.evaluate(() => document.getElementById('commission-joint').append(new Option('joint3')));
+  await one.page.selectOption('#commission-joint', 'joint3');
+  await one.page.click('#commission-start');
+  await commissioned(one, 'the board has no joint3');
+  await state(one, 'disarmed');
+});
+
+async function shake(one, fields) {
+  await view(one, 'setup');
+  for (const [name, value] of Object.entries(fields)) await one.page.fill(`#tune-${name}`, value);
+  await one.page.click('#tune-run');
+  assert.match(await one.page.textContent('#tune-asks'), /May joint0 move /);
+  await one.page.click('#tune-yes');
+}
+const tuned = (one, part, timeout = kPatience) => one.page.waitForFunction((wanted) => document.getElementById('tune-answer').textContent.includes(wanted), part, { timeout });
+
+test('gains are found from a log that the page records, shown beside the old ones with the Bode plot, left or taken, and undone', async () => {
+  const one = await open(await console_());
+  await arm(one);
+  await shake(one, { duration: '40', travel: '1.8', speed: '1', amplitude: '8' });
+  await tuned(one, 'is shaken');
+  await tuned(one, 'gains are found', 90000);
+  await one.page.screenshot({ path: join(process.env.CAPSTAN_PICTURES, 'tune.png'), fullPage: true });
+  const found = await one.page.$$eval('#tune-table tbody tr', (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  const stiffness = found.find(([name]) => name === 'joint0.control.stiffness');
+  assert.equal(stiffness[1], '1 Nm/rad');
+  assert.notEqual(Number.parseFloat(stiffness[2]), 1);
+  assert.match(await type(one, 'get joint0.control.stiffness'), /stiffness 1 /, 'not taken yet');
+  await view(one, 'setup');
+  await one.page.frameLocator('#tune-report iframe').locator('svg').first().waitFor({ timeout: kPatience });
+  await one.page.click('#tune-take');
+  await tuned(one, 'the board has these gains now');
+  const value = async () => Number(/stiffness (\S+) /.exec(await type(one, 'get joint0.control.stiffness'))[1]);
+  assert.ok(Math.abs((await value()) - Number.parseFloat(stiffness[2])) < 1e-3);
+  await view(one, 'parameters');
+  await one.page.click('#undo');
+  await message(one, 'joint0.control.stiffness is 1 again');
+});
+
+test('a log that gives no gains is told with its cure, and nothing is offered', async () => {
+  const one = await open(await console_());
+  await arm(one);
+  await shake(one, { duration: '5', travel: '0.2', speed: '0.2', amplitude: '0.1' });
+  await one.page.waitForFunction(() => /;/.test(document.getElementById('tune-answer').textContent), null, { timeout: 40000 });
+  assert.ok(await one.page.isHidden('#tune-choice'));
+});
+
+test('a simulated board behind capstan console is broken by a click; a real one is not offered it, and one without the command says so', async () => {
+  const there = await board();
+  const one = await open(await console_(there.name));
+  await arm(one);
+  await view(one, 'break');
+  assert.ok(await one.page.isHidden('#effects') && await one.page.isVisible('#effects-elsewhere'));
+  await one.page.selectOption('#fault-target', 'encoder');
+  await one.page.selectOption('#fault-kind', 'off');
+  await one.page.click('text="Break it now"');
+  await state(one, 'faulted by sensor_missing');
+  await one.close();
+  for (const [name, shown] of [['stm32f405', false], ['stm32f405-emulated', true]]) {
+    const another = await board();
+    const line = await between(another.port, (text) => text.replace(/board sim\b/, `board ${name}`).replace(/error fault: .*/, "error unknown_command: there is no such command; 'help' shows all"));
+    const page = await open(await console_(line.name));
+    await until(page, () => document.querySelectorAll('#experiment-recipe option').length > 0);
+    await page.page.waitForTimeout(300);
+    assert.equal(await page.page.isVisible('#tab-break'), shown, name);
+    if (shown) {
+      await view(page, 'break');
+      assert.ok(await page.page.isHidden('#fault-form'));
+      assert.match(await page.page.textContent('#fault-answer'), /has no command 'fail'/);
+    }
+    line.close();
+  }
+});
