@@ -43,6 +43,27 @@ auto why_impossible(OneFault fault) -> const char* {
   return nullptr;
 }
 
+auto remedy(OneFault fault) -> const char* {
+  if (fault.input == Input::kTransmission) {
+    return "a brake at the joint";
+  }
+  if (fault.input != Input::kEncoder) {
+    return nullptr;
+  }
+  switch (fault.mode) {
+    case Mode::kHalf:
+    case Mode::kDrift:
+    case Mode::kSlow:
+    case Mode::kLate:
+    case Mode::kDelayed:
+    case Mode::kWrongSign:
+    case Mode::kStuck:
+      return "a second position sensor";
+    default:
+      return nullptr;
+  }
+}
+
 auto takes_part(Input input, Situation situation) -> bool {
   return input != Input::kReference || situation == Situation::kFollowing;
 }

@@ -112,29 +112,33 @@ auto stretching_config() -> AxisConfig {
   config.observer.excess_nm = Q24::from_double(0.03);
   return config;
 }
-/// From 0.9 A to -0.9 A with so many counts in each cycle of 10 mA; the first fault.
-auto turned_round(int of_cycles, int moved, const AxisConfig& config = stretching_config()) -> FaultSet {
+/// From 0.9 A to -0.9 A by 10 mA a cycle, with `moved` counts a cycle once the motor is on its way back; the first
+/// fault.
+auto turned_round(double moved, const AxisConfig& config = stretching_config()) -> FaultSet {
   Rig rig(config);
   for (int i = 0; i <= 90; ++i) {
-    EXPECT_EQ(rig.step(5, 0.01 * i), 0U) << i;
+    EXPECT_EQ(rig.step(1 + i / 22, 0.01 * i), 0U) << i;
   }
   EXPECT_EQ(rig.steps(100, 1, 0.9), 0U);
   FaultSet faults = 0;
+  double shown = 0.0;
   for (int i = 0; i < 180 && faults == 0; ++i) {
-    faults = rig.step(i % of_cycles == 0 ? moved : 0, 0.9 - 0.01 * i);
+    const double before = shown;
+    shown += moved * std::min(1.0, i / 20.0);
+    faults = rig.step(static_cast<int>(std::floor(shown) - std::floor(before)), 0.9 - 0.01 * i);
   }
   return faults;
 }
 
 TEST(MotorObserver, AMotorThatTurnsRoundStretchesItsTendonsByCountsThatAnswerForItsTorque) {
-  EXPECT_EQ(turned_round(1, -5), 0U);
-  EXPECT_EQ(turned_round(2, -9), 0U) << "a tenth less is no fault";
-  EXPECT_EQ(turned_round(1, -2), bit(Fault::kEncoderMotion)) << "half of them";
-  EXPECT_EQ(turned_round(2, 1), bit(Fault::kEncoderMotion)) << "an encoder that goes on by itself";
+  EXPECT_EQ(turned_round(-5.0), 0U);
+  EXPECT_EQ(turned_round(-4.5), 0U) << "a tenth less is no fault";
+  EXPECT_EQ(turned_round(-2.5), bit(Fault::kEncoderMotion)) << "half of them";
+  EXPECT_EQ(turned_round(1.0), bit(Fault::kEncoderMotion)) << "an encoder that goes on by itself";
 }
 
 TEST(MotorObserver, WithoutItsStiffnessTheWayIsNotJudged) {
-  EXPECT_EQ(turned_round(1, -2, commissioned_config()), 0U);
+  EXPECT_EQ(turned_round(-2.5, commissioned_config()), 0U);
 }
 
 TEST(MotorObserver, WhatTheWayDidNotAnswerForIsNotJudgedDuringALook) {
