@@ -22,7 +22,8 @@ constexpr std::int32_t kSlack8 = 14;
 constexpr std::int32_t kSudden = 11 * 256 / 4;
 constexpr std::int32_t kSuddenSlack8 = 9;
 // Of observer.excess, eighths. The same joints, half a minute to a minute each: at most 1.1 times what commissioning
-// saw, without the looks (1.3 in them). Half of the counts make 1.5 to 2.1 times of it.
+// saw, without the looks (1.3 in them). Half of the counts make 1.3 to 2.1 times of it, so this finds it on most joints
+// and not on all.
 constexpr std::int64_t kExcess8 = 11;
 constexpr std::int32_t kExcessNoises = 4;
 // And counts of the servo's stiffness, which a coarse encoder's torque goes up and down by.

@@ -121,7 +121,7 @@ TEST(FaultCampaign, ADriftingCountIsFoundWhereItRunsAgainstTheMotionOrTheTorque)
 
 TEST(FaultCampaign, WhatIsUnsafeNeedsSomethingThatTheFirmwareIsNot) {
   EXPECT_STREQ(remedy({Input::kEncoder, Mode::kHalf}), "a second position sensor");
-  EXPECT_STREQ(remedy({Input::kTransmission, Mode::kLoose}), "a brake at the joint");
+  EXPECT_STREQ(remedy({Input::kEncoder, Mode::kStuck}), "a finer encoder");
   EXPECT_EQ(remedy({Input::kAmplifier, Mode::kQuantised}), nullptr);
 }
 

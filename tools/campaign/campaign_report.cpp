@@ -38,7 +38,7 @@ void print_remedies(std::ostream& out, const std::vector<CampaignRow>& rows) {
   std::map<std::string, long> unsafe;
   for (const CampaignRow& row : rows) {
     const char* needed = remedy(row.trouble.first);
-    unsafe[needed == nullptr ? "nothing that is known would make safe" : std::string("needs ") + needed] += row.unsafe;
+    unsafe[needed == nullptr ? "nothing is known that would do" : std::string("needs ") + needed] += row.unsafe;
   }
   for (const auto& [needed, cases] : unsafe) {
     if (cases > 0) {

@@ -44,9 +44,6 @@ auto why_impossible(OneFault fault) -> const char* {
 }
 
 auto remedy(OneFault fault) -> const char* {
-  if (fault.input == Input::kTransmission) {
-    return "a brake at the joint";
-  }
   if (fault.input != Input::kEncoder) {
     return nullptr;
   }
@@ -54,11 +51,13 @@ auto remedy(OneFault fault) -> const char* {
     case Mode::kHalf:
     case Mode::kDrift:
     case Mode::kSlow:
+      return "a second position sensor";
+    case Mode::kStuck:
     case Mode::kLate:
     case Mode::kDelayed:
     case Mode::kWrongSign:
-    case Mode::kStuck:
-      return "a second position sensor";
+    case Mode::kCountBack:
+      return "a finer encoder";
     default:
       return nullptr;
   }
