@@ -236,7 +236,7 @@ void begin_commissioning(Session& session, std::size_t axis, std::string_view ar
     session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
                   "'frames off' if they are on, and send the line again");
   } else {
-    stream.found.begin(config.motor);
+    stream.found.begin(config.motor, config.control.stiffness_nm_per_rad);
     static_cast<void>(stream.begin(session));
   }
 }

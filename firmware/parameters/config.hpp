@@ -120,6 +120,10 @@ struct ObserverConfig {
   Q24 against_nm{};    ///< largest torque against its own motion that a healthy motor had
   Q24 slack_counts{};  ///< most that a healthy motor slowed down in a cycle, beyond what its torque explains
   Q24 noise_a{};       ///< rms of the measured current about the wanted one, offset included
+  /// Torque that each radian of motion answers for when it turns round: of tendons, friction along them included. 0:
+  /// not watched.
+  Q24 stiffness_nm_per_rad{};
+  Q24 excess_nm{};  ///< largest torque of a healthy motor beyond what that answered for
 };
 
 /// The motor torque that a motion takes: what `capstan diagnose --target axis0/tau_Nm` finds. Without coefficients

@@ -12,7 +12,7 @@
 
 namespace capstan {
 
-void MotorCommissioning::begin(const MotorConfig& /*motor*/) {}
+void MotorCommissioning::begin(const MotorConfig& /*motor*/, Q24 /*stiffness_nm_per_rad*/) {}
 void MotorCommissioning::begin_dither() {}
 auto MotorCommissioning::begin_fast_moves() -> const char* {
   return "this board has no floating point; commission the joint on another";
@@ -44,6 +44,9 @@ constexpr std::int32_t kLeastCounts = 2;
 // Of the inertia, one standard error: the observer's tests have a quarter and more to spare. The coarsest encoder of
 // the simulated instruments (RAVEN, 4,000 counts a turn) leaves about 0.1.
 constexpr float kMostError = 0.15F;
+// Of the servo's stiffness: steps of 1.5, far finer than the two that half of the counts make. The joints of the
+// campaign and 36 drawn ones (seeds 200000 to 200011, 201000 to 201023) took 0.7 to 8.5.
+constexpr std::array<float, 8> kStiffnessLadder = {0.5F, 0.75F, 1.1F, 1.7F, 2.5F, 3.8F, 5.7F, 8.5F};
 // A sensor without noise still has steps.
 constexpr float kLeastNoiseA = 1e-4F;
 
@@ -83,10 +86,13 @@ auto size_of(std::complex<float> number) -> float {
 
 }  // namespace
 
-void MotorCommissioning::begin(const MotorConfig& motor) {
+void MotorCommissioning::begin(const MotorConfig& motor, Q24 stiffness_nm_per_rad) {
   *this = {};
   motor_ = motor;
   scale_ = EncoderScale(motor);
+  const float per_count = static_cast<float>(stiffness_nm_per_rad.raw()) * kTwoPi /
+                          static_cast<float>(std::max(motor.encoder_counts_per_turn, std::int32_t{1}));
+  servo_per_count_ = per_count / static_cast<float>(std::max(motor.torque_per_current_nm_per_a.raw(), std::int32_t{1}));
 }
 
 void MotorCommissioning::begin_dither() {
@@ -106,6 +112,7 @@ void MotorCommissioning::add(std::uint32_t tick, Q24 q1_rad, Q24 wanted_a, Q24 c
   wanted_ = wanted_a.raw();
   if (!follows) {
     counting_ = true;
+    answering_ = false;
     filled_ = 0;
     still_ = 0;
     return;
@@ -115,6 +122,7 @@ void MotorCommissioning::add(std::uint32_t tick, Q24 q1_rad, Q24 wanted_a, Q24 c
     add_to_block(moved, current_a);
     return;
   }
+  judge_stiffness(moved, before);
   judge_friction(moved, wanted_);
   judge_speed(moved);
   if (still_ == kStandsCycles) {
@@ -123,6 +131,34 @@ void MotorCommissioning::add(std::uint32_t tick, Q24 q1_rad, Q24 wanted_a, Q24 c
     squares_ += stray * stray;
     ++samples_;
   }
+}
+
+auto MotorCommissioning::per_count(std::size_t place) const -> float {
+  return servo_per_count_ * kStiffnessLadder[place];
+}
+
+void MotorCommissioning::Answered::follow(float wanted, float per_count, std::int32_t moved) {
+  const float beyond = wanted - torque;
+  if (moved != 0 && (moved > 0) == (beyond > 0.0F)) {
+    const float most_now = per_count * static_cast<float>(std::abs(moved));
+    torque += std::clamp(beyond, -most_now, most_now);
+  }
+  most = std::max({most, wanted - torque, torque - wanted});
+}
+
+/// As MotorObserver::rt_watch_stretch, at each stiffness of the ladder, with all counts and with half of them.
+void MotorCommissioning::judge_stiffness(std::int32_t moved, std::int32_t wanted) {
+  const float wanted_a = static_cast<float>(wanted) / kOneRaw;
+  const std::int32_t half = (moved + odd_) >> 1;
+  odd_ += moved - 2 * half;
+  for (std::size_t i = 0; i < kStiffnesses; ++i) {
+    if (!answering_) {
+      stiffness_[i].whole.torque = stiffness_[i].half.torque = wanted_a;
+    }
+    stiffness_[i].whole.follow(wanted_a, per_count(i), moved);
+    stiffness_[i].half.follow(wanted_a, per_count(i), half);
+  }
+  answering_ = true;
 }
 
 /// As the observer asks it, so that the margin of its thresholds is one to what a healthy joint does.
@@ -228,6 +264,7 @@ auto MotorCommissioning::begin_fast_moves() -> const char* {
   dither_ = false;
   counting_ = false;
   confirmed_ = false;
+  answering_ = false;
   moved_before_ = high_ = low_ = 0;
   return identify_inertia();
 }
@@ -243,6 +280,16 @@ auto MotorCommissioning::result() const -> Result {
   found.values.coulomb_nm = torque(unanswered_most_ / 2);
   found.values.against_nm = torque(against_most_);
   found.values.slack_counts = q24(std::min(slack_most_, 100.0F));
+  const auto tells = [](const Stiffness& one) { return one.half.most / std::max(one.whole.most, 1e-6F); };
+  const auto best = std::max_element(stiffness_.begin(), stiffness_.end(),
+                                     [&](const Stiffness& a, const Stiffness& b) { return tells(a) < tells(b); });
+  const float constant = static_cast<float>(motor_.torque_per_current_nm_per_a.raw()) / kOneRaw;
+  if (servo_per_count_ > 0.0F) {
+    const float per_rad = static_cast<float>(motor_.encoder_counts_per_turn) / kTwoPi * constant;
+    found.values.stiffness_nm_per_rad =
+        q24(std::min(per_count(static_cast<std::size_t>(best - stiffness_.begin())) * per_rad, 100.0F));
+    found.values.excess_nm = q24(best->whole.most * constant);
+  }
   const float squares = static_cast<float>(squares_) / static_cast<float>(std::max<std::int32_t>(samples_, 1));
   found.values.noise_a = q24(std::max(square_root(squares) * 256.0F / kOneRaw, kLeastNoiseA));
   return found;

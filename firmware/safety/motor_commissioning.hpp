@@ -17,6 +17,9 @@ namespace capstan {
 ///   not below zero.
 /// - **Coulomb, against, slack.** The largest that a healthy motion makes of what the observer's tests look at, slow
 ///   and at full speed: half of the torque between two counts, the torque against a motion, the slowing down.
+/// - **Stiffness, excess.** A motor that turns round first stretches its tendons the other way, over many counts: each
+///   count answers for some torque. Of a ladder of stiffnesses the one is taken that tells the joint's own counts best
+///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own.
 /// - **Noise.** Rms of the measured current about the wanted one while the motor stands, per sample that was counted.
 class MotorCommissioning {
  public:
@@ -32,7 +35,8 @@ class MotorCommissioning {
     float inertia_error = 0.0F;  ///< standard error of the inertia, as a share of it
   };
 
-  void begin(const MotorConfig& motor);
+  /// @param stiffness_nm_per_rad  of the motor's servo: where the ladder of stiffnesses begins; 0: none is found
+  void begin(const MotorConfig& motor, Q24 stiffness_nm_per_rad = Q24{});
   /// From here on it is the dither that is added.
   void begin_dither();
   /// And from here on moves at full speed. nullptr, or why there is no inertia, "sentence; cure".
@@ -51,6 +55,19 @@ class MotorCommissioning {
     std::complex<float> current;
     float bend_squares = 0.0F;
   };
+  /// A torque, A, that follows the wanted one by `per_count` for each count in its direction.
+  struct Answered {
+    float torque = 0.0F;
+    float most = 0.0F;  // largest difference to the wanted torque
+    void follow(float wanted, float per_count, std::int32_t moved);
+  };
+  struct Stiffness {
+    Answered whole;
+    Answered half;  // by half of the counts
+  };
+  static constexpr std::size_t kStiffnesses = 8;
+  [[nodiscard]] auto per_count(std::size_t place) const -> float;
+  void judge_stiffness(std::int32_t moved, std::int32_t wanted);
   void judge_friction(std::int32_t moved, std::int32_t wanted);
   void add_to_block(std::int32_t moved, Q24 current_a);
   void end_block();
@@ -63,6 +80,10 @@ class MotorCommissioning {
   EncoderScale scale_{MotorConfig{}};
   Result found_;
   float gain_ = 0.0F;  // counts in a cycle, that a cycle of 1 A adds
+  std::array<Stiffness, kStiffnesses> stiffness_{};
+  float servo_per_count_ = 0.0F;  // A, of the servo's stiffness
+  std::int32_t odd_ = 0;          // counts that are not halved yet
+  bool answering_ = false;
   bool dither_ = false;
   bool counting_ = false;
   std::uint32_t tick_ = 0;

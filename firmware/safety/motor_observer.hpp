@@ -13,9 +13,10 @@ namespace capstan {
 /// the load is. Four tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
 /// `coulomb`:
 /// - **Motion without torque.** A motor slows down by no more counts in a cycle than the range of its torque within the
-///   last kTrailCycles explains, gain * range + kQuantisation. A stuck, late, scaled or reversed encoder says more in
-///   the first cycle in which it matters; a tip that hits something does not, for its tendons are soft (K v a ms, not J
-///   v / 1 ms).
+///   last kTrailCycles explains, gain * range + kQuantisation. Two cycles are judged against the two before
+///   them as well: their sums are quantised no more than single cycles are, and the range is that of before. A stuck,
+///   late, scaled or reversed encoder says more in the first cycles in which it matters; a tip that hits something does
+///   not, for its tendons are soft (K v a ms, not J v / 1 ms).
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
@@ -23,6 +24,9 @@ namespace capstan {
 /// has
 ///   gone by `frozen`, they do not gain speed: a servo on an encoder of the wrong sign drives the count that it means
 ///   to stop.
+/// - **Torque without way.** A motor that turns round stretches its tendons the other way first, and each count of that
+///   answers for `stiffness` of torque; what goes beyond by more than a healthy motor's `excess` has a count that is
+///   too small, or one that goes on by itself: half, drift, lag.
 /// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
 /// what
 ///   is beyond, up to the charge that makes the motor dv' faster.
@@ -72,9 +76,14 @@ class MotorObserver {
     std::int32_t mismatch = 0;  // A
     std::int32_t charge = 0;    // A cycles
     std::int32_t fast = 0;      // limits.joint_speed, counts/256 in a cycle
+    std::int32_t stretch = 0;   // A, that a count answers for
+    std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
+    std::int32_t sudden = 0;    // counts/256, two cycles against the two before
   };
   auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
-  auto rt_watch_speed(std::int32_t moved) -> FaultSet;
+  auto rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet;
+  [[nodiscard]] auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) const -> bool;
+  auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_runs_away(std::int32_t moved, std::int64_t against) -> bool;
   void rt_trail(std::int32_t wanted);
@@ -95,8 +104,16 @@ class MotorObserver {
   std::array<std::int32_t, 4> before_{};  // what it moved in the last cycles, the latest first, counts
   std::int32_t slow_ = 0;                 // speed where the torque last went with the motion, counts in a cycle
   std::int32_t springing_ = 0;            // cycles in which what a torque of before has stretched may move the motor
-  std::int32_t silent_ = 0;               // cycles since the last count
-  std::int32_t interval_ = 0;             // between the two last ones
+  /// The torque of a cycle, and the range of before it, A.
+  struct Torque {
+    std::int32_t wanted = 0;
+    std::int32_t range = 0;
+  };
+  std::array<Torque, 4> torques_{};  // of the last cycles, the latest first
+  std::int32_t stretched_ = 0;       // torque that the way has answered for, A
+  std::int32_t looking_ = 0;         // cycles in which a look's torque is still in the tendons
+  std::int32_t silent_ = 0;          // cycles since the last count
+  std::int32_t interval_ = 0;        // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

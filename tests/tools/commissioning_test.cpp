@@ -28,6 +28,20 @@ TEST(Commissioning, FindsTheCurrentsNoiseWithItsOffsetToAFifth) {
   }
 }
 
+// While the motor turns round its tendons stretch without the joint, by r1^2 E A / L of each at most; friction along
+// them holds the far parts back, so the first counts feel more.
+TEST(Commissioning, FindsAStiffnessOfTheTendonsSize) {
+  for (const Joint joint : {Joint::kForceps, Joint::kContact, Joint::kFinger}) {
+    const JointSetup& setup = setup_of(joint);
+    const sim::PlantParameters& plant = setup.plant;
+    const double of_tendons =
+        (plant.stiffness_top_n_per_m + plant.stiffness_bottom_n_per_m) * plant.input_radius_m * plant.input_radius_m;
+    EXPECT_GT(setup.config.observer.stiffness_nm_per_rad.to_double(), 0.5 * of_tendons) << name(joint);
+    EXPECT_LT(setup.config.observer.stiffness_nm_per_rad.to_double(), 4.0 * of_tendons) << name(joint);
+    EXPECT_GT(setup.config.observer.excess_nm.to_double(), setup.plant.motor_coulomb_nm) << name(joint);
+  }
+}
+
 TEST(Commissioning, FindsAnotherInertiaAndNoiseOfTheSameJoint) {
   sim::PlantParameters plant;
   plant.motor_inertia_kgm2 *= 2.0;

@@ -100,6 +100,31 @@ TEST(FaultCampaign, AWrongSignMovesTheForcepsByLessThanItsLimitsInEveryPhase) {
   }
 }
 
+// Phases 4 to 7 of a move at half of the speed limit are in its middle; in 8 to 10 the joint stands and turns round
+// next.
+TEST(FaultCampaign, HalfOfTheCountsAreFoundInAMotionAndWhereTheMotorTurnsRoundBeforeTheJointFollows) {
+  for (int phase = 4; phase <= 10; ++phase) {
+    const auto [run, hazard] = hazard_of({Joint::kForceps, Situation::kMoving, phase}, {Input::kEncoder, Mode::kHalf});
+    EXPECT_EQ(run.end, State::kFaulted) << phase;
+    EXPECT_EQ(run.fault, Fault::kEncoderMotion) << phase;
+    EXPECT_LE(hazard.severity(limits()), 1.0) << phase;
+  }
+}
+
+TEST(FaultCampaign, ADriftingCountIsFoundWhereItRunsAgainstTheMotionOrTheTorque) {
+  for (int phase = 4; phase <= 10; ++phase) {
+    const auto [run, hazard] = hazard_of({Joint::kForceps, Situation::kMoving, phase}, {Input::kEncoder, Mode::kDrift});
+    EXPECT_EQ(run.end, State::kFaulted) << phase;
+    EXPECT_LE(hazard.severity(limits()), 1.0) << phase;
+  }
+}
+
+TEST(FaultCampaign, WhatIsUnsafeNeedsSomethingThatTheFirmwareIsNot) {
+  EXPECT_STREQ(remedy({Input::kEncoder, Mode::kHalf}), "a second position sensor");
+  EXPECT_STREQ(remedy({Input::kEncoder, Mode::kStuck}), "a finer encoder");
+  EXPECT_EQ(remedy({Input::kAmplifier, Mode::kQuantised}), nullptr);
+}
+
 /// Fault after torque came back so many cycles after it went, in a fast motion.
 auto armed_again(Joint joint, int into_the_motion, int pause) -> Fault {
   AxisConfig config = setup_of(joint).config;

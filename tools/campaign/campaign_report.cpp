@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 namespace capstan::tools {
 namespace {
@@ -30,6 +31,20 @@ void print_counts(std::ostream& out, const char* what, const std::vector<Campaig
       what, rows.size(), cases, count_of(rows, Outcome::kFaulted), count_of(rows, Outcome::kBlocked),
       count_of(rows, Outcome::kTolerated), count_of(rows, Outcome::kMechanical), count_of(rows, Outcome::kUnsafe),
       unsafe);
+}
+
+/// Unsafe cases by what the machine needs beside the firmware; they stay unsafe.
+void print_remedies(std::ostream& out, const std::vector<CampaignRow>& rows) {
+  std::map<std::string, long> unsafe;
+  for (const CampaignRow& row : rows) {
+    const char* needed = remedy(row.trouble.first);
+    unsafe[needed == nullptr ? "nothing is known that would do" : std::string("needs ") + needed] += row.unsafe;
+  }
+  for (const auto& [needed, cases] : unsafe) {
+    if (cases > 0) {
+      put(out, "  unsafe, %s: %ld cases\n", needed.c_str(), cases);
+    }
+  }
 }
 
 void print_row(std::ostream& out, const CampaignRow& row) {
@@ -103,6 +118,7 @@ void print_campaign(std::ostream& out, const Campaign& campaign) {
   print_hazards(out, campaign.single);
   print_hazards(out, campaign.pairs);
   print_counts(out, "single faults", campaign.single);
+  print_remedies(out, campaign.single);
   print_counts(out, "two faults", campaign.pairs);
 }
 

@@ -43,6 +43,26 @@ auto why_impossible(OneFault fault) -> const char* {
   return nullptr;
 }
 
+auto remedy(OneFault fault) -> const char* {
+  if (fault.input != Input::kEncoder) {
+    return nullptr;
+  }
+  switch (fault.mode) {
+    case Mode::kHalf:
+    case Mode::kDrift:
+    case Mode::kSlow:
+      return "a second position sensor";
+    case Mode::kStuck:
+    case Mode::kLate:
+    case Mode::kDelayed:
+    case Mode::kWrongSign:
+    case Mode::kCountBack:
+      return "a finer encoder";
+    default:
+      return nullptr;
+  }
+}
+
 auto takes_part(Input input, Situation situation) -> bool {
   return input != Input::kReference || situation == Situation::kFollowing;
 }

@@ -76,6 +76,10 @@ struct OneFault {
 
 /// Why there is no such case, or nullptr. `reason` of a mode that this input has no meaning for is "".
 [[nodiscard]] auto why_impossible(OneFault fault) -> const char*;
+/// What a machine needs beside this firmware where such a fault takes a joint beyond its limits
+/// (docs/safety_concept.md, "What no detector finds in time"); nullptr: nothing is known that would do. It makes no
+/// case safe.
+[[nodiscard]] auto remedy(OneFault fault) -> const char*;
 /// This situation has the input: a reference comes only where one is followed.
 [[nodiscard]] auto takes_part(Input input, Situation situation) -> bool;
 /// It moves: each of its phases is another case.

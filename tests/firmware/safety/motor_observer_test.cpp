@@ -81,6 +81,85 @@ TEST(MotorObserver, HalfOfTheSpeedAndTheOtherSignAreAMotionThatNoTorqueMade) {
   EXPECT_EQ(reversed.step(-12, 0.05), bit(Fault::kEncoderMotion));
 }
 
+// 4 counts a cycle are 0.6 rad/s, and 2 fewer are within what one cycle is quantised by.
+TEST(MotorObserver, HalfOfASlowSpeedShowsInTwoCyclesThoughTheServoPushes) {
+  for (const bool forward : {true, false}) {
+    const int way = forward ? 1 : -1;
+    Rig rig;
+    for (int v = 0; v <= 4; ++v) {
+      static_cast<void>(rig.step(v * way, 0.05 * way));
+    }
+    ASSERT_EQ(rig.steps(200, 4 * way, 0.05 * way), 0U);
+    EXPECT_EQ(rig.step(2 * way, 0.05 * way), 0U) << "one cycle alone is not enough";
+    EXPECT_EQ(rig.step(2 * way, 0.07 * way), bit(Fault::kEncoderMotion));
+  }
+}
+
+TEST(MotorObserver, WhatAMotorLosesWithItsTorqueOverTwoCyclesIsNoFault) {
+  Rig rig;
+  rig.run_at(6);
+  // 25 mA less in each cycle are 0.8 counts a cycle and cycle.
+  EXPECT_EQ(rig.step(6, 0.025), 0U);
+  EXPECT_EQ(rig.step(5, 0.0), 0U);
+  EXPECT_EQ(rig.step(4, -0.025), 0U);
+  EXPECT_EQ(rig.step(2, -0.05), 0U);
+}
+
+/// As commissioned_config(), on tendons of 1.3 Nm/rad: 2 mA a count. A healthy motor went 0.3 A beyond.
+auto stretching_config() -> AxisConfig {
+  AxisConfig config = commissioned_config();
+  config.observer.stiffness_nm_per_rad = Q24::from_double(1.3);
+  config.observer.excess_nm = Q24::from_double(0.03);
+  return config;
+}
+/// From 0.9 A to -0.9 A by 10 mA a cycle, with `moved` counts a cycle once the motor is on its way back; the first
+/// fault.
+auto turned_round(double moved, const AxisConfig& config = stretching_config()) -> FaultSet {
+  Rig rig(config);
+  for (int i = 0; i <= 90; ++i) {
+    EXPECT_EQ(rig.step(1 + i / 22, 0.01 * i), 0U) << i;
+  }
+  EXPECT_EQ(rig.steps(100, 1, 0.9), 0U);
+  FaultSet faults = 0;
+  double shown = 0.0;
+  for (int i = 0; i < 180 && faults == 0; ++i) {
+    const double before = shown;
+    shown += moved * std::min(1.0, i / 20.0);
+    faults = rig.step(static_cast<int>(std::floor(shown) - std::floor(before)), 0.9 - 0.01 * i);
+  }
+  return faults;
+}
+
+TEST(MotorObserver, AMotorThatTurnsRoundStretchesItsTendonsByCountsThatAnswerForItsTorque) {
+  EXPECT_EQ(turned_round(-5.0), 0U);
+  EXPECT_EQ(turned_round(-4.5), 0U) << "a tenth less is no fault";
+  EXPECT_EQ(turned_round(-2.5), bit(Fault::kEncoderMotion)) << "half of them";
+  EXPECT_EQ(turned_round(1.0), bit(Fault::kEncoderMotion)) << "an encoder that goes on by itself";
+}
+
+TEST(MotorObserver, WithoutItsStiffnessTheWayIsNotJudged) {
+  EXPECT_EQ(turned_round(-2.5, commissioned_config()), 0U);
+}
+
+TEST(MotorObserver, WhatTheWayDidNotAnswerForIsNotJudgedDuringALook) {
+  Rig rig(stretching_config());
+  const auto excursion = [&rig] {
+    FaultSet faults = 0;
+    for (int i = 1; i <= 12; ++i) {
+      faults |= rig.step(-1, -0.05 * i);
+    }
+    return faults;
+  };
+  static_cast<void>(rig.step(-1, 0.0));
+  rig.observer.rt_arm();
+  for (int i = 0; i < 12; ++i) {
+    static_cast<void>(rig.observer.rt_look());
+  }
+  EXPECT_EQ(excursion(), 0U);
+  EXPECT_EQ(rig.steps(40, 0, 0.0) & bit(Fault::kEncoderMotion), 0U);
+  EXPECT_EQ(excursion(), bit(Fault::kEncoderMotion));
+}
+
 TEST(MotorObserver, WhatTheTorqueExplainsIsNoFault) {
   Rig rig;
   rig.run_at(10);
