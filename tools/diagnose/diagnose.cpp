@@ -323,6 +323,8 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
     const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
     d.map_before = residual_map(signals, d.traces.measured - d.traces.before);
     d.map_after = residual_map(signals, d.traces.measured - d.traces.after);
+    const bool grown = d.effort_law && d.effort_law->joint.terms == d.law.terms;
+    d.told = grown ? identifiability_of(recorded, *d.effort_law) : identifiability_of(recorded, d.law);
   }
   return d;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/diagnose/identifiability.hpp"
 #include "capstan/tools/diagnose/residual_map.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
@@ -134,6 +135,7 @@ struct Diagnosis {
   double explained_share = 0.0, explained_share_lower = 0.0;
   Traces traces;
   ResidualMap map_before, map_after;  ///< where base law and delivered law leave something
+  Identifiability told;               ///< what the logs can tell of the delivered law's parameters
 };
 
 struct DiagnoseOptions {

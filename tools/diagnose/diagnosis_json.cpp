@@ -93,6 +93,30 @@ auto map_json(const ResidualMap& map) -> Json {
   return {{"sentence", map.sentence}, {"cells", cells}};
 }
 
+/// What the logs can tell of the delivered law's parameters.
+auto told_json(const Identifiability& told) -> Json {
+  Json parameters = Json::array();
+  for (const auto& one : told.parameters) {
+    parameters.push_back({{"name", one.name},
+                          {"share", one.share},
+                          {"own", one.own},
+                          {"most_alike", one.most_alike.empty() ? Json(nullptr) : Json(one.most_alike)},
+                          {"correlation", one.correlation},
+                          {"holds_zero", one.holds_zero()}});
+  }
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < told.correlation.rows(); ++i) {
+    const Eigen::VectorXd row = told.correlation.row(i);
+    rows.push_back(std::vector<double>(row.begin(), row.end()));
+  }
+  Json confused = Json::array();
+  for (const auto& pair : told.confused) {
+    confused.push_back(
+        {{"parameters", {pair.first, pair.second}}, {"correlation", pair.correlation}, {"sentence", pair.sentence}});
+  }
+  return {{"parameters", parameters}, {"correlation", rows}, {"confused", confused}};
+}
+
 auto error_json(const ErrorSummary& error) -> Json {
   return {{"rmse", error.rmse}, {"gof_percent", error.gof_percent}, {"relative_percent", error.relative_percent}};
 }
@@ -134,6 +158,7 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
     json["test"].push_back({{"log", log.name}, {"before", error_json(log.before)}, {"after", error_json(log.after)}});
   }
   json["residual_map"] = {{"before", map_json(d.map_before)}, {"after", map_json(d.map_after)}};
+  json["identifiability"] = told_json(d.told);
   json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

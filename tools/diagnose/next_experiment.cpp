@@ -35,6 +35,11 @@ auto parts_for(const std::string& effect) -> Parts {
       {"friction_asymmetry", {Part::kSpeeds}},
       {"stribeck_friction", {Part::kSpeeds, Part::kSmall}},
       {"play_friction", {Part::kSmall, Part::kLoops}},
+      {"power_law_friction", {Part::kSpeeds}},
+      {"load_friction", {Part::kSpeeds, Part::kFast}},
+      {"inertia", {Part::kFast}},
+      {"spring", {Part::kSpeeds, Part::kFast, Part::kHolds}},
+      {"offset", {Part::kSpeeds}},
   };
   const auto found = kParts.find(effect);
   return found != kParts.end() ? found->second
@@ -107,19 +112,31 @@ auto text_of(Part part, const Reach& reach) -> std::string {
   return {};
 }
 
-}  // namespace
-
-auto next_scenario(const Diagnosis& d) -> std::string {
-  if (!d.next_experiment || d.motion_unit != "rad") {  // scenarios turn joints
-    return {};
-  }
+/// Effects that the motion has to show: those that the verdict can not tell apart, terms whose parameters stand for
+/// each other, or all ("").
+auto asked_for(const Diagnosis& d) -> std::vector<std::string> {
   std::vector<std::string> names;
   if (d.verdict == Verdict::kAmbiguous) {
     names = d.effects.front().alternatives;
     names.insert(names.begin(), d.effects.front().name);
+  } else if (!d.next_experiment) {
+    for (const auto& pair : d.told.confused) {
+      names.insert(names.end(), pair.terms, pair.terms + 2);
+    }
   } else {
-    names = {""};  // everything
+    names = {""};
   }
+  return names;
+}
+
+}  // namespace
+
+auto next_scenario(const Diagnosis& d) -> std::string {
+  const bool confused = !d.next_experiment && !d.told.confused.empty();
+  if ((!d.next_experiment && !confused) || d.motion_unit != "rad") {  // scenarios turn joints
+    return {};
+  }
+  const std::vector<std::string> names = asked_for(d);
   Parts parts;
   for (const auto& name : names) {
     parts.merge(parts_for(name));
@@ -127,7 +144,7 @@ auto next_scenario(const Diagnosis& d) -> std::string {
   const bool warms_up = std::find(names.begin(), names.end(), "thermal_drift") != names.end();
   const Reach reach = reach_of(d);
   std::string text =
-      "# " + *d.next_experiment +
+      "# " + (confused ? d.told.confused.front().sentence : *d.next_experiment) +
       (d.traces.q1.size() > 0
            ? "\n# Made for this joint: no farther and no faster than it went in the log. Run it with\n"
            : "\n# The log does not say how far and how fast the joint goes: change that below. Run it with\n") +

@@ -6,6 +6,7 @@
 
 #include "capstan/tools/diagnose/next_experiment.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/report/covariance_section.hpp"
 #include "capstan/tools/report/svg_plot.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -44,10 +45,6 @@ struct Shown {
 };
 auto shown(const std::string& unit) -> Shown {
   return unit == "rad" ? Shown{"deg", kDegrees} : Shown{unit, 1.0};
-}
-
-auto cell(const std::string& text, bool numeric = false) -> std::string {
-  return std::string(numeric ? "<td class=\"n\">" : "<td>") + escaped(text) + "</td>";
 }
 
 /// Time that keeps rising where one log ends and the next begins.
@@ -133,10 +130,10 @@ auto map_section(const Diagnosis& d) -> std::string {
       d.unit + "]</th><th>visits</th><th>p</th></tr>\n";
   for (const auto& found : d.map_after.cells) {
     if (found.found) {
-      html += "<tr>" + cell(found.signal) + cell(found.forward ? "forward" : "backward") +
-              cell(rounded(found.from, 3), true) + cell(rounded(found.to, 3), true) +
-              cell(rounded(found.mean, 3), true) + cell(std::to_string(found.visits), true) +
-              cell(rounded(found.p_value, 2), true) + "</tr>\n";
+      html += "<tr>" + html_cell(found.signal) + html_cell(found.forward ? "forward" : "backward") +
+              html_cell(rounded(found.from, 3), true) + html_cell(rounded(found.to, 3), true) +
+              html_cell(rounded(found.mean, 3), true) + html_cell(std::to_string(found.visits), true) +
+              html_cell(rounded(found.p_value, 2), true) + "</tr>\n";
     }
   }
   return html + "</table>\n";
@@ -177,9 +174,9 @@ auto error_table(const Diagnosis& d) -> std::string {
                      d.unit + "]</th><th>" + (angle ? "RMSE [deg]" : "of the effort [%]") +
                      "</th><th>goodness of fit [%]</th></tr>\n";
   auto row = [&](const std::string& name, const ErrorSummary& e) {
-    html += "<tr>" + cell(name) + cell(rounded(e.rmse), true) +
-            cell(rounded(angle ? e.rmse * kDegrees : e.relative_percent, 3), true) +
-            cell(rounded(e.gof_percent), true) + "</tr>\n";
+    html += "<tr>" + html_cell(name) + html_cell(rounded(e.rmse), true) +
+            html_cell(rounded(angle ? e.rmse * kDegrees : e.relative_percent, 3), true) +
+            html_cell(rounded(e.gof_percent), true) + "</tr>\n";
   };
   row("before: " + d.base_model, d.before);
   row(std::string("after: ") + word_of(d.law.status) + " law", d.after);
@@ -187,8 +184,8 @@ auto error_table(const Diagnosis& d) -> std::string {
     row("before, on " + log.name, log.before);
     row("after, on " + log.name, log.after);
   }
-  html += "<tr>" + cell("noise floor (from " + d.floor_from + ")") + cell(rounded(d.noise_floor), true) +
-          cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) + cell("") + "</tr>\n</table>\n";
+  html += "<tr>" + html_cell("noise floor (from " + d.floor_from + ")") + html_cell(rounded(d.noise_floor), true) +
+          html_cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) + html_cell("") + "</tr>\n</table>\n";
   if (!d.effects.empty()) {
     html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " +
             rounded(d.ratio_ci95[1], 3) + ". The effects explain " + rounded(100.0 * d.explained_share, 3) +
@@ -204,8 +201,8 @@ auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -
 
 auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::string& interval,
                    const char* unit, const char* doc) -> std::string {
-  return "<tr>" + cell(term.name + "." + name) + cell(rounded(value, 5), true) + cell(interval) + cell(unit) +
-         cell(doc) + "</tr>\n";
+  return "<tr>" + html_cell(term.name + "." + name) + html_cell(rounded(value, 5), true) + html_cell(interval) +
+         html_cell(unit) + html_cell(doc) + "</tr>\n";
 }
 
 auto parameter_table(const JointFile& joint, const std::vector<std::string>& undetermined) -> std::string {
@@ -223,8 +220,8 @@ auto parameter_table(const JointFile& joint, const std::vector<std::string>& und
       const bool known = std::find(undetermined.begin(), undetermined.end(), name) == undetermined.end();
       html += known ? parameter_row(term, info.name, joint.parameters.coefficients[at],
                                     interval_text(joint.coefficient_ci95[at], "held at its bound"), info.unit, info.doc)
-                    : "<tr>" + cell(name) + cell("") + cell("this log can not determine it") + cell(info.unit) +
-                          cell(info.doc) + "</tr>\n";
+                    : "<tr>" + html_cell(name) + html_cell("") + html_cell("this log can not determine it") +
+                          html_cell(info.unit) + html_cell(info.doc) + "</tr>\n";
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const auto& info = term.shapes[i];
@@ -247,9 +244,9 @@ auto ranking_tables(const Diagnosis& d) -> std::string {
             ".</p>\n<table><tr><th>effect</th><th>explains [%]</th><th>p, family-wise</th>"
             "<th>evidence [nats]</th><th>outcome</th></tr>\n";
     for (const auto& ranked : d.rounds[i].ranking) {
-      html += std::string("<tr") + (ranked.in_catalogue ? "" : " class=\"dim\"") + ">" + cell(ranked.name) +
-              cell(rounded(100.0 * ranked.explained, 3), true) + cell(rounded(ranked.p_value, 2), true) +
-              cell(rounded(ranked.log_evidence, 3), true) + cell(ranked.outcome) + "</tr>\n";
+      html += std::string("<tr") + (ranked.in_catalogue ? "" : " class=\"dim\"") + ">" + html_cell(ranked.name) +
+              html_cell(rounded(100.0 * ranked.explained, 3), true) + html_cell(rounded(ranked.p_value, 2), true) +
+              html_cell(rounded(ranked.log_evidence, 3), true) + html_cell(ranked.outcome) + "</tr>\n";
     }
     html += "</table>\n";
   }
@@ -300,7 +297,7 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
     for (const auto& picture : pictures) {
       html += svg_of(picture.plot);
     }
-    html += map_section(d) + ranking_tables(d) + parameter_table(d.law, d.undetermined);
+    html += map_section(d) + ranking_tables(d) + parameter_table(d.law, d.undetermined) + covariance_section(d.told);
   }
   html += what_would_change(d);
   if (!d.warnings.empty()) {

@@ -72,5 +72,19 @@ TEST(NextExperiment, IsMadeForAnUnfitLogTooAndForNothingThatIsSettled) {
   EXPECT_TRUE(next_scenario(d).empty());
 }
 
+TEST(NextExperiment, OfANamedEffectIsTheMotionForParametersThatStandForEachOther) {
+  Diagnosis d = open_diagnosis(Verdict::kEffect);
+  d.next_experiment.reset();
+  ConfusedPair pair{
+      "inertia.inertia", "viscous_friction.drag", {"inertia", "viscous_friction"}, 0.99, "A sum is known."};
+  d.told.confused = {pair};
+  const std::string text = next_scenario(d);
+  EXPECT_NE(text.find("# A sum is known."), std::string::npos);
+  EXPECT_NE(text.find("speed_ladder"), std::string::npos);  // for drag
+  EXPECT_NE(text.find("multisine"), std::string::npos);     // for inertia
+  EXPECT_EQ(text.find("reversal_staircase"), std::string::npos);
+  EXPECT_GT(run(text).time().size(), 1000);
+}
+
 }  // namespace
 }  // namespace capstan::tools
