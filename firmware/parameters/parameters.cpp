@@ -8,6 +8,7 @@
 #include "capstan/firmware/control/trajectory.hpp"
 #include "capstan/firmware/parameters/effort_rows.hpp"
 #include "capstan/firmware/parameters/name_hash.hpp"
+#include "capstan/firmware/parameters/preisach_rows.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
@@ -19,9 +20,7 @@ constexpr std::size_t kMotor = offsetof(AxisConfig, motor);
 constexpr std::size_t kControl = offsetof(AxisConfig, control);
 constexpr std::size_t kLimits = offsetof(AxisConfig, limits);
 constexpr std::size_t kLaw = offsetof(AxisConfig, law);
-using ForceGrid = decltype(ForceConfig::grid);
 constexpr std::size_t kForce = offsetof(AxisConfig, force);
-constexpr std::size_t kGrid = kForce + offsetof(ForceConfig, grid);
 constexpr std::size_t kMonitor = offsetof(AxisConfig, monitor);
 constexpr std::size_t kErrorBar = offsetof(AxisConfig, error_bar);
 constexpr std::size_t kCoupledTo = offsetof(AxisConfig, coupled_to);
@@ -163,70 +162,12 @@ constexpr std::array kFixedParameters = {
          kObserver + offsetof(ObserverConfig, stiffness_nm_per_rad), 0.0, 100.0, kSafety),
     real("observer", "excess", "Nm", "largest torque of a healthy motor beyond what that answered for",
          kObserver + offsetof(ObserverConfig, excess_nm), 0.0, 100.0, kSafety),
-    ParameterInfo{"preisach", "levels", "1", "levels of the grid of reversal values", ParameterType::kInteger,
-                  ParameterChange::kDisarmed, static_cast<std::uint16_t>(kGrid + offsetof(ForceGrid, levels)), 0,
-                  ForceConfig::kLevels},
 };
 
-/// "input_3", "force_10_7": the grid's rows have numbers instead of names.
-struct GridName {
-  std::array<char, 12> text{};
-  constexpr explicit GridName(std::string_view stem) {
-    for (const char c : stem) {
-      text[size_++] = c;
-    }
-  }
-  constexpr auto with(std::size_t number) const -> GridName {
-    GridName longer = *this;
-    longer.text[longer.size_++] = '_';
-    if (number > 9) {
-      longer.text[longer.size_++] = static_cast<char>('0' + number / 10);
-    }
-    longer.text[longer.size_++] = static_cast<char>('0' + number % 10);
-    return longer;
-  }
-
- private:
-  std::size_t size_ = 0;
-};
-
-constexpr std::size_t kGridRows = ForceConfig::kLevels + ForceGrid::kMaxValues;
-constexpr auto make_grid_names() {
-  std::array<GridName, kGridRows> names = []<std::size_t... I>(std::index_sequence<I...>) {
-    return std::array<GridName, kGridRows>{((void)I, GridName(""))...};
-  }
-  (std::make_index_sequence<kGridRows>{});
-  std::size_t next = 0;
-  for (std::size_t level = 0; level < ForceConfig::kLevels; ++level) {
-    names[next++] = GridName("input").with(level);
-  }
-  for (std::size_t row = 0; row < ForceConfig::kLevels; ++row) {
-    for (std::size_t column = 0; column <= row; ++column) {
-      names[next++] = GridName("force").with(row).with(column);
-    }
-  }
-  return names;
-}
-constexpr std::array<GridName, kGridRows> kGridNames = make_grid_names();
-
-constexpr std::size_t kLawAt = kFixedParameters.size() + kGridRows;
+constexpr std::size_t kLawAt = kFixedParameters.size() + kPreisachTable.size();
 constexpr std::size_t kEffortAt = kLawAt + kCoefficientCount + kShapeCount;
 constexpr std::size_t kCount = kEffortAt + kEffortRows;
 static_assert(kCount <= kMostParameters);
-
-constexpr void add_grid_rows(std::array<ParameterInfo, kCount>& table) {
-  constexpr double kMost = 127.0;
-  for (std::size_t i = 0; i < kGridRows; ++i) {
-    const bool input = i < ForceConfig::kLevels;
-    const std::size_t offset = input ? offsetof(ForceGrid, inputs) + i * sizeof(Q24)
-                                     : offsetof(ForceGrid, forces) + (i - ForceConfig::kLevels) * sizeof(Q24);
-    table[kFixedParameters.size() + i] =
-        real("preisach", kGridNames[i].text.data(), "Nm",
-             input ? "motor torque of this level, in increasing order"
-                   : "joint torque after a rise to the first level and a fall to the second",
-             kGrid + offset, -kMost, kMost);
-  }
-}
 
 /// Walks a list of terms and writes a row for every coefficient and shape it declares.
 class LawRows {
@@ -257,7 +198,7 @@ class LawRows {
 constexpr auto make_table() -> std::array<ParameterInfo, kCount> {
   std::array<ParameterInfo, kCount> table{};
   std::copy(kFixedParameters.begin(), kFixedParameters.end(), table.begin());
-  add_grid_rows(table);
+  std::copy(kPreisachTable.begin(), kPreisachTable.end(), table.begin() + kFixedParameters.size());
   LawRows rows(table);
   for_each_term<Q24>(rows);
   std::copy(kEffortTable.begin(), kEffortTable.end(), table.begin() + kEffortAt);
