@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "capstan/tools/commission/commission.hpp"
-#include "capstan/tools/report/svg_plot.hpp"
+#include "capstan/tools/report/html.hpp"
 #include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -31,7 +31,7 @@ auto write_commission_report(const std::string& folder, const Commissioned& comm
   }
   std::string rows;
   for (const auto& [name, value] : commissioned.progress.set) {
-    rows += "<tr><td>" + escaped(name) + "</td><td>" + escaped(value) + "</td></tr>\n";
+    rows += "<tr>" + html_cell(name) + html_cell(value) + "</tr>\n";
   }
   std::string page =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Commissioning</title></head><body>\n"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capstan/tools/report/svg_plot.hpp"
+#include "capstan/tools/report/html.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -16,11 +16,10 @@ auto excitation_table(const Identifiability& told) -> std::string {
       "<th>its own [%]</th><th>most like</th><th>correlation</th></tr>\n";
   for (std::size_t i = 0; i < told.parameters.size(); ++i) {
     const auto& one = told.parameters[i];
-    html += "<tr>" + html_cell(std::to_string(i + 1), true) + html_cell(one.name) +
-            html_cell(rounded(one.value, 4), true) +
-            html_cell(one.half_width >= 0.0 ? rounded(one.half_width, 2) : "", true) +
-            html_cell(rounded(100.0 * one.share, 3), true) + html_cell(rounded(100.0 * one.own, 3), true) +
-            html_cell(one.most_alike) + html_cell(one.most_alike.empty() ? "" : rounded(one.correlation, 3), true) +
+    html += "<tr>" + html_number(std::to_string(i + 1)) + html_cell(one.name) + html_number(rounded(one.value, 4)) +
+            html_number(one.half_width >= 0.0 ? rounded(one.half_width, 2) : "") +
+            html_number(rounded(100.0 * one.share, 3)) + html_number(rounded(100.0 * one.own, 3)) +
+            html_cell(one.most_alike) + html_number(one.most_alike.empty() ? "" : rounded(one.correlation, 3)) +
             "</tr>\n";
   }
   return html + "</table>\n";
@@ -66,10 +65,6 @@ auto what_is_not_told(const Identifiability& told) -> std::string {
 }
 
 }  // namespace
-
-auto html_cell(const std::string& text, bool numeric) -> std::string {
-  return std::string(numeric ? "<td class=\"n\">" : "<td>") + escaped(text) + "</td>";
-}
 
 auto covariance_section(const Identifiability& told) -> std::string {
   if (told.parameters.empty()) {

@@ -7,9 +7,6 @@
 
 namespace capstan::tools {
 
-/// A table's cell.
-auto html_cell(const std::string& text, bool numeric = false) -> std::string;
-
 /// What the log can and can not tell: excitation of each parameter, correlations of their estimates, and which of them
 /// need another motion. Empty where nothing is known.
 auto covariance_section(const Identifiability& told) -> std::string;

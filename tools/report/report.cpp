@@ -7,6 +7,7 @@
 #include "capstan/tools/diagnose/next_experiment.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
 #include "capstan/tools/report/covariance_section.hpp"
+#include "capstan/tools/report/html.hpp"
 #include "capstan/tools/report/svg_plot.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -131,9 +132,9 @@ auto map_section(const Diagnosis& d) -> std::string {
   for (const auto& found : d.map_after.cells) {
     if (found.found) {
       html += "<tr>" + html_cell(found.signal) + html_cell(found.forward ? "forward" : "backward") +
-              html_cell(rounded(found.from, 3), true) + html_cell(rounded(found.to, 3), true) +
-              html_cell(rounded(found.mean, 3), true) + html_cell(std::to_string(found.visits), true) +
-              html_cell(rounded(found.p_value, 2), true) + "</tr>\n";
+              html_number(rounded(found.from, 3)) + html_number(rounded(found.to, 3)) +
+              html_number(rounded(found.mean, 3)) + html_number(std::to_string(found.visits)) +
+              html_number(rounded(found.p_value, 2)) + "</tr>\n";
     }
   }
   return html + "</table>\n";
@@ -174,9 +175,9 @@ auto error_table(const Diagnosis& d) -> std::string {
                      d.unit + "]</th><th>" + (angle ? "RMSE [deg]" : "of the effort [%]") +
                      "</th><th>goodness of fit [%]</th></tr>\n";
   auto row = [&](const std::string& name, const ErrorSummary& e) {
-    html += "<tr>" + html_cell(name) + html_cell(rounded(e.rmse), true) +
-            html_cell(rounded(angle ? e.rmse * kDegrees : e.relative_percent, 3), true) +
-            html_cell(rounded(e.gof_percent), true) + "</tr>\n";
+    html += "<tr>" + html_cell(name) + html_number(rounded(e.rmse)) +
+            html_number(rounded(angle ? e.rmse * kDegrees : e.relative_percent, 3)) +
+            html_number(rounded(e.gof_percent)) + "</tr>\n";
   };
   row("before: " + d.base_model, d.before);
   row(std::string("after: ") + word_of(d.law.status) + " law", d.after);
@@ -184,8 +185,8 @@ auto error_table(const Diagnosis& d) -> std::string {
     row("before, on " + log.name, log.before);
     row("after, on " + log.name, log.after);
   }
-  html += "<tr>" + html_cell("noise floor (from " + d.floor_from + ")") + html_cell(rounded(d.noise_floor), true) +
-          html_cell(angle ? rounded(d.noise_floor * kDegrees, 3) : "", true) + html_cell("") + "</tr>\n</table>\n";
+  html += "<tr>" + html_cell("noise floor (from " + d.floor_from + ")") + html_number(rounded(d.noise_floor)) +
+          html_number(angle ? rounded(d.noise_floor * kDegrees, 3) : "") + html_cell("") + "</tr>\n</table>\n";
   if (!d.effects.empty()) {
     html += "<p>Ratio after / before, 95 % interval: " + rounded(d.ratio_ci95[0], 3) + " to " +
             rounded(d.ratio_ci95[1], 3) + ". The effects explain " + rounded(100.0 * d.explained_share, 3) +
@@ -201,7 +202,7 @@ auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -
 
 auto parameter_row(const CatalogueTerm& term, const char* name, double value, const std::string& interval,
                    const char* unit, const char* doc) -> std::string {
-  return "<tr>" + html_cell(term.name + "." + name) + html_cell(rounded(value, 5), true) + html_cell(interval) +
+  return "<tr>" + html_cell(term.name + "." + name) + html_number(rounded(value, 5)) + html_cell(interval) +
          html_cell(unit) + html_cell(doc) + "</tr>\n";
 }
 
@@ -245,8 +246,8 @@ auto ranking_tables(const Diagnosis& d) -> std::string {
             "<th>evidence [nats]</th><th>outcome</th></tr>\n";
     for (const auto& ranked : d.rounds[i].ranking) {
       html += std::string("<tr") + (ranked.in_catalogue ? "" : " class=\"dim\"") + ">" + html_cell(ranked.name) +
-              html_cell(rounded(100.0 * ranked.explained, 3), true) + html_cell(rounded(ranked.p_value, 2), true) +
-              html_cell(rounded(ranked.log_evidence, 3), true) + html_cell(ranked.outcome) + "</tr>\n";
+              html_number(rounded(100.0 * ranked.explained, 3)) + html_number(rounded(ranked.p_value, 2)) +
+              html_number(rounded(ranked.log_evidence, 3)) + html_cell(ranked.outcome) + "</tr>\n";
     }
     html += "</table>\n";
   }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "capstan/tools/report/html.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -141,29 +142,6 @@ auto legend(const Plot& plot) -> std::string {
 }
 
 }  // namespace
-
-auto escaped(const std::string& text) -> std::string {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
-}
 
 auto common_range(const std::vector<Plot>& plots) -> std::pair<double, double> {
   double low = std::numeric_limits<double>::infinity();

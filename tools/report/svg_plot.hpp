@@ -30,7 +30,4 @@ auto svg_of(const Plot& plot) -> std::string;
 /// Smallest and largest y of all series, with some room; the same for plots that share a scale.
 auto common_range(const std::vector<Plot>& plots) -> std::pair<double, double>;
 
-/// Text made safe for HTML and SVG.
-auto escaped(const std::string& text) -> std::string;
-
 }  // namespace capstan::tools

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "capstan/tools/report/html.hpp"
 #include "capstan/tools/report/svg_plot.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capstan/tools/report/html.hpp"
+
 namespace capstan::tools {
 namespace {
 

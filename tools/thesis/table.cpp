@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "capstan/tools/report/svg_plot.hpp"
+#include "capstan/tools/report/html.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -14,7 +14,6 @@ namespace {
 constexpr std::size_t kWidth = 9;
 const std::string kPrinted = "printed";
 const std::string kOurs = "simulated";
-const std::string kNumber = " class=\"n\"";
 
 auto is_fitted(const ThesisTable::Row& row, const std::string& key) -> bool {
   return std::find(row.fitted.begin(), row.fitted.end(), key) != row.fitted.end();
@@ -105,10 +104,6 @@ void visit_tested(std::vector<ThesisDifference>& all, const ThesisTable::Trial& 
   }
 }
 
-auto html_cell(const std::string& text, const char* tag = "td", const std::string& extra = "") -> std::string {
-  return std::string("<") + tag + extra + ">" + escaped(text) + "</" + tag + ">";
-}
-
 auto group_span(const ThesisTable& table, std::size_t first) -> std::size_t {
   std::size_t last = first;
   while (last < table.columns.size() && table.columns[last].group == table.columns[first].group) {
@@ -155,9 +150,9 @@ auto html_differences(const ThesisTable& table) -> std::string {
     if (!d.large()) {
       continue;
     }
-    html += "<tr>" + html_cell(d.row) + html_cell(d.heading) + html_cell(number(d.printed, d.decimals), "td", kNumber) +
-            html_cell(number(d.ours, d.decimals) + (d.fitted ? " f" : ""), "td", kNumber) +
-            html_cell(in_percent(d.percent), "td", kNumber) + "<td>" + escaped(reason_of(d)) + "</td><td>";
+    html += "<tr>" + html_cell(d.row) + html_cell(d.heading) + html_number(number(d.printed, d.decimals)) +
+            html_number(number(d.ours, d.decimals) + (d.fitted ? " f" : "")) + html_number(in_percent(d.percent)) +
+            "<td>" + escaped(reason_of(d)) + "</td><td>";
     for (const auto& tested : d.tested) {
       html += "<div>" + escaped(tested_text(d, tested)) + "</div>";
     }
