@@ -2,7 +2,7 @@
 // `capstan commission` on the board behind `capstan console`, step by step: what it explains, asks and finds. Where no host program is
 // behind the page, the command to run.
 import type { Board } from './board';
-import { byId, download, make, options } from './dom';
+import { byId, download, jointOptions, make } from './dom';
 
 /** What of a link can be told to start a commissioning. */
 export interface Commissioner {
@@ -47,11 +47,7 @@ export class CommissionView {
   }
 
   load(): void {
-    const joints = this.board.status?.joints.map((one) => one.name) ?? [];
-    const select = byId<HTMLSelectElement>('commission-joint');
-    if (joints.length > 0 && select.options.length !== joints.length) {
-      options(select, joints);
-    }
+    jointOptions(byId('commission-joint'), this.board.status?.joints);
   }
 
   private value(id: string): string {

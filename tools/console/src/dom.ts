@@ -49,6 +49,13 @@ export function download(name: string, parts: BlobPart[], type: string): void {
   window.setTimeout(() => URL.revokeObjectURL(address), 10000);
 }
 
+/** Joints to choose from, where a board tells others than there were. */
+export function jointOptions(select: HTMLSelectElement, joints: { name: string }[] | undefined): void {
+  if (joints !== undefined && joints.length > 0 && select.options.length !== joints.length) {
+    options(select, joints.map((one) => one.name));
+  }
+}
+
 export function options(select: HTMLSelectElement, names: string[], chosen?: string): void {
   select.replaceChildren(...names.map((name) => make('option', { value: name, selected: name === chosen }, name)));
 }

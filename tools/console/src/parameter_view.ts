@@ -108,10 +108,8 @@ export class ParameterView {
   private stage(parameter: Parameter, text: string): void {
     const name = full(parameter);
     this.refusals.delete(name);
-    if (text.trim() === parameter.value) {
-      this.staged.delete(name);
-    } else {
-      this.staged.delete(name); // the last one edited stands last
+    this.staged.delete(name); // the last one edited stands last
+    if (text.trim() !== parameter.value) {
       this.staged.set(name, text.trim());
     }
     this.markRow(parameter, false);

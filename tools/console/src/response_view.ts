@@ -2,7 +2,7 @@
 // Steps of a joint repeated while its gains are changed: the newest response, and faintly those before it.
 import uPlot from 'uplot';
 import type { Board } from './board';
-import { byId, make, options } from './dom';
+import { byId, jointOptions, make } from './dom';
 import { parseParameters, type Parameter, type Status } from './knowledge';
 import type { LiveView } from './live_view';
 import type { ParameterView } from './parameter_view';
@@ -71,10 +71,7 @@ export class ResponseView {
 
   /** The view is shown: joints and gains are those of the board that is there. */
   async load(): Promise<void> {
-    const joints = this.board.status?.joints.map((one) => one.name) ?? [];
-    if (this.joint.options.length !== joints.length) {
-      options(this.joint, joints);
-    }
+    jointOptions(this.joint, this.board.status?.joints);
     await this.listGains();
   }
   /** The view is left. */
@@ -260,13 +257,12 @@ export class ResponseView {
       return;
     }
     const all = [...this.traces, ...(this.trace === undefined ? [] : [this.trace])].filter((one) => one.zero !== undefined).slice(-1 - kBehind);
-    const shape = all.length;
-    if (shape === 0) {
+    if (all.length === 0) {
       return;
     }
-    if (shape !== this.shaped) {
-      this.shaped = shape;
-      this.plot.shape(linesOf(shape - 1), 'time since the reference moves, s');
+    if (all.length !== this.shaped) {
+      this.shaped = all.length;
+      this.plot.shape(linesOf(all.length - 1), 'time since the reference moves, s');
     }
     const joined = uPlot.join(all.map(table)) as unknown as number[][];
     this.plot.show(joined, -0.05, Math.max(this.lasts, ...all.map((one) => one.lasted)) / 1000, !this.running);

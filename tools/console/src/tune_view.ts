@@ -2,7 +2,7 @@
 // Gains from a frequency response, step by step: the board shakes the joint, `capstan tune` takes gains from the log, and the person takes
 // or leaves them. Where no host program is behind the page, the log is offered with the command to run.
 import type { Board } from './board';
-import { byId, download, make, options } from './dom';
+import { byId, download, jointOptions, make } from './dom';
 import { valuesOf } from './knowledge';
 import type { LiveView } from './live_view';
 import { LogTable } from './log_table';
@@ -46,11 +46,7 @@ export class TuneView {
   }
 
   load(): void {
-    const joints = this.board.status?.joints.map((one) => one.name) ?? [];
-    const select = byId<HTMLSelectElement>('tune-joint');
-    if (joints.length > 0 && select.options.length !== joints.length) {
-      options(select, joints);
-    }
+    jointOptions(byId('tune-joint'), this.board.status?.joints);
   }
 
   private value(id: string): string {
