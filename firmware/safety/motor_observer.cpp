@@ -195,14 +195,15 @@ auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised
     springing_ = std::max<std::int32_t>(springing_ - 1, 0);
   }
   watching_ = energised;
-  std::copy_backward(before_.begin(), before_.end() - 1, before_.end());
-  if (!energised) {
+  if (energised) {
+    std::copy_backward(before_.begin(), before_.end() - 1, before_.end());
+    before_.front() = moved;
+  } else {
     before_.fill(0);  // the operator may set the count to anything
   }
   std::copy_backward(torques_.begin(), torques_.end() - 1, torques_.end());
   torques_.front() = {drive_a.raw(), limited(std::int64_t{high_} - low_)};
   moved_ = moved;
-  before_.front() = energised ? moved : 0;
   wanted_ = drive_a.raw();
   return faults;
 }

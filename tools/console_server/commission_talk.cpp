@@ -19,6 +19,7 @@ namespace {
 
 using nlohmann::json;
 constexpr std::string_view kCommission = "commission ";
+constexpr std::string_view kStart = "start ";
 constexpr std::string_view kReport = "commission_report";
 constexpr std::string_view kResponse = "response/index.html";
 constexpr std::string_view kQuestionEnd = " [y/N] ";
@@ -261,17 +262,16 @@ void CommissionTalk::word(Guest& guest, std::string_view word, Clock::time_point
   const bool own = job_->belongs_to(guest);
   if (word.starts_with(kCommission)) {
     const std::string_view what = word.substr(kCommission.size());
-    if (what.starts_with("start ") && !job_->under_way() && hub_.commands(guest)) {
+    if (what.starts_with(kStart)) {
       try {
-        job_->begin(guest, what.substr(std::string_view("start ").size()), now);
+        if (job_->under_way() || !hub_.commands(guest)) {
+          throw Refusal("another commissioning is under way, or another page commands");
+        }
+        job_->begin(guest, what.substr(kStart.size()), now);
       } catch (const std::exception& problem) {
         guest.say(std::string(kCommission) + "said capstan: " + problem.what());
         guest.say(std::string(kCommission) + "ended " + json{{"status", kExitRefused}, {"machine", ""}}.dump());
       }
-    } else if (what.starts_with("start ")) {
-      guest.say(std::string(kCommission) +
-                "said capstan: another commissioning is under way, or another page commands");
-      guest.say(std::string(kCommission) + "ended " + json{{"status", kExitRefused}, {"machine", ""}}.dump());
     } else if (own && what == "stop") {
       job_->stop(now);
     } else if (own) {

@@ -74,20 +74,20 @@ auto told(const std::vector<Regressor>& regressors, const Eigen::VectorXd& targe
   for (std::size_t i = 0; i < regressors.size(); ++i) {
     const Regressor& one = regressors[i];
     const auto at = static_cast<Eigen::Index>(i);
-    ParameterExcitation told{name_of(one), one.value, -1.0, 0.0, 1.0 / inverse(at, at), {}, 0.0};
-    told.half_width = one.ci95 ? 0.5 * ((*one.ci95)[1] - (*one.ci95)[0]) : -1.0;
-    told.share = size > 0.0 ? std::abs(one.value) * rms(one.column) / size : 0.0;
+    ParameterExcitation excited{name_of(one), one.value, -1.0, 0.0, 1.0 / inverse(at, at), {}, 0.0};
+    excited.half_width = one.ci95 ? 0.5 * ((*one.ci95)[1] - (*one.ci95)[0]) : -1.0;
+    excited.share = size > 0.0 ? std::abs(one.value) * rms(one.column) / size : 0.0;
     for (std::size_t k = 0; k < regressors.size(); ++k) {
       const double alike = result.correlation(at, static_cast<Eigen::Index>(k));
-      if (k != i && std::abs(alike) > std::abs(told.correlation)) {
-        told.correlation = alike;
-        told.most_alike = name_of(regressors[k]);
+      if (k != i && std::abs(alike) > std::abs(excited.correlation)) {
+        excited.correlation = alike;
+        excited.most_alike = name_of(regressors[k]);
       }
       if (k > i && std::abs(alike) > kConfused) {
         result.confused.push_back(confused(one, regressors[k], alike));
       }
     }
-    result.parameters.push_back(std::move(told));
+    result.parameters.push_back(std::move(excited));
   }
   std::sort(result.confused.begin(), result.confused.end(),
             [](const auto& x, const auto& y) { return std::abs(x.correlation) > std::abs(y.correlation); });

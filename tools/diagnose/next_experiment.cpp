@@ -112,17 +112,17 @@ auto text_of(Part part, const Reach& reach) -> std::string {
   return {};
 }
 
-/// Effects that the motion has to show: those that the verdict can not tell apart, terms whose parameters stand for
-/// each other, or all ("").
+/// Effects that the motion has to show: those that the verdict can not tell apart, all (""), or terms whose parameters
+/// stand for each other; none where nothing is left to ask.
 auto asked_for(const Diagnosis& d) -> std::vector<std::string> {
   std::vector<std::string> names;
-  if (d.verdict == Verdict::kAmbiguous) {
-    names = d.effects.front().alternatives;
-    names.insert(names.begin(), d.effects.front().name);
-  } else if (!d.next_experiment) {
+  if (!d.next_experiment) {
     for (const auto& pair : d.told.confused) {
       names.insert(names.end(), pair.terms, pair.terms + 2);
     }
+  } else if (d.verdict == Verdict::kAmbiguous) {
+    names = d.effects.front().alternatives;
+    names.insert(names.begin(), d.effects.front().name);
   } else {
     names = {""};
   }
@@ -132,11 +132,10 @@ auto asked_for(const Diagnosis& d) -> std::vector<std::string> {
 }  // namespace
 
 auto next_scenario(const Diagnosis& d) -> std::string {
-  const bool confused = !d.next_experiment && !d.told.confused.empty();
-  if ((!d.next_experiment && !confused) || d.motion_unit != "rad") {  // scenarios turn joints
+  const std::vector<std::string> names = asked_for(d);
+  if (names.empty() || d.motion_unit != "rad") {  // scenarios turn joints
     return {};
   }
-  const std::vector<std::string> names = asked_for(d);
   Parts parts;
   for (const auto& name : names) {
     parts.merge(parts_for(name));
@@ -144,7 +143,7 @@ auto next_scenario(const Diagnosis& d) -> std::string {
   const bool warms_up = std::find(names.begin(), names.end(), "thermal_drift") != names.end();
   const Reach reach = reach_of(d);
   std::string text =
-      "# " + (confused ? d.told.confused.front().sentence : *d.next_experiment) +
+      "# " + (d.next_experiment ? *d.next_experiment : d.told.confused.front().sentence) +
       (d.traces.q1.size() > 0
            ? "\n# Made for this joint: no farther and no faster than it went in the log. Run it with\n"
            : "\n# The log does not say how far and how fast the joint goes: change that below. Run it with\n") +

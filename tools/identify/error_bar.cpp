@@ -21,8 +21,8 @@ struct Error {
 
 struct Width {
   double half_rad = 0.0;
-  double loss =
-      0.0;  ///< the quantile's own score, summed: least where the width is the quantile (Koenker, Bassett 1978)
+  /// The quantile's own score, summed: least where the width is the quantile (Koenker, Bassett 1978).
+  double loss = 0.0;
 };
 
 template <typename Belongs>
@@ -64,8 +64,8 @@ auto see(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad) 
   Seen seen;
   Eigen::Index row = 0;
   for (const Samples& log : samples) {
+    const double start = log.empty() ? 0.0 : log.front().q1_reversal;
     for (const auto& now : log) {
-      const double start = log.front().q1_reversal;
       seen.errors.push_back({std::abs(now.q1 - now.q1_reversal), std::abs(error_rad[row++]), now.q1_reversal == start});
       seen.from_rad = std::min(seen.from_rad, now.q1);
       seen.to_rad = std::max(seen.to_rad, now.q1);

@@ -10,8 +10,8 @@
 namespace capstan::tools {
 
 /// How far from the joint a law was in its logs, 95 of 100 times: near a reversal and beyond, as a board tells it.
-/// Where one number says as much as two, both are that one. Of each log only what comes after the law's memory of the
-/// start.
+/// Where no turn leaves enough samples on either side of it, both are that of all samples. Of the way that a log began
+/// with nothing is near a reversal: a board does not tell there.
 /// @param samples    of each log, as the law runs over them
 /// @param error_rad  measured joint angle less the law's, all logs, one below the other
 /// @returns nothing where too few samples are left
