@@ -155,8 +155,9 @@ struct ByDirection {
   }
 };
 
-/// Regressors of a term of which two neighbours count at a time, with shares that add up to one: a straight line
-/// between two values of a table. The law multiplies twice, however long the table is.
+/// Regressors of a term of which two neighbours count at a time, with shares of one whole (1, or a factor of the
+/// table's) that add up to it: a straight line between two values of a table. The law multiplies twice, however long
+/// the table is.
 template <typename Scalar, std::size_t Count>
 struct Between {
   std::size_t at = 0;  ///< of the first of the two; below Count - 1
@@ -197,7 +198,8 @@ concept InputTerm = requires(T term, const T& const_term, const Sample<Scalar>& 
 }
 &&kCoefficientsOf<T> == 0 && std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
-/// Of the coefficients of such a term only two neighbours count at a time, by shares that add up to one: it says so
+/// Of the coefficients of such a term only two neighbours count at a time, by shares that add up to one number in the
+/// range, as one coefficient's regressor is: it says so
 /// with `static constexpr bool kOneAtATime = true`, and its largest one counts where the law asks whether a sum fits.
 template <typename Term>
 consteval auto one_at_a_time() -> bool {

@@ -59,7 +59,7 @@ class WeightedSum<Q24> {
         sum_ += size(coefficient);
       }
     }
-    /// Of coefficients of which shares that add up to one count at a time.
+    /// Of coefficients of which two shares of one regressor count at a time.
     constexpr void add_largest(std::span<const Q24> coefficients) {
       std::int64_t largest = 0;
       for (const Q24 coefficient : coefficients) {

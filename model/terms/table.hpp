@@ -37,6 +37,24 @@ constexpr auto describe(TableSignal signal) -> const char* {
   return kWords[static_cast<std::size_t>(signal)];
 }
 
+/// What the values of a table are multiplied by: each is then a gain, rad per unit of the factor. A factor enters as it
+/// is measured, by no range: the law holds every one of them within +-128, and a product with a share of a cell, 0 to
+/// 1, is no larger, so fixed point loses nothing but its last place.
+enum class TableFactor : std::uint8_t {
+  kOne,         ///< the values stand alone, rad
+  kTorque,      ///< of the motor, N m
+  kRate,        ///< of the motor, rad/s
+  kMotorAngle,  ///< q1, in front of the input terms, rad
+};
+inline constexpr int kTableFactors = 4;
+
+/// In words, with the unit; empty for one.
+constexpr auto describe(TableFactor factor) -> const char* {
+  constexpr std::array<const char*, kTableFactors> kWords = {"", "motor torque, Nm", "motor rate, rad/s",
+                                                             "motor angle, rad"};
+  return kWords[static_cast<std::size_t>(factor)];
+}
+
 /// Where a fraction of the way through so many equal cells lies: the cell, and the share of it that is behind.
 template <std::floating_point Real>
 constexpr void split_cells(Real fraction, std::int32_t cells, std::size_t& at, Real& share) {
@@ -84,8 +102,9 @@ inline constexpr std::array<Name, 2 * kKnots> kNames = make();
 template <std::size_t... K>
 consteval auto coefficients(std::index_sequence<K...> /*all*/) -> std::array<CoefficientInfo, sizeof...(K)> {
   return {CoefficientInfo{kNames[K].text.data(), "rad", Sign::kAny,
-                          K < kKnots ? "value at this knot while the motor goes forward"
-                                     : "value at this knot while the motor goes backward"}...};
+                          K < kKnots
+                              ? "value at this knot while the motor goes forward; per unit of the factor, if any"
+                              : "value at this knot while the motor goes backward; per unit of the factor, if any"}...};
 }
 inline constexpr std::array<CoefficientInfo, 2 * kKnots> kCoefficients =
     coefficients(std::make_index_sequence<2 * kKnots>{});
@@ -93,8 +112,10 @@ inline constexpr std::array<CoefficientInfo, 2 * kKnots> kCoefficients =
 }  // namespace table_names
 
 /// What has no name, as it looks: the correction over one signal, a straight line from knot to knot, a table for each
-/// direction. Knots lie evenly from `low` to `high`; outside, the end knot's value holds. The coefficients are the
-/// values at the knots, so the law is linear in them like in any others, and in each cycle two of them count.
+/// direction, times a factor where one is chosen:
+///   factor . (value_k (1 - s) + value_k+1 s),  s the share of the cell that is behind.
+/// Knots lie evenly from `low` to `high`; outside, the end knot's value holds. The coefficients are the values at the
+/// knots, so the law is linear in them like in any others, and in each cycle two of them count.
 template <typename Scalar>
 class Table {
  public:
@@ -102,9 +123,10 @@ class Table {
   static constexpr std::size_t kKnots = table_names::kKnots;
 
   // The unit of low and high is the signal's.
-  static constexpr TermInfo<2 * kKnots, 4> kInfo = {
+  static constexpr TermInfo<2 * kKnots, 5> kInfo = {
       .name = "table",
-      .equation = "straight lines between the values at evenly spaced knots of one signal, by direction",
+      .equation =
+          "straight lines between the values at evenly spaced knots of one signal, by direction, times a factor",
       .source = "form-free: what is seen and has no name",
       .confusable_with = "whatever depends on the same signal",
       .exciting_motion = "all of the signal's range, both ways, more than once",
@@ -117,7 +139,10 @@ class Table {
             {"knots", "1", 0.0, kKnots, kKnots, "knots in use of each direction, 2 and more; less: no table",
              ShapeScale::kPeriods, ShapeOf::kGiven},
             {"low", "1", -127.0, 127.0, -1.0, "the signal at the first knot", ShapeScale::kPeriods, ShapeOf::kGiven},
-            {"high", "1", -127.0, 127.0, 1.0, "the signal at the last knot", ShapeScale::kPeriods, ShapeOf::kGiven}}},
+            {"high", "1", -127.0, 127.0, 1.0, "the signal at the last knot", ShapeScale::kPeriods, ShapeOf::kGiven},
+            {"factor", "1", 0.0, kTableFactors - 1.0, 0.0,
+             "what the values are multiplied by: 0 one, 1 torque, 2 rate, 3 motor angle", ShapeScale::kPeriods,
+             ShapeOf::kGiven}}},
       .relations = {.form_free = true, .placed = true},
   };
 
@@ -125,10 +150,11 @@ class Table {
   static constexpr bool kOneAtATime = true;
   static constexpr bool kReadsInput = true;
 
-  constexpr Table(SamplePeriod<Scalar> dt, const std::array<Scalar, 4>& shape)
+  constexpr Table(SamplePeriod<Scalar> dt, const std::array<Scalar, 5>& shape)
       : dt_(dt),
         signal_(static_cast<TableSignal>(whole(shape[0], kTableSignals - 1))),
         cells_(whole(shape[1], static_cast<std::int32_t>(kKnots)) - 1),
+        factor_(static_cast<TableFactor>(whole(shape[4], kTableFactors - 1))),
         low_(shape[2]),
         high_(shape[3]) {
     if (low_ < high_ && cells_ > 0) {
@@ -145,11 +171,11 @@ class Table {
   constexpr auto update(const Sample<Scalar>& s) -> Between<Scalar, 2 * kKnots> {
     since_ = s.forward == forward_ ? (since_ < kLongest ? since_ + 1 : since_) : 0;
     forward_ = s.forward;
-    return at(read<false>(s), s.forward);
+    return at(read<false>(s), s);
   }
   /// What a reversal began is over.
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> Between<Scalar, 2 * kKnots> {
-    return at(read<true>(s), s.forward);
+    return at(read<true>(s), s);
   }
 
  private:
@@ -190,14 +216,28 @@ class Table {
     }
     return Scalar{};
   }
-  [[nodiscard]] constexpr auto at(Scalar x, bool forward) const -> Between<Scalar, 2 * kKnots> {
+  [[nodiscard]] constexpr auto factor(const Sample<Scalar>& s) const -> Scalar {
+    switch (factor_) {
+      case TableFactor::kTorque:
+        return s.tau;
+      case TableFactor::kRate:
+        return s.dq1;
+      case TableFactor::kMotorAngle:
+        return s.q1;
+      case TableFactor::kOne:
+        break;
+    }
+    return kOne;
+  }
+  [[nodiscard]] constexpr auto at(Scalar x, const Sample<Scalar>& s) const -> Between<Scalar, 2 * kKnots> {
     Between<Scalar, 2 * kKnots> place;
     if (cells_ > 0) {
       Scalar share{};
       split_cells(scale_.fraction(clamp(x, low_, high_), low_), cells_, place.at, share);
-      place.share = share;
-      place.rest = kOne - share;
-      place.at += forward ? 0 : kKnots;
+      const Scalar whole_value = factor(s);
+      place.share = whole_value * share;
+      place.rest = whole_value - place.share;  // together the factor to the last place: the law's reach is held to that
+      place.at += s.forward ? 0 : kKnots;
     }
     return place;
   }
@@ -205,6 +245,7 @@ class Table {
   SamplePeriod<Scalar> dt_;
   TableSignal signal_;
   std::int32_t cells_;
+  TableFactor factor_;
   Scalar low_;
   Scalar high_;
   CellScale<Scalar> scale_{};

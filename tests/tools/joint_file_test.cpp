@@ -118,6 +118,24 @@ TEST(JointFile, ATableIsListsOfKnotsAndValues) {
   EXPECT_EQ(again.parameters.shapes, joint.parameters.shapes);
 }
 
+TEST(JointFile, ATableHasAFactorWhereOneIsWritten) {
+  const std::string lists = "knots = [-1, 0.5, 2]\nforward = [0.1, 0, -0.2]\nbackward = [0.3, 0.25, 0.5]\n";
+  const std::size_t factor = catalogue_term("table").first_shape + 4;
+  const auto read = [&](const std::string& line) {
+    return parse_joint_file(kHead + kRatio + kTable + lists + line, "");
+  };
+  EXPECT_EQ(read("").parameters.shapes[factor], 0.0) << "as in files of versions without factors";
+  EXPECT_EQ(joint_file_text(read("")).find("factor = "), std::string::npos) << "which read it then";
+  const JointFile joint = read("factor = \"rate\"\n");
+  EXPECT_EQ(joint.parameters.shapes[factor], 2.0);
+  const std::string text = joint_file_text(joint);
+  EXPECT_NE(text.find("factor = \"rate\""), std::string::npos);
+  EXPECT_NE(text.find("motor torque, Nm, times motor rate, rad/s"), std::string::npos);
+  EXPECT_EQ(parse_joint_file(text, "").parameters.shapes, joint.parameters.shapes);
+  EXPECT_NE(refusal_of(kHead + kRatio + kTable + lists + "factor = \"mood\"\n").find("the table's factor is none"),
+            std::string::npos);
+}
+
 TEST(JointFile, ATableThatIsNoneIsRefusedWithTheCure) {
   const auto refusal = [](const std::string& lines) { return refusal_of(kHead + kRatio + lines); };
   const std::string two = "forward = [0, 1]\nbackward = [0, 1]\n";

@@ -7,8 +7,8 @@
 #include <iostream>
 #include <numbers>
 
-#include "capstan/model/terms/table.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
+#include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -30,9 +30,8 @@ auto interval_text(const std::optional<Interval>& ci95, const char* otherwise) -
 /// A table in a line: its values are in the file.
 auto table_line(const JointFile& joint, const CatalogueTerm& term) -> std::string {
   const double* shapes = &joint.parameters.shapes[term.first_shape];
-  return "  " + term.name + "  " + std::to_string(std::lround(shapes[1])) + " knots over " +
-         describe(static_cast<TableSignal>(std::lround(shapes[0]))) + ", from " + rounded(shapes[2]) + " to " +
-         rounded(shapes[3]) + "\n";
+  return "  " + term.name + "  " + std::to_string(std::lround(shapes[1])) + " knots over " + described_table(shapes) +
+         ", from " + rounded(shapes[2]) + " to " + rounded(shapes[3]) + "\n";
 }
 
 }  // namespace

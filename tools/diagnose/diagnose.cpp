@@ -182,7 +182,7 @@ auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
       return as_searched(d, named);
     }
   }
-  return choose_law(p, d.base, d.found);
+  return choose_law(p, d.base, d.found, d.verdict == Verdict::kUnknown ? Lacking::kSomething : Lacking::kNothing);
 }
 
 /// Chooses the law that is delivered and measures its error once, on rows that chose nothing.

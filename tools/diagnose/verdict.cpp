@@ -142,9 +142,10 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
   }
   if (choice.term == "table") {
     const auto signal = static_cast<TableSignal>(std::lround(choice.shapes[0]));
+    const auto factor = static_cast<TableFactor>(std::lround(choice.shapes[4]));
     return {
         signal == TableSignal::kMotorAngle ? q1 : (signal == TableSignal::kTorque ? axis + "/tau" : describe(signal)),
-        "curve"};
+        factor == TableFactor::kOne ? "curve" : std::string("curve times ") + describe(factor)};
   }
   if (choice.term == "curved_ratio") {
     return {q1, "curve"};

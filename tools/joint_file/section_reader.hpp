@@ -142,16 +142,22 @@ class SectionReader {
     return values;
   }
 
-  void read_table(const toml::table& entry, JointFile& joint) const {
-    only(entry, {"signal", "knots", "forward", "backward"}, "[terms.table]");
-    const auto& words = table_signal_words();
-    const auto word = entry["signal"].value<std::string>();
+  /// Place of a word among those that there are.
+  auto choice(const toml::table& entry, const std::string& key, const std::vector<std::string>& words) const
+      -> std::size_t {
+    const auto word = entry[key].value<std::string>();
     const auto found = std::find(words.begin(), words.end(), word.value_or(""));
     if (found == words.end()) {
-      fail(entry, "the table's signal is none that there is; write one of " + joined(words));
+      fail(entry, "the table's " + key + " is none that there is; write one of " + joined(words));
     }
-    const TableLists lists{static_cast<std::size_t>(found - words.begin()), numbers(entry, "knots"),
-                           numbers(entry, "forward"), numbers(entry, "backward")};
+    return static_cast<std::size_t>(found - words.begin());
+  }
+
+  void read_table(const toml::table& entry, JointFile& joint) const {
+    only(entry, {"signal", "knots", "forward", "backward", "factor"}, "[terms.table]");
+    const std::size_t factor = entry.contains("factor") ? choice(entry, "factor", table_factor_words()) : 0;
+    const TableLists lists{choice(entry, "signal", table_signal_words()), numbers(entry, "knots"),
+                           numbers(entry, "forward"), numbers(entry, "backward"), factor};
     if (const std::string fault = fault_of(lists); !fault.empty()) {
       fail(entry, fault);
     }

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMostKnots = Table<double>::kKnots;
 
 /// Places of the table's shapes.
-enum Shape : std::size_t { kSignal, kKnots, kLow, kHigh };
+enum Shape : std::size_t { kSignal, kKnots, kLow, kHigh, kFactor };
 
 auto shape(const JointFile& joint, const CatalogueTerm& term, Shape which) -> double {
   return joint.parameters.shapes[term.first_shape + which];
@@ -35,6 +35,17 @@ auto table_signal_words() -> const std::vector<std::string>& {
   return kWords;
 }
 
+auto table_factor_words() -> const std::vector<std::string>& {
+  static const std::vector<std::string> kWords = {"one", "torque", "rate", "motor_angle"};
+  return kWords;
+}
+
+auto described_table(const double* shapes) -> std::string {
+  const auto factor = static_cast<TableFactor>(std::lround(shapes[kFactor]));
+  const std::string signal = describe(static_cast<TableSignal>(std::lround(shapes[kSignal])));
+  return factor == TableFactor::kOne ? signal : signal + ", times " + describe(factor);
+}
+
 auto slots_of_table(const JointFile& joint) -> std::size_t {
   const auto signal = static_cast<TableSignal>(std::lround(shape(joint, joint.catalogue->term(kTableTerm), kSignal)));
   return signal == TableSignal::kOtherAngle         ? 1
@@ -45,6 +56,7 @@ auto slots_of_table(const JointFile& joint) -> std::size_t {
 
 auto table_text(const JointFile& joint, const CatalogueTerm& term) -> std::string {
   const auto signal = static_cast<std::size_t>(std::lround(shape(joint, term, kSignal)));
+  const auto factor = static_cast<std::size_t>(std::lround(shape(joint, term, kFactor)));
   const auto count = std::min(static_cast<std::size_t>(std::lround(shape(joint, term, kKnots))), kMostKnots);
   const double low = shape(joint, term, kLow);
   const double high = shape(joint, term, kHigh);
@@ -58,9 +70,11 @@ auto table_text(const JointFile& joint, const CatalogueTerm& term) -> std::strin
         joint.parameters.coefficients.begin() + static_cast<std::ptrdiff_t>(term.first_coefficient + first);
     return std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
   };
-  return "# over " + std::string(describe(static_cast<TableSignal>(signal))) + "; values in rad\nsignal = \"" +
-         table_signal_words().at(signal) + "\"\n" + list("knots", knots) + list("forward", values(0)) +
-         list("backward", values(kMostKnots));
+  const std::string text = "# over " + described_table(&joint.parameters.shapes[term.first_shape]) + "; values in rad" +
+                           (factor > 0 ? " per unit of the factor" : "") + "\nsignal = \"" +
+                           table_signal_words().at(signal) + "\"\n" + list("knots", knots) +
+                           list("forward", values(0)) + list("backward", values(kMostKnots));
+  return factor > 0 ? text + "factor = \"" + table_factor_words().at(factor) + "\"\n" : text;
 }
 
 auto fault_of(const TableLists& table) -> std::string {
@@ -97,6 +111,7 @@ void set_table(const TableLists& table, JointFile& joint) {
   shapes[term.first_shape + kKnots] = static_cast<double>(table.knots.size());
   shapes[term.first_shape + kLow] = table.knots.front();
   shapes[term.first_shape + kHigh] = table.knots.back();
+  shapes[term.first_shape + kFactor] = static_cast<double>(table.factor);
   const auto first = joint.parameters.coefficients.begin() + static_cast<std::ptrdiff_t>(term.first_coefficient);
   std::copy(table.forward.begin(), table.forward.end(), first);
   std::copy(table.backward.begin(), table.backward.end(), first + static_cast<std::ptrdiff_t>(kMostKnots));

@@ -77,8 +77,59 @@ void add_couplings(const SignalRanges& ranges, const DecidingNumbers& numbers, s
   }
 }
 
-auto table_over(TableSignal signal, double knots, double centre, double range) -> Shapes {
-  return {static_cast<double>(signal), knots, centre - 0.5 * range, centre + 0.5 * range};
+auto table_over(TableSignal signal, double knots, double centre, double range, TableFactor factor = TableFactor::kOne)
+    -> Shapes {
+  return {static_cast<double>(signal), knots, centre - 0.5 * range, centre + 0.5 * range, static_cast<double>(factor)};
+}
+
+/// A signal that tables are drawn over, and what it makes no sense to multiply them by.
+struct TabledSignal {
+  TableSignal signal;
+  double centre = 0.0, range = 0.0;
+  TableFactor same = TableFactor::kOne;  ///< the signal itself as a factor
+};
+
+/// Signals that have a range in this log.
+auto tabled_signals(const SignalRanges& ranges) -> std::vector<TabledSignal> {
+  constexpr TableSignal kOfSlot[] = {TableSignal::kOtherAngle, TableSignal::kSecondOtherAngle,
+                                     TableSignal::kThirdOtherAngle};
+  std::vector<TabledSignal> signals = {
+      {TableSignal::kMotorAngle, ranges.q1_centre, ranges.q1, TableFactor::kMotorAngle},
+      {TableSignal::kTorque, ranges.tau_centre, ranges.tau, TableFactor::kTorque},
+      {TableSignal::kRate, ranges.rate_centre, ranges.rate, TableFactor::kRate},
+      {TableSignal::kSinceReversal, 0.5 * ranges.since_s, ranges.since_s},
+      {TableSignal::kTravelledSince, 0.5 * ranges.travelled, ranges.travelled},
+      {TableSignal::kWarmth, ranges.warmth_centre, ranges.warmth}};
+  for (std::size_t slot = 0; slot < ranges.others.size(); ++slot) {
+    signals.push_back({kOfSlot[slot], ranges.others_centre[slot], ranges.others[slot]});
+  }
+  std::erase_if(signals, [](const auto& one) { return !(one.range > 0.0); });
+  return signals;
+}
+
+/// Whatever depends on one signal, times another: torque that ripples with the angle, friction that grows with rate
+/// and torque, wear. Values of both directions together on the finer grid, of each for itself on the coarser one.
+void add_wider_tables(const SignalRanges& ranges, const DecidingNumbers& numbers, std::vector<TermGrid>& terms) {
+  TermGrid together{"table", {}};
+  TermGrid apart{"table", {}, true};
+  for (const auto& one : tabled_signals(ranges)) {
+    for (const TableFactor factor :
+         {TableFactor::kOne, TableFactor::kTorque, TableFactor::kRate, TableFactor::kMotorAngle}) {
+      const bool known = factor != TableFactor::kTorque || ranges.tau > 0.0;
+      if (known && (factor == TableFactor::kOne || factor != one.same)) {
+        const auto of = [&](std::size_t knots) {
+          return table_over(one.signal, static_cast<double>(knots), one.centre, one.range, factor);
+        };
+        together.settings.push_back(of(numbers.fine_table_knots));
+        if (one.signal != TableSignal::kRate) {  // its sign is the direction
+          apart.settings.push_back(
+              of(one.signal == TableSignal::kMotorAngle ? numbers.fine_table_knots : numbers.table_knots));
+        }
+      }
+    }
+  }
+  terms.push_back(std::move(together));
+  terms.push_back(std::move(apart));
 }
 
 void add_tables(const SignalRanges& ranges, const DecidingNumbers& numbers, std::vector<TermGrid>& terms) {
@@ -120,6 +171,7 @@ auto angle_vocabulary(const SelectionData& data) -> Vocabulary {
   const DecidingNumbers& numbers = data.numbers();
   Vocabulary vocabulary;
   vocabulary.start.terms = {{"motor_angle", {}}, {"joint_offset", {}}};
+  vocabulary.starts = {vocabulary.start};
   vocabulary.plays = data.play_widths();
   vocabulary.terms.push_back({"presliding", one_by_one(data.play_widths())});
   vocabulary.terms.push_back({"curved_ratio", {{ranges.q1_centre, 0.5 * ranges.q1}}});
@@ -135,6 +187,14 @@ auto angle_vocabulary(const SelectionData& data) -> Vocabulary {
     }
   }
   keep_within_limits(data.catalogue(), vocabulary);
+  return vocabulary;
+}
+
+auto wider_vocabulary(const SelectionData& data, std::vector<LawCandidate> starts) -> Vocabulary {
+  Vocabulary vocabulary = angle_vocabulary(data);
+  add_wider_tables(data.ranges(), data.numbers(), vocabulary.terms);
+  keep_within_limits(data.catalogue(), vocabulary);
+  vocabulary.starts = std::move(starts);
   return vocabulary;
 }
 

@@ -2,7 +2,6 @@
 #include "capstan/tools/select/angle_laws.hpp"
 
 #include <algorithm>
-#include <map>
 
 namespace capstan::tools {
 namespace {
@@ -11,13 +10,7 @@ class AngleLaws final : public LawFamily<LawCandidate> {
  public:
   AngleLaws(ForwardScore& forward, const Vocabulary& vocabulary) : forward_(forward), vocabulary_(vocabulary) {}
 
-  auto score(const LawCandidate& law) -> double override {
-    const auto [found, is_new] = known_.try_emplace(key_of(law));
-    if (is_new) {
-      found->second = forward_.score(law);
-    }
-    return found->second;
-  }
+  auto score(const LawCandidate& law) -> double override { return forward_.score(law); }
 
   [[nodiscard]] auto additions(const LawCandidate& law) const -> std::vector<LawCandidate> override {
     std::vector<LawCandidate> laws;
@@ -29,7 +22,7 @@ class AngleLaws final : public LawFamily<LawCandidate> {
     for (const auto& grid : vocabulary_.terms) {
       if (!law.has(grid.term) && may_have(law, catalogue().term(grid.term))) {
         for (const auto& shapes : grid.settings) {
-          laws.push_back(with_term(catalogue(), law, {grid.term, shapes}));
+          laws.push_back(with_term(catalogue(), law, {grid.term, shapes, grid.by_direction}));
         }
       }
     }
@@ -70,12 +63,14 @@ class AngleLaws final : public LawFamily<LawCandidate> {
     }
     for (const auto& grid : vocabulary_.terms) {
       const TermChoice* choice = law.find(grid.term);
-      const auto at = choice == nullptr ? grid.settings.end()
-                                        : std::find(grid.settings.begin(), grid.settings.end(), choice->shapes);
+      const auto at = choice == nullptr || choice->by_direction != grid.by_direction
+                          ? grid.settings.end()
+                          : std::find(grid.settings.begin(), grid.settings.end(), choice->shapes);
       for (const std::ptrdiff_t step : {-1, 1}) {
         const std::ptrdiff_t place = at - grid.settings.begin() + step;
         if (at != grid.settings.end() && place >= 0 && place < std::ssize(grid.settings)) {
-          laws.push_back(with_term(catalogue(), law, {grid.term, grid.settings[static_cast<std::size_t>(place)]}));
+          laws.push_back(with_term(catalogue(), law,
+                                   {grid.term, grid.settings[static_cast<std::size_t>(place)], grid.by_direction}));
         }
       }
     }
@@ -106,14 +101,19 @@ class AngleLaws final : public LawFamily<LawCandidate> {
 
   ForwardScore& forward_;
   const Vocabulary& vocabulary_;
-  std::map<std::string, double> known_;
 };
 
 }  // namespace
 
 auto grown_angle_laws(ForwardScore& forward, const Vocabulary& vocabulary) -> std::vector<ScoredLaw<LawCandidate>> {
   AngleLaws laws(forward, vocabulary);
-  return Grower(laws, forward.numbers().growth).run(vocabulary.start);
+  Grower grower(laws, forward.numbers().growth);
+  std::vector<ScoredLaw<LawCandidate>> grown;
+  for (const auto& start : vocabulary.starts) {
+    const auto path = grower.run(start);
+    grown.insert(grown.end(), path.begin(), path.end());
+  }
+  return grown;
 }
 
 }  // namespace capstan::tools

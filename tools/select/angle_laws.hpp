@@ -7,7 +7,7 @@
 
 namespace capstan::tools {
 
-/// Laws of a joint angle grown from the vocabulary's smallest one: the law after each step.
+/// Laws of a joint angle grown from each of the vocabulary's starts: the law after each step.
 auto grown_angle_laws(ForwardScore& forward, const Vocabulary& vocabulary) -> std::vector<ScoredLaw<LawCandidate>>;
 
 }  // namespace capstan::tools

@@ -16,44 +16,89 @@ class Chooser {
       : p_(p),
         base_(base),
         found_(found),
-        data_(p, *base.catalogue, numbers, estimates(p.logs, p.causal, found ? *found : base)) {
+        data_(p, *base.catalogue, numbers, estimates(p.logs, p.causal, found ? *found : base)),
+        learned_(data_, p.split.learned()),
+        whole_(data_, data_.logs()) {
     given_ = {candidate_of(form_of(base))};
     if (found) {
       given_.push_back(candidate_of(form_of(*found)));
     }
+    learned_.forward.limit_as(given_.front());
+    whole_.forward.limit_as(given_.front());
   }
 
-  auto run() -> LawChoice {
-    const Blocks learned = p_.split.learned();
-    const Selection by_learned = select_law(data_, learned, given_);
+  auto run(Lacking lacking) -> LawChoice {
+    for (Judged* judged : {&learned_, &whole_}) {
+      select(given_, angle_vocabulary(data_), *judged);
+    }
+    const std::size_t place = whole_.delivered;
+    if (place == kBasePlace ? lacking == Lacking::kSomething : !is_found(place)) {
+      for (Judged* judged : {&learned_, &whole_}) {
+        ask_again(*judged);
+      }
+    }
+    return choice();
+  }
+
+ private:
+  /// A choice from some of the rows.
+  struct Judged {
+    Judged(SelectionData& data, const Blocks& of) : rows(of), forward(data, of) {}
+    Blocks rows;
+    ForwardScore forward;
+    Selection selection;
+    std::size_t delivered = kBasePlace;
+    bool base_may_stay = true;  ///< it has not lost to another law yet
+  };
+
+  [[nodiscard]] auto is_found(std::size_t place) const -> bool { return found_ && place == kFoundPlace; }
+
+  void select(const std::vector<LawCandidate>& laws, const Vocabulary& vocabulary, Judged& judged) const {
+    judged.selection = select_law(judged.forward, laws, vocabulary);
+    judged.delivered = delivered(judged.selection, judged.base_may_stay);
+    judged.base_may_stay = judged.delivered == kBasePlace;
+  }
+
+  /// With the wider vocabulary, from the base law and from the best law so far, and beside all laws so far.
+  void ask_again(Judged& judged) {
+    std::vector<LawCandidate> laws = given_;
+    for (std::size_t i = given_.size(); i < judged.selection.laws.size(); ++i) {
+      laws.push_back(judged.selection.laws[i].law);
+    }
+    std::vector<LawCandidate> starts = {given_.front()};
+    if (judged.selection.best != kBasePlace) {
+      starts.push_back(judged.selection.laws[judged.selection.best].law);
+    }
+    select(laws, wider_vocabulary(data_, std::move(starts)), judged);
+  }
+
+  auto choice() -> LawChoice {
+    const std::size_t place = whole_.delivered;
     LawChoice choice;
-    choice.learned = law_of(by_learned, learned);
-    choice.selection = select_law(data_, data_.logs(), given_);
-    const std::size_t place = delivered(choice.selection);
-    choice.law = law_of(choice.selection, data_.logs());
-    choice.is_named = found_ && place == kFoundPlace;
+    choice.is_named = is_found(place);
     choice.status =
         choice.is_named ? LawStatus::kConfirmed : (place == kBasePlace ? LawStatus::kBase : LawStatus::kProvisional);
-    if (choice.status == LawStatus::kBase) {
-      choice.learned = base_;  // what is delivered is what is reported on
-    }
+    // What is delivered is what is reported on.
+    choice.learned = choice.status == LawStatus::kBase ? base_ : law_of(learned_);
+    choice.law = law_of(whole_);
     choice.law.status = choice.learned.status = choice.status;
+    choice.selection = whole_.selection;
     for (std::size_t half = 0; half < 2; ++half) {
       choice.halves_agree += agrees(choice.selection, place, half) ? 1 : 0;
     }
     return choice;
   }
 
- private:
   /// Which of the laws that were judged is delivered.
-  auto delivered(const Selection& selection) const -> std::size_t {
+  [[nodiscard]] auto delivered(const Selection& selection, bool base_may_stay) const -> std::size_t {
     const double best = selection.laws[selection.best].score;
     const auto& found = selection.laws[std::min(kFoundPlace, selection.laws.size() - 1)];
     if (found_ && found.score <= data_.numbers().worth_a_name * best) {
       return kFoundPlace;
     }
     const JudgedLaw& base = selection.laws[kBasePlace];
-    return base.in_set && base.score <= data_.numbers().worth_a_law * best ? kBasePlace : selection.best;
+    const bool stays = base_may_stay && base.in_set && base.score <= data_.numbers().worth_a_law * best;
+    return stays ? kBasePlace : selection.best;
   }
 
   auto agrees(const Selection& selection, std::size_t place, std::size_t half) const -> bool {
@@ -62,15 +107,15 @@ class Chooser {
                        [&](const auto& other) { return own <= data_.numbers().worth_a_name * other.halves[half]; });
   }
 
-  auto law_of(const Selection& selection, const Blocks& rows) -> JointFile {
-    const std::size_t place = delivered(selection);
-    if (place == kBasePlace) {
+  auto law_of(const Judged& judged) -> JointFile {
+    if (judged.delivered == kBasePlace) {
       return base_;
     }
-    if (found_ && place == kFoundPlace) {
+    if (is_found(judged.delivered)) {
       return *found_;
     }
-    JointFile joint = joint_of(data_, rows, selection.laws[place].law, base_.parameters.conditioner);
+    const LawCandidate& law = judged.selection.laws[judged.delivered].law;
+    JointFile joint = joint_of(data_, judged.rows, law, base_.parameters.conditioner);
     describe_logs(p_.logs, p_.causal, p_.target, estimates(p_.logs, p_.causal, joint), joint);
     return joint;
   }
@@ -80,13 +125,14 @@ class Chooser {
   const std::optional<JointFile>& found_;
   SelectionData data_;
   std::vector<LawCandidate> given_;
+  Judged learned_, whole_;
 };
 
 }  // namespace
 
-auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
+auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found, Lacking lacking,
                 const DecidingNumbers& numbers) -> LawChoice {
-  return Chooser(p, base, found, numbers).run();
+  return Chooser(p, base, found, numbers).run(lacking);
 }
 
 }  // namespace capstan::tools

@@ -17,10 +17,16 @@ struct LawChoice {
   Selection selection;    ///< by all rows
 };
 
+/// What the search for names says of the base law.
+enum class Lacking : std::uint8_t { kNothing, kSomething };
+
 /// Chooses the law of a joint angle among the base law, the law with the effects that were found, if any, and those
 /// that are grown from the log's vocabulary. The found law where it costs next to nothing; else the base law where it
-/// may be the best; else what errs least. Base and found law come with shapes that were refined already.
+/// may be the best; else what errs least. Base and found law come with shapes that were refined already. Where that is
+/// neither the found law nor the base law, or the base law lacks something for certain, laws are grown once more, from
+/// the wider vocabulary and from the base law too: what has a good answer without it is not asked again, for with more
+/// laws to choose from some of them make up for switches of the direction that a log's encoder shows late.
 auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
-                const DecidingNumbers& numbers = {}) -> LawChoice;
+                Lacking lacking = Lacking::kNothing, const DecidingNumbers& numbers = {}) -> LawChoice;
 
 }  // namespace capstan::tools

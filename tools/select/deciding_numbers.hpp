@@ -42,8 +42,15 @@ struct DecidingNumbers {
   double smallest_share = 1.0 / 25.0;
   double shortest_time = 3.0;
   double longest_time = 0.25;
-  /// Knots of a table.
+  /// Knots of a table, and of those that are tried where something is missing for certain.
   std::size_t table_knots = 9;
+  std::size_t fine_table_knots = 17;
+  /// Share of the rows at each end of a rate, and at the far end of time and way since a reversal, that a table's ends
+  /// leave outside: a few jumps of the encoder would make most of its cells empty.
+  double share_outside_table = 0.005;
+  /// Weight of the squared step from knot to knot of a table, as a share of the mean energy of its columns: a knot
+  /// where hardly a row has been takes its neighbour's value. Without it one ran to -48 rad/Nm.
+  double smoothness = 1e-3;
 
   /// Parts of a log in time. A law is judged on each part of the later half, fitted to all parts before it: it will be
   /// used after the log, too.

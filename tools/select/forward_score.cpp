@@ -16,6 +16,11 @@ constexpr double kNoLaw = std::numeric_limits<double>::infinity();
 /// Fits of a bent law: what it bends over comes from the fit before.
 constexpr int kBends = 2;
 
+/// Whether a placed term is drawn over what comes out of the plays.
+auto reads_plays(const TermChoice& choice) -> bool {
+  return choice.term != "table" || choice.shapes[0] == static_cast<double>(TableSignal::kMotorAngle);
+}
+
 auto is_offset(const std::string& term) -> bool {
   return term == "joint_offset" || term == "offset";
 }
@@ -93,23 +98,44 @@ void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* outpu
   }
 }
 
-/// A table has one value per knot here, whichever way the motor goes.
-void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, LawAssembly& fit) {
-  const Eigen::MatrixXd columns = data_.columns_at(choice, h);
-  const CatalogueTerm& term = data_.catalogue().term(choice.term);
-  const auto knots = static_cast<Eigen::Index>(Table<double>::kKnots);
-  const bool is_table = term.form_free;
-  const Eigen::Index count = is_table ? std::lround(choice.shapes[1]) : columns.cols();
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (is_table) {
-      fit.columns.push_back({LawAssembly::kNotKept,
-                             taken(columns.col(i) + columns.col(knots + i)),
-                             Sign::kAny,
-                             numbers().ridge,
-                             {first + i, first + knots + i}});
-    } else {
-      fit.columns.push_back({LawAssembly::kNotKept, taken(columns.col(i)), Sign::kAny, numbers().ridge, {first + i}});
+/// A table: a column per knot, of each direction or of both together.
+/// @param h  the motor angle behind the plays, where it reads that and there are plays; no column is kept then
+void ForwardScore::add_table(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd* h, LawAssembly& fit) {
+  const auto most = static_cast<Eigen::Index>(Table<double>::kKnots);
+  const auto knots = static_cast<Eigen::Index>(std::lround(choice.shapes[1]));
+  const std::string key = key_of(choice) + "#";
+  const bool known = h == nullptr && ids_.contains(key + "0");
+  const Eigen::MatrixXd columns = known ? Eigen::MatrixXd() : data_.columns_at(choice, h != nullptr ? *h : data_.q1());
+  const auto add = [&](Eigen::Index i, std::vector<Eigen::Index> places) {
+    Eigen::VectorXd own = known ? Eigen::VectorXd() : Eigen::VectorXd(columns.col(places.front() - first));
+    if (!known && places.size() > 1) {
+      own += columns.col(places.back() - first);
     }
+    const std::size_t id = h == nullptr ? column_id(key + std::to_string(i), own) : LawAssembly::kNotKept;
+    fit.columns.push_back(
+        {id, h == nullptr ? Eigen::VectorXd() : taken(own), Sign::kAny, numbers().ridge, std::move(places)});
+  };
+  for (Eigen::Index direction = 0; direction < (choice.by_direction ? 2 : 1); ++direction) {
+    const auto begin = static_cast<Eigen::Index>(fit.columns.size());
+    for (Eigen::Index i = 0; i < knots; ++i) {
+      const Eigen::Index place = first + direction * most + i;
+      add(direction * most + i,
+          choice.by_direction ? std::vector<Eigen::Index>{place} : std::vector<Eigen::Index>{place, place + most});
+    }
+    fit.lines.push_back({begin, begin + knots});
+  }
+  fit.smoothness = numbers().smoothness;
+}
+
+void ForwardScore::add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, LawAssembly& fit) {
+  if (data_.catalogue().term(choice.term).form_free) {
+    const bool bare = fit.plays == 0 && fit.held.size() == 0 && fit.law.output(data_.catalogue()) == nullptr;
+    add_table(choice, first, bare ? nullptr : &h, fit);
+    return;
+  }
+  const Eigen::MatrixXd columns = data_.columns_at(choice, h);
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    fit.columns.push_back({LawAssembly::kNotKept, taken(columns.col(i)), Sign::kAny, numbers().ridge, {first + i}});
   }
 }
 
@@ -161,7 +187,7 @@ auto ForwardScore::placed(TermChoice choice, const Eigen::VectorXd& h) const -> 
   const double high = seen.maxCoeff();
   if (choice.term == "curved_ratio") {
     choice.shapes = {0.5 * (low + high), 0.5 * (high - low)};
-  } else if (choice.term == "table" && choice.shapes[0] == static_cast<double>(TableSignal::kMotorAngle)) {
+  } else if (choice.term == "table") {
     choice.shapes[2] = low;
     choice.shapes[3] = high;
   }
@@ -188,6 +214,17 @@ auto ForwardScore::behind_held_plays(const LawCandidate& law, const LawAssembly&
   return h;
 }
 
+void ForwardScore::add_plays(const LawCandidate& law, LawAssembly& fit) {
+  const TermChoice* output = law.output(data_.catalogue());
+  fit.first_play = static_cast<Eigen::Index>(fit.columns.size());
+  fit.plays = static_cast<Eigen::Index>(law.plays.size());
+  for (const double half_width : law.plays) {
+    const TermChoice play{"play", {half_width}};
+    const std::string key = key_of(play) + (output != nullptr ? "|" + key_of(*output) : "");
+    fit.columns.push_back({column_id(key, data_.columns(play, output).col(0)), {}, Sign::kAny, numbers().ridge, {}});
+  }
+}
+
 auto ForwardScore::assemble(const LawCandidate& law) -> LawAssembly {
   LawAssembly fit;
   fit.law = law;
@@ -199,26 +236,26 @@ auto ForwardScore::assemble(const LawCandidate& law) -> LawAssembly {
       continue;
     }
     if (term.reads_input && term.placed) {
-      bent.emplace_back(&choice, fit.coefficients);
+      if (reads_plays(choice)) {
+        bent.emplace_back(&choice, fit.coefficients);
+      } else {
+        add_table(choice, fit.coefficients, nullptr, fit);
+      }
       fit.coefficients += static_cast<Eigen::Index>(term.coefficients.size());
     } else {
       add_columns(choice, output, fit);
     }
   }
-  fit.first_play = static_cast<Eigen::Index>(fit.columns.size());
-  fit.plays = static_cast<Eigen::Index>(law.plays.size());
-  for (const double half_width : law.plays) {
-    const TermChoice play{"play", {half_width}};
-    const std::string key = key_of(play) + (output != nullptr ? "|" + key_of(*output) : "");
-    fit.columns.push_back({column_id(key, data_.columns(play, output).col(0)), {}, Sign::kAny, numbers().ridge, {}});
-  }
+  add_plays(law, fit);
   if (bent.empty()) {
     multiply(fit);
     return fit;
   }
   const std::size_t straight = fit.columns.size();
+  const std::size_t lines = fit.lines.size();
   const auto bend_over = [&](const Eigen::VectorXd& h, std::size_t kept) {
     fit.columns.resize(kept);
+    fit.lines.resize(lines);
     for (const auto& [choice, first] : bent) {
       const TermChoice there = placed(*choice, h);
       fit.law = with_term(data_.catalogue(), std::move(fit.law), there);
@@ -243,6 +280,7 @@ auto ForwardScore::assemble(const LawCandidate& law) -> LawAssembly {
 
 void ForwardScore::limit_as(const LawCandidate& base) {
   most_ = kAnyNumber;
+  scores_.clear();
   const LawAssembly fit = assemble(base);
   most_ = fit.fit(numbers().parts).cwiseAbs().maxCoeff() <= kLargestNumber ? kLargestNumber : kAnyNumber;
 }
@@ -260,6 +298,14 @@ auto ForwardScore::is_law(const LawAssembly& fit, const Eigen::VectorXd& theta) 
 }
 
 auto ForwardScore::score(const LawCandidate& law) -> double {
+  const auto [found, is_new] = scores_.try_emplace(key_of(law));
+  if (is_new) {
+    found->second = score_of(law);
+  }
+  return found->second;
+}
+
+auto ForwardScore::score_of(const LawCandidate& law) -> double {
   const LawAssembly fit = assemble(law);
   if (!is_law(fit, fit.fit(numbers().parts))) {
     return kNoLaw;
@@ -282,7 +328,7 @@ auto ForwardScore::left_out(const LawAssembly& fit) const -> double {
   double energy = 0.0;
   for (Eigen::Index part = 0; part < numbers().parts; part += numbers().parts_left_out) {
     const Eigen::MatrixXd own = fit.sum(part, std::min(part + numbers().parts_left_out, numbers().parts));
-    energy += energy_left(own, solve_ridge(all - own, fit.signs, fit.ridge));
+    energy += energy_left(own, fit.solved(all - own));
   }
   return energy;
 }

@@ -45,6 +45,9 @@ class ForwardScore {
   auto assemble(const LawCandidate& law) -> LawAssembly;
   void add_columns(const TermChoice& choice, const TermChoice* output, LawAssembly& fit);
   void add_bent(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd& h, LawAssembly& fit);
+  void add_table(const TermChoice& choice, Eigen::Index first, const Eigen::VectorXd* h, LawAssembly& fit);
+  void add_plays(const LawCandidate& law, LawAssembly& fit);
+  [[nodiscard]] auto score_of(const LawCandidate& law) -> double;
   [[nodiscard]] auto placed(TermChoice choice, const Eigen::VectorXd& h) const -> TermChoice;
   void multiply(LawAssembly& fit);
   /// The motor angle behind the plays of a fit, coarse.
@@ -69,6 +72,7 @@ class ForwardScore {
   std::vector<Eigen::VectorXd> columns_;  ///< taken rows; [0] is the target
   std::unordered_map<std::string, std::size_t> ids_;
   std::unordered_map<std::size_t, Products> products_;
+  std::unordered_map<std::string, double> scores_;
   std::vector<std::size_t> offsets_;
 };
 

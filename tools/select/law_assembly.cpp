@@ -62,8 +62,22 @@ auto LawAssembly::sum(Eigen::Index first, Eigen::Index end) const -> Eigen::Matr
   return all;
 }
 
+auto LawAssembly::solved(Eigen::MatrixXd gram) const -> Eigen::VectorXd {
+  for (const auto& line : lines) {
+    const double weight =
+        smoothness * gram.diagonal().segment(line.begin, line.size()).mean();  // steps cost as rows of this energy do
+    for (Eigen::Index i = line.begin; i + 1 < line.end; ++i) {
+      gram(i, i) += weight;
+      gram(i + 1, i + 1) += weight;
+      gram(i, i + 1) -= weight;
+      gram(i + 1, i) -= weight;
+    }
+  }
+  return solve_ridge(gram, signs, ridge);
+}
+
 auto LawAssembly::fit(Eigen::Index parts) const -> Eigen::VectorXd {
-  return solve_ridge(sum(0, parts), signs, ridge);
+  return solved(sum(0, parts));
 }
 
 }  // namespace capstan::tools

@@ -39,9 +39,13 @@ struct LawAssembly {
   std::vector<Eigen::MatrixXd> grams;  ///< per part, the target last
   std::vector<Sign> signs;
   Eigen::VectorXd ridge;
+  std::vector<RowRange> lines;  ///< columns that are neighbouring knots of a table
+  double smoothness = 0.0;      ///< of what lies on them: DecidingNumbers
 
   /// Of the parts from `first` to before `end`.
   [[nodiscard]] auto sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd;
+  /// To the rows of these products.
+  [[nodiscard]] auto solved(Eigen::MatrixXd gram) const -> Eigen::VectorXd;
   /// To the first `parts`.
   [[nodiscard]] auto fit(Eigen::Index parts) const -> Eigen::VectorXd;
 };

@@ -62,7 +62,7 @@ auto candidate_of(const LawForm& form) -> LawCandidate {
   for (const auto* term : ordered_terms(form)) {
     const Shapes shapes = form.shapes_of(*term);
     if (!term->acts_on_input) {
-      law.terms.push_back({term->name, shapes});
+      law.terms.push_back({term->name, shapes, term->form_free});
       continue;
     }
     for (std::size_t i = 0; i + 1 < shapes.size(); i += 2) {  // half width, weight
@@ -79,7 +79,7 @@ auto key_of(const TermChoice& choice) -> std::string {
   for (const double shape : choice.shapes) {
     key += digits(shape);
   }
-  return key;
+  return choice.by_direction ? key + " by direction" : key;
 }
 
 auto key_of(const LawCandidate& law) -> std::string {

@@ -12,6 +12,7 @@ namespace capstan::tools {
 struct TermChoice {
   std::string term;
   Shapes shapes;
+  bool by_direction = false;  ///< of a table: values of its own for each direction of the motor, else one for both
   auto operator==(const TermChoice&) const -> bool = default;
 };
 

@@ -42,14 +42,13 @@ void judge(ForwardScore& forward, std::vector<JudgedLaw>& laws) {
 
 }  // namespace
 
-auto select_law(SelectionData& data, const Blocks& rows, const std::vector<LawCandidate>& given) -> Selection {
-  ForwardScore forward(data, rows);
-  forward.limit_as(given.front());
+auto select_law(ForwardScore& forward, const std::vector<LawCandidate>& given, const Vocabulary& vocabulary)
+    -> Selection {
   Selection selection;
   for (const auto& law : given) {
     selection.laws.push_back({.law = law, .score = forward.score(law)});
   }
-  for (const auto& step : grown_angle_laws(forward, angle_vocabulary(data))) {
+  for (const auto& step : grown_angle_laws(forward, vocabulary)) {
     add_new(step.law, step.score, selection.laws);
   }
   judge(forward, selection.laws);

@@ -23,8 +23,9 @@ struct Selection {
   std::size_t best = 0;         ///< the one that errs least
 };
 
-/// Judges the laws given, of a joint angle, beside those grown from the smallest one, on some coarse rows.
-auto select_law(SelectionData& data, const Blocks& rows, const std::vector<LawCandidate>& given) -> Selection;
+/// Judges the laws given, of a joint angle, beside those grown from a vocabulary. No law is judged twice.
+auto select_law(ForwardScore& forward, const std::vector<LawCandidate>& given, const Vocabulary& vocabulary)
+    -> Selection;
 
 /// A law fitted to the rows, as a file: its plays are the input stage.
 auto joint_of(SelectionData& data, const Blocks& rows, const LawCandidate& law,

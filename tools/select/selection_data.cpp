@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/support/statistics.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -129,6 +131,33 @@ void SelectionData::measure_ranges() {
     ranges_.others.push_back(range.span());
     ranges_.others_centre.push_back(range.centre());
   }
+  measure_motion();
+}
+
+/// Of what tables are drawn over beside angles and torque.
+void SelectionData::measure_motion() {
+  Eigen::VectorXd rate(rows()), since(rows()), travelled(rows()), warmth(rows());
+  for (const auto& log : logs_) {
+    Eigen::Index turned = log.begin;
+    for (Eigen::Index i = log.begin; i < log.end; ++i) {
+      const auto& sample = coarse_[static_cast<std::size_t>(i)];
+      turned = i > log.begin && sample.forward != coarse_[static_cast<std::size_t>(i) - 1].forward ? i : turned;
+      rate[i] = sample.dq1;
+      since[i] = static_cast<double>(i - turned) * p_.coarse_period_s;
+      travelled[i] = std::abs(sample.q1 - sample.q1_reversal);
+      warmth[i] = sample.warmth;
+    }
+  }
+  const double outside = numbers_.share_outside_table;
+  const double slowest = quantile(rate, outside);
+  const double fastest = quantile(rate, 1.0 - outside);
+  ranges_.rate = fastest - slowest;
+  ranges_.rate_centre = 0.5 * (fastest + slowest);
+  ranges_.since_s = quantile(since, 1.0 - outside);
+  ranges_.travelled = quantile(travelled, 1.0 - outside);
+  const Range warm(warmth);
+  ranges_.warmth = warm.span();
+  ranges_.warmth_centre = warm.centre();
 }
 
 void SelectionData::find_settled() {

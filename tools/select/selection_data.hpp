@@ -13,6 +13,9 @@ namespace capstan::tools {
 struct SignalRanges {
   double q1 = 0.0, tau = 0.0;  ///< largest less smallest
   double q1_centre = 0.0, tau_centre = 0.0;
+  double rate = 0.0, rate_centre = 0.0;   ///< of the motor, but for a few rows at each end
+  double since_s = 0.0, travelled = 0.0;  ///< time and way since a reversal that few rows exceed
+  double warmth = 0.0, warmth_centre = 0.0;
   std::vector<double> others, others_centre;  ///< of the other joints' motor angles, by slot
   double length_s = 0.0, period_s = 0.0;      ///< of all logs, of a sample
 };
@@ -47,6 +50,7 @@ class SelectionData {
 
  private:
   void measure_ranges();
+  void measure_motion();
   void find_settled();
   void find_widths();
 

@@ -22,10 +22,11 @@ static_assert(SumTerm<Table<double>, double> && SumTerm<Table<Q24>, Q24>);
 constexpr std::size_t kKnots = Table<double>::kKnots;
 
 template <typename Scalar>
-auto table_over(TableSignal signal, double knots, double low, double high) -> Table<Scalar> {
-  return {
-      one_khz<Scalar>(),
-      {number<Scalar>(static_cast<double>(signal)), number<Scalar>(knots), number<Scalar>(low), number<Scalar>(high)}};
+auto table_over(TableSignal signal, double knots, double low, double high, TableFactor factor = TableFactor::kOne)
+    -> Table<Scalar> {
+  return {one_khz<Scalar>(),
+          {number<Scalar>(static_cast<double>(signal)), number<Scalar>(knots), number<Scalar>(low),
+           number<Scalar>(high), number<Scalar>(static_cast<double>(factor))}};
 }
 
 /// A hat around each knot, by its definition: 1 there, 0 at the neighbours, straight between.
@@ -53,6 +54,45 @@ RC_GTEST_PROP(Table, IsAHatAroundEveryKnotOfItsDirection, ()) {
     // Signal and ends are rounded, over a cell; then the share.
     RC_ASSERT(std::fabs(raw[k].to_double() - wanted) < (4.0 / cell + 40.0) * test::kLsb);
   }
+}
+
+/// The factor by its definition.
+auto factor_of(TableFactor factor, const Sample<double>& s) -> double {
+  return factor == TableFactor::kTorque       ? s.tau
+         : factor == TableFactor::kRate       ? s.dq1
+         : factor == TableFactor::kMotorAngle ? s.q1
+                                              : 1.0;
+}
+
+RC_GTEST_PROP(Table, TimesAFactorIsTheHatTimesIt, ()) {
+  const auto knots = static_cast<std::size_t>(*rc::gen::inRange(2, static_cast<int>(kKnots) + 1));
+  const auto factor = static_cast<TableFactor>(*rc::gen::inRange(0, kTableFactors));
+  const double low = 0.01 * *rc::gen::inRange(-500, 500);
+  const double high = low + 0.01 * *rc::gen::inRange(10, 600);
+  Sample<double> s{.q1 = 0.01 * *rc::gen::inRange(-12700, 12701),
+                   .dq1 = 0.01 * *rc::gen::inRange(-12700, 12701),
+                   .tau = 0.01 * *rc::gen::inRange(-12700, 12701),
+                   .forward = *rc::gen::arbitrary<bool>()};
+  s.others[0].q1 = low + (high - low) * 0.001 * *rc::gen::inRange(-200, 1201);
+  Sample<Q24> raw{.q1 = number<Q24>(s.q1), .dq1 = number<Q24>(s.dq1), .tau = number<Q24>(s.tau), .forward = s.forward};
+  raw.others[0].q1 = number<Q24>(s.others[0].q1);
+  auto exact = table_over<double>(TableSignal::kOtherAngle, static_cast<double>(knots), low, high, factor);
+  auto fixed = table_over<Q24>(TableSignal::kOtherAngle, static_cast<double>(knots), low, high, factor);
+  const auto of_double = exact.update(s);
+  const auto of_fixed = fixed.update(raw);
+  const double times = factor_of(factor, s);
+  const double cell = (high - low) / static_cast<double>(knots - 1);
+  for (std::size_t k = 0; k < 2 * kKnots; ++k) {
+    const bool own = (k < kKnots) == s.forward && k % kKnots < knots;
+    const double wanted = own ? times * hat(s.others[0].q1, k % kKnots, knots, low, high) : 0.0;
+    RC_ASSERT(std::fabs(of_double[k] - wanted) < 1e-7);
+    // The hat's own error times the factor, and one rounding.
+    RC_ASSERT(std::fabs(of_fixed[k].to_double() - wanted) <
+              ((4.0 / cell + 40.0) * (1.0 + std::fabs(times))) * test::kLsb);
+    RC_ASSERT(!of_fixed[k].is_saturated());
+  }
+  RC_ASSERT(of_fixed.rest + of_fixed.share == number<Q24>(times));
+  RC_ASSERT(fixed.settled(raw) == of_fixed);
 }
 
 TEST(Table, HoldsItsEndsOutside) {
@@ -103,6 +143,47 @@ TEST(Table, IsNoneWithoutKnotsOrWithEndsOutOfOrder) {
     for (std::size_t k = 0; k < 2 * kKnots; ++k) {
       EXPECT_EQ(phi[k], Q24{});
     }
+  }
+}
+
+TEST(Table, SaysItsFactorsInDifferentWords) {
+  std::set<std::string> words;
+  for (int i = 0; i < kTableFactors; ++i) {
+    words.insert(describe(static_cast<TableFactor>(i)));
+  }
+  EXPECT_EQ(words.size(), static_cast<std::size_t>(kTableFactors));
+}
+
+// Friction by rate times torque: what the law adds, and what its inverse takes away again.
+template <typename Scalar>
+void goes_there_and_back(bool forward) {
+  test::LawBuilder builder;
+  builder.conditioner(0.0005, 0.002)
+      .coefficient("motor_angle", "beta", 0.9)
+      .shape("table", "signal", static_cast<double>(TableSignal::kRate))
+      .shape("table", "knots", 3)
+      .shape("table", "low", -2.0)
+      .shape("table", "high", 2.0)
+      .shape("table", "factor", static_cast<double>(TableFactor::kTorque))
+      .coefficient("table", "forward_1", 0.2)
+      .coefficient("table", "forward_2", 0.5)
+      .coefficient("table", "backward_0", -0.4)
+      .coefficient("table", "backward_1", 0.1);
+  auto law = builder.law<Scalar>();
+  const double sign = forward ? 1.0 : -1.0;
+  Estimate<Scalar> estimate;
+  for (int i = 0; i <= 1000; ++i) {  // at 1 rad/s, half of a cell
+    estimate = law.update(number<Scalar>(0.001 * sign * i), number<Scalar>(0.3));
+  }
+  const double gain = forward ? 0.5 * (0.2 + 0.5) : 0.5 * (-0.4 + 0.1);
+  EXPECT_NEAR(value_of(estimate.q2), 0.9 * sign + gain * 0.3, 1e-5);
+  Sample<Scalar> motion = law.sample();
+  EXPECT_NEAR(value_of(law.invert(estimate.q2, motion)), sign, 1e-5);
+}
+TEST(Table, OverRateTimesTorqueIsAddedAndTakenAwayByTheInverse) {
+  for (const bool forward : {true, false}) {
+    goes_there_and_back<double>(forward);
+    goes_there_and_back<Q24>(forward);
   }
 }
 

@@ -10,10 +10,12 @@
 #include <thread>
 
 #include "capstan/tests/tools/blind/blind_axis.hpp"
+#include "capstan/tests/tools/blind/blind_ceiling.hpp"
 #include "capstan/tests/tools/blind/blind_joint.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::blind {
@@ -26,7 +28,9 @@ struct Outcome {
   Diagnosis diagnosis;
   double after_over_floor = 0.0;
   double removed = 0.0;  ///< share of the base law's error energy that the delivered law takes away, on rows set aside
-  double removable = 0.0;  ///< the same of a flexible model, out of fold
+  /// The same of a flexible model: of an effort the diagnosis's own, out of fold; of a joint that of blind_ceiling, on
+  /// the same rows.
+  Ceiling removable;
   Answer answer = Answer::kWrong;
 };
 
@@ -144,11 +148,19 @@ void print_outcome(const Outcome& o) {
       names += "|" + other;
     }
   }
-  std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f removed %.3f of %.3f\n",
+  std::string law;
+  for (const auto& term : o.diagnosis.law.terms) {
+    law += " " + term;
+    if (term == kTableTerm) {
+      const auto first = o.diagnosis.law.catalogue->term(term).first_shape;
+      law += " (" + described_table(&o.diagnosis.law.parameters.shapes[first]) + ")";
+    }
+  }
+  std::printf("%-20s %-9s x%-4.3g %-7s seed %llu: %-7s %s%s (%s) after/floor %.2f removed %.3f of %.3f, law%s\n",
               title(o.drawn).c_str(), motion_name(o.drawn.motion), o.drawn.strength,
               o.drawn.repeats ? "repeats" : "single", static_cast<unsigned long long>(o.drawn.seed),
               kWords[static_cast<std::size_t>(o.answer)], verdict_word(o.diagnosis.verdict), names.c_str(),
-              o.diagnosis.reason.c_str(), o.after_over_floor, o.removed, o.removable);
+              o.diagnosis.reason.c_str(), o.after_over_floor, o.removed, o.removable.by_signals, law.c_str());
 }
 
 auto is_foreign(const Case& c) -> bool {
@@ -176,29 +188,33 @@ void print_figures(const Tally& listed, const Tally& foreign, const std::vector<
   }
 }
 
-/// What the delivered laws take away of effects that have no name, beside a flexible model (the ceiling of the
-/// diagnosis), where that takes away anything.
-void print_removed(const std::vector<Outcome>& outcomes) {
+auto is_unlisted(const Case& c) -> bool {
+  return is_foreign(c) && !c.truths.empty();
+}
+
+/// What the delivered laws take away of effects that have no name, beside a flexible model, where that takes away
+/// anything. Who does harm takes away nothing.
+void print_removed(const std::vector<Outcome>& outcomes, double Ceiling::*model, const char* words) {
   constexpr double kAnything = 0.05;
   std::vector<double> shares;
   double removed = 0.0;
   double removable = 0.0;
   for (const auto& o : outcomes) {
-    const bool unlisted = is_foreign(o.drawn) && !o.drawn.truths.empty();
-    if (unlisted && o.answer != Answer::kNotVisible && o.removable > kAnything) {
-      shares.push_back(o.removed / o.removable);
-      removed += o.removed;
-      removable += o.removable;
+    const double most = o.removable.*model;
+    if (is_unlisted(o.drawn) && o.answer != Answer::kNotVisible && most > kAnything) {
+      shares.push_back(std::max(0.0, o.removed) / most);
+      removed += std::max(0.0, o.removed);
+      removable += most;
     }
   }
   if (!shares.empty()) {
     const Eigen::VectorXd all =
         Eigen::Map<const Eigen::VectorXd>(shares.data(), static_cast<Eigen::Index>(shares.size()));
     std::printf(
-        "unlisted, of what a flexible model takes away the delivered law does: %.1f %% of all, median %.2f, at least "
-        "0.8 "
-        "in %.1f %% of %zu\n",
-        100.0 * removed / removable, median(all), 100.0 * (all.array() >= 0.8).cast<double>().mean(), shares.size());
+        "unlisted, of what a flexible model%s takes away the delivered law does: %.1f %% of all, median %.2f, at least "
+        "0.8 in %.1f %% of %zu\n",
+        words, 100.0 * removed / removable, median(all), 100.0 * (all.array() >= 0.8).cast<double>().mean(),
+        shares.size());
   }
 }
 
@@ -223,7 +239,10 @@ void print_table(const std::vector<Outcome>& outcomes) {
                 t.counts[4], t.counts[5]);
   }
   print_figures(listed, foreign, after);
-  print_removed(outcomes);
+  print_removed(outcomes, &Ceiling::by_signals, "");
+  if (!outcomes.empty() && !outcomes.front().drawn.effort) {
+    print_removed(outcomes, &Ceiling::with_time, " that knows the time");
+  }
 }
 
 /// What no law that reads these sensors can go below: noise of the effort, and what the encoder's steps make of inertia
@@ -261,7 +280,11 @@ auto tried(const Case& c) -> Outcome {
   }
   outcome.diagnosis = diagnose({log}, {});
   const Diagnosis& d = outcome.diagnosis;
-  outcome.removable = d.rounds.empty() ? 0.0 : std::max(0.0, d.rounds.front().reducible_share);
+  if (c.effort) {
+    outcome.removable.by_signals = d.rounds.empty() ? 0.0 : std::max(0.0, d.rounds.front().reducible_share);
+  } else if (visible && is_unlisted(c)) {
+    outcome.removable = ceiling_of(log, d);
+  }
   const double left = d.before.rmse > 0.0 ? d.after.rmse / d.before.rmse : 1.0;
   outcome.removed = 1.0 - left * left;
   outcome.diagnosis.traces = {};

@@ -163,7 +163,7 @@ auto variants() -> std::vector<Variant> {
 /// The law alone, chosen by given numbers, on B. The found law takes no part: these numbers decide what is grown.
 auto error_by(const DecidingNumbers& numbers, const Preparation& p, const JointFile& base, const AxisLog& log,
               Eigen::Index rows, Eigen::Index end) -> double {
-  const LawChoice choice = choose_law(p, base, std::nullopt, numbers);
+  const LawChoice choice = choose_law(p, base, std::nullopt, Lacking::kNothing, numbers);
   if (std::getenv("CAPSTAN_SHOW_LAWS") != nullptr) {
     std::printf(" [%s]", joined(choice.law.terms, " ").c_str());
   }
