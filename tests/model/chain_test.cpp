@@ -40,7 +40,8 @@ TYPED_TEST(Chain, OfStagesThatAreOffIsBitIdenticalToTheSum) {
       .shape("coupled_hysteresis_2", "half_width", 0.1)
       .shape("table", "knots", 17)
       .shape("table", "low", -1.0)
-      .shape("table", "high", 1.0);
+      .shape("table", "high", 1.0)
+      .shape("table", "factor", 2.0);
   auto with = off.law<TypeParam>();
   auto without = plain().law<TypeParam>();
   for (int i = 0; i < 4000; ++i) {

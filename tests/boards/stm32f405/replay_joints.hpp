@@ -144,6 +144,7 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   }
   set("table.knots", kKnots);
   set("table.signal", static_cast<double>(axis));
+  set("table.factor", static_cast<double>((axis + 1) % kTableFactors));
   set("table.low", -1.0);
   set("table.high", 1.0);
   set("monitor.torque_rms", 0.002);
