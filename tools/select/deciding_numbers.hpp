@@ -42,14 +42,16 @@ struct DecidingNumbers {
   double smallest_share = 1.0 / 25.0;
   double shortest_time = 3.0;
   double longest_time = 0.25;
-  /// Knots of a table, and of those that are tried where something is missing for certain.
+  /// Knots of a table, and of those that are tried where something is missing for certain. The three that follow
+  /// were set beforehand and none was varied; drawn joints 87001 to 87032 and 87101 to 87107 were looked
+  /// at with them (tools/blind_benchmark, 23 November 2026).
   std::size_t table_knots = 9;
   std::size_t fine_table_knots = 17;
   /// Share of the rows at each end of a rate, and at the far end of time and way since a reversal, that a table's ends
   /// leave outside: a few jumps of the encoder would make most of its cells empty.
   double share_outside_table = 0.005;
   /// Weight of the squared step from knot to knot of a table, as a share of the mean energy of its columns: a knot
-  /// where hardly a row has been takes its neighbour's value. Without it one ran to -48 rad/Nm.
+  /// where hardly a row has been takes its neighbour's value, where a ridge alone lets it run off.
   double smoothness = 1e-3;
 
   /// Parts of a log in time. A law is judged on each part of the later half, fitted to all parts before it: it will be
