@@ -127,6 +127,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
   stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
   helped = stretch / 8 * kHelpedShare8;
+  slew = slew_limit(config).raw();
   const std::int64_t largest = scaled(own.excess_nm, kExcess8 << 21, constant);
   excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
   sudden = std::max(kSudden, limited(std::int64_t{own.slack_counts.raw()} * kSuddenSlack8 >> (24 - 8 + 3)));
@@ -160,7 +161,7 @@ auto MotorObserver::check(const AxisConfig& config) -> const char* {
 }
 
 void MotorObserver::rt_arm() {
-  confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = 0;
+  confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = 0;
   unanswered_ = 0;
   look_ = 0;
   springing_ = moved_ == 0 ? 0 : kSpringingCycles;
@@ -252,10 +253,13 @@ auto MotorObserver::rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) c
 }
 
 /// The torque that the way answers for follows the wanted one, by so much a count: all of it in the counts' direction,
-/// a share where a load helps the motor on.
+/// a share where a load helps the motor on. A step of torque, as the winding's heat makes one, counts as it would come
+/// at its rate: no motor answers it in its own cycle.
 auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet {
-  const std::int64_t beyond = std::int64_t{wanted} - stretched_;
+  const std::int64_t change = std::int64_t{wanted} - slewed_;
+  slewed_ += static_cast<std::int32_t>(std::clamp<std::int64_t>(change, -scales_.slew, scales_.slew));
   if (moved != 0) {
+    const std::int64_t beyond = std::int64_t{slewed_} - stretched_;
     const std::int32_t a_count = (moved > 0) == (beyond > 0) ? scales_.stretch : scales_.helped;
     const std::int64_t answers = std::int64_t{a_count} * std::abs(moved);
     stretched_ += static_cast<std::int32_t>(std::clamp(beyond, -answers, answers));
@@ -264,9 +268,7 @@ auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) ->
     --looking_;
     return 0;
   }
-  // A torque that stood for four cycles: a step, as the winding's heat makes, is not answered in its own cycle.
-  const auto [least, most] = std::minmax(wanted, torques_.back().wanted);
-  const std::int64_t left = std::int64_t{std::clamp(stretched_, least, most)} - stretched_;
+  const std::int64_t left = std::int64_t{slewed_} - stretched_;
   const std::int32_t size = std::abs(stretched_);
   turned_ = std::abs(left) <= scales_.excess >> 1 ? size : std::max(turned_, size);
   const std::int32_t allowed = std::max(scales_.excess, turned_ / 8 * kLoadShare8);

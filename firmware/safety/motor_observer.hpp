@@ -85,6 +85,7 @@ class MotorObserver {
     std::int32_t charge = 0;    // A cycles
     std::int32_t fast = 0;      // limits.joint_speed, counts/256 in a cycle
     std::int32_t stretch = 0;   // A, that a count answers for
+    std::int32_t slew = 0;      // A, that torque changes by in a cycle, but for steps
     std::int32_t helped = 0;    // A, that one answers for against its own direction
     std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;    // counts/256, two cycles against the two before
@@ -120,6 +121,7 @@ class MotorObserver {
   };
   std::array<Torque, 4> torques_{};  // of the last cycles, the latest first
   std::int32_t stretched_ = 0;       // torque that the way has answered for, A
+  std::int32_t slewed_ = 0;          // the wanted torque at its rate, A
   std::int32_t turned_ = 0;          // its size where the motor began to turn round, A
   std::int32_t looking_ = 0;         // cycles in which a look's torque is still in the tendons
   std::int32_t silent_ = 0;          // cycles since the last count
