@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "capstan/firmware/control/experiment.hpp"
+#include "capstan/firmware/safety/motor_observer.hpp"
 
 #ifdef __SOFTFP__
 
@@ -47,6 +48,7 @@ constexpr float kMostError = 0.15F;
 // Of the servo's stiffness: steps of 1.5, far finer than the two that half of the counts make. The joints of the
 // campaign and 36 drawn ones (seeds 200000 to 200011, 201000 to 201023) took 0.7 to 8.5.
 constexpr std::array<float, 8> kStiffnessLadder = {0.5F, 0.75F, 1.1F, 1.7F, 2.5F, 3.8F, 5.7F, 8.5F};
+constexpr float kHelpedShare = static_cast<float>(MotorObserver::kHelpedShare8) / 8.0F;
 // A sensor without noise still has steps.
 constexpr float kLeastNoiseA = 1e-4F;
 
@@ -139,8 +141,9 @@ auto MotorCommissioning::per_count(std::size_t place) const -> float {
 
 void MotorCommissioning::Answered::follow(float wanted, float per_count, std::int32_t moved) {
   const float beyond = wanted - torque;
-  if (moved != 0 && (moved > 0) == (beyond > 0.0F)) {
-    const float most_now = per_count * static_cast<float>(std::abs(moved));
+  if (moved != 0) {
+    const float a_count = (moved > 0) == (beyond > 0.0F) ? per_count : per_count * kHelpedShare;
+    const float most_now = a_count * static_cast<float>(std::abs(moved));
     torque += std::clamp(beyond, -most_now, most_now);
   }
   most = std::max({most, wanted - torque, torque - wanted});

@@ -55,7 +55,8 @@ class MotorCommissioning {
     std::complex<float> current;
     float bend_squares = 0.0F;
   };
-  /// A torque, A, that follows the wanted one by `per_count` for each count in its direction.
+  /// A torque, A, that follows the wanted one by `per_count` for each count in its direction, and by a share of that
+  /// for one against it.
   struct Answered {
     float torque = 0.0F;
     float most = 0.0F;  // largest difference to the wanted torque

@@ -6,57 +6,13 @@
 #include <cmath>
 
 #include "capstan/firmware/parameters/parameters.hpp"
+#include "capstan/tests/firmware/safety/motor_observer_rig.hpp"
 
 namespace capstan {
 namespace {
 
-// A motor of 0.02 g m2 with 0.1 Nm/A and 40960 counts a turn, whose friction holds 3 mNm.
-auto commissioned_config() -> AxisConfig {
-  AxisConfig config;
-  config.observer = {.inertia_gm2 = Q24::from_double(0.02),
-                     .coulomb_nm = Q24::from_double(0.003),
-                     .against_nm = Q24::from_double(0.01),
-                     .noise_a = Q24::from_double(0.003)};
-  return config;
-}
-
-/// The observer fed with counts and currents as they come.
-struct Rig {
-  explicit Rig(const AxisConfig& config = commissioned_config()) : observer(config) {
-    observer.rt_arm();
-    for (int i = 0; i < 12; ++i) {
-      static_cast<void>(observer.rt_look());  // over
-    }
-    MotorState motor;
-    motor.counts = counts;
-    static_cast<void>(observer.rt_step(motor, Q24{}, false));  // before there was torque
-    step(0, 0.0);
-  }
-  /// @param measured_a  unless given what was wanted
-  auto step(int moved, double wanted_a, double measured_a = NAN) -> FaultSet {
-    counts += moved;
-    MotorState motor;
-    motor.counts = counts;
-    motor.current_a = Q24::from_double(std::isnan(measured_a) ? wanted_a : measured_a);
-    return observer.rt_step(motor, Q24::from_double(wanted_a), true);
-  }
-  auto steps(int cycles, int moved, double wanted_a) -> FaultSet {
-    FaultSet faults = 0;
-    for (int i = 0; i < cycles; ++i) {
-      faults |= step(moved, wanted_a);
-    }
-    return faults;
-  }
-  /// Gets to a steady speed with little torque, so that the envelope of the torque is narrow again.
-  void run_at(int counts_per_cycle) {
-    for (int v = 0; v <= counts_per_cycle; ++v) {
-      static_cast<void>(step(v, 0.05));
-    }
-    EXPECT_EQ(steps(200, counts_per_cycle, 0.05), 0U);
-  }
-  MotorObserver observer;
-  std::int64_t counts = 1000;
-};
+using observer_rig::commissioned_config;
+using observer_rig::Rig;
 
 TEST(MotorObserver, ASteadyMotionAndANoisyCurrentAreNoFault) {
   Rig rig;
@@ -103,61 +59,6 @@ TEST(MotorObserver, WhatAMotorLosesWithItsTorqueOverTwoCyclesIsNoFault) {
   EXPECT_EQ(rig.step(5, 0.0), 0U);
   EXPECT_EQ(rig.step(4, -0.025), 0U);
   EXPECT_EQ(rig.step(2, -0.05), 0U);
-}
-
-/// As commissioned_config(), on tendons of 1.3 Nm/rad: 2 mA a count. A healthy motor went 0.3 A beyond.
-auto stretching_config() -> AxisConfig {
-  AxisConfig config = commissioned_config();
-  config.observer.stiffness_nm_per_rad = Q24::from_double(1.3);
-  config.observer.excess_nm = Q24::from_double(0.03);
-  return config;
-}
-/// From 0.9 A to -0.9 A by 10 mA a cycle, with `moved` counts a cycle once the motor is on its way back; the first
-/// fault.
-auto turned_round(double moved, const AxisConfig& config = stretching_config()) -> FaultSet {
-  Rig rig(config);
-  for (int i = 0; i <= 90; ++i) {
-    EXPECT_EQ(rig.step(1 + i / 22, 0.01 * i), 0U) << i;
-  }
-  EXPECT_EQ(rig.steps(100, 1, 0.9), 0U);
-  FaultSet faults = 0;
-  double shown = 0.0;
-  for (int i = 0; i < 180 && faults == 0; ++i) {
-    const double before = shown;
-    shown += moved * std::min(1.0, i / 20.0);
-    faults = rig.step(static_cast<int>(std::floor(shown) - std::floor(before)), 0.9 - 0.01 * i);
-  }
-  return faults;
-}
-
-TEST(MotorObserver, AMotorThatTurnsRoundStretchesItsTendonsByCountsThatAnswerForItsTorque) {
-  EXPECT_EQ(turned_round(-5.0), 0U);
-  EXPECT_EQ(turned_round(-4.5), 0U) << "a tenth less is no fault";
-  EXPECT_EQ(turned_round(-2.5), bit(Fault::kEncoderMotion)) << "half of them";
-  EXPECT_EQ(turned_round(1.0), bit(Fault::kEncoderMotion)) << "an encoder that goes on by itself";
-}
-
-TEST(MotorObserver, WithoutItsStiffnessTheWayIsNotJudged) {
-  EXPECT_EQ(turned_round(-2.5, commissioned_config()), 0U);
-}
-
-TEST(MotorObserver, WhatTheWayDidNotAnswerForIsNotJudgedDuringALook) {
-  Rig rig(stretching_config());
-  const auto excursion = [&rig] {
-    FaultSet faults = 0;
-    for (int i = 1; i <= 12; ++i) {
-      faults |= rig.step(-1, -0.05 * i);
-    }
-    return faults;
-  };
-  static_cast<void>(rig.step(-1, 0.0));
-  rig.observer.rt_arm();
-  for (int i = 0; i < 12; ++i) {
-    static_cast<void>(rig.observer.rt_look());
-  }
-  EXPECT_EQ(excursion(), 0U);
-  EXPECT_EQ(rig.steps(40, 0, 0.0) & bit(Fault::kEncoderMotion), 0U);
-  EXPECT_EQ(excursion(), bit(Fault::kEncoderMotion));
 }
 
 TEST(MotorObserver, WhatTheTorqueExplainsIsNoFault) {
