@@ -60,5 +60,22 @@ TEST(EffortSmoothing, IsLongerWhereTheEffortIsNoisyAndNeverBeyondFifteenMillisec
   EXPECT_LE(noisy, static_cast<Eigen::Index>(0.015 * kRateHz));
 }
 
+// Inertia times the noise of a coarse encoder's acceleration is 2 % of the effort after 15 ms, too, and no noise of the
+// effort: averaging goes on until it is the smaller of the two.
+TEST(EffortSmoothing, GoesOnWhereTheEncoderHasMoreNoiseThanTheEffort) {
+  AxisLog log = sine_log();
+  const double step = 2.0 * 3.14159265358979 / 4096.0;
+  log.q1_rad = log.q1_rad.unaryExpr([step](double angle) { return std::round(angle / step) * step; });
+  const AngleNoise noise{0.0, step};
+  const auto in_ms = [](Eigen::Index samples) { return 1e3 / kRateHz * static_cast<double>(samples); };
+  const Eigen::Index coarse = effort_smoothing({log}, noise);
+  EXPECT_GT(in_ms(coarse), 15.0);
+  EXPECT_LE(in_ms(coarse), 40.0);
+  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+    log.effort[i] += (i % 2 == 0 ? 1.0 : -1.0) * 0.5;
+  }
+  EXPECT_LE(in_ms(effort_smoothing({log}, noise)), 15.0);
+}
+
 }  // namespace
 }  // namespace capstan::tools

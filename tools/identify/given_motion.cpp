@@ -11,6 +11,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kLongestS = 0.015;
+constexpr double kLongestForAccelerationS = 0.04;
 
 /// Moves reversals to where the speed passes zero, if it does so once within a few samples: dry friction jumps there.
 void sharpen_reversals(Samples& samples) {
@@ -70,6 +71,10 @@ auto twice_averaged(const Eigen::VectorXd& signal, Eigen::Index half) -> Eigen::
   return moving_mean(moving_mean(signal, rows, half), rows, half);
 }
 
+auto samples_in(double time_s, double period_s) -> Eigen::Index {
+  return std::max<Eigen::Index>(1, static_cast<Eigen::Index>(time_s / period_s));
+}
+
 /// Share of the speed's energy that is left by an average.
 auto motion_kept(const std::vector<AxisLog>& logs, const AngleNoise& noise, Eigen::Index half) -> double {
   double before = 0.0;
@@ -91,24 +96,32 @@ auto rough_inertia(const AxisLog& log, const AngleNoise& noise, Eigen::Index hal
   return std::max(0.0, rigid[0]);
 }
 
-/// From `half` on, the first average that leaves little noise in one log.
+/// From `half` on, the first average that leaves little noise in one log. An average is shared by effort and law, so it
+/// costs nothing but what is faster; the acceleration's noise falls by it as the width to the power of 2.5, the
+/// effort's as its root. It is no noise of the effort, and a law would be asked for what makes it: so it has to be the
+/// smaller.
 auto against_noise(const AxisLog& log, const AngleNoise& noise, Eigen::Index half, Eigen::Index longest)
     -> Eigen::Index {
   constexpr double kNoiseShare = 0.02;
-  const double largest = kNoiseShare * rms(log.measured());
-  const double angle_noise = std::hypot(noise.white_rad, noise.step_rad / std::sqrt(12.0));
-  const double by_inertia = rough_inertia(log, noise, longest) * angle_noise;
+  constexpr double kOfTheEfforts = 0.5;
+  constexpr double kNegligibleShare = 5e-4;  // where the effort has next to no noise
+  const double size = rms(log.measured());
+  // A fast motion in few samples is no noise.
+  const double white = std::min(noise.white_rad, fast_noise_level(log.q1_rad));
+  const double by_inertia = rough_inertia(log, noise, longest) * std::hypot(white, noise.step_rad / std::sqrt(12.0));
   const double own = white_noise_level(log.measured());
+  const Eigen::Index farthest = samples_in(kLongestForAccelerationS, log.period_s);
   // What unit noise becomes is the root of the squares of what a unit impulse becomes.
-  const Eigen::Index reach = 2 * longest + 4;
+  const Eigen::Index reach = 2 * farthest + 4;
   const Eigen::VectorXd impulse = Eigen::VectorXd::Unit(2 * reach + 1, reach);
   const Eigen::VectorXd rated = second_difference(impulse, log.period_s);
-  auto noisy = [&] {
-    return by_inertia * twice_averaged(rated, half).norm() > largest ||
-           own * twice_averaged(impulse, half).norm() > largest;
-  };
-  while (half < longest && noisy()) {
-    ++half;
+  for (; half < farthest; ++half) {
+    const double of_motion = by_inertia * twice_averaged(rated, half).norm();
+    const double of_effort = own * twice_averaged(impulse, half).norm();
+    const bool much = half < longest && std::max(of_motion, of_effort) > kNoiseShare * size;
+    if (!much && of_motion <= std::max(kOfTheEfforts * of_effort, kNegligibleShare * size)) {
+      break;
+    }
   }
   return half;
 }
@@ -144,7 +157,7 @@ auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoi
 
 auto effort_smoothing(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> Eigen::Index {
   constexpr double kKept = 0.9997;
-  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestS / logs.front().period_s));
+  const Eigen::Index longest = samples_in(kLongestS, logs.front().period_s);
   Eigen::Index half = 0;
   while (half < longest && motion_kept(logs, noise, half + 1) >= kKept) {
     ++half;

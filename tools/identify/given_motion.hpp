@@ -17,8 +17,9 @@ auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoi
 
 /// How far an effort and everything that is to explain it are averaged alike, half width in samples of a mean taken
 /// twice. A rigid law holds in the band of the motion: as far as the speed keeps 99.97 % of its energy. Further only
-/// where the noise of the effort, or of the acceleration times the inertia, is above 2 % of the effort; to 15 ms at
-/// most.
+/// where the noise of the effort, or of the acceleration times the inertia, is above 2 % of the effort, to 15 ms at
+/// most; and to 40 ms where the acceleration's noise is more than half of the effort's, for a coarse encoder's steps
+/// come back with every equal cycle and look like something that the law lacks.
 auto effort_smoothing(const std::vector<AxisLog>& logs, const AngleNoise& noise) -> Eigen::Index;
 
 }  // namespace capstan::tools
