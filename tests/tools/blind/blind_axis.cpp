@@ -241,7 +241,8 @@ auto blind_axis(const Case& c) -> BlindAxis {
   constexpr std::array<Eigen::Index, 4> kEvery = {1, 2, 5, 10};
   const Eigen::Index every = kEvery[static_cast<std::size_t>(draw.one_of(4))];
   const double step = 2.0 * kPi / draw.ratio_between(16384.0, 1e6);
-  const Eigen::Index rows = axis.w.q.size() / every;
+  constexpr Eigen::Index kEdge = 10;  // speed and acceleration jump at the world's ends, where they have one neighbour
+  const Eigen::Index rows = (axis.w.q.size() - 2 * kEdge) / every;
   const double noise =
       c.truths.empty() ? draw.ratio_between(0.005, 0.05) * rms(axis.rigid) : efforts.weakest / c.strength;
   BlindAxis blind;
@@ -254,7 +255,7 @@ auto blind_axis(const Case& c) -> BlindAxis {
   log.target = "axis0/tau_Nm";
   log.period_s = kStep * static_cast<double>(every);
   const auto seen = [&](const Signal& signal) -> Eigen::VectorXd {
-    return signal(Eigen::seqN(0, rows, every)).matrix();
+    return signal(Eigen::seqN(kEdge, rows, every)).matrix();
   };
   const auto to_step = [step](double angle) { return std::round(angle / step) * step; };
   log.time_s = seen(axis.w.time);
