@@ -179,5 +179,26 @@ TEST(WiderVocabulary, FrictionByRateTimesTorqueIsCorrectedOnUnseenRows) {
   EXPECT_FALSE(d.unnamed->signals.empty());
 }
 
+// An effect that is the other way round in the rows that are set aside: over all rows a law with it is still
+// the better one, but what was learned without them errs there more than a law without it.
+TEST(DeliveredLaw, ThatErrsMoreThanTheBaseLawOnUnseenRowsIsTheBaseLaw) {
+  const auto effect = [](const Joint& made, Eigen::Index i) {
+    return 0.06 * made.torque[i] * std::abs(made.rate[i]) * made.rate[i];
+  };
+  const Opened opened(Joint(effect).log);
+  Eigen::VectorXd side = Eigen::VectorXd::Ones(16000);
+  for (const auto& rows : refined(opened.p.split, opened.p.factor).of(Role::kReport)) {
+    side.segment(rows.begin, rows.size()).setConstant(-1.0);
+  }
+  const Joint joint([&](const Joint& made, Eigen::Index i) { return side[i] * effect(made, i); });
+  const Diagnosis d = diagnose({joint.log}, {});
+  EXPECT_TRUE(d.effects.empty()) << d.reason;
+  EXPECT_EQ(d.law.status, LawStatus::kBase);
+  EXPECT_LE(d.after.rmse, d.before.rmse);
+  EXPECT_TRUE(std::any_of(d.warnings.begin(), d.warnings.end(), [](const std::string& warning) {
+    return warning.find("erred more than the base law") != std::string::npos;
+  }));
+}
+
 }  // namespace
 }  // namespace capstan::tools

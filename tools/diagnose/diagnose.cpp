@@ -185,7 +185,22 @@ auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
   return choose_law(p, d.base, d.found, d.verdict == Verdict::kUnknown ? Lacking::kSomething : Lacking::kNothing);
 }
 
-/// Chooses the law that is delivered and measures its error once, on rows that chose nothing.
+/// Why a law that was grown is not delivered.
+constexpr const char* kNotBetterUnseen =
+    "laws without a name fit the log better and erred more than the base law on the rows set aside, so none is "
+    "delivered; a longer log may tell more";
+
+/// The law that is delivered, and its error on rows that chose nothing.
+void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
+  d.law = choice.law;
+  d.halves_agree = choice.halves_agree;
+  d.traces.after = estimates(p.logs, p.causal, choice.learned);
+  d.after = report_error(p, d.traces.after);
+  d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
+}
+
+/// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does
+/// worse there for certain than the base law is none that the log supports.
 void report(const Preparation& p, const Search& search, const LawForm& base, const std::optional<JointFile>& healthy,
             Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -197,12 +212,14 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   if (healthy) {
     hold_to_own_logs(p, *healthy, d);
   }
-  const LawChoice choice = chosen_law(p, d);
-  d.law = choice.law;
-  d.halves_agree = choice.halves_agree;
-  d.traces.after = estimates(p.logs, p.causal, choice.learned);
-  d.after = report_error(p, d.traces.after);
-  d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
+  LawChoice choice = chosen_law(p, d);
+  deliver(p, choice, d);
+  const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
+  if (without_name && d.ratio_ci95[0] > 1.0) {
+    choice = as_searched(d, d.found && d.verdict == Verdict::kEffect && !d.effects.empty());
+    deliver(p, choice, d);
+    d.warnings.emplace_back(kNotBetterUnseen);
+  }
   if (choice.is_named && (d.effects.empty() || d.verdict == Verdict::kAmbiguous)) {
     d.law.status = LawStatus::kProvisional;  // it predicts best, and what it is made of is not certain
   }
