@@ -21,9 +21,9 @@ constexpr std::int32_t kSlack8 = 14;
 // 200000 to 200011, 201000 to 201023 and 202000 to 202025: no healthy motion came further than 1.91 counts.
 constexpr std::int32_t kSudden = 11 * 256 / 4;
 constexpr std::int32_t kSuddenSlack8 = 9;
-// Of observer.excess, eighths. Chosen in November 2026 on 90 drawn joints, five minutes each (seeds 210000 to 210041
-// and 220000 to 220047): at most 1.06 times what commissioning saw, without the looks, is 0.85 of this. Half of the
-// counts make 1.3 to 2.1 times of it, so this finds it on most joints and not on all.
+// Of observer.excess, eighths. Chosen in November 2026 on some 87 drawn joints, five minutes each (of seeds 210000 to
+// 210041 and 220000 to 220047): at most 1.06 times what commissioning saw, without the looks, is 0.85 of this. Half of
+// the counts make 1.3 to 2.1 times of it, so this finds it on most joints and not on all.
 constexpr std::int64_t kExcess8 = 10;
 constexpr std::int32_t kExcessNoises = 4;
 // And counts of the servo's stiffness, which a coarse encoder's torque goes up and down by.

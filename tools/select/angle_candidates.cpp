@@ -77,6 +77,10 @@ void add_couplings(const SignalRanges& ranges, const DecidingNumbers& numbers, s
   }
 }
 
+/// Angles of the coupled joints, by slot.
+constexpr TableSignal kOtherAngles[] = {TableSignal::kOtherAngle, TableSignal::kSecondOtherAngle,
+                                        TableSignal::kThirdOtherAngle};
+
 auto table_over(TableSignal signal, double knots, double centre, double range, TableFactor factor = TableFactor::kOne)
     -> Shapes {
   return {static_cast<double>(signal), knots, centre - 0.5 * range, centre + 0.5 * range, static_cast<double>(factor)};
@@ -91,8 +95,6 @@ struct TabledSignal {
 
 /// Signals that have a range in this log.
 auto tabled_signals(const SignalRanges& ranges) -> std::vector<TabledSignal> {
-  constexpr TableSignal kOfSlot[] = {TableSignal::kOtherAngle, TableSignal::kSecondOtherAngle,
-                                     TableSignal::kThirdOtherAngle};
   std::vector<TabledSignal> signals = {
       {TableSignal::kMotorAngle, ranges.q1_centre, ranges.q1, TableFactor::kMotorAngle},
       {TableSignal::kTorque, ranges.tau_centre, ranges.tau, TableFactor::kTorque},
@@ -101,7 +103,7 @@ auto tabled_signals(const SignalRanges& ranges) -> std::vector<TabledSignal> {
       {TableSignal::kTravelledSince, 0.5 * ranges.travelled, ranges.travelled},
       {TableSignal::kWarmth, ranges.warmth_centre, ranges.warmth}};
   for (std::size_t slot = 0; slot < ranges.others.size(); ++slot) {
-    signals.push_back({kOfSlot[slot], ranges.others_centre[slot], ranges.others[slot]});
+    signals.push_back({kOtherAngles[slot], ranges.others_centre[slot], ranges.others[slot]});
   }
   std::erase_if(signals, [](const auto& one) { return !(one.range > 0.0); });
   return signals;
@@ -134,15 +136,13 @@ void add_wider_tables(const SignalRanges& ranges, const DecidingNumbers& numbers
 
 void add_tables(const SignalRanges& ranges, const DecidingNumbers& numbers, std::vector<TermGrid>& terms) {
   const auto knots = static_cast<double>(numbers.table_knots);
-  constexpr TableSignal kOfSlot[] = {TableSignal::kOtherAngle, TableSignal::kSecondOtherAngle,
-                                     TableSignal::kThirdOtherAngle};
   TermGrid tables{"table", {table_over(TableSignal::kMotorAngle, knots, ranges.q1_centre, ranges.q1)}};
   if (ranges.tau > 0.0) {
     tables.settings.push_back(table_over(TableSignal::kTorque, knots, ranges.tau_centre, ranges.tau));
   }
   for (std::size_t slot = 0; slot < ranges.others.size(); ++slot) {
     if (ranges.others[slot] > 0.0) {
-      tables.settings.push_back(table_over(kOfSlot[slot], knots, ranges.others_centre[slot], ranges.others[slot]));
+      tables.settings.push_back(table_over(kOtherAngles[slot], knots, ranges.others_centre[slot], ranges.others[slot]));
     }
   }
   terms.push_back(std::move(tables));
