@@ -161,7 +161,7 @@ auto MotorObserver::check(const AxisConfig& config) -> const char* {
 }
 
 void MotorObserver::rt_arm() {
-  confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = 0;
+  confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = given_ = 0;
   unanswered_ = 0;
   look_ = 0;
   springing_ = moved_ == 0 ? 0 : kSpringingCycles;
@@ -238,18 +238,24 @@ auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> F
 }
 
 /// Two cycles against the two before. A fault makes the servo push, which explains a motor that gets faster and not one
-/// that slows down; so of the torque since then only what it lost on the way counts beside the range of before.
-auto MotorObserver::rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) const -> bool {
+/// that slows down; so of the torque since then only what it lost on the way counts beside the range of before. What a
+/// load gave the motor of late it may take again, but for the count by which a steady speed shows as two.
+auto MotorObserver::rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) -> bool {
   const std::int32_t before = before_[1] + before_[2];
   const std::int32_t slower = before >= 0 ? before - moved_ - moved : moved_ + moved - before;
-  if (before == 0 || slower * 256 <= scales_.sudden) {
+  given_ -= given_ >> kTrailShift;
+  if (slower < -1) {
+    const std::int64_t explained = scales_.gain * (std::int64_t{high_} - low_) >> 22;
+    given_ = std::max(given_, limited(-256 * (std::int64_t{slower} + 1) - explained));
+  }
+  if (before == 0 || slower * 256 <= scales_.sudden + given_) {
     return false;
   }
   const auto [least, most] = std::minmax({wanted, torques_[0].wanted, torques_[1].wanted, torques_[2].wanted});
   const std::int64_t begun = torques_[3].wanted;
   const std::int64_t lost = before > 0 ? begun - least : most - begun;
   const std::int64_t range = torques_[3].range + std::max<std::int64_t>(lost, 0);
-  return std::int64_t{slower} * 256 > (scales_.gain * range >> 22) + scales_.sudden;
+  return std::int64_t{slower} * 256 > (scales_.gain * range >> 22) + scales_.sudden + given_;
 }
 
 /// The torque that the way answers for follows the wanted one, by so much a count: all of it in the counts' direction,
