@@ -219,7 +219,13 @@ auto MotorObserver::rt_watch_current(std::int32_t measured, std::int32_t wanted)
   return strayed_ >= scales_.charge >> 1 ? bit(Fault::kCurrentMismatch) : 0;
 }
 
+/// What a look has stretched moves the motor as long as it fades: until then nothing of it is forgotten.
 void MotorObserver::rt_trail(std::int32_t wanted) {
+  if (looking_ > 0 && watching_) {
+    high_ = std::max(wanted, high_);
+    low_ = std::min(wanted, low_);
+    return;
+  }
   high_ = std::max(wanted, high_ - static_cast<std::int32_t>((std::int64_t{high_} - wanted) >> kTrailShift));
   low_ = std::min(wanted, low_ + static_cast<std::int32_t>((std::int64_t{wanted} - low_) >> kTrailShift));
 }
