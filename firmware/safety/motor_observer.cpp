@@ -30,7 +30,7 @@ constexpr std::int32_t kExcessNoises = 4;
 constexpr std::int32_t kExcessCounts = 6;
 // Of the torque with which the motor turned round, eighths: friction along a tendon is a share of its tension, and
 // commissioning is without load. Of the same joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it.
-constexpr std::int32_t kLoadShare8 = 3;
+constexpr std::int32_t kLoadShare8 = 4;
 // After a look, in which a healthy motor springs back from it.
 constexpr std::int32_t kLookFades = 20;
 // The envelope of the wanted current forgets with this shift: about 32 cycles.
@@ -127,6 +127,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
   stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
   helped = stretch / 8 * kHelpedShare8;
+  turn = limited(2 * friction);
   slew = slew_limit(config).raw();
   const std::int64_t largest = scaled(own.excess_nm, kExcess8 << 21, constant);
   excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
@@ -283,7 +284,7 @@ auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) ->
   const std::int64_t left = std::int64_t{slewed_} - stretched_;
   const std::int32_t size = std::abs(stretched_);
   turned_ = std::abs(left) <= scales_.excess >> 1 ? size : std::max(turned_, size);
-  const std::int32_t allowed = std::max(scales_.excess, turned_ / 8 * kLoadShare8);
+  const std::int32_t allowed = std::max(scales_.excess, turned_ / 8 * kLoadShare8 + scales_.turn);
   return scales_.excess > 0 && std::abs(left) > allowed ? bit(Fault::kEncoderMotion) : 0;
 }
 

@@ -10,6 +10,7 @@
 #include "capstan/firmware/loop/application.hpp"
 #include "capstan/hal/sim/sim_io.hpp"
 #include "capstan/tools/campaign/commissioned.hpp"
+#include "capstan/tools/campaign/hazard.hpp"
 #include "capstan/tools/campaign/rig.hpp"
 #include "capstan/tools/support/random.hpp"
 
@@ -60,6 +61,7 @@ class Session {
     const auto cycles = static_cast<int>(duration_s * kCycleRateHz);
     for (int i = 0; i < cycles; ++i, ++cycle_) {
       step();
+      course_.add(plant_.truth(), application_.axis_telemetry(0).q2_reference_rad.to_double());
       if (telemetry().state == State::kFaulted) {
         return false;
       }
@@ -68,6 +70,14 @@ class Session {
   }
   [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
   [[nodiscard]] auto time_s() const -> double { return cycle_ * sim::kStepS; }
+  [[nodiscard]] auto speed_share() const -> double {
+    constexpr std::ptrdiff_t kLately = 100;
+    const std::vector<double>& speeds = course_.speed_rad_s;
+    const auto begin = speeds.end() - std::min(kLately, std::ssize(speeds));
+    const auto fastest =
+        std::max_element(begin, speeds.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    return std::abs(*fastest) / setup_.config.limits.joint_speed_rad_s.to_double();
+  }
 
  private:
   void step() {
@@ -104,6 +114,7 @@ class Session {
   SimIo io_{plant_};
   FileBanks banks_ = FileBanks::temporary();
   Application<SimIo> application_{io_, banks_};
+  Course course_;
   int cycle_ = 0;
   int next_ = 0;
   int begin_ = 0;
@@ -127,7 +138,7 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
       setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
       Session session(setup, own);
       if (!session.run(kRunS)) {
-        stops[i] = {own, session.time_s(), session.telemetry().first_fault};
+        stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share()};
       }
       lasted_s[i] = session.time_s();
     }
@@ -151,12 +162,20 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
   return alarms;
 }
 
+auto FalseAlarms::of_joints_at_their_speed() const -> int {
+  return static_cast<int>(std::count_if(stops.begin(), stops.end(), [](const FalseStop& stop) {
+    return stop.speed_share <= HazardLimits{}.speed_factor;
+  }));
+}
+
 void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
   for (const FalseStop& stop : alarms.stops) {
-    out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s\n";
+    out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s, tip at "
+        << stop.speed_share << " of its speed limit\n";
   }
-  out << alarms.stops.size() << " false stops in " << alarms.hours << " simulated hours of " << alarms.plants
-      << " drawn joints\n";
+  out << alarms.stops.size() << " stops of joints of which nothing was broken, " << alarms.of_joints_at_their_speed()
+      << " of them within " << HazardLimits{}.speed_factor << " of their speed limit, in " << alarms.hours
+      << " simulated hours of " << alarms.plants << " drawn joints\n";
 }
 
 }  // namespace capstan::tools

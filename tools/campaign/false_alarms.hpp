@@ -9,17 +9,23 @@
 
 namespace capstan::tools {
 
-/// A stop that nothing was the reason for, and what would make it again.
+/// A stop of a joint of which nothing is broken, and what would make it again.
 struct FalseStop {
   std::uint64_t seed = 0;
   double time_s = 0.0;
   Fault fault = Fault::kNone;
+  /// Of the true tip in the 100 ms before, a mean over 5 ms, over limits.joint_speed. From HazardLimits::speed_factor
+  /// on the joint ran away from what it was asked all the same: its gains let it swing, or a tremor drove it.
+  double speed_share = 0.0;
 };
 
 struct FalseAlarms {
   double hours = 0.0;  ///< simulated, under torque
   int plants = 0;
   std::vector<FalseStop> stops;
+
+  /// Stops of joints that were within the speed at which the fault campaign begins to count a joint as unsafe.
+  [[nodiscard]] auto of_joints_at_their_speed() const -> int;
 };
 
 /// Healthy joints drawn at random (inertia, friction, stiffness, pretension, gains, load, contact with tissue, tremor
