@@ -194,7 +194,7 @@ TEST(FalseAlarms, AStopOfAJointThatSwingsBeyondItsSpeedIsCountedApart) {
   const FalseAlarms alarms = run_false_alarms(300.0 / 3600.0, 260298, 1);
   ASSERT_EQ(alarms.stops.size(), 1U);
   EXPECT_GT(alarms.stops[0].speed_share, HazardLimits{}.speed_factor);
-  EXPECT_EQ(alarms.of_joints_at_their_speed(), 0);
+  EXPECT_EQ(alarms.false_stops(), 0);
 }
 
 TEST(FalseAlarms, AreTheSameOnAnyNumberOfThreads) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "capstan/boards/common/file_banks.hpp"
@@ -70,6 +71,17 @@ class Session {
   }
   [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
   [[nodiscard]] auto time_s() const -> double { return cycle_ * sim::kStepS; }
+  [[nodiscard]] auto following_share() const -> double {
+    const LimitConfig& limits = setup_.config.limits;
+    const std::ptrdiff_t lately = std::lround(limits.following_time_s.to_double() / sim::kStepS);
+    const std::ptrdiff_t rows = std::ssize(course_.angle_rad);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(rows - lately, 0); i < rows; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      least = std::min(least, std::abs(course_.angle_rad[row] - course_.asked_rad[row]));
+    }
+    return least / limits.following_error_rad.to_double();
+  }
   [[nodiscard]] auto speed_share() const -> double {
     constexpr std::ptrdiff_t kLately = 100;
     const std::vector<double>& speeds = course_.speed_rad_s;
@@ -126,7 +138,7 @@ class Session {
 
 auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAlarms {
   const auto runs = static_cast<std::size_t>(std::ceil(hours * 3600.0 / kRunS));
-  std::vector<FalseStop> stops(runs);
+  std::vector<Stop> stops(runs);
   std::vector<double> lasted_s(runs);
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
@@ -138,7 +150,8 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
       setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
       Session session(setup, own);
       if (!session.run(kRunS)) {
-        stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share()};
+        stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share(),
+                    session.following_share()};
       }
       lasted_s[i] = session.time_s();
     }
@@ -162,20 +175,23 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
   return alarms;
 }
 
-auto FalseAlarms::of_joints_at_their_speed() const -> int {
-  return static_cast<int>(std::count_if(stops.begin(), stops.end(), [](const FalseStop& stop) {
-    return stop.speed_share <= HazardLimits{}.speed_factor;
-  }));
+auto Stop::is_false() const -> bool {
+  return speed_share <= HazardLimits{}.speed_factor && following_share <= 1.0;
+}
+
+auto FalseAlarms::false_stops() const -> int {
+  return static_cast<int>(std::count_if(stops.begin(), stops.end(), [](const Stop& stop) { return stop.is_false(); }));
 }
 
 void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
-  for (const FalseStop& stop : alarms.stops) {
+  for (const Stop& stop : alarms.stops) {
     out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s, tip at "
-        << stop.speed_share << " of its speed limit\n";
+        << stop.speed_share << " of its speed limit and " << stop.following_share << " of its following error"
+        << (stop.is_false() ? "\n" : ": not false\n");
   }
-  out << alarms.stops.size() << " stops of joints of which nothing was broken, " << alarms.of_joints_at_their_speed()
-      << " of them within " << HazardLimits{}.speed_factor << " of their speed limit, in " << alarms.hours
-      << " simulated hours of " << alarms.plants << " drawn joints\n";
+  out << alarms.false_stops() << " false stops, and " << std::ssize(alarms.stops) - alarms.false_stops()
+      << " of joints that ran or were held beyond their limits, in " << alarms.hours << " simulated hours of "
+      << alarms.plants << " drawn joints\n";
 }
 
 }  // namespace capstan::tools
