@@ -79,6 +79,19 @@ TEST(MotorObserver, WhatALoadGaveTheMotorOfLateItMayTakeAgain) {
   }
 }
 
+TEST(MotorObserver, ATipThatHitsSomethingIsSlowedByAPartOfItsSpeedAndHalfByHalf) {
+  Rig hits;
+  hits.run_at(13);
+  FaultSet faults = 0;
+  for (const int moved : {13, 12, 11, 10, 9, 8}) {
+    faults |= hits.step(moved, 0.05);
+  }
+  EXPECT_EQ(faults, 0U);
+  Rig half;
+  half.run_at(12);
+  EXPECT_NE(half.steps(2, 6, 0.05), 0U);
+}
+
 // 0.195 A, a look's torque here, explain 6.4 counts, and 3.5 are the quantisation's.
 TEST(MotorObserver, WhatALookHasStretchedExplainsAMotionUntilItHasFaded) {
   for (const int since : {12, 60}) {
