@@ -251,7 +251,7 @@ TEST(Tuning, AMarginIsTakenFromGainBothWaysAndFromTheCircle) {
 TEST(Tuning, ADumpGivesTheGainsAndAnotherTextIsRefused) {
   const LoopGains gains = read_gains(
       "begin\nset joint1.control.kp 0.3\nset joint0.control.kp 0.7\nset joint1.control.stiffness 1.5 Nm/rad\n"
-      "set joint1.conditioner.rate_time_constant 0.004 s\nset joint1.motor.torque_per_current 0.05 Nm/A\n"
+      "set joint1.control.rate_time_constant 0.004 s\nset joint1.motor.torque_per_current 0.05 Nm/A\n"
       "set joint1.limits.continuous_current 2 A\ncommit\n",
       1);
   EXPECT_EQ(gains.kp, 0.3);

@@ -87,6 +87,9 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
     const Outcome outcome = run(draw(seed), {});
     std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
                 outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
+    for (const std::string& found : outcome.progress.found) {
+      std::printf("  %s\n", found.c_str());
+    }
     EXPECT_TRUE(outcome.done) << seed << ": " << outcome.sentence;
     EXPECT_TRUE(outcome.torque_off) << seed;
     EXPECT_LT(outcome.joint_rad, kCorridor + 0.02) << seed;
