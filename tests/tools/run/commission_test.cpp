@@ -96,6 +96,12 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
   }
 }
 
+// Its home and its torque had so many digits that the shell said line_too_long.
+TEST(Commission, TheShakesOrderFitsTheShellsLine) {
+  const Outcome outcome = run(draw(767), {});
+  EXPECT_TRUE(outcome.done) << outcome.sentence;
+}
+
 /// A person who presses Ctrl-C while the joint is shaken for its gains.
 class StoppedShell final : public BoardShell {
  public:
@@ -106,7 +112,7 @@ class StoppedShell final : public BoardShell {
  private:
   auto do_ask(const std::string& line) -> std::vector<std::string> override {
     armed_afterwards_ += stop_ != 0 && line == "arm" ? 1 : 0;
-    if (line.find("duration=120") != std::string::npos) {
+    if (line.find("duration=110") != std::string::npos) {
       stop_ = 1;
       throw Refusal("stopped while the board was answering");
     }
