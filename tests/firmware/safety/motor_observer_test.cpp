@@ -83,7 +83,7 @@ TEST(MotorObserver, ATipThatHitsSomethingIsSlowedByAPartOfItsSpeedAndHalfByHalf)
   Rig hits;
   hits.run_at(13);
   FaultSet faults = 0;
-  for (const int moved : {13, 12, 11, 10, 9, 8}) {
+  for (const int moved : {13, 12, 11, 10, 10, 9, 9}) {
     faults |= hits.step(moved, 0.05);
   }
   EXPECT_EQ(faults, 0U);

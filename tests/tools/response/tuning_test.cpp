@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "capstan/tools/response/limit_cycle.hpp"
@@ -197,6 +198,23 @@ TEST(Tuning, WiderCirclesLeaveLessGain) {
   const Tuning unsure = tune(motor.response(present, 0.15), present, {});
   EXPECT_LT(unsure.gains.stiffness, 0.9 * sure.gains.stiffness);
   EXPECT_GT(unsure.whole_nominal.phase_deg, sure.whole_nominal.phase_deg + 3.0);
+}
+
+// The rate's filter takes phase that gains could use; a coarse encoder needs it all the same.
+TEST(Tuning, TheRatesFilterIsAsFastAsTheEncoderAllows) {
+  const Motor motor{.delay = 0};
+  LoopGains present = gentle();
+  const Tuning fine = tune(motor.response(present), present, {});
+  EXPECT_LT(fine.gains.rate_time_constant_s, 0.5 * present.rate_time_constant_s);
+  EXPECT_GE(true_margins(motor, fine.gains).phase_deg, 45.0);
+  present.counts_per_turn = 1000.0;
+  const Tuning coarse = tune(motor.response(present), present, {});
+  EXPECT_GT(coarse.gains.rate_time_constant_s, fine.gains.rate_time_constant_s);
+  EXPECT_LT(coarse.gains.stiffness, 0.7 * fine.gains.stiffness);
+  const std::vector<std::string> lines = tuning_lines(fine.gains, 0);
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&fine](const std::string& line) {
+    return line == "set joint0.control.rate_time_constant " + rounded(fine.gains.rate_time_constant_s) + " s";
+  }));
 }
 
 TEST(Tuning, ItSaysWhatLimits) {
