@@ -21,10 +21,12 @@ constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
 Controller::Controller(const ControlConfig& gains)
     : reference_(kPeriod, kReferenceShape),
       reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)),
+      rate_gain_(kPeriod.filter_gain(gains.rate_time_constant_s)),
       per_stiffness_(gains.stiffness_nm_per_rad) {}
 
 void Controller::rt_configure(const ControlConfig& gains) {
   reversal_gain_ = kPeriod.filter_gain(gains.reversal_time_s);
+  rate_gain_ = kPeriod.filter_gain(gains.rate_time_constant_s);
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
 }
 
@@ -44,7 +46,9 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
     integral_ += (*kept_nm - feedforward) * per_stiffness_;
   }
   motor_reference_ = pull_extreme_ + integral_;
-  return rt_servo(gains, law.sample(), Q24{}, feedforward);
+  last_q1_ = law.sample().q1;
+  motor_rate_ = law.sample().dq1;
+  return rt_servo(gains, Q24{}, feedforward);
 }
 
 auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
@@ -62,10 +66,15 @@ auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>
   return shared + mix(backward, effort->one_way(taken), branch_);
 }
 
-auto Controller::rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate, Q24 feedforward) const
-    -> Q24 {
-  return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - motor.q1) +
-         gains.damping_nms_per_rad * (rate - motor.dq1);
+/// The law's own rate is filtered as the logs were that it was identified on; the servo's as its gains allow.
+void Controller::rt_follow_motor(Q24 q1) {
+  motor_rate_ += ScalarTraits<Q24>::part(kPeriod.rate_of(q1 - last_q1_) - motor_rate_, rate_gain_);
+  last_q1_ = q1;
+}
+
+auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24 {
+  return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - last_q1_) +
+         gains.damping_nms_per_rad * (rate - motor_rate_);
 }
 
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) -> Q24 {
@@ -129,7 +138,8 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
   const Q24 error = q1_reference - law.sample().q1;
   integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
   motor_reference_ = q1_reference + integral_;
-  return rt_servo(gains, law.sample(), reference.dq1, rt_feedforward(gains, effort, reference, law.sample().warmth));
+  rt_follow_motor(law.sample().q1);
+  return rt_servo(gains, reference.dq1, rt_feedforward(gains, effort, reference, law.sample().warmth));
 }
 
 auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2,
@@ -157,7 +167,8 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
     rt_follow_pull(asked + law.per_beta(branches_apart_ * off) - ways_apart_ * off);
   }
   motor_reference_ = asked + correction;
-  return rt_servo(gains, law.sample(), motion.dq1, rt_feedforward(gains, effort, motion, motion.warmth));
+  rt_follow_motor(law.sample().q1);
+  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion, motion.warmth));
 }
 
 }  // namespace capstan

@@ -55,10 +55,11 @@ class Controller {
   /// The torque that a motion takes, on the branch that the feedforward is on. @param warmth  as in a sample
   [[nodiscard]] auto rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
                                     Q24 warmth) const -> Q24;
+  /// Each cycle once: where the motor is, rad, and by that its rate.
+  void rt_follow_motor(Q24 q1);
   /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s, beside that of
   /// the feedforward.
-  [[nodiscard]] auto rt_servo(const ControlConfig& gains, const Sample<Q24>& motor, Q24 rate, Q24 feedforward) const
-      -> Q24;
+  [[nodiscard]] auto rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24;
   void rt_cross_over(bool forward);
   /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
   /// asks would turn the motor back where the hysteresis has the other sign.
@@ -68,10 +69,13 @@ class Controller {
 
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;
+  Q30 rate_gain_;
   Reciprocal<Q24> per_stiffness_;
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;  // of the last cycle
+  Q24 last_q1_;          // of the motor
+  Q24 motor_rate_;       // filtered, rad/s
   Q24 pull_extreme_;     // of the inverse half way between the branches, in the present direction
   Q24 branches_apart_;   // of the joint, the motor being where it is
   Q24 ways_apart_;       // of the motor, by what lies in front of the ratio

@@ -42,6 +42,7 @@ struct ControlConfig {
   Q24 integral_limit_rad = Q24::from_double(0.3);     ///< anti-windup, rad of motor angle
   Q24 stiffness_nm_per_rad = Q24::from_double(1.0);   ///< motor servo
   Q24 damping_nms_per_rad = Q24::from_double(0.006);  ///< motor servo
+  Q24 rate_time_constant_s = Q24::from_double(0.002);  ///< filter of the rate that the damping acts on
   Q24 torque_forward_nm{};                            ///< feedforward: torque that keeps the motor moving forward
   Q24 torque_backward_nm{};                           ///< the same backward (negative)
   Q24 reversal_time_s = Q24::from_double(0.02);       ///< the feedforward changes direction within about this time

@@ -50,6 +50,8 @@ constexpr std::array kFixedParameters = {
          kControl + offsetof(ControlConfig, stiffness_nm_per_rad), 0.0, 100.0, kTunable),
     real("control", "damping", "Nms/rad", "motor servo, derivative",
          kControl + offsetof(ControlConfig, damping_nms_per_rad), 0.0, 10.0, kTunable),
+    real("control", "rate_time_constant", "s", "motor servo: filter of the rate that the damping acts on",
+         kControl + offsetof(ControlConfig, rate_time_constant_s), 0.0, 1.0, kTunable),
     real("control", "torque_forward", "Nm", "torque that keeps the motor moving forward",
          kControl + offsetof(ControlConfig, torque_forward_nm), -50.0, 50.0, kTunable),
     real("control", "torque_backward", "Nm",

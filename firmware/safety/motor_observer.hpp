@@ -87,12 +87,13 @@ class MotorObserver {
     std::int32_t stretch = 0;   // A, that a count answers for
     std::int32_t slew = 0;      // A, that torque changes by in a cycle, but for steps
     std::int32_t helped = 0;    // A, that one answers for against its own direction
+    std::int32_t turn = 0;      // A, twice the motor's own friction
     std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;    // counts/256, two cycles against the two before
   };
   auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
   auto rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet;
-  [[nodiscard]] auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) const -> bool;
+  auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) -> bool;
   auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_runs_away(std::int32_t moved, std::int64_t against) -> bool;
@@ -121,11 +122,12 @@ class MotorObserver {
   };
   std::array<Torque, 4> torques_{};  // of the last cycles, the latest first
   std::int32_t stretched_ = 0;       // torque that the way has answered for, A
-  std::int32_t slewed_ = 0;          // the wanted torque at its rate, A
-  std::int32_t turned_ = 0;          // its size where the motor began to turn round, A
-  std::int32_t looking_ = 0;         // cycles in which a look's torque is still in the tendons
-  std::int32_t silent_ = 0;          // cycles since the last count
-  std::int32_t interval_ = 0;        // between the two last ones
+  std::int32_t given_ = 0;     // counts/256, two cycles against two, by which a load made the motor faster of late
+  std::int32_t slewed_ = 0;    // the wanted torque at its rate, A
+  std::int32_t turned_ = 0;    // its size where the motor began to turn round, A
+  std::int32_t looking_ = 0;   // cycles in which a look's torque is still in the tendons
+  std::int32_t silent_ = 0;    // cycles since the last count
+  std::int32_t interval_ = 0;  // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

@@ -10,6 +10,7 @@
 #include "capstan/firmware/loop/application.hpp"
 #include "capstan/hal/sim/sim_io.hpp"
 #include "capstan/tools/campaign/false_alarms.hpp"
+#include "capstan/tools/campaign/hazard.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -178,6 +179,22 @@ TEST(FalseAlarms, AHelpfulLoadAndAStepOfTorqueStopNoJoint) {
   for (const std::uint64_t seed : {220024U, 220045U}) {
     EXPECT_TRUE(run_false_alarms(300.0 / 3600.0, seed, 1).stops.empty()) << seed;
   }
+}
+
+// Friction's share of what the first three pressed with, where they turned round; a tremor that gave the fourth its
+// speed and took it again; a contact that the fifth ran into at 2 rad/s.
+TEST(FalseAlarms, FrictionUnderLoadATremorAndAContactStopNoJoint) {
+  for (const std::uint64_t seed : {260262U, 260382U, 260065U, 230046U, 270341U}) {
+    EXPECT_TRUE(run_false_alarms(300.0 / 3600.0, seed, 1).stops.empty()) << seed;
+  }
+}
+
+// Its gains leave its servo 13 deg of phase: swinging at 80 Hz its tip comes to four times the limit of its speed.
+TEST(FalseAlarms, AStopOfAJointThatSwingsBeyondItsSpeedIsCountedApart) {
+  const FalseAlarms alarms = run_false_alarms(300.0 / 3600.0, 260298, 1);
+  ASSERT_EQ(alarms.stops.size(), 1U);
+  EXPECT_GT(alarms.stops[0].speed_share, HazardLimits{}.speed_factor);
+  EXPECT_EQ(alarms.false_stops(), 0);
 }
 
 TEST(FalseAlarms, AreTheSameOnAnyNumberOfThreads) {

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
 #include "capstan/hal/sim/sim_io.hpp"
 #include "capstan/tools/campaign/commissioned.hpp"
+#include "capstan/tools/campaign/hazard.hpp"
 #include "capstan/tools/campaign/rig.hpp"
 #include "capstan/tools/support/random.hpp"
 
@@ -60,6 +62,7 @@ class Session {
     const auto cycles = static_cast<int>(duration_s * kCycleRateHz);
     for (int i = 0; i < cycles; ++i, ++cycle_) {
       step();
+      course_.add(plant_.truth(), application_.axis_telemetry(0).q2_reference_rad.to_double());
       if (telemetry().state == State::kFaulted) {
         return false;
       }
@@ -68,6 +71,25 @@ class Session {
   }
   [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
   [[nodiscard]] auto time_s() const -> double { return cycle_ * sim::kStepS; }
+  [[nodiscard]] auto following_share() const -> double {
+    const LimitConfig& limits = setup_.config.limits;
+    const std::ptrdiff_t lately = std::lround(limits.following_time_s.to_double() / sim::kStepS);
+    const std::ptrdiff_t rows = std::ssize(course_.angle_rad);
+    double least = std::numeric_limits<double>::infinity();
+    for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(rows - lately, 0); i < rows; ++i) {
+      const auto row = static_cast<std::size_t>(i);
+      least = std::min(least, std::abs(course_.angle_rad[row] - course_.asked_rad[row]));
+    }
+    return least / limits.following_error_rad.to_double();
+  }
+  [[nodiscard]] auto speed_share() const -> double {
+    constexpr std::ptrdiff_t kLately = 100;
+    const std::vector<double>& speeds = course_.speed_rad_s;
+    const auto begin = speeds.end() - std::min(kLately, std::ssize(speeds));
+    const auto fastest =
+        std::max_element(begin, speeds.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    return std::abs(*fastest) / setup_.config.limits.joint_speed_rad_s.to_double();
+  }
 
  private:
   void step() {
@@ -104,6 +126,7 @@ class Session {
   SimIo io_{plant_};
   FileBanks banks_ = FileBanks::temporary();
   Application<SimIo> application_{io_, banks_};
+  Course course_;
   int cycle_ = 0;
   int next_ = 0;
   int begin_ = 0;
@@ -115,7 +138,7 @@ class Session {
 
 auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAlarms {
   const auto runs = static_cast<std::size_t>(std::ceil(hours * 3600.0 / kRunS));
-  std::vector<FalseStop> stops(runs);
+  std::vector<Stop> stops(runs);
   std::vector<double> lasted_s(runs);
   std::atomic<std::size_t> next = 0;
   const auto work = [&] {
@@ -127,7 +150,8 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
       setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
       Session session(setup, own);
       if (!session.run(kRunS)) {
-        stops[i] = {own, session.time_s(), session.telemetry().first_fault};
+        stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share(),
+                    session.following_share()};
       }
       lasted_s[i] = session.time_s();
     }
@@ -151,12 +175,23 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads) -> FalseAla
   return alarms;
 }
 
+auto Stop::is_false() const -> bool {
+  return speed_share <= HazardLimits{}.speed_factor && following_share <= 1.0;
+}
+
+auto FalseAlarms::false_stops() const -> int {
+  return static_cast<int>(std::count_if(stops.begin(), stops.end(), [](const Stop& stop) { return stop.is_false(); }));
+}
+
 void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
-  for (const FalseStop& stop : alarms.stops) {
-    out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s\n";
+  for (const Stop& stop : alarms.stops) {
+    out << "seed " << stop.seed << ": " << info(stop.fault).name << " after " << stop.time_s << " s, tip at "
+        << stop.speed_share << " of its speed limit and " << stop.following_share << " of its following error"
+        << (stop.is_false() ? "\n" : ": not false\n");
   }
-  out << alarms.stops.size() << " false stops in " << alarms.hours << " simulated hours of " << alarms.plants
-      << " drawn joints\n";
+  out << alarms.false_stops() << " false stops, and " << std::ssize(alarms.stops) - alarms.false_stops()
+      << " of joints that ran or were held beyond their limits, in " << alarms.hours << " simulated hours of "
+      << alarms.plants << " drawn joints\n";
 }
 
 }  // namespace capstan::tools

@@ -9,17 +9,28 @@
 
 namespace capstan::tools {
 
-/// A stop that nothing was the reason for, and what would make it again.
-struct FalseStop {
+/// A stop of a joint of which nothing is broken, and what would make it again.
+struct Stop {
   std::uint64_t seed = 0;
   double time_s = 0.0;
   Fault fault = Fault::kNone;
+  /// Of the true tip in the 100 ms before, a mean over 5 ms, over limits.joint_speed. From HazardLimits::speed_factor
+  /// on the joint ran away from what it was asked all the same: its gains let it swing, or a tremor drove it.
+  double speed_share = 0.0;
+  /// Least distance of the true tip from the reference within limits.following_time before, over
+  /// limits.following_error: above 1 something really held it.
+  double following_share = 0.0;
+
+  /// Whether the joint was where and as fast as it should be.
+  [[nodiscard]] auto is_false() const -> bool;
 };
 
 struct FalseAlarms {
   double hours = 0.0;  ///< simulated, under torque
   int plants = 0;
-  std::vector<FalseStop> stops;
+  std::vector<Stop> stops;
+
+  [[nodiscard]] auto false_stops() const -> int;
 };
 
 /// Healthy joints drawn at random (inertia, friction, stiffness, pretension, gains, load, contact with tissue, tremor

@@ -22,7 +22,7 @@ auto run_faults(const FaultOptions& options) -> int {
   if (options.hours > 0.0) {
     const FalseAlarms alarms = run_false_alarms(options.hours, options.seed);
     print_false_alarms(std::cout, alarms);
-    return alarms.stops.empty() ? kExitDone : kExitRefused;
+    return alarms.false_stops() == 0 ? kExitDone : kExitRefused;
   }
   const Campaign campaign = run_fault_campaign(options.all ? Extent::kLong : Extent::kShort);
   if (options.fmea) {

@@ -31,7 +31,7 @@ constexpr std::array<Step, 8> kSteps = {{
     {"travel", true, "moves the joint slowly within the corridor: friction both ways, and is it free",
      &CommissionSteps::travel},
     {"motor", true, "the board's own commissioning: what its motor observer has to know", &CommissionSteps::motor},
-    {"tune", true, "shakes the joint while it travels, for two minutes, and takes gains with margins from it",
+    {"tune", true, "shakes the joint while it travels, for some two minutes, and takes gains with margins from it",
      &CommissionSteps::tune_gains},
     {"check", true, "a step and a sine with the new gains, beside the old ones", &CommissionSteps::check},
     {"save", false, "keeps what was found over a restart", &CommissionSteps::save},

@@ -14,15 +14,17 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
 
-// Numbers that decide, chosen in November 2026 on the drawn forceps 720 and 721 of commission_test; docs/tuning.md
-// reports other seeds.
+// Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
+// docs/tuning.md reports other seeds.
 constexpr double kMostZeroShare = 0.05;  // of limits.current: an offset that is no offset any more
 constexpr double kMotorWayRad = 0.05;  // 2.9 deg: the gate takes torque away there, and a loose motor runs on a little
 constexpr double kSoftStiffness = 0.02;  // Nm/rad: far below any tendon's, so that a wrong sign does not run away
-constexpr double kFirstShare = 0.02;     // of the continuous torque, and raised until the motor answers
+constexpr double kFirstShare = 0.03;     // of the continuous torque, and raised until the motor answers
 constexpr double kMostShare = 0.4;
 constexpr double kGrowth = 1.5;
 constexpr double kAnswerCounts = 3.0;        // rms of the motor about its mean
+constexpr int kGlanceS = 5;                  // of shaking, while it is too little for the motor to answer ...
+constexpr int kShakeS = 11;                  // ... and for its response: four periods, and one to settle
 constexpr double kFollows = 0.3;             // measured current over the wanted one
 constexpr double kFits = 0.2;                // of the answer that motor, spring and delay leave
 constexpr double kSettled = 0.12;            // from one amplitude to the next, a half larger
@@ -113,11 +115,12 @@ void CommissionSteps::look(CommissionSteps& steps) {
              " mA");
 }
 
-auto CommissionSteps::shaken(double amplitude_nm) -> CsvLog {
+auto CommissionSteps::shaken(double amplitude_nm, int seconds) -> CsvLog {
   joint_.arm();
-  const CsvLog log = joint_.rows("experiment", "multisine on=torque from=50Hz to=150Hz duration=11 corridor=" +
-                                                   rounded(std::min(options_.corridor_rad, kMotorWayRad)) +
-                                                   " amplitude=" + rounded(amplitude_nm, 6) + "Nm");
+  const CsvLog log =
+      joint_.rows("experiment", "multisine on=torque from=50Hz to=150Hz duration=" + std::to_string(seconds) +
+                                    " corridor=" + rounded(std::min(options_.corridor_rad, kMotorWayRad)) +
+                                    " amplitude=" + rounded(amplitude_nm, 6) + "Nm");
   joint_.disarm();
   return log;
 }
@@ -186,10 +189,21 @@ void CommissionSteps::shake(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
   double last = 0.0;
+  const auto answered = [&joint](const CsvLog& log) {
+    return rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
+  };
+  bool answers = false;
   for (double share = kFirstShare; share < kMostShare; share *= kGrowth) {
     std::optional<CsvLog> shaken;
     try {
-      shaken = steps.shaken(share * steps.continuous_nm());
+      const double amplitude_nm = share * steps.continuous_nm();
+      if (!answers) {
+        shaken = steps.shaken(amplitude_nm, kGlanceS);
+        answers = answered(*shaken);
+      }
+      if (answers) {
+        shaken = steps.shaken(amplitude_nm, kShakeS);
+      }
     } catch (const Refusal&) {
       if (last == 0.0) {
         throw;
@@ -198,7 +212,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       break;
     }
     const CsvLog& log = *shaken;
-    const bool answers = rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
+    answers = answered(log);
     if (answers || kGrowth * share >= kMostShare) {
       steps.judge_current(log);
     }
@@ -226,7 +240,7 @@ void CommissionSteps::press(CommissionSteps& steps) {
     const double torque = share * steps.continuous_nm();
     joint.arm();
     const CsvLog log = joint.rows("experiment", "torque_triangle every=2 cycles=1 amplitude=" + rounded(torque, 6) +
-                                                    "Nm rates=" + rounded(torque, 6) + "Nm/s");
+                                                    "Nm rates=" + rounded(8.0 * torque, 6) + "Nm/s");
     joint.disarm();
     const Eigen::VectorXd angle = joint.column(log, "q1_rad");
     if (angle.maxCoeff() - angle.minCoeff() < kPressRad) {

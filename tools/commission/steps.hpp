@@ -33,7 +33,7 @@ class CommissionSteps {
   void let_go();
   [[nodiscard]] auto here() -> double;
   [[nodiscard]] auto continuous_nm() const -> double;
-  [[nodiscard]] auto shaken(double amplitude_nm) -> CsvLog;
+  [[nodiscard]] auto shaken(double amplitude_nm, int seconds) -> CsvLog;
   void judge_current(const CsvLog& log);
   /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque.
   [[nodiscard]] auto inertia_of(const CsvLog& log) const -> double;

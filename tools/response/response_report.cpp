@@ -180,9 +180,11 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
       " ms; " + rounded(100.0 * motor.share_left, 2) + " % is not of that kind" +
       (motor.resonance_hz > 0.0 ? ", a resonance near " + rounded(motor.resonance_hz, 3) + " Hz\n" : "\n");
   text += "gains: stiffness " + rounded(present.stiffness) + " -> " + rounded(tuning.gains.stiffness) +
-          " Nm/rad, damping " + rounded(present.damping) + " -> " + rounded(tuning.gains.damping) + " Nms/rad, kp " +
-          rounded(present.kp) + " -> " + rounded(tuning.gains.kp) + ", ki " + rounded(present.ki_per_s) + " -> " +
-          rounded(tuning.gains.ki_per_s) + " 1/s\n";
+          " Nm/rad, damping " + rounded(present.damping) + " -> " + rounded(tuning.gains.damping) +
+          " Nms/rad, filter of its rate " + rounded(1e3 * present.rate_time_constant_s) + " -> " +
+          rounded(1e3 * tuning.gains.rate_time_constant_s) + " ms, kp " + rounded(present.kp) + " -> " +
+          rounded(tuning.gains.kp) + ", ki " + rounded(present.ki_per_s) + " -> " + rounded(tuning.gains.ki_per_s) +
+          " 1/s\n";
   text += "motor servo, worst within the circles: " + margins_text(tuning.servo) + "\n";
   text += "whole loop, worst within the circles: " + margins_text(tuning.whole) + "\n";
   text += "whole loop, to compare a measurement with: " + margins_text(tuning.whole_nominal) + "\n";

@@ -2,6 +2,7 @@
 #include "capstan/tools/response/tuning.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -27,6 +28,9 @@ constexpr double kAboveAsked = 1.15;      // crossover over the one that was ask
 constexpr double kCascade = 0.1;          // joint loop over servo: a cascade's usual distance, and little to hunt with
 constexpr double kMostMismatch = 0.1;     // of measured loop and gains; 0.01 to 0.03 where they belong together
 constexpr double kStepUp = 1.12;          // how much more gain is tried to see what limits
+// Filters of the servo's rate that are tried beside the present one, s: what one takes of the phase, the encoder's
+// steps pay, and those have a limit of their own. A cycle is 1 ms, so a fifth of it is hardly a filter any more.
+constexpr std::array<double, 3> kRateTimes = {1e-3, 5e-4, 2e-4};
 constexpr double kMostStiffness = 100.0, kMostDamping = 10.0, kMostKi = 100.0;  // of the parameters
 
 auto keeps(const Margins& margins, const Wanted& wanted, double reserve_deg = 0.0) -> bool {
@@ -57,11 +61,11 @@ struct Found {
   Margins margins;
 };
 
-/// The servo by a grid: 5 % from one stiffness to the next, and damping from a fifth of a millisecond's to a tenth of a
-/// second's share of it. The stiffest that keeps the margins, at the bandwidth that was asked for.
-auto tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present, const Wanted& wanted)
-    -> std::optional<Found> {
-  std::optional<Found> best;
+/// The servo with the rate's filter as it is, by a grid: 5 % from one stiffness to the next, and damping from a fifth
+/// of a millisecond's to a tenth of a second's share of it. The stiffest that keeps the margins, at the bandwidth that
+/// was asked for, and stiffer than `best`.
+void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present, const Wanted& wanted,
+                std::optional<Found>& best) {
   for (double share_s = 2e-4; share_s < 0.1; share_s *= 1.12) {
     for (double stiffness = 0.01 * present.stiffness; stiffness < 100.0 * present.stiffness; stiffness *= 1.05) {
       LoopGains gains = servo_only(present);
@@ -81,6 +85,20 @@ auto tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const Loo
       if (better && as_stable_as(loop, known)) {
         best = Found{gains, margins};
       }
+    }
+  }
+}
+
+/// The stiffest over the filters of the rate.
+auto tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present, const Wanted& wanted)
+    -> std::optional<Found> {
+  std::optional<Found> best;
+  tune_servo(all, known, present, wanted, best);
+  for (const double time_s : kRateTimes) {
+    LoopGains quicker = present;
+    quicker.rate_time_constant_s = time_s;
+    if (time_s < present.rate_time_constant_s) {
+      tune_servo(all, known, quicker, wanted, best);
     }
   }
   return best;
@@ -126,7 +144,7 @@ auto sentence_of(const char* what, double hz, const MotorModel& motor, double fi
   return std::string("delay: at ") + rounded(hz, 3) + " Hz, where the " + what + " is used up, " +
          rounded(1e3 * motor.delay_s, 2) + " ms of delay in drive and sensor take " +
          rounded(kDegreesPerTurn * hz * motor.delay_s, 2) + " deg, and the filter of the rate of " +
-         rounded(1e3 * filter_s, 2) + " ms (conditioner.rate_time_constant) up to " +
+         rounded(1e3 * filter_s, 2) + " ms (control.rate_time_constant) up to " +
          rounded(kDegreesPerTurn * hz * filter_s, 2) + " deg";
 }
 
@@ -208,7 +226,7 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
       {"control.kd", &gains.kd_s},
       {"control.stiffness", &gains.stiffness},
       {"control.damping", &gains.damping},
-      {"conditioner.rate_time_constant", &gains.rate_time_constant_s},
+      {"control.rate_time_constant", &gains.rate_time_constant_s},
       {"motor.encoder_counts", &gains.counts_per_turn},
       {"motor.torque_per_current", &torque_per_current},
       {"limits.continuous_current", &continuous_a}};
@@ -295,6 +313,7 @@ auto tuning_lines(const LoopGains& gains, int axis) -> std::vector<std::string> 
   std::vector<std::string> lines = {"begin",
                                     set + "stiffness " + rounded(gains.stiffness) + " Nm/rad",
                                     set + "damping " + rounded(gains.damping) + " Nms/rad",
+                                    set + "rate_time_constant " + rounded(gains.rate_time_constant_s) + " s",
                                     set + "kp " + rounded(gains.kp),
                                     set + "ki " + rounded(gains.ki_per_s) + " 1/s",
                                     set + "kd " + rounded(gains.kd_s) + " s"};

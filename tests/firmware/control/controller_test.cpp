@@ -5,6 +5,8 @@
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include "capstan/tests/firmware/support.hpp"
 
@@ -63,6 +65,38 @@ TEST(Controller, HoldsItsTorqueWhileTheReferenceStandsAtTheEstimate) {
   const Q24 first = rig.torque(rig.q2, rig.q2);
   for (int i = 0; i < 5000; ++i) {
     ASSERT_EQ(rig.torque(rig.q2, rig.q2), first) << "cycle " << i;
+  }
+}
+
+/// The servo's damping alone, while the motor is pushed by a sine of 5 Hz; the torque in each cycle.
+auto damping_torques(double rate_time_constant_s) -> std::vector<double> {
+  AxisConfig config = lossy_config();
+  config.control.torque_forward_nm = config.control.torque_backward_nm = Q24{};
+  config.control.kp = config.control.ki_per_s = config.control.stiffness_nm_per_rad = Q24{};
+  config.control.rate_time_constant_s = q(rate_time_constant_s);
+  Rig rig(config);
+  rig.rest_at(q(0.5), Q24{});
+  rig.start();
+  std::vector<double> torques;
+  for (int i = 1; i <= 400; ++i) {
+    rig.law.update(q(0.5 + 0.1 * std::sin(2.0 * std::numbers::pi * 5.0 * 1e-3 * i)), Q24{});
+    torques.push_back(rig.torque(rig.q2, rig.q2).to_double());
+  }
+  return torques;
+}
+
+TEST(Controller, TheServosRateIsFilteredByItsOwnTimeConstant) {
+  const double damping = lossy_config().control.damping_nms_per_rad.to_double();
+  for (const double time_s : {0.0, 0.0005, 0.002, 0.01}) {
+    const std::vector<double> torques = damping_torques(time_s);
+    double filtered = 0.0;
+    double before = 0.5;
+    for (int i = 1; i <= 400; ++i) {
+      const double angle = 0.5 + 0.1 * std::sin(2.0 * std::numbers::pi * 5.0 * 1e-3 * i);
+      filtered += ((angle - before) * 1e3 - filtered) * 1e-3 / (time_s + 1e-3);
+      before = angle;
+      ASSERT_NEAR(torques[static_cast<std::size_t>(i) - 1], -damping * filtered, 1e-5) << time_s << ", cycle " << i;
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/firmware/parameters/parameters.hpp"
@@ -59,6 +60,56 @@ TEST(MotorObserver, WhatAMotorLosesWithItsTorqueOverTwoCyclesIsNoFault) {
   EXPECT_EQ(rig.step(5, 0.0), 0U);
   EXPECT_EQ(rig.step(4, -0.025), 0U);
   EXPECT_EQ(rig.step(2, -0.05), 0U);
+}
+
+// A tremor pulls the motor on and lets it go.
+TEST(MotorObserver, WhatALoadGaveTheMotorOfLateItMayTakeAgain) {
+  for (const int meanwhile : {0, 300}) {
+    Rig rig;
+    rig.run_at(2);
+    for (const int moved : {3, 5, 7, 7}) {
+      ASSERT_EQ(rig.step(moved, 0.05), 0U);
+    }
+    ASSERT_EQ(rig.steps(meanwhile, 7, 0.05), 0U);
+    FaultSet faults = 0;
+    for (const int moved : {5, 3, 2, 2}) {
+      faults |= rig.step(moved, 0.05);
+    }
+    EXPECT_EQ(faults, meanwhile == 0 ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
+TEST(MotorObserver, ATipThatHitsSomethingIsSlowedByAPartOfItsSpeedAndHalfByHalf) {
+  Rig hits;
+  hits.run_at(13);
+  FaultSet faults = 0;
+  for (const int moved : {13, 12, 11, 10, 10, 9, 9}) {
+    faults |= hits.step(moved, 0.05);
+  }
+  EXPECT_EQ(faults, 0U);
+  Rig half;
+  half.run_at(12);
+  EXPECT_NE(half.steps(2, 6, 0.05), 0U);
+}
+
+// 0.195 A, a look's torque here, explain 6.4 counts, and 3.5 are the quantisation's.
+TEST(MotorObserver, WhatALookHasStretchedExplainsAMotionUntilItHasFaded) {
+  for (const int since : {12, 60}) {
+    Rig rig;
+    rig.observer.rt_arm();
+    double largest = 0.0;
+    for (int i = 0; i < 12; ++i) {
+      const double look = rig.observer.rt_look().to_double();
+      largest = std::max(largest, std::abs(look));
+      ASSERT_EQ(rig.step(look > 0.0 ? 1 : 0, look), 0U) << i;
+    }
+    ASSERT_NEAR(largest, 0.195, 0.01);
+    FaultSet faults = rig.steps(since, 2, 0.0);
+    for (const int moved : {5, 8, 10, 10, 1}) {
+      faults |= rig.step(moved, 0.0);
+    }
+    EXPECT_EQ(faults, since == 12 ? 0U : bit(Fault::kEncoderMotion));
+  }
 }
 
 TEST(MotorObserver, WhatTheTorqueExplainsIsNoFault) {

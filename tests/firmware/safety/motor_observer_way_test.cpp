@@ -80,6 +80,23 @@ TEST(MotorObserver, WhatAMotorPressedWithCountsUntilItHasTurnedRound) {
   EXPECT_EQ(faults, 0U);
 }
 
+// Friction along a tendon is a share of its tension: exp(-2 eta) of what it pressed with is left where it has turned
+// round, 0.39 A of 1 A with eta = 0.25, and the motor's own friction is passed twice beside.
+TEST(MotorObserver, HalfOfWhatAMotorPressedWithMayGoBeforeItTurns) {
+  for (const double left_a : {0.9, 1.2}) {
+    Rig rig(stretching_config());
+    for (int i = 0; i <= 400; ++i) {
+      ASSERT_EQ(rig.step(std::min(1 + i / 11, 4), 0.005 * i), 0U) << i;
+    }
+    ASSERT_EQ(rig.steps(100, 1, 2.0), 0U);
+    FaultSet faults = 0;
+    for (int i = 1; i <= static_cast<int>(100.0 * left_a); ++i) {
+      faults |= rig.step(i % 10 == 0 ? -1 : 0, 2.0 - 0.01 * i);
+    }
+    EXPECT_EQ(faults & bit(Fault::kEncoderMotion), left_a < 1.0 ? 0U : bit(Fault::kEncoderMotion)) << left_a;
+  }
+}
+
 // The current limit falls in one cycle where the winding is hot.
 TEST(MotorObserver, AStepOfTorqueMayBeAnsweredAtTheRateOfTorque) {
   for (const bool answered : {true, false}) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "capstan/tools/response/limit_cycle.hpp"
@@ -199,6 +200,23 @@ TEST(Tuning, WiderCirclesLeaveLessGain) {
   EXPECT_GT(unsure.whole_nominal.phase_deg, sure.whole_nominal.phase_deg + 3.0);
 }
 
+// The rate's filter takes phase that gains could use; a coarse encoder needs it all the same.
+TEST(Tuning, TheRatesFilterIsAsFastAsTheEncoderAllows) {
+  const Motor motor{.delay = 0};
+  LoopGains present = gentle();
+  const Tuning fine = tune(motor.response(present), present, {});
+  EXPECT_LT(fine.gains.rate_time_constant_s, 0.5 * present.rate_time_constant_s);
+  EXPECT_GE(true_margins(motor, fine.gains).phase_deg, 45.0);
+  present.counts_per_turn = 1000.0;
+  const Tuning coarse = tune(motor.response(present), present, {});
+  EXPECT_GT(coarse.gains.rate_time_constant_s, fine.gains.rate_time_constant_s);
+  EXPECT_LT(coarse.gains.stiffness, 0.7 * fine.gains.stiffness);
+  const std::vector<std::string> lines = tuning_lines(fine.gains, 0);
+  EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [&fine](const std::string& line) {
+    return line == "set joint0.control.rate_time_constant " + rounded(fine.gains.rate_time_constant_s) + " s";
+  }));
+}
+
 TEST(Tuning, ItSaysWhatLimits) {
   const LoopGains present = gentle();
   const std::string delay = tune(Motor{.delay = 4}.response(present), present, {}).limited_by;
@@ -251,7 +269,7 @@ TEST(Tuning, AMarginIsTakenFromGainBothWaysAndFromTheCircle) {
 TEST(Tuning, ADumpGivesTheGainsAndAnotherTextIsRefused) {
   const LoopGains gains = read_gains(
       "begin\nset joint1.control.kp 0.3\nset joint0.control.kp 0.7\nset joint1.control.stiffness 1.5 Nm/rad\n"
-      "set joint1.conditioner.rate_time_constant 0.004 s\nset joint1.motor.torque_per_current 0.05 Nm/A\n"
+      "set joint1.control.rate_time_constant 0.004 s\nset joint1.motor.torque_per_current 0.05 Nm/A\n"
       "set joint1.limits.continuous_current 2 A\ncommit\n",
       1);
   EXPECT_EQ(gains.kp, 0.3);

@@ -87,10 +87,19 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
     const Outcome outcome = run(draw(seed), {});
     std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
                 outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
+    for (const std::string& found : outcome.progress.found) {
+      std::printf("  %s\n", found.c_str());
+    }
     EXPECT_TRUE(outcome.done) << seed << ": " << outcome.sentence;
     EXPECT_TRUE(outcome.torque_off) << seed;
     EXPECT_LT(outcome.joint_rad, kCorridor + 0.02) << seed;
   }
+}
+
+// Its home and its torque had so many digits that the shell said line_too_long.
+TEST(Commission, TheShakesOrderFitsTheShellsLine) {
+  const Outcome outcome = run(draw(767), {});
+  EXPECT_TRUE(outcome.done) << outcome.sentence;
 }
 
 /// A person who presses Ctrl-C while the joint is shaken for its gains.
@@ -103,7 +112,7 @@ class StoppedShell final : public BoardShell {
  private:
   auto do_ask(const std::string& line) -> std::vector<std::string> override {
     armed_afterwards_ += stop_ != 0 && line == "arm" ? 1 : 0;
-    if (line.find("duration=120") != std::string::npos) {
+    if (line.find("duration=110") != std::string::npos) {
       stop_ = 1;
       throw Refusal("stopped while the board was answering");
     }
