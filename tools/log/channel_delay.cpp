@@ -18,17 +18,18 @@ constexpr Index kFewestTurns = 8;
 /// A motor whose acceleration takes away less than this share of the noise's squares has no inertia to speak of, and
 /// needs no window that calms the acceleration.
 constexpr double kInertia = 0.02;
-/// From how many rows on a shift counts. Where a joint is seen, the torque is a tendon's, whose friction builds up on
-/// the way, and a turn that is seen late lets it run ahead.
-struct FewestRows {
-  double behind, ahead;
+/// From how many rows on, and from how many errors on if it runs ahead, a shift counts. Where a joint is seen, the
+/// torque is a tendon's, whose friction builds up on the way, and a turn that is seen late lets it run ahead; and one
+/// that sticks at rest turns its torque before it moves.
+struct LeastShift {
+  double behind, ahead, certain_ahead;
 };
 /// These and what follows were chosen 2026-11-23 on seeds 3000 to 3499 of tools/channel_benchmark, where they name 72 %
 /// of the late channels and accuse one or none of the 500 clean logs; 1.3 for kCertain names 75 % and accuses three.
-constexpr FewestRows kOfAxis = {0.5, 0.5};
-constexpr FewestRows kOfTendonMotor = {0.7, 1.2};
-constexpr FewestRows kOfJoint = {0.5, 0.5};
-constexpr double kCertain = 1.5;     // errors in a shift
+constexpr LeastShift kOfAxis = {0.5, 0.5, 3.0};
+constexpr LeastShift kOfTendonMotor = {0.7, 1.2, 3.0};
+constexpr LeastShift kOfJoint = {0.5, 0.5, 1.5};
+constexpr double kCertain = 1.5;     // errors in a shift that is behind
 constexpr double kTurnErrors = 2.5;  // by which a turn may be off, of what the angle's steps let it be known to
 constexpr double kFewestGain = 30.0;
 /// Of what a delay of that size has to explain; a shift that makes up for something else explains less.
@@ -42,7 +43,7 @@ struct Shift {
   [[nodiscard]] auto certainty() const -> double { return std::abs(rows) / half; }
 };
 
-auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const FewestRows& fewest)
+auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const LeastShift& fewest)
     -> std::optional<Shift> {
   if (!fit) {
     return std::nullopt;
@@ -50,7 +51,8 @@ auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const Fewe
   const double of_turns = kTurnErrors * turns.unsure / std::sqrt(static_cast<double>(turns.count));
   const Shift shift{fit->rows, std::hypot(fit->half, of_turns)};
   const double expected = std::pow(fit->rows / fit->bound, 2);
-  const double least = std::max(fit->rows > 0.0 ? fewest.behind : fewest.ahead, kCertain * shift.half);
+  const double certain = fit->rows > 0.0 ? kCertain : fewest.certain_ahead;
+  const double least = std::max(fit->rows > 0.0 ? fewest.behind : fewest.ahead, certain * shift.half);
   const bool good = std::abs(fit->rows) > least && fit->gain > std::max(kFewestGain, kExplained * expected);
   return good ? std::optional(shift) : std::nullopt;
 }
@@ -87,7 +89,7 @@ auto delay_between(const DelayChannels& c) -> std::optional<ChannelDelay> {
   if (turns.count < kFewestTurns) {
     return std::nullopt;
   }
-  const DelayWindows windows = delay_windows(*c.q1);
+  const DelayWindows windows = delay_windows(*c.q1, turns);
   std::optional<ShiftFit> of_motor;
   std::optional<Shift> effort;
   std::optional<Shift> target;
@@ -96,7 +98,14 @@ auto delay_between(const DelayChannels& c) -> std::optional<ChannelDelay> {
     effort = believed(of_motor, turns, c.target == nullptr ? kOfAxis : kOfTendonMotor);
   }
   if (c.target != nullptr) {
-    target = believed(behind_law({c.q1, c.tau, c.period_s}, *c.target, turns, windows.speed), turns, kOfJoint);
+    const auto of_joint = behind_law({c.q1, c.tau, c.period_s}, *c.target, turns, windows.speed);
+    target = believed(of_joint, turns, kOfJoint);
+    // A late effort lets the joint run ahead of it; only then is the effort looked for with the joint's help.
+    if (c.tau != nullptr && !effort && of_joint && of_joint->rows + of_joint->half < 0.0) {
+      const auto by_all = behind_law({c.q1, c.target, c.period_s}, *c.tau, turns, windows.speed);
+      const auto behind = believed(by_all, turns, kOfJoint);
+      effort = behind && behind->rows > 0.0 ? behind : effort;
+    }
   }
   if (target && target->rows > 0.0 && (!effort || target->certainty() >= effort->certainty())) {
     return late(LateChannel::kTarget, *target);

@@ -18,6 +18,8 @@ using Eigen::VectorXd;
 /// Share of a rate that the angle's noise and steps may make. Chosen 2026-11-23 on seeds 3000 to 3199 of
 /// tools/channel_benchmark, where 0.03 and 0.003 name 71 and 70 % of the late channels and 0.01 72 %.
 constexpr double kRateNoise = 0.01;
+/// From turn to turn there is room for so many windows at least. A fast motion looks like noise, and would be lost.
+constexpr Index kWindowsPerSwing = 8;
 constexpr std::array<Index, 10> kWindows = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48};
 
 /// Travel in which friction builds up, of the motion's range: as a play, and as a bristle. From well below what is
@@ -173,8 +175,9 @@ auto turns_of(const VectorXd& angle) -> Turns {
   return turns;
 }
 
-auto delay_windows(const VectorXd& angle) -> DelayWindows {
+auto delay_windows(const VectorXd& angle, const Turns& turns) -> DelayWindows {
   const double noise = angle_noise(angle);
+  const Index widest = angle.size() / (kWindowsPerSwing * std::max<Index>(turns.count, 1));
   DelayWindows found{kWindows.back(), kWindows.back()};
   for (auto window = kWindows.rbegin(); window != kWindows.rend(); ++window) {
     // The rates that a triangle sees are differences of means over a box.
@@ -188,7 +191,8 @@ auto delay_windows(const VectorXd& angle) -> DelayWindows {
     found.acceleration =
         std::sqrt(6.0) * noise / (width * width) < kRateNoise * rms(acceleration) ? *window : found.acceleration;
   }
-  return found;
+  const Index bound = std::max(widest, kWindows.front());
+  return {std::min(found.speed, bound), std::min(found.acceleration, bound)};
 }
 
 auto delay_law(const LawChannels& channels, const Turns& turns, const LogParts& parts) -> std::vector<MatrixXd> {

@@ -22,7 +22,7 @@ auto turns_of(const Eigen::VectorXd& angle) -> Turns;
 struct DelayWindows {
   Eigen::Index speed = 0, acceleration = 0;
 };
-auto delay_windows(const Eigen::VectorXd& angle) -> DelayWindows;
+auto delay_windows(const Eigen::VectorXd& angle, const Turns& turns) -> DelayWindows;
 
 struct LawChannels {
   const Eigen::VectorXd* q1 = nullptr;
