@@ -101,10 +101,11 @@ auto delay_between(const DelayChannels& c) -> std::optional<ChannelDelay> {
     const auto of_joint = behind_law({c.q1, c.tau, c.period_s}, *c.target, turns, windows.speed);
     target = believed(of_joint, turns, kOfJoint);
     // A late effort lets the joint run ahead of it; only then is the effort looked for with the joint's help.
-    if (c.tau != nullptr && !effort && of_joint && of_joint->rows + of_joint->half < 0.0) {
+    if (c.tau != nullptr && of_joint && of_joint->rows + of_joint->half < 0.0) {
       const auto by_all = behind_law({c.q1, c.target, c.period_s}, *c.tau, turns, windows.speed);
       const auto behind = believed(by_all, turns, kOfJoint);
-      effort = behind && behind->rows > 0.0 ? behind : effort;
+      const bool better = behind && behind->rows > 0.0 && (!effort || behind->certainty() > effort->certainty());
+      effort = better ? behind : effort;
     }
   }
   if (target && target->rows > 0.0 && (!effort || target->certainty() >= effort->certainty())) {
