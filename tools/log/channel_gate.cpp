@@ -2,6 +2,7 @@
 #include "capstan/tools/log/channel_gate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -21,21 +22,6 @@ constexpr double kMostJointTurns = 2.0;
 /// Angles in degrees beside radians run 57.3 times as far; the ratio of the pulleys makes that more or less.
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPulleys = 3.5;
-/// A delay counts from this many rows on, where it explains this share of the residual's squares, is known to this many
-/// rows and this many times better than its size, and the law leaves no more than this share of the target.
-struct DelayLimits {
-  double rows, gain, certain;
-};
-/// Chosen 2026-11-22 on seeds 3000 to 3349 of tools/channel_benchmark, with a fifth to a half on top of what accused
-/// none of these 350 clean logs: gains of 0.05 and 0.04, 2.5 and 4 times the interval. A late motor angle is what
-/// joints that lead look like, so it takes more; the efforts' generator is half a row off by itself, up to 0.68 rows as
-/// seen here.
-constexpr DelayLimits kDelayOfJoint = {0.5, 0.06, 3.0};
-constexpr DelayLimits kDelayOfMotor = {0.5, 0.2, 3.0};
-constexpr DelayLimits kDelayOfEffort = {0.8, 0.05, 5.0};
-constexpr double kWidestHalf = 0.8;
-constexpr double kMostLeft = 0.35;
-
 auto moves(const Eigen::VectorXd& x) -> bool {
   return x.size() > 0 && x.maxCoeff() > x.minCoeff();
 }
@@ -147,23 +133,25 @@ class Gate {
     const auto* angle = first_of(ChannelRole::kJointAngle);
     const auto* effort = first_of(ChannelRole::kMotorEffort);
     const auto* torque = first_of(ChannelRole::kJointEffort);
-    const auto* target = angle != nullptr ? angle : torque != nullptr ? torque : effort;
-    if (motor == nullptr || target == nullptr || has(ChannelFault::kWrapped) || has(ChannelFault::kUnsigned) ||
+    const auto* target = angle != nullptr ? angle : torque;
+    if (motor == nullptr || (target == nullptr && effort == nullptr) || has(ChannelFault::kWrapped) ||
+        has(ChannelFault::kUnsigned) ||
         has(ChannelFault::kHeld)) {  // what is held is late by half of that, and said to be
       return;
     }
-    const bool alone = target == effort;
-    const auto* input = alone || effort == nullptr ? nullptr : effort->values;
-    const auto delay = delay_between({motor->values, input, target->values, alone});
+    std::array<Eigen::VectorXd, 3> tame;
+    const auto values = [&](const GateChannel* channel, std::size_t place) -> const Eigen::VectorXd* {
+      if (channel == nullptr) {
+        return nullptr;
+      }
+      tame[place] = *channel->values;
+      for (const Index row : spike_rows(*channel->values)) {
+        tame[place][row] = tame[place][row - 1];
+      }
+      return &tame[place];
+    };
+    const auto delay = delay_between({values(motor, 0), values(effort, 1), values(target, 2), period_s_});
     if (!delay) {
-      return;
-    }
-    const double half = 0.5 * (delay->high - delay->low);
-    const DelayLimits& limits = alone                                        ? kDelayOfEffort
-                                : delay->channel == LateChannel::kMotorAngle ? kDelayOfMotor
-                                                                             : kDelayOfJoint;
-    if (delay->rows < std::max(limits.rows, limits.certain * half) || half > kWidestHalf || delay->gain < limits.gain ||
-        delay->left > kMostLeft) {
       return;
     }
     const auto* late = delay->channel == LateChannel::kTarget       ? target

@@ -6,9 +6,11 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "capstan/tools/log/axis_log.hpp"
 #include "capstan/tools/log/channel_delay.hpp"
+#include "capstan/tools/log/delay_law.hpp"
 #include "capstan/tools/log/time_scale.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -132,16 +134,105 @@ TEST(ChannelGate, UnitsDoNotMatter) {
   EXPECT_EQ(found(log), Words{"spikes tau"});
 }
 
-TEST(ChannelGate, ALateChannelIsNamedAndItsIntervalHoldsTheDelay) {
+auto held_back(const VectorXd& x, Index rows) -> VectorXd {
+  VectorXd late = x;
+  late.tail(x.size() - rows) = x.head(x.size() - rows);
+  return late;
+}
+
+TEST(ChannelGate, EachLateChannelIsNamedWithItsDelay) {
+  constexpr double kHalfRow = 0.5;  // of what the law does not have, a friction that is smooth in speed
+  for (const auto& [member, late, name] : {std::tuple(&Log::q1, LateChannel::kMotorAngle, "late q1"),
+                                           {&Log::tau, LateChannel::kMotorEffort, "late tau"},
+                                           {&Log::q2, LateChannel::kTarget, "late q2"}}) {
+    for (const Index rows : {2, 7}) {
+      Log log;
+      log.*member = held_back(log.*member, rows);
+      EXPECT_EQ(found(log), Words{name}) << rows;
+      const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
+      ASSERT_TRUE(delay) << name << rows;
+      EXPECT_EQ(delay->channel, late) << name << rows;
+      EXPECT_LE(delay->low - kHalfRow, static_cast<double>(rows)) << name;
+      EXPECT_GE(delay->high + kHalfRow, static_cast<double>(rows)) << name;
+    }
+  }
+}
+
+TEST(ChannelGate, TheIntervalOfALateEffortHoldsItsDelay) {
   Log log;
-  constexpr Index kLate = 4;
-  log.tau.tail(kRows - kLate) = VectorXd(log.tau.head(kRows - kLate));
-  EXPECT_EQ(found(log), Words{"late tau"});
-  const auto delay = delay_between({&log.q1, &log.tau, &log.q2, false});
+  log.tau = held_back(log.tau, 4);
+  const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
   ASSERT_TRUE(delay);
   EXPECT_EQ(delay->channel, LateChannel::kMotorEffort);
   EXPECT_LE(delay->low, 4.0);
   EXPECT_GE(delay->high, 4.0);
+}
+
+TEST(ChannelGate, WildValuesDoNotHideALateChannel) {
+  Log log;
+  log.tau = held_back(log.tau, 4);
+  log.tau[1234] += 30.0;
+  EXPECT_EQ(found(log), (Words{"spikes tau", "late tau"}));
+}
+
+TEST(ChannelGate, DragAndFrictionThatLagInTravelAreNoDelay) {
+  Log log;
+  double bent = log.q1[0];
+  for (Index i = 1; i + 1 < kRows; ++i) {
+    bent = std::clamp(bent, log.q1[i] - 0.02, log.q1[i] + 0.02);
+    log.q2[i] += -0.02 * (log.q1[i + 1] - log.q1[i - 1]) / (2.0 * kPeriod) + 0.3 * (bent - log.q1[i]);
+  }
+  EXPECT_EQ(found(log), Words{});
+}
+
+TEST(ChannelGate, AMotionThatHardlyTurnsTellsNoDelay) {
+  Log log;
+  for (Index i = 0; i < kRows; ++i) {
+    log.q1[i] += 3.0 * kPeriod * static_cast<double>(i);
+  }
+  log.q2 = held_back(0.7 * log.q1, 5);
+  EXPECT_FALSE(delay_between({&log.q1, &log.tau, &log.q2, kPeriod}));
+}
+
+TEST(ChannelGate, ALongLogTakesNoLonger) {
+  constexpr Index kLong = 600000;
+  VectorXd q1(kLong);
+  VectorXd tau(kLong);
+  for (Index i = 0; i < kLong; ++i) {
+    const double t = kPeriod * static_cast<double>(i);
+    q1[i] = motor(t);
+    tau[i] = torque(t) + 1e-4 * std::sin(1e3 * t * t);
+  }
+  const VectorXd q2 = 0.7 * q1 - 0.05 * tau;
+  const auto start = std::chrono::steady_clock::now();
+  static_cast<void>(delay_between({&q1, &tau, &q2, kPeriod}));
+  const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_LT(took, 10.0) << "five times what it takes on an idle machine";
+}
+
+TEST(ShiftFit, ATurnIsPutWhereTheWayBackBegan) {
+  // Comes to rest at row 500, rests, and starts back at one acceleration at row 900, in steps of an encoder.
+  VectorXd q(1500);
+  for (Index i = 0; i < q.size(); ++i) {
+    const auto row = static_cast<double>(i);
+    const double angle = i < 500   ? 1.0 - std::pow((row - 500.0) / 500.0, 2)
+                         : i < 900 ? 1.0
+                                   : 1.0 - 4e-6 * std::pow(row - 900.0, 2);
+    q[i] = std::round(angle / 1e-3) * 1e-3;
+  }
+  const Turns turns = turns_of(q);
+  ASSERT_EQ(turns.count, 1);
+  EXPECT_GT(turns.direction[880], 0.0);
+  EXPECT_LT(turns.direction[920], 0.0);
+}
+
+TEST(ShiftFit, ACouplingWithoutADelayHasNoneAndABoundBelowItsError) {
+  const VectorXd x = signal(motor);
+  const LogParts parts = parts_of_log(kRows, 2);
+  const auto fit = shift_behind({cut(x, parts)}, cut(2.0 * x + signal(torque) * 0.1, parts), parts);
+  ASSERT_TRUE(fit);
+  EXPECT_GT(fit->bound, 0.0);
+  EXPECT_FALSE(shift_behind({cut(x, parts_of_log(50, 2))}, cut(x, parts_of_log(50, 2)), parts_of_log(50, 2)));
 }
 
 auto text_of(const Log& log, double unit, bool slow_joint = false, Index repeat = 1) -> std::string {
