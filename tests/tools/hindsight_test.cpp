@@ -77,5 +77,34 @@ TEST(Hindsight, TheRateHasNoLag) {
   EXPECT_LT((slope - truth).segment(20, 7950).cwiseAbs().maxCoeff(), 1e-3);
 }
 
+TEST(Hindsight, WhatLiesBehindTheInputTermsIsSeenAsWellAsTheMotor) {
+  const Hindsight hindsight = hindsight_samples(swinging(), {}, {kStep, 0.0});
+  for (const auto& sample : hindsight.samples) {  // the ratio reads h, drag reads both rates
+    ASSERT_EQ(sample.h, sample.q1);
+    ASSERT_EQ(sample.dh, sample.dq1);
+  }
+}
+
+TEST(Hindsight, WhatARateHidesIsAsLargeAsItsError) {
+  AxisLog log = swinging();
+  const Eigen::ArrayXd phase = log.time_s.array() * std::numbers::pi;
+  const Hindsight hindsight = hindsight_samples(log, {}, {kStep, 0.0});
+  double of_rate = 0.0;
+  double of_acceleration = 0.0;
+  constexpr Eigen::Index kEdge = 200;
+  for (Eigen::Index i = kEdge; i < 8000 - kEdge; ++i) {
+    const auto& sample = hindsight.samples[static_cast<std::size_t>(i)];
+    of_rate += std::pow(sample.dq1 + std::numbers::pi * std::sin(phase[i]), 2);
+    of_acceleration += std::pow(sample.ddq1 + 1e-3 * std::numbers::pi * std::numbers::pi * std::cos(phase[i]), 2);
+  }
+  const auto energy = [](const Eigen::VectorXd& signal) {
+    return signal.segment(kEdge, 8000 - 2 * kEdge).squaredNorm();
+  };
+  EXPECT_GT(energy(hindsight.hidden_rate), of_rate / 4.0);
+  EXPECT_LT(energy(hindsight.hidden_rate), of_rate * 4.0);
+  EXPECT_GT(energy(hindsight.hidden_acceleration), of_acceleration / 4.0);
+  EXPECT_LT(energy(hindsight.hidden_acceleration), of_acceleration * 4.0);
+}
+
 }  // namespace
 }  // namespace capstan::tools
