@@ -6,6 +6,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "capstan/tests/tools/synthetic_joint.hpp"
+#include "capstan/tools/diagnose/round.hpp"
+#include "capstan/tools/diagnose/verdict.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -75,6 +79,64 @@ TEST(Hindsight, TheRateHasNoLag) {
   const Eigen::VectorXd slope = local_slope(log.q1_rad, 10, kPeriod);
   const Eigen::VectorXd truth = -std::numbers::pi * (log.time_s.array() * std::numbers::pi).sin();
   EXPECT_LT((slope - truth).segment(20, 7950).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(Hindsight, WhatLiesBehindTheInputTermsIsSeenAsWellAsTheMotor) {
+  const Hindsight hindsight = hindsight_samples(swinging(), {}, {kStep, 0.0});
+  for (const auto& sample : hindsight.samples) {  // the ratio reads h, drag reads both rates
+    ASSERT_EQ(sample.h, sample.q1);
+    ASSERT_EQ(sample.dh, sample.dq1);
+  }
+}
+
+TEST(Hindsight, WhatARateHidesIsAsLargeAsItsError) {
+  AxisLog log = swinging();
+  const Eigen::ArrayXd phase = log.time_s.array() * std::numbers::pi;
+  const Hindsight hindsight = hindsight_samples(log, {}, {kStep, 0.0});
+  double of_rate = 0.0;
+  double of_acceleration = 0.0;
+  constexpr Eigen::Index kEdge = 200;
+  for (Eigen::Index i = kEdge; i < 8000 - kEdge; ++i) {
+    const auto& sample = hindsight.samples[static_cast<std::size_t>(i)];
+    of_rate += std::pow(sample.dq1 + std::numbers::pi * std::sin(phase[i]), 2);
+    of_acceleration += std::pow(sample.ddq1 + 1e-3 * std::numbers::pi * std::numbers::pi * std::cos(phase[i]), 2);
+  }
+  const auto energy = [](const Eigen::VectorXd& signal) {
+    return signal.segment(kEdge, 8000 - 2 * kEdge).squaredNorm();
+  };
+  EXPECT_GT(energy(hindsight.hidden_rate), of_rate / 4.0);
+  EXPECT_LT(energy(hindsight.hidden_rate), of_rate * 4.0);
+  EXPECT_GT(energy(hindsight.hidden_acceleration), of_acceleration / 4.0);
+  EXPECT_LT(energy(hindsight.hidden_acceleration), of_acceleration * 4.0);
+}
+
+TEST(Hindsight, WhatTheResolutionHidesReachesTheLaw) {
+  test::SyntheticRequest request;
+  request.counts_per_turn = 1024.0;
+  const std::vector<AxisLog> logs = {test::synthetic_log(request)};
+  const LawForm law = form_of_model("kinematic", logs);
+  const Eigen::VectorXd hidden = residual_of(prepare(logs, law), law).resolution;
+  const double counts = 1.08 * 2.0 * std::numbers::pi / 1024.0 / std::sqrt(12.0);  // of whoever sees nothing in between
+  EXPECT_GT(hidden.norm(), 0.02 * counts * std::sqrt(static_cast<double>(hidden.size())));
+  EXPECT_LT(hidden.norm(), counts * std::sqrt(static_cast<double>(hidden.size())));
+}
+
+/// A search that named an effect and still finds something for certain.
+auto search_that_explains(double share) -> Search {
+  Search search;
+  search.effects.emplace_back();
+  search.effects.back().name = "play";
+  search.lacks_something = true;
+  search.share = {share, share};
+  return search;
+}
+
+TEST(Verdict, WhatTheFormOfATermLeavesIsNoOtherEffect) {
+  Diagnosis whole;
+  EXPECT_EQ(judge(search_that_explains(0.985), whole), Verdict::kEffect);
+  EXPECT_EQ(whole.reason.find("can not be told from noise"), std::string::npos);  // it can
+  Diagnosis part;
+  EXPECT_EQ(judge(search_that_explains(0.94), part), Verdict::kEffectPlusUnlisted);  // another, four times smaller
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "capstan/model/terms/table.hpp"
 #include "capstan/tests/tools/synthetic_joint.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 
@@ -122,6 +123,24 @@ TEST(EffortCatalogue, InertiaIsPerRadPerSecondSquared) {
   samples[0].ddq1 = 0.25;  // krad/s2
   const auto columns = effort_catalogue(AxisKind::kRotary).term("inertia").columns(samples, 0.001, {});
   EXPECT_DOUBLE_EQ(columns(0, 0), 250.0);
+}
+
+TEST(TermCatalogue, ColumnsOfATableAreWhatTheTermGives) {
+  test::SyntheticRequest request;
+  request.cycle_s = 5.0;
+  request.cycles = 1;
+  const Samples samples = causal_samples(test::synthetic_log(request), {});
+  const Shapes shapes = {0.0, 9.0, -0.8, 0.8, 1.0};  // over the motor angle, part of which lies outside, times torque
+  const Eigen::MatrixXd columns = term_catalogue().term("table").columns(samples, 0.005, shapes);
+  Table<double> table(SamplePeriod<double>(0.005), {0.0, 9.0, -0.8, 0.8, 1.0});
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    const auto& sample = samples[static_cast<std::size_t>(row)];
+    const auto regressors = table.update(sample);
+    for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+      ASSERT_EQ(columns(row, i), regressors[static_cast<std::size_t>(i)]) << "row " << row << ", knot " << i;
+    }
+    ASSERT_NEAR(columns.row(row).sum(), sample.tau, 1e-15);  // shares of one whole, times the factor
+  }
 }
 
 }  // namespace

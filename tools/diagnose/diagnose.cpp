@@ -167,14 +167,15 @@ auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
 
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
 /// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor; or
-/// the law of two tendons, which took the usual one's place for that.
-auto chosen_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
+/// the law of two tendons, which took the usual one's place for that. Where something is left for certain, be it the
+/// form of a term alone, there is something to choose.
+auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice {
   if (d.base.catalogue->target() != TargetKind::kAngle) {
     return chosen_effort_law(p, d);
   }
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
   const bool complete = p.repeats || d.base.has(kTendonModel);
-  if (named || (complete && d.verdict == Verdict::kNothingMissing)) {
+  if ((named && !search.lacks_something) || (complete && d.verdict == Verdict::kNothingMissing)) {
     const JointFile& law = named ? *d.found : d.base;
     // Where the running switch is late, no law of this encoder knows better.
     const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
@@ -212,7 +213,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   if (healthy) {
     hold_to_own_logs(p, *healthy, d);
   }
-  LawChoice choice = chosen_law(p, d);
+  LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
   const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
   if (without_name && d.ratio_ci95[0] > 1.0) {

@@ -141,7 +141,10 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
       all.noisy_torque.push_back(hindsight.samples);
       const double torque_noise = white_noise_level(log.tau_nm);
       for (std::size_t i = 0; i < hindsight.samples.size(); ++i) {
-        all.coarse_angle.back()[i].q1 += hindsight.hidden_rad[static_cast<Eigen::Index>(i)];
+        const auto row = static_cast<Eigen::Index>(i);
+        auto& sample = all.coarse_angle.back()[i];
+        set_motion(sample, sample.q1 + hindsight.hidden_rad[row], sample.dq1 + hindsight.hidden_rate[row]);
+        sample.ddq1 += hindsight.hidden_acceleration[row];
         all.noisy_torque.back()[i].tau += torque_noise * random.normal();
       }
     }

@@ -181,10 +181,16 @@ class Searcher {
     return explained < round.adequacy.hidden_energy || (grid && !round.adequacy.lacks_something);
   }
 
+  /// Beside an effect that was found stands what its own term does not get quite right, certain in a long log and
+  /// small: where nothing that matters is missing, what explains less than what matters has no name.
+  auto hardly_matters(const Round& round, const FamilyTrial& trial) const -> bool {
+    return !search_.effects.empty() && !round.adequacy.lacks_something && trial.explained < kMatters;
+  }
+
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
     const FamilyTrial* best = simplest(round, best_passing(round, false), !search_.effects.empty());
-    if (best != nullptr && may_be_hidden(round, *best)) {
+    if (best != nullptr && (may_be_hidden(round, *best) || hardly_matters(round, *best))) {
       best = nullptr;
     }
     if (search_.effects.empty() && round.adequacy.lacks_something &&

@@ -216,9 +216,12 @@ auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& t
     // A noise model may swallow a smooth misfit; energy does not. Twice what the best leaves is no tie.
     const bool leaves_far_more = clearly_positive(raw_margin) && raw_margin.sum() > own.energies.sum();
     const bool simpler = parameter_count(evidence.families[other.family]) <= parameter_count(evidence.families[best]);
+    // Evidence that contradicts itself rules out no name: rows that were not fitted are predicted better for certain.
+    const bool predicts_better =
+        evidence.families[other.family].in_catalogue && clearly_positive(own.energies - other.energies);
     const bool beyond_doubt =
         !simpler || margin.sum() > kOverwhelming * evidence_needed(evidence) || raw_margin.sum() > left_by_best;
-    if (!leaves_far_more && (!worse || !beyond_doubt)) {
+    if (!leaves_far_more && (!worse || !beyond_doubt || predicts_better)) {
       confusable.push_back(other.family);
     }
   }

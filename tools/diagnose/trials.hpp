@@ -54,7 +54,7 @@ auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool;
 /// (`floor_energy`: of the flexible ceiling): a margin smaller than that may be owed to something that neither has.
 /// Or when it leaves twice the energy in the measured quantity.
 /// Neither a family with more parameters than the best nor one that is overwhelmingly less likely is given that
-/// benefit.
+/// benefit, unless it is listed and predicts rows that it was not fitted to better for certain.
 auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best,
                      double floor_energy) -> std::vector<std::size_t>;
 

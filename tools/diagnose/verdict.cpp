@@ -174,12 +174,16 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
   if (!search.effects.front().alternatives.empty()) {
     return judge_ambiguous(search.effects.front(), d);
   }
-  if (search.lacks_something) {
+  if (search.lacks_something && search.share.lower < kWholeEffect) {
     d.reason = "The law lacks " + found + ", and something beyond it that is not in the catalogue";
     d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
     return Verdict::kEffectPlusUnlisted;
   }
-  d.reason = "The law lacks " + found + "; what is left then can not be told from noise.";
+  d.reason =
+      "The law lacks " + found +
+      (search.lacks_something
+           ? "; what is left then is certain, and hardly more than the form of a term may leave of its own effect."
+           : "; what is left then can not be told from noise.");
   return Verdict::kEffect;
 }
 

@@ -148,8 +148,7 @@ auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoi
   }
   const Eigen::VectorXd rate = local_slope(angle, rate_half_window(log, noise), log.period_s);
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    samples[i].q1 = angle[static_cast<Eigen::Index>(i)];
-    samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
+    set_motion(samples[i], angle[static_cast<Eigen::Index>(i)], rate[static_cast<Eigen::Index>(i)]);
   }
   set_acceleration(log.period_s, samples);
   return samples;

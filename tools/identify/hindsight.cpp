@@ -104,31 +104,45 @@ auto noise_of_second_slope(Eigen::Index half_window, double period_s) -> double 
   return std::sqrt(energy);
 }
 
-/// Second derivative of the motor angle, in windows as wide as its noise demands. What trembles with the encoder's last
-/// digit would speak for the opposite sign of any effect of it, because the angle in the law trembles alike.
-auto quiet_acceleration(const AxisLog& log, const AngleNoise& noise) -> Eigen::VectorXd {
+/// Second derivative, per second squared: the slope of slopes.
+auto second_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double period_s) -> Eigen::VectorXd {
+  return local_slope(local_slope(signal, half_window, period_s), half_window, period_s);
+}
+
+/// Half width, in samples, of the two windows for the acceleration, as wide as its noise demands. What trembles with
+/// the encoder's last digit would speak for the opposite sign of any effect of it, because the angle in the law
+/// trembles alike.
+auto acceleration_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index {
   constexpr double kNoiseShare = 0.05;
   constexpr double kLongestS = 0.06;
   const double sigma = std::hypot(noise.white_rad, noise.step_rad / std::sqrt(12.0));
   const auto longest = std::max<Eigen::Index>(1, std::lround(kLongestS / log.period_s));
   for (Eigen::Index half = 1;; half = std::min(longest, half + std::max<Eigen::Index>(1, half / 4))) {
-    const Eigen::VectorXd acceleration = local_slope(local_slope(log.q1_rad, half, log.period_s), half, log.period_s);
     const double noise_left = sigma * noise_of_second_slope(half, log.period_s);
-    if (half == longest || noise_left <= kNoiseShare * rms(acceleration)) {
-      return acceleration;
+    if (half == longest || noise_left <= kNoiseShare * rms(second_slope(log.q1_rad, half, log.period_s))) {
+      return half;
     }
   }
 }
 
-/// What the encoder's resolution still hides from hindsight: the angle goes once more through an encoder of this step,
-/// whose edges lie elsewhere.
-auto hidden_by_encoder(const Eigen::VectorXd& angle, double step_rad) -> Eigen::VectorXd {
+/// What has this rate, from a start on.
+auto summed(const Eigen::VectorXd& rate, double start, double period_s) -> Eigen::VectorXd {
+  Eigen::VectorXd sum(rate.size());
+  double here = start;
+  for (Eigen::Index i = 0; i < rate.size(); ++i) {
+    here += i > 0 ? 0.5 * period_s * (rate[i - 1] + rate[i]) : 0.0;
+    sum[i] = here;
+  }
+  return sum;
+}
+
+/// The angle once more through an encoder of this step, whose edges lie elsewhere.
+auto counted_again(const Eigen::VectorXd& angle, double step_rad) -> Eigen::VectorXd {
   if (step_rad <= 0.0) {
-    return Eigen::VectorXd::Zero(angle.size());
+    return angle;
   }
   const double shift = 0.5 * step_rad + angle[0] - step_rad * std::round(angle[0] / step_rad);
-  const Eigen::ArrayXd counts = ((angle.array() - shift) / step_rad).round() * step_rad + shift;
-  return between_counts(counts.matrix(), step_rad) - angle;
+  return ((angle.array() - shift) / step_rad).round() * step_rad + shift;
 }
 
 }  // namespace
@@ -173,17 +187,18 @@ auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double
 
 auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight {
-  Hindsight result{causal_samples(log, conditioner), {}, {}};
+  Hindsight result{causal_samples(log, conditioner), {}, {}, {}, {}};
   const auto changes = direction_changes(result.samples);
   constexpr double kKiloRadPerRad = 1e-3;
   const Eigen::Index half_window = rate_half_window(log, noise);
   const Eigen::VectorXd angle = between_counts(log.q1_rad, noise.step_rad);
   const Eigen::VectorXd rate = local_slope(log.q1_rad, half_window, log.period_s);
-  const Eigen::VectorXd acceleration = quiet_acceleration(log, noise);
+  const Eigen::Index wide = acceleration_half_window(log, noise);
+  const Eigen::VectorXd acceleration = second_slope(log.q1_rad, wide, log.period_s);
   for (std::size_t i = 0; i < result.samples.size(); ++i) {
-    result.samples[i].q1 = angle[static_cast<Eigen::Index>(i)];
-    result.samples[i].dq1 = rate[static_cast<Eigen::Index>(i)];
-    result.samples[i].ddq1 = kKiloRadPerRad * acceleration[static_cast<Eigen::Index>(i)];
+    const auto row = static_cast<Eigen::Index>(i);
+    set_motion(result.samples[i], angle[row], rate[row]);
+    result.samples[i].ddq1 = kKiloRadPerRad * acceleration[row];
   }
   const double visible = noise.step_rad > 0.0 ? 1.01 * noise.step_rad : 3.0 * noise.white_rad;
   Eigen::Index stroke_begin = 0;
@@ -200,7 +215,13 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     stroke_begin = noticed;
   }
   remember_reversals(log, result.samples);
-  result.hidden_rad = hidden_by_encoder(angle, noise.step_rad);
+  result.hidden_rad = between_counts(counted_again(angle, noise.step_rad), noise.step_rad) - angle;
+  const Eigen::VectorXd by_rate = summed(rate, angle[0], log.period_s);
+  result.hidden_rate = local_slope(counted_again(by_rate, noise.step_rad), half_window, log.period_s) - rate;
+  const Eigen::VectorXd by_acceleration = summed(summed(acceleration, rate[0], log.period_s), angle[0], log.period_s);
+  result.hidden_acceleration =
+      kKiloRadPerRad *
+      (second_slope(counted_again(by_acceleration, noise.step_rad), wide, log.period_s) - acceleration);
   return result;
 }
 

@@ -10,14 +10,23 @@ namespace capstan::tools {
 /// instead of when the causal switch notices it, torque and angle are those of that reversal, neither rate nor
 /// acceleration lags, and the motor angle goes straight from count to count. What is reported in the end is the causal
 /// law's error.
+/// Angle and rate stand before and behind the input terms alike, as in a causal sample: the ratio reads what is behind.
 struct Hindsight {
   Samples samples;
   Blocks uncertain;  ///< rows around reversals where even hindsight can not tell the direction, for the encoder's
                      ///< resolution
   Eigen::VectorXd hidden_rad;  ///< what the encoder's resolution may still be hiding of q1: one draw, no measurement
+  /// The same of the rates, with what their windows blur: what was seen, seen again. rad/s, krad/s2
+  Eigen::VectorXd hidden_rate, hidden_acceleration;
 };
 auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
     -> Hindsight;
+
+/// Lets the motor be at this angle with this rate, where no input term has acted: what is behind them is the same.
+inline void set_motion(Sample<double>& sample, double q1, double dq1) {
+  sample.q1 = sample.h = q1;
+  sample.dq1 = sample.dh = dq1;
+}
 
 /// Half width, in samples, of the window for the rate: as short as keeps the rate's noise below 2 % of the motion's.
 auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Index;

@@ -46,10 +46,20 @@ auto sum_columns(const Samples& samples, double period_s, const Shapes& shapes) 
   constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
   Term term = make_term<Term>(period_s, shapes);
+  constexpr bool kOneAtATime = one_at_a_time<Term>();
+  if constexpr (kOneAtATime) {
+    columns.setZero();
+  }
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     const auto regressors = term.update(samples[static_cast<std::size_t>(row)]);
-    for (Eigen::Index i = 0; i < kColumns; ++i) {
-      columns(row, i) = regressors[static_cast<std::size_t>(i)];
+    if constexpr (kOneAtATime) {  // all but two are nothing
+      const auto at = static_cast<Eigen::Index>(regressors.at);
+      columns(row, at) = regressors.rest;
+      columns(row, at + 1) = regressors.share;
+    } else {
+      for (Eigen::Index i = 0; i < kColumns; ++i) {
+        columns(row, i) = regressors[static_cast<std::size_t>(i)];
+      }
     }
   }
   return columns;

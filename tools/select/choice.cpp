@@ -2,6 +2,9 @@
 #include "capstan/tools/select/choice.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -59,8 +62,11 @@ class Chooser {
     judged.base_may_stay = judged.delivered == kBasePlace;
   }
 
-  /// With the wider vocabulary, from the base law and from the best law so far, and beside all laws so far.
+  /// With the wider vocabulary, from the base law and from the best law so far, and beside all laws so far. With so
+  /// much more to choose from the least error is lucky: the law so far stays unless it errs more by a standard error.
   void ask_again(Judged& judged) {
+    const Selection so_far = judged.selection;
+    const std::size_t place = judged.delivered;
     std::vector<LawCandidate> laws = given_;
     for (std::size_t i = given_.size(); i < judged.selection.laws.size(); ++i) {
       laws.push_back(judged.selection.laws[i].law);
@@ -70,6 +76,21 @@ class Chooser {
       starts.push_back(judged.selection.laws[judged.selection.best].law);
     }
     select(laws, wider_vocabulary(data_, std::move(starts)), judged);
+    const LawCandidate& before = so_far.laws[place].law;
+    const LawCandidate& now = judged.selection.laws[judged.delivered].law;
+    if (!(now == before) && !errs_less(judged.forward, now, before)) {
+      judged.selection = so_far;
+      judged.delivered = place;
+    }
+  }
+
+  /// By more than the standard error of the difference, over runs of pieces.
+  [[nodiscard]] auto errs_less(ForwardScore& forward, const LawCandidate& law, const LawCandidate& other) const
+      -> bool {
+    const Eigen::VectorXd gain = decimated(forward.losses(other) - forward.losses(law), data_.numbers().run);
+    const auto runs = static_cast<double>(gain.size());
+    const double spread = std::sqrt((gain.array() - gain.mean()).square().sum() / (runs - 1.0));
+    return gain.mean() > spread / std::sqrt(runs);
   }
 
   auto choice() -> LawChoice {

@@ -151,6 +151,12 @@ void ForwardScore::multiply(LawAssembly& fit) {
   for (Eigen::Index i = 0; i <= n; ++i) {
     const LawAssembly::Column& a = i < n ? fit.columns[static_cast<std::size_t>(i)] : target;
     for (Eigen::Index k = 0; k <= i; ++k) {
+      if (fit.are_apart(i, k)) {
+        for (auto& gram : fit.grams) {
+          gram(i, k) = gram(k, i) = 0.0;
+        }
+        continue;
+      }
       const LawAssembly::Column& b = k < n ? fit.columns[static_cast<std::size_t>(k)] : target;
       const bool kept = a.id != LawAssembly::kNotKept && b.id != LawAssembly::kNotKept;
       const Products all = kept ? products(a.id, b.id) : products_of(values(a), values(b));

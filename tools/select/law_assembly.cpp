@@ -54,6 +54,17 @@ auto energy_left(const Eigen::MatrixXd& gram, const Eigen::VectorXd& theta) -> d
   return std::max(0.0, gram(n, n) - 2.0 * theta.dot(rhs) + theta.dot(gram.topLeftCorner(n, n) * theta));
 }
 
+auto LawAssembly::are_apart(Eigen::Index a, Eigen::Index b) const -> bool {
+  const auto line_of = [this](Eigen::Index column) {
+    return std::find_if(lines.begin(), lines.end(),
+                        [column](const auto& line) { return column >= line.begin && column < line.end; });
+  };
+  const auto one = line_of(a);
+  const auto other = line_of(b);
+  const bool both = one != lines.end() && other != lines.end();
+  return both && (one != other || std::abs(a - b) > 1);
+}
+
 auto LawAssembly::sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd {
   Eigen::MatrixXd all = grams[static_cast<std::size_t>(first)];
   for (Eigen::Index part = first + 1; part < end; ++part) {

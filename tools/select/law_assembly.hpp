@@ -42,6 +42,9 @@ struct LawAssembly {
   std::vector<RowRange> lines;  ///< columns that are neighbouring knots of a table
   double smoothness = 0.0;      ///< of what lies on them: DecidingNumbers
 
+  /// Whether two columns never differ from nothing in one row: knots of a table that are no neighbours, or of different
+  /// directions. A law has one table at most.
+  [[nodiscard]] auto are_apart(Eigen::Index a, Eigen::Index b) const -> bool;
   /// Of the parts from `first` to before `end`.
   [[nodiscard]] auto sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd;
   /// To the rows of these products.

@@ -201,12 +201,11 @@ auto SelectionData::columns(const TermChoice& choice, const TermChoice* output) 
   return found->second;
 }
 
-auto SelectionData::columns_at(const TermChoice& choice, const Eigen::VectorXd& h) const -> Eigen::MatrixXd {
-  Samples samples = coarse_;
+auto SelectionData::columns_at(const TermChoice& choice, const Eigen::VectorXd& h) -> Eigen::MatrixXd {
   for (Eigen::Index row = 0; row < h.size(); ++row) {
-    samples[static_cast<std::size_t>(row)].h = h[row];
+    coarse_[static_cast<std::size_t>(row)].h = h[row];
   }
-  return catalogue_->term(choice.term).columns(samples, p_.coarse_period_s, choice.shapes);
+  return catalogue_->term(choice.term).columns(coarse_, p_.coarse_period_s, choice.shapes);
 }
 
 }  // namespace capstan::tools

@@ -46,7 +46,7 @@ class SelectionData {
   /// Coarse columns of a term of the sum, passed through an output term if there is one.
   auto columns(const TermChoice& choice, const TermChoice* output) -> const Eigen::MatrixXd&;
   /// Coarse columns of a term without memory at given motor angles behind the input stage.
-  [[nodiscard]] auto columns_at(const TermChoice& choice, const Eigen::VectorXd& h) const -> Eigen::MatrixXd;
+  auto columns_at(const TermChoice& choice, const Eigen::VectorXd& h) -> Eigen::MatrixXd;
 
  private:
   void measure_ranges();
@@ -60,7 +60,7 @@ class SelectionData {
   DecidingNumbers numbers_;
   SignalRanges ranges_;
   Eigen::VectorXd target_, q1_;
-  Samples coarse_;
+  Samples coarse_;  ///< h is as columns_at() was last asked for
   Blocks logs_, settled_;
   std::vector<double> widths_;
   std::map<std::string, Eigen::MatrixXd> kept_;
