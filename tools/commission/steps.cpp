@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -16,35 +17,17 @@ constexpr double kDegree = kPi / 180.0;
 
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
 // docs/tuning.md reports other seeds.
-constexpr double kMostZeroShare = 0.05;  // of limits.current: an offset that is no offset any more
-constexpr double kMotorWayRad = 0.05;  // 2.9 deg: the gate takes torque away there, and a loose motor runs on a little
-constexpr double kSoftStiffness = 0.02;  // Nm/rad: far below any tendon's, so that a wrong sign does not run away
-constexpr double kFirstShare = 0.03;     // of the continuous torque, and raised until the motor answers
-constexpr double kMostShare = 0.4;
-constexpr double kGrowth = 1.5;
-constexpr double kAnswerCounts = 3.0;        // rms of the motor about its mean
-constexpr int kGlanceS = 5;                  // of shaking, while it is too little for the motor to answer ...
-constexpr int kShakeS = 11;                  // ... and for its response: four periods, and one to settle
-constexpr double kFollows = 0.3;             // measured current over the wanted one
-constexpr double kFits = 0.2;                // of the answer that motor, spring and delay leave
-constexpr double kSettled = 0.12;            // from one amplitude to the next, a half larger
-constexpr double kTellsTo = 120.0;           // Hz; above, the delay turns the answer round
-constexpr double kScaleApart = 1.6;          // of inertia by the data sheet and by the shake; wrong counts are 2 or 4
+constexpr double kMostZeroShare = 0.05;      // of limits.current: an offset that is no offset any more
+constexpr double kSoftStiffness = 0.02;      // Nm/rad: far below any tendon's, so that a wrong sign does not run away
 constexpr double kCalmStiffness = 25000.0;   // Nm/rad per kg m2: 25 Hz, damped at 0.8 of critical
 constexpr double kCalmDamping = 250.0;       // Nms/rad per kg m2
+constexpr double kFirstPressShare = 0.0075;  // of the continuous torque
+constexpr double kPressGrowth = 1.25;
+constexpr double kFinePressGrowth = 1.05;
 constexpr double kPressRad = 2.0 * kDegree;  // from one end to the other
 constexpr double kElastic = 0.35;            // share of the torque that is a spring's; a loose motor has friction only
 constexpr double kOneSided = 3.0;            // of the torques either way
 constexpr double kBlocked = 0.25;            // rise of the torque over the last half of a leg, of that at its end
-
-auto rms_about_mean(const Eigen::VectorXd& values) -> double {
-  return std::sqrt((values.array() - values.mean()).square().mean());
-}
-
-auto median(std::vector<double> values) -> double {
-  std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
 
 }  // namespace
 
@@ -115,133 +98,40 @@ void CommissionSteps::look(CommissionSteps& steps) {
              " mA");
 }
 
-auto CommissionSteps::shaken(double amplitude_nm, int seconds) -> CsvLog {
+auto CommissionSteps::pressed(double torque_nm) -> std::optional<CsvLog> {
   joint_.arm();
-  const CsvLog log =
-      joint_.rows("experiment", "multisine on=torque from=50Hz to=150Hz duration=" + std::to_string(seconds) +
-                                    " corridor=" + rounded(std::min(options_.corridor_rad, kMotorWayRad)) +
-                                    " amplitude=" + rounded(amplitude_nm, 6) + "Nm");
-  joint_.disarm();
-  return log;
-}
-
-void CommissionSteps::judge_current(const CsvLog& log) {
-  const Eigen::VectorXd wanted = joint_.column(log, "tau_cmd_Nm") / joint_.value("motor.torque_per_current");
-  const Eigen::VectorXd current = joint_.column(log, "current_A");
-  const Eigen::Index rows = wanted.size() - 2;
-  const double follows = (current.tail(rows).array() - current.mean()).matrix().dot(wanted.segment(1, rows)) /
-                         wanted.segment(1, rows).squaredNorm();
-  if (std::fabs(follows) < kFollows) {
-    throw Refusal("the measured current does not follow the wanted one (" + rounded(follows, 2) +
-                  " of it): the current sensor or the amplifier is dead; check cable, supply and enable line");
-  }
-  if (follows < 0.0) {
-    throw Refusal("the measured current has the wrong sign; turn the current sensor round, or its two wires");
-  }
-}
-
-auto CommissionSteps::inertia_of(const CsvLog& log) const -> double {
-  const Response response = estimate_response(read_response(log, joint_.axis()));
   try {
-    // Friction is in quadrature to inertia, so a fit parts them, where it fits.
-    const MotorModel motor = fit_motor(response);
-    if (motor.share_left < kFits) {
-      return motor.inertia_kgm2;
+    CsvLog log = joint_.rows("experiment", "torque_triangle every=2 cycles=1 amplitude=" + rounded(torque_nm, 6) +
+                                               "Nm rates=" + rounded(8.0 * torque_nm, 6) + "Nm/s");
+    joint_.disarm();
+    return log;
+  } catch (const Refusal& refusal) {
+    joint_.disarm();
+    if (std::string(refusal.what()).find("left its limits") == std::string::npos) {
+      throw;
     }
-  } catch (const Refusal&) {
-    // Too few lines are clear: by size alone.
+    return std::nullopt;
   }
-  double way = 0.0;
-  std::vector<double> inertias;
-  for (const ResponsePoint& point : response.points) {
-    if (point.hz < kTellsTo) {
-      way += point.motor.value.real() * point.hz * point.hz;
-      inertias.push_back(1.0 / std::abs(point.motor.value) / std::pow(2.0 * kPi * point.hz, 2));
-    }
-  }
-  return way > 0.0 ? -median(inertias) : median(inertias);
-}
-
-void CommissionSteps::judge_inertia(double inertia) {
-  all_.progress.inertia_kgm2 = std::fabs(inertia);
-  if (inertia < 0.0) {
-    throw Refusal(
-        "the encoder counts against the torque: its sign is wrong, or the motor's wires are swapped; set "
-        "motor.encoder_sign to " +
-        rounded(-joint_.value("motor.encoder_sign")) + ", or swap the wires");
-  }
-  if (options_.inertia_kgm2) {
-    const double apart = inertia / *options_.inertia_kgm2;
-    if (apart > kScaleApart || apart < 1.0 / kScaleApart) {
-      throw Refusal("the motor answers as one of " + rounded(1e3 * inertia, 3) + " g m2, " + rounded(apart, 2) +
-                    " times the data sheet's: motor.encoder_counts or motor.torque_per_current is wrong by about "
-                    "that; compare both with the data sheets of encoder, gear and motor");
-    }
-    find("inertia " + rounded(1e3 * inertia, 3) + " g m2, the data sheet's times " + rounded(apart, 2) +
-         ": counts and torque per current agree with it");
-  } else {
-    find("inertia " + rounded(1e3 * inertia, 3) +
-         " g m2; nobody said what the data sheet has (--inertia), so wrong counts would not be seen");
-  }
-}
-
-void CommissionSteps::shake(CommissionSteps& steps) {
-  JointConsole& joint = steps.joint_;
-  steps.let_go();
-  double last = 0.0;
-  const auto answered = [&joint](const CsvLog& log) {
-    return rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
-  };
-  bool answers = false;
-  for (double share = kFirstShare; share < kMostShare; share *= kGrowth) {
-    std::optional<CsvLog> shaken;
-    try {
-      const double amplitude_nm = share * steps.continuous_nm();
-      if (!answers) {
-        shaken = steps.shaken(amplitude_nm, kGlanceS);
-        answers = answered(*shaken);
-      }
-      if (answers) {
-        shaken = steps.shaken(amplitude_nm, kShakeS);
-      }
-    } catch (const Refusal&) {
-      if (last == 0.0) {
-        throw;
-      }
-      // It went too far; what the amplitude before this one showed decides.
-      break;
-    }
-    const CsvLog& log = *shaken;
-    answers = answered(log);
-    if (answers || kGrowth * share >= kMostShare) {
-      steps.judge_current(log);
-    }
-    const double inertia = answers ? steps.inertia_of(log) : 0.0;
-    // Friction holds a motor that is shaken too little, and passes for inertia.
-    if (answers && std::fabs(inertia - last) < kSettled * std::fabs(inertia)) {
-      steps.judge_inertia(inertia);
-      return;
-    }
-    last = inertia;
-  }
-  if (last != 0.0) {
-    steps.judge_inertia(last);
-    return;
-  }
-  throw Refusal(
-      "the motor has its current and the encoder does not count: it is blocked, or the encoder is dead; turn it by "
-      "hand and look at 'log'");
 }
 
 void CommissionSteps::press(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
-  for (double share = 0.25 * kFirstShare; share < 1.0; share *= 1.25) {
+  double growth = kPressGrowth;
+  for (double share = kFirstPressShare; share < 1.0; share *= growth) {
     const double torque = share * steps.continuous_nm();
-    joint.arm();
-    const CsvLog log = joint.rows("experiment", "torque_triangle every=2 cycles=1 amplitude=" + rounded(torque, 6) +
-                                                    "Nm rates=" + rounded(8.0 * torque, 6) + "Nm/s");
-    joint.disarm();
+    const std::optional<CsvLog> pressed_once = steps.pressed(torque);
+    if (!pressed_once && growth == kPressGrowth) {
+      share /= growth;  // it let go between two torques: once more from the last one, in smaller steps
+      growth = kFinePressGrowth;
+      continue;
+    }
+    if (!pressed_once) {
+      throw Refusal("the motor lets go at " + rounded(torque, 2) +
+                    " Nm and runs further than 2.9 deg at once, so friction hides whether both tendons pull; look at "
+                    "them, and give them less pretension");
+    }
+    const CsvLog& log = *pressed_once;
     const Eigen::VectorXd angle = joint.column(log, "q1_rad");
     if (angle.maxCoeff() - angle.minCoeff() < kPressRad) {
       continue;
@@ -258,12 +148,14 @@ void CommissionSteps::press(CommissionSteps& steps) {
     const double elastic = 1.0 - pressed[std::min(fifth, angle.size() - 1)] / torque;
     if (elastic < kElastic) {
       throw Refusal(
-          "the motor turns under friction alone, without a spring: no tendon pulls at it; hook the tendons, and give "
-          "them pretension");
+          "the motor turns under friction alone, without a spring: no tendon pulls at it, or friction hides the "
+          "spring; hook the tendons, and give them pretension, but not more than they need");
     }
     if (up > kOneSided * down || down > kOneSided * up) {
-      throw Refusal(std::string("the motor turns far more easily ") + (up > down ? "forward" : "backward") +
-                    ": one tendon is loose or off; hook it, and give both their pretension");
+      throw Refusal(
+          std::string("the motor turns far more easily ") + (up > down ? "forward" : "backward") +
+          ": one tendon is loose or off, or friction holds the motor the other way; hook both, and give both the "
+          "same pretension, but not more than they need");
     }
     steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first");
     return;

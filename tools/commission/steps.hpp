@@ -34,9 +34,14 @@ class CommissionSteps {
   [[nodiscard]] auto here() -> double;
   [[nodiscard]] auto continuous_nm() const -> double;
   [[nodiscard]] auto shaken(double amplitude_nm, int seconds) -> CsvLog;
+  /// 2.9 deg: the gate takes torque away there, and a loose motor runs on a little.
+  static constexpr double kMotorWayRad = 0.05;
+  /// To and fro with that torque, N m; nothing: the motor left its limits.
+  [[nodiscard]] auto pressed(double torque_nm) -> std::optional<CsvLog>;
   void judge_current(const CsvLog& log);
-  /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque.
-  [[nodiscard]] auto inertia_of(const CsvLog& log) const -> double;
+  /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque. Nothing where it answers as a
+  /// spring does, held by friction.
+  [[nodiscard]] auto inertia_of(const CsvLog& log) const -> std::optional<double>;
   void judge_inertia(double inertia);
   /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
   [[nodiscard]] auto tracking() -> std::optional<double>;

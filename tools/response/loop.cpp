@@ -62,7 +62,8 @@ auto smoothed(const std::vector<ResponsePoint>& points, const MotorModel& model)
   return smooth;
 }
 
-/// The joint turns against the motor where the transmission is crossed, and the firmware corrects that way round.
+}  // namespace
+
 auto sense_of(const Dense& all) -> double {
   double sum = 0.0;
   for (const Complex& one : all.joint) {
@@ -70,8 +71,6 @@ auto sense_of(const Dense& all) -> double {
   }
   return sum < 0.0 ? -1.0 : 1.0;
 }
-
-}  // namespace
 
 auto law_of(const LoopGains& gains, double hz) -> Law {
   const Complex back = std::polar(1.0, -2.0 * kPi * hz * kCycleS);

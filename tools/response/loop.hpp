@@ -23,6 +23,8 @@ struct Dense {
 auto dense(const Response& response) -> Dense;
 /// Those lines.
 auto clear_points(const Response& response) -> std::vector<ResponsePoint>;
+/// -1 where the joint turns against the motor: the transmission is crossed, and the firmware corrects that way round.
+auto sense_of(const Dense& all) -> double;
 /// The loop of these gains, broken at the torque.
 auto loop_of(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint>;
 /// Of the joint loop alone, broken where it corrects the motor's reference.

@@ -68,6 +68,9 @@ void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const Loo
                 std::optional<Found>& best) {
   for (double share_s = 2e-4; share_s < 0.1; share_s *= 1.12) {
     for (double stiffness = 0.01 * present.stiffness; stiffness < 100.0 * present.stiffness; stiffness *= 1.05) {
+      if (best && stiffness <= best->gains.stiffness) {
+        continue;
+      }
       LoopGains gains = servo_only(present);
       gains.stiffness = stiffness;
       gains.damping = stiffness * share_s;
@@ -81,8 +84,7 @@ void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const Loo
                                    margins.crossover_hz > kAboveAsked * *wanted.bandwidth_hz))) {
         continue;
       }
-      const bool better = !best || gains.stiffness > best->gains.stiffness;
-      if (better && as_stable_as(loop, known)) {
+      if (as_stable_as(loop, known)) {
         best = Found{gains, margins};
       }
     }
@@ -193,23 +195,50 @@ void refuse_swinging(const Response& response, const Dense& all, const std::vect
   }
 }
 
-/// The measured loop is the plant's response times the present gains', or these are not the gains of the log.
-void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
-  const std::vector<LoopPoint> loop = loop_of(all, present);
-  double sum = 0.0;
-  int count = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    if (std::abs(all.loop[i]) > 1.0 / 3.0 && std::abs(all.loop[i]) < 3.0) {
-      sum += std::norm(loop[i].value / all.loop[i] - 1.0);
-      ++count;
+/// Rms of what tells two loops apart, relative, where a gain of 1 is near, and where it is most.
+class Apart {
+ public:
+  void add(double hz, Complex predicted, Complex measured) {
+    if (std::abs(measured) > 1.0 / 3.0 && std::abs(measured) < 3.0) {
+      const double square = std::norm(predicted / measured - 1.0);
+      sum_ += square;
+      ++count_;
+      worst_hz_ = square > worst_ ? hz : worst_hz_;
+      worst_ = std::max(worst_, square);
     }
   }
-  const double off = count > 0 ? std::sqrt(sum / count) : 0.0;
-  if (off > kMostMismatch) {
-    throw Refusal(
-        response.name + ": the loop that was measured is " + rounded(100.0 * off, 2) +
-        " % off the one of these gains, so the log was made with others; give the board's 'dump' of that time "
-        "with --dump");
+  [[nodiscard]] auto rms() const -> double { return count_ > 0 ? std::sqrt(sum_ / count_) : 0.0; }
+  [[nodiscard]] auto worst_hz() const -> double { return worst_hz_; }
+
+ private:
+  double sum_ = 0.0, worst_ = 0.0, worst_hz_ = 0.0;
+  int count_ = 0;
+};
+
+/// The measured loop is the plant's response times the present gains', line by line, or these are not the gains of the
+/// log; and between the lines too, or the plant swings more sharply than they tell.
+void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
+  Apart at_lines;
+  const std::vector<ResponsePoint> points = clear_points(response);
+  for (const ResponsePoint& point : points) {
+    const Law law = law_of(present, point.hz);
+    const Complex through_joint = sense_of(all) * present.stiffness * law.joint * point.joint.value;
+    at_lines.add(point.hz, point.motor.value * (law.servo + through_joint), point.loop.value);
+  }
+  if (at_lines.rms() > kMostMismatch) {
+    throw Refusal(response.name + ": the loop that was measured is " + rounded(100.0 * at_lines.rms(), 2) +
+                  " % off the one of these gains, so the log was made with others; give the board's 'dump' of that "
+                  "time with --dump");
+  }
+  Apart between_lines;
+  const std::vector<LoopPoint> loop = loop_of(all, present);
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    between_lines.add(loop[i].hz, loop[i].value, all.loop[i]);
+  }
+  if (between_lines.rms() > kMostMismatch) {
+    throw Refusal(response.name + ": near " + rounded(between_lines.worst_hz(), 2) +
+                  " Hz the response changes faster than its lines tell: the joint swings on its tendons there, and "
+                  "margins would be guessed; stiffen what swings, or keep gains whose bandwidth stays well below");
   }
 }
 

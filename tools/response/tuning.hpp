@@ -12,8 +12,8 @@ namespace capstan::tools {
 /// What the board's control does with an angle: control.*, and what bounds it.
 struct LoopGains {
   double kp = 0.2, ki_per_s = 4.0, kd_s = 0.0;
-  double stiffness = 1.0;  ///< Nm/rad
-  double damping = 0.006;  ///< Nms/rad
+  double stiffness = 1.0;               ///< Nm/rad
+  double damping = 0.006;               ///< Nms/rad
   double rate_time_constant_s = 0.002;  ///< filter of the rate that the damping acts on
   /// Torque of a steady motion backward and forward, N m, where the log tells it.
   std::optional<std::pair<double, double>> friction_nm = {};

@@ -27,6 +27,10 @@ auto rms(const Eigen::VectorXd& values) -> double {
   return values.size() == 0 ? 0.0 : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
+auto rms_about_mean(const Eigen::VectorXd& values) -> double {
+  return rms((values.array() - values.mean()).matrix());
+}
+
 auto student_t95(double degrees_of_freedom) -> double {
   // Cornish-Fisher expansion of the t quantile about the normal one, exact to 0.3 % from 3 degrees of freedom on.
   const double v = std::max(degrees_of_freedom, 1.0);

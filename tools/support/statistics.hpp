@@ -10,6 +10,7 @@ namespace capstan::tools {
 auto quantile(const Eigen::VectorXd& values, double p) -> double;
 auto median(const Eigen::VectorXd& values) -> double;
 auto rms(const Eigen::VectorXd& values) -> double;
+auto rms_about_mean(const Eigen::VectorXd& values) -> double;
 
 /// Two-sided 95 % point of Student's t.
 auto student_t95(double degrees_of_freedom) -> double;

@@ -241,6 +241,29 @@ TEST(Tuning, ALogOfOtherGainsIsRefused) {
   }
 }
 
+// Each line is that of the gains, but their neighbours say nothing of each other.
+TEST(Tuning, AJointThatSwingsMoreSharplyThanTheLinesTellIsRefusedWithThatSentence) {
+  const LoopGains present = gentle();
+  Response response = Motor{}.response(present);
+  constexpr double kResonanceHz = 12.0;
+  for (ResponsePoint& point : response.points) {
+    const double relative = point.hz / kResonanceHz;
+    const Complex resonance = 1.0 / Complex(1.0 - relative * relative, 0.06 * relative) + 1.0;
+    point.motor.value *= resonance;
+    point.motor.radius95 *= std::abs(resonance);
+    point.loop.value *= resonance;
+    point.loop.radius95 *= std::abs(resonance);
+  }
+  std::string sentence;
+  try {
+    static_cast<void>(tune(response, present, {}));
+  } catch (const Refusal& refusal) {
+    sentence = refusal.what();
+  }
+  EXPECT_NE(sentence.find("swings on its tendons"), std::string::npos) << sentence;
+  EXPECT_EQ(sentence.find("--dump"), std::string::npos) << sentence;
+}
+
 TEST(Tuning, AChirpOrAShakenReferenceGivesNoGains) {
   const Motor motor;
   Response response = motor.response(gentle());

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "capstan/hal/sim/instrument.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -15,12 +17,41 @@ namespace {
 constexpr double kCorridor = 1.0;
 constexpr double kFiveDegrees = 5.0 / 57.29577951308232;
 
+/// The joint of CAPSTAN_INSTRUMENT, as robot_finger or raven2:1; nothing: the forceps.
+auto instrument() -> std::optional<sim::PlantParameters> {
+  const char* variable = std::getenv("CAPSTAN_INSTRUMENT");
+  if (variable == nullptr) {
+    return {};
+  }
+  const std::string text = variable;
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string name = text.substr(0, colon);
+  const std::size_t axis = colon < text.size() ? std::stoul(text.substr(colon + 1)) : 0;
+  return sim::parse_instrument(sim::built_in_instrument(name), name).axes.at(axis).plant;
+}
+
+/// What its data sheets tell the board.
+auto data_sheet(const sim::PlantParameters& plant) -> std::vector<std::string> {
+  const std::string set = "set joint0.";
+  const double most_a = std::min(plant.current_limit_a, plant.current_full_scale_a);
+  return {"maintenance open",
+          set + "motor.encoder_counts " + std::to_string(std::lround(plant.encoder_counts_per_turn)),
+          set + "motor.torque_per_current " + rounded(plant.torque_constant_nm_per_a) + " Nm/A",
+          set + "limits.continuous_current " +
+              rounded(std::min(plant.torque_constant_nm_per_a < 0.05 ? 3.0 : 1.5, most_a)) + " A",
+          set + "limits.current " + rounded(std::min(3.0, most_a)) + " A",
+          set + "motor_angle.beta " + rounded(plant.input_radius_m / plant.output_radius_m)};
+}
+
 auto draw(std::uint64_t seed) -> sim::Scenario {
   Random random(seed * 7919);
   const auto between = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
   sim::Scenario scenario;
   scenario.seed = seed;
   sim::PlantParameters& plant = scenario.plant;
+  if (const auto named = instrument()) {
+    plant = *named;
+  }
   plant.motor_inertia_kgm2 *= between(0.6, 2.0);
   plant.motor_coulomb_nm *= between(0.5, 2.0);
   plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
@@ -84,7 +115,8 @@ auto number_from(const char* variable, long usual) -> std::uint64_t {
 TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorque) {
   const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
   for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
-    const Outcome outcome = run(draw(seed), {});
+    const sim::Scenario scenario = draw(seed);
+    const Outcome outcome = run(scenario, instrument() ? data_sheet(scenario.plant) : std::vector<std::string>{});
     std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
                 outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
     for (const std::string& found : outcome.progress.found) {

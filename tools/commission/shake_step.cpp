@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+// The step of commissioning that shakes the motor and asks encoder and current sensor.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "capstan/tools/commission/steps.hpp"
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
+// docs/tuning.md reports other seeds.
+constexpr double kFirstShare = 0.03;  // of the continuous torque, and raised until the motor answers
+constexpr double kMostShare = 0.4;    // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
+constexpr double kGrowth = 1.5;
+constexpr double kAnswerCounts = 3.0;  // rms of the motor about its mean
+constexpr int kGlanceS = 5;            // of shaking, while it is too little for the motor to answer ...
+constexpr int kShakeS = 11;            // ... and for its response: four periods, and one to settle
+constexpr double kFollows = 0.3;       // measured current over the wanted one
+constexpr double kFits = 0.2;          // of the answer that motor, spring and delay leave
+constexpr double kSettled = 0.12;      // from one amplitude to the next, a half larger
+constexpr double kTellsTo = 120.0;     // Hz; above, the delay turns the answer round
+constexpr double kScaleApart = 1.6;    // of inertia by the data sheet and by the shake; wrong counts are 2 or 4
+
+auto as_column(const std::vector<double>& values) -> Eigen::VectorXd {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
+}
+
+/// Of positive values: rms of their logarithms about the mean.
+auto spread(const std::vector<double>& values) -> double {
+  return rms_about_mean(as_column(values).array().log().matrix());
+}
+
+}  // namespace
+
+auto CommissionSteps::shaken(double amplitude_nm, int seconds) -> CsvLog {
+  joint_.arm();
+  const CsvLog log =
+      joint_.rows("experiment", "multisine on=torque from=50Hz to=150Hz duration=" + std::to_string(seconds) +
+                                    " corridor=" + rounded(std::min(options_.corridor_rad, kMotorWayRad)) +
+                                    " amplitude=" + rounded(amplitude_nm, 6) + "Nm");
+  joint_.disarm();
+  return log;
+}
+
+void CommissionSteps::judge_current(const CsvLog& log) {
+  const Eigen::VectorXd wanted = joint_.column(log, "tau_cmd_Nm") / joint_.value("motor.torque_per_current");
+  const Eigen::VectorXd current = joint_.column(log, "current_A");
+  const Eigen::Index rows = wanted.size() - 2;
+  const double follows = (current.tail(rows).array() - current.mean()).matrix().dot(wanted.segment(1, rows)) /
+                         wanted.segment(1, rows).squaredNorm();
+  if (std::fabs(follows) < kFollows) {
+    throw Refusal("the measured current does not follow the wanted one (" + rounded(follows, 2) +
+                  " of it): the current sensor or the amplifier is dead; check cable, supply and enable line");
+  }
+  if (follows < 0.0) {
+    throw Refusal("the measured current has the wrong sign; turn the current sensor round, or its two wires");
+  }
+}
+
+auto CommissionSteps::inertia_of(const CsvLog& log) const -> std::optional<double> {
+  const Response response = estimate_response(read_response(log, joint_.axis()));
+  try {
+    // Friction is in quadrature to inertia, so a fit parts them, where it fits.
+    const MotorModel motor = fit_motor(response);
+    if (motor.share_left < kFits) {
+      return motor.inertia_kgm2;
+    }
+  } catch (const Refusal&) {
+    // Too few lines are clear: by size alone.
+  }
+  double way = 0.0;
+  std::vector<double> inertias;
+  std::vector<double> springs;
+  for (const ResponsePoint& point : response.points) {
+    if (point.hz < kTellsTo) {
+      way += point.motor.value.real() * point.hz * point.hz;
+      inertias.push_back(1.0 / std::abs(point.motor.value) / std::pow(2.0 * kPi * point.hz, 2));
+      springs.push_back(1.0 / std::abs(point.motor.value));
+    }
+  }
+  // A motor that friction holds bends its tendons: with the torque, and as far at each frequency.
+  if (way > 0.0 && spread(springs) < spread(inertias)) {
+    return std::nullopt;
+  }
+  return way > 0.0 ? -median(as_column(inertias)) : median(as_column(inertias));
+}
+
+void CommissionSteps::judge_inertia(double inertia) {
+  all_.progress.inertia_kgm2 = std::fabs(inertia);
+  if (inertia < 0.0) {
+    throw Refusal(
+        "the encoder counts against the torque: its sign is wrong, or the motor's wires are swapped; set "
+        "motor.encoder_sign to " +
+        rounded(-joint_.value("motor.encoder_sign")) + ", or swap the wires");
+  }
+  if (options_.inertia_kgm2) {
+    const double apart = inertia / *options_.inertia_kgm2;
+    if (apart > kScaleApart || apart < 1.0 / kScaleApart) {
+      throw Refusal("the motor answers as one of " + rounded(1e3 * inertia, 3) + " g m2, " + rounded(apart, 2) +
+                    " times the data sheet's: motor.encoder_counts or motor.torque_per_current is wrong by about "
+                    "that; compare both with the data sheets of encoder, gear and motor");
+    }
+    find("inertia " + rounded(1e3 * inertia, 3) + " g m2, the data sheet's times " + rounded(apart, 2) +
+         ": counts and torque per current agree with it");
+  } else {
+    find("inertia " + rounded(1e3 * inertia, 3) +
+         " g m2; nobody said what the data sheet has (--inertia), so wrong counts would not be seen");
+  }
+}
+
+void CommissionSteps::shake(CommissionSteps& steps) {
+  JointConsole& joint = steps.joint_;
+  steps.let_go();
+  double last = 0.0;
+  const auto answered = [&joint](const CsvLog& log) {
+    return rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
+  };
+  bool answers = false;
+  bool held = false;
+  for (double share = kFirstShare; share < kMostShare; share *= kGrowth) {
+    std::optional<CsvLog> shaken;
+    try {
+      const double amplitude_nm = share * steps.continuous_nm();
+      if (!answers) {
+        shaken = steps.shaken(amplitude_nm, kGlanceS);
+        answers = answered(*shaken);
+      }
+      if (answers) {
+        shaken = steps.shaken(amplitude_nm, kShakeS);
+      }
+    } catch (const Refusal&) {
+      if (last == 0.0) {
+        throw;
+      }
+      // It went too far; what the amplitude before this one showed decides.
+      break;
+    }
+    const CsvLog& log = *shaken;
+    answers = answered(log);
+    if (answers || kGrowth * share >= kMostShare) {
+      steps.judge_current(log);
+    }
+    const std::optional<double> inertia = answers ? steps.inertia_of(log) : std::nullopt;
+    held = answers && !inertia;
+    // Friction holds a motor that is shaken too little, and passes for inertia.
+    if (inertia && std::fabs(*inertia - last) < kSettled * std::fabs(*inertia)) {
+      steps.judge_inertia(*inertia);
+      return;
+    }
+    last = inertia.value_or(0.0);
+  }
+  if (last != 0.0) {
+    steps.judge_inertia(last);
+    return;
+  }
+  if (held) {
+    throw Refusal(
+        "friction holds the motor: shaken with " + rounded(100.0 * kMostShare, 2) +
+        " % of the continuous torque it only bends its tendons, so nothing can be said of its encoder's sign; "
+        "slacken the tendons for this step, or raise limits.continuous_current if the motor stands it");
+  }
+  throw Refusal(
+      "the motor has its current and the encoder does not count: it is blocked, the encoder is dead, or friction holds "
+      "it against " +
+      rounded(100.0 * kMostShare, 2) + " % of the continuous torque; turn it by hand and look at 'log'");
+}
+
+}  // namespace capstan::tools
