@@ -197,6 +197,14 @@ TEST(FalseAlarms, AStopOfAJointThatSwingsBeyondItsSpeedIsCountedApart) {
   EXPECT_EQ(alarms.false_stops(), 0);
 }
 
+// Two joints that swing with their drawn gains, after 5.4 and 2.7 s.
+TEST(FalseAlarms, TunedJointsDoNotSwing) {
+  for (const std::uint64_t seed : {260300U, 260071U}) {
+    EXPECT_EQ(run_false_alarms(300.0 / 3600.0, seed, 1).stops.size(), 1U) << seed;
+    EXPECT_TRUE(run_false_alarms(300.0 / 3600.0, seed, 1, Gains::kTuned).stops.empty()) << seed;
+  }
+}
+
 TEST(FalseAlarms, AreTheSameOnAnyNumberOfThreads) {
   const FalseAlarms one = run_false_alarms(0.2, 1, 1);
   const FalseAlarms two = run_false_alarms(0.2, 1, 2);

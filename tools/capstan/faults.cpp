@@ -14,13 +14,15 @@ namespace {
 struct FaultOptions {
   bool all = false;
   bool fmea = false;
+  bool tuned = false;
   double hours = 0.0;
   std::uint64_t seed = 1;
 };
 
 auto run_faults(const FaultOptions& options) -> int {
   if (options.hours > 0.0) {
-    const FalseAlarms alarms = run_false_alarms(options.hours, options.seed);
+    const FalseAlarms alarms =
+        run_false_alarms(options.hours, options.seed, 2, options.tuned ? Gains::kTuned : Gains::kDrawn);
     print_false_alarms(std::cout, alarms);
     return alarms.false_stops() == 0 ? kExitDone : kExitRefused;
   }
@@ -48,6 +50,7 @@ void add_faults(CLI::App& app, int& exit_status) {
   command->add_option("--hours", options->hours,
                       "instead: this many simulated hours of healthy joints, drawn at random, and their false stops");
   command->add_option("--seed", options->seed, "of the first drawn joint");
+  command->add_flag("--tuned", options->tuned, "with --hours: gains as 'capstan tune' finds them, not drawn ones");
   command->callback([options, &exit_status] { exit_status = run_faults(*options); });
 }
 
