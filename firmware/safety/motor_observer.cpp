@@ -303,6 +303,9 @@ void MotorObserver::rt_listen(std::int32_t moved) {
   if (silent_ == kSilentCycles + kSilentIntervals * interval_ && look_ >= kLookCycles) {
     look_ = 0;
     look_backward_ = wanted_ > 0;
+    // What the encoder confirmed before the silence was under another load.
+    confirmed_up_ = std::max(confirmed_up_, wanted_);
+    confirmed_down_ = std::min(confirmed_down_, wanted_);
   }
 }
 

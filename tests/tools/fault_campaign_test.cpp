@@ -205,6 +205,11 @@ TEST(FalseAlarms, TunedJointsDoNotSwing) {
   }
 }
 
+// A look near zero torque let it go where its tendons still pulled.
+TEST(FalseAlarms, WhatWasConfirmedBeforeASilenceDoesNotCount) {
+  EXPECT_TRUE(run_false_alarms(300.0 / 3600.0, 290021, 1, Gains::kTuned).stops.empty());
+}
+
 TEST(FalseAlarms, AreTheSameOnAnyNumberOfThreads) {
   const FalseAlarms one = run_false_alarms(0.2, 1, 1);
   const FalseAlarms two = run_false_alarms(0.2, 1, 2);

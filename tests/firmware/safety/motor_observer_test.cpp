@@ -224,6 +224,24 @@ TEST(MotorObserver, ALookTakesTorqueAwayWhicheverWayTheLastCountWent) {
   }
 }
 
+// A load pulled it back while its torque rose by 0.35 A of the 0.39 A that counts may go on against; then it stood.
+TEST(MotorObserver, WhatTheEncoderConfirmedBeforeASilenceWasUnderAnotherLoad) {
+  for (const bool stood : {true, false}) {
+    Rig rig;
+    for (int i = 0; i <= 70; ++i) {
+      ASSERT_EQ(rig.step(-1, -0.005 * i), 0U) << i;
+    }
+    for (int i = 0; i <= 70; ++i) {
+      ASSERT_EQ(rig.step(-1, -0.35 + 0.005 * i), 0U) << i;
+    }
+    for (int i = 0; i < 60 && stood; ++i) {
+      ASSERT_EQ(rig.step(0, 0.0), 0U);
+      static_cast<void>(rig.observer.rt_look());
+    }
+    EXPECT_EQ(rig.step(-1, 0.03) | rig.step(-1, 0.06), stood ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
 /// A motor without load whose encoder is reversed, under a servo's torque that the reversed count makes rise: 0.02 g m2
 /// and 0.1 Nm/A are 5 rad/s more a cycle and A, and 40,960 counts a turn 32.6 counts a cycle.
 TEST(MotorObserver, ACountThatGainsSpeedAgainstItsTorqueIsFoundBeforeTheMotorIsFast) {
