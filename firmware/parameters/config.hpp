@@ -36,16 +36,16 @@ struct MotorConfig {
 /// Gains. The joint loop (PID on the estimated joint angle) shifts the motor angle that the inverse law asks for; the
 /// motor servo follows it.
 struct ControlConfig {
-  Q24 kp = Q24::from_double(0.2);                     ///< motor rad per joint rad
-  Q24 ki_per_s = Q24::from_double(4.0);               ///< 1/s
-  Q24 kd_s{};                                         ///< s, on the estimate, not on the error
-  Q24 integral_limit_rad = Q24::from_double(0.3);     ///< anti-windup, rad of motor angle
-  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);   ///< motor servo
-  Q24 damping_nms_per_rad = Q24::from_double(0.006);  ///< motor servo
+  Q24 kp = Q24::from_double(0.2);                      ///< motor rad per joint rad
+  Q24 ki_per_s = Q24::from_double(4.0);                ///< 1/s
+  Q24 kd_s{};                                          ///< s, on the estimate, not on the error
+  Q24 integral_limit_rad = Q24::from_double(0.3);      ///< anti-windup, rad of motor angle
+  Q24 stiffness_nm_per_rad = Q24::from_double(1.0);    ///< motor servo
+  Q24 damping_nms_per_rad = Q24::from_double(0.006);   ///< motor servo
   Q24 rate_time_constant_s = Q24::from_double(0.002);  ///< filter of the rate that the damping acts on
-  Q24 torque_forward_nm{};                            ///< feedforward: torque that keeps the motor moving forward
-  Q24 torque_backward_nm{};                           ///< the same backward (negative)
-  Q24 reversal_time_s = Q24::from_double(0.02);       ///< the feedforward changes direction within about this time
+  Q24 torque_forward_nm{};                             ///< feedforward: torque that keeps the motor moving forward
+  Q24 torque_backward_nm{};                            ///< the same backward (negative)
+  Q24 reversal_time_s = Q24::from_double(0.02);        ///< the feedforward changes direction within about this time
 };
 
 struct LimitConfig {
