@@ -32,7 +32,8 @@ constexpr std::int32_t kExcessNoises = 4;
 // And counts of the servo's stiffness, which a coarse encoder's torque goes up and down by.
 constexpr std::int32_t kExcessCounts = 6;
 // Of the torque with which the motor turned round, eighths: friction along a tendon is a share of its tension, and
-// commissioning is without load. Of the same joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it.
+// commissioning is without load. Of the same joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it;
+// after the winding's heat limit took torque away 0.38 were left of 2.2 A (seeds 260382, 260065).
 constexpr std::int32_t kLoadShare8 = 4;
 // After a look, in which a healthy motor springs back from it.
 constexpr std::int32_t kLookFades = 20;

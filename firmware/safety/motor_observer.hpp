@@ -122,12 +122,12 @@ class MotorObserver {
   };
   std::array<Torque, 4> torques_{};  // of the last cycles, the latest first
   std::int32_t stretched_ = 0;       // torque that the way has answered for, A
-  std::int32_t given_ = 0;     // counts/256, two cycles against two, by which a load made the motor faster of late
-  std::int32_t slewed_ = 0;    // the wanted torque at its rate, A
-  std::int32_t turned_ = 0;    // its size where the motor began to turn round, A
-  std::int32_t looking_ = 0;   // cycles in which a look's torque is still in the tendons
-  std::int32_t silent_ = 0;    // cycles since the last count
-  std::int32_t interval_ = 0;  // between the two last ones
+  std::int32_t given_ = 0;           // counts/256, two cycles against two, that a load gave it of late
+  std::int32_t slewed_ = 0;          // the wanted torque at its rate, A
+  std::int32_t turned_ = 0;          // its size where the motor began to turn round, A
+  std::int32_t looking_ = 0;         // cycles in which a look's torque is still in the tendons
+  std::int32_t silent_ = 0;          // cycles since the last count
+  std::int32_t interval_ = 0;        // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

@@ -96,9 +96,7 @@ class Session {
     constexpr std::ptrdiff_t kLately = 100;
     const std::vector<double>& speeds = course_.speed_rad_s;
     const auto begin = speeds.end() - std::min(kLately, std::ssize(speeds));
-    const auto fastest =
-        std::max_element(begin, speeds.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    return std::abs(*fastest) / setup_.config.limits.joint_speed_rad_s.to_double();
+    return *std::max_element(begin, speeds.end()) / setup_.config.limits.joint_speed_rad_s.to_double();
   }
 
  private:

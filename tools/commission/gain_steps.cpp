@@ -35,6 +35,12 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
   double too_little = 0.0;
   double too_much = 0.0;
   std::string problem;
+  const auto try_again = [&](const Refusal& refusal, double& tried, double factor) {
+    joint.disarm();
+    problem = refusal.what();
+    tried = amplitude;
+    amplitude = too_little > 0.0 && too_much > 0.0 ? std::sqrt(too_little * too_much) : amplitude * factor;
+  };
   for (int attempt = 0; attempt < kMostAttempts && !steps.all_.tuning; ++attempt) {
     joint.arm();
     try {
@@ -48,16 +54,13 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
       require_usable(response);
       steps.all_.response = response;
       steps.all_.tuning = tune(response, present, {});
-    } catch (const Refusal& refusal) {
+    } catch (const SharpResonance&) {
       joint.disarm();
-      problem = refusal.what();
-      if (problem.find("swings on its tendons") != std::string::npos) {
-        break;  // no amplitude changes that
-      }
-      const bool drowns = problem.find("larger amplitude") != std::string::npos;
-      (drowns ? too_little : too_much) = amplitude;
-      amplitude = too_little > 0.0 && too_much > 0.0 ? std::sqrt(too_little * too_much)
-                                                     : amplitude * (drowns ? kLouder : 1.0 / kLouder);
+      throw;  // no amplitude changes that
+    } catch (const FaintShake& refusal) {
+      try_again(refusal, too_little, kLouder);
+    } catch (const Refusal& refusal) {
+      try_again(refusal, too_much, 1.0 / kLouder);
     }
   }
   if (!steps.all_.tuning) {

@@ -134,6 +134,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       }
       if (answers) {
         shaken = steps.shaken(amplitude_nm, kShakeS);
+        answers = answered(*shaken);
       }
     } catch (const Refusal&) {
       if (last == 0.0) {
@@ -143,7 +144,6 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       break;
     }
     const CsvLog& log = *shaken;
-    answers = answered(log);
     if (answers || kGrowth * share >= kMostShare) {
       steps.judge_current(log);
     }

@@ -144,8 +144,14 @@ class Gate {
       if (channel == nullptr) {
         return nullptr;
       }
+      const auto spikes = std::find_if(found_.begin(), found_.end(), [&](const auto& one) {
+        return one.fault == ChannelFault::kSpikes && one.channel == channel->name;
+      });
+      if (spikes == found_.end()) {
+        return channel->values;
+      }
       tame[place] = *channel->values;
-      for (const Index row : spike_rows(*channel->values)) {
+      for (const Index row : spikes->rows) {
         tame[place][row] = tame[place][row - 1];
       }
       return &tame[place];

@@ -90,8 +90,8 @@ auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
     }
   }
   if (clear.size() < kLeastLines) {
-    throw Refusal(response.name + ": only " + std::to_string(clear.size()) +
-                  " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
+    throw FaintShake(response.name + ": only " + std::to_string(clear.size()) +
+                     " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
   }
   return clear;
 }
@@ -120,15 +120,19 @@ auto dense(const Response& response) -> Dense {
   return all;
 }
 
+auto through_joint(const LoopGains& gains, const Law& law, double sense, Complex joint) -> Complex {
+  return sense * gains.stiffness * law.joint * joint;
+}
+
 auto loop_of(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint> {
   const double sense = sense_of(all);
   std::vector<LoopPoint> loop;
   for (std::size_t i = 0; i < all.hz.size(); ++i) {
     const Law law = law_of(gains, all.hz[i]);
-    const Complex through_joint = sense * gains.stiffness * law.joint * all.joint[i];
-    const Complex feedback = law.servo + through_joint;
-    const double radius = std::abs(all.motor[i]) *
-                          (all.motor_share[i] * std::abs(feedback) + all.joint_share[i] * std::abs(through_joint));
+    const Complex by_joint = through_joint(gains, law, sense, all.joint[i]);
+    const Complex feedback = law.servo + by_joint;
+    const double radius =
+        std::abs(all.motor[i]) * (all.motor_share[i] * std::abs(feedback) + all.joint_share[i] * std::abs(by_joint));
     loop.push_back({all.hz[i], all.motor[i] * feedback, radius});
   }
   return loop;
@@ -140,7 +144,7 @@ auto outer_loop(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoi
   for (std::size_t i = 0; i < all.hz.size(); ++i) {
     const Law law = law_of(gains, all.hz[i]);
     const Complex inner = 1.0 + all.motor[i] * law.servo;
-    loop.push_back({all.hz[i], sense * gains.stiffness * law.joint * all.joint[i] * all.motor[i] / inner, 0.0});
+    loop.push_back({all.hz[i], through_joint(gains, law, sense, all.joint[i]) * all.motor[i] / inner, 0.0});
   }
   return loop;
 }

@@ -25,6 +25,8 @@ auto dense(const Response& response) -> Dense;
 auto clear_points(const Response& response) -> std::vector<ResponsePoint>;
 /// -1 where the joint turns against the motor: the transmission is crossed, and the firmware corrects that way round.
 auto sense_of(const Dense& all) -> double;
+/// Torque per motor angle by way of the joint loop, Nm/rad. @param joint  joint angle per motor angle
+auto through_joint(const LoopGains& gains, const Law& law, double sense, Complex joint) -> Complex;
 /// The loop of these gains, broken at the torque.
 auto loop_of(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint>;
 /// Of the joint loop alone, broken where it corrects the motor's reference.

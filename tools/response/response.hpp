@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 
@@ -43,6 +44,12 @@ struct Distortion {
   double even = 0.0;   ///< amplitude over that of the lines: asymmetric nonlinearity, such as a spring with a stop
   double odd = 0.0;    ///< symmetric: friction, play, saturation
   double noise = 0.0;  ///< what does not repeat from period to period, at the same lines
+};
+
+/// What was shaken does not rise above the noise; a larger amplitude would.
+class FaintShake : public Refusal {
+ public:
+  using Refusal::Refusal;
 };
 
 struct Response {

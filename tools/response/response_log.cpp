@@ -58,7 +58,7 @@ void require_usable(const Response& response) {
     }
   }
   if (worst != nullptr && worst->coherence < kLeastCoherence) {
-    throw Refusal(
+    throw FaintShake(
         response.name + ": at " + rounded(worst->hz, 3) + " Hz only " + rounded(100.0 * worst->coherence, 2) +
         " % of the power repeats with what shakes (80 % are needed where the loop's gain is near 1); shake with "
         "a larger amplitude, for longer, or let the joint travel faster");

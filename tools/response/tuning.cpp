@@ -219,11 +219,11 @@ class Apart {
 /// log; and between the lines too, or the plant swings more sharply than they tell.
 void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
   Apart at_lines;
-  const std::vector<ResponsePoint> points = clear_points(response);
-  for (const ResponsePoint& point : points) {
+  const double sense = sense_of(all);
+  for (const ResponsePoint& point : clear_points(response)) {
     const Law law = law_of(present, point.hz);
-    const Complex through_joint = sense_of(all) * present.stiffness * law.joint * point.joint.value;
-    at_lines.add(point.hz, point.motor.value * (law.servo + through_joint), point.loop.value);
+    const Complex feedback = law.servo + through_joint(present, law, sense, point.joint.value);
+    at_lines.add(point.hz, point.motor.value * feedback, point.loop.value);
   }
   if (at_lines.rms() > kMostMismatch) {
     throw Refusal(response.name + ": the loop that was measured is " + rounded(100.0 * at_lines.rms(), 2) +
@@ -236,9 +236,10 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
     between_lines.add(loop[i].hz, loop[i].value, all.loop[i]);
   }
   if (between_lines.rms() > kMostMismatch) {
-    throw Refusal(response.name + ": near " + rounded(between_lines.worst_hz(), 2) +
-                  " Hz the response changes faster than its lines tell: the joint swings on its tendons there, and "
-                  "margins would be guessed; stiffen what swings, or keep gains whose bandwidth stays well below");
+    throw SharpResonance(
+        response.name + ": near " + rounded(between_lines.worst_hz(), 2) +
+        " Hz the response changes faster than its lines tell: the joint swings on its tendons there, and "
+        "margins would be guessed; stiffen what swings, or keep gains whose bandwidth stays well below");
   }
 }
 
