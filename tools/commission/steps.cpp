@@ -15,19 +15,19 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
 
-// Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
-// docs/tuning.md reports other seeds.
+// Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test, those
+// of `press` on forceps, wrist and finger 911 and 912; docs/tuning.md reports other seeds.
 constexpr double kMostZeroShare = 0.05;      // of limits.current: an offset that is no offset any more
 constexpr double kSoftStiffness = 0.02;      // Nm/rad: far below any tendon's, so that a wrong sign does not run away
 constexpr double kCalmStiffness = 25000.0;   // Nm/rad per kg m2: 25 Hz, damped at 0.8 of critical
 constexpr double kCalmDamping = 250.0;       // Nms/rad per kg m2
 constexpr double kFirstPressShare = 0.0075;  // of the continuous torque
 constexpr double kPressGrowth = 1.25;
-constexpr double kFinePressGrowth = 1.05;
-constexpr double kPressRad = 2.0 * kDegree;  // from one end to the other
-constexpr double kElastic = 0.35;            // share of the torque that is a spring's; a loose motor has friction only
-constexpr double kOneSided = 3.0;            // of the torques either way
-constexpr double kBlocked = 0.25;            // rise of the torque over the last half of a leg, of that at its end
+constexpr double kPressRad = 0.7 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
+constexpr double kFewCounts = 16.0, kEnoughCounts = 40.0;  // ... nor more than are needed
+constexpr double kSpringsBack = 0.1;                       // of the way; tendons on 0.17 to 0.35, off 0 to 0.05
+constexpr double kOneSided = 3.0;                          // of the ways
+constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
 
 }  // namespace
 
@@ -117,52 +117,41 @@ auto CommissionSteps::pressed(double torque_nm) -> std::optional<CsvLog> {
 void CommissionSteps::press(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
-  double growth = kPressGrowth;
-  for (double share = kFirstPressShare; share < 1.0; share *= growth) {
+  const double enough = std::clamp(kPressRad, kFewCounts * joint.count_rad(), kEnoughCounts * joint.count_rad());
+  for (double share = kFirstPressShare; share < 1.0; share *= kPressGrowth) {
     const double torque = share * steps.continuous_nm();
-    const std::optional<CsvLog> pressed_once = steps.pressed(torque);
-    if (!pressed_once && growth == kPressGrowth) {
-      share /= growth;  // it let go between two torques: once more from the last one, in smaller steps
-      growth = kFinePressGrowth;
-      continue;
-    }
-    if (!pressed_once) {
-      throw Refusal("the motor lets go at " + rounded(torque, 2) +
-                    " Nm and runs further than 2.9 deg at once, so friction hides whether both tendons pull; look at "
-                    "them, and give them less pretension");
-    }
-    const CsvLog& log = *pressed_once;
-    const Eigen::VectorXd angle = joint.column(log, "q1_rad");
-    if (angle.maxCoeff() - angle.minCoeff() < kPressRad) {
-      continue;
-    }
-    const Eigen::VectorXd pressed = joint.column(log, "tau_Nm");
-    const double begin = angle[0];
-    const double up = angle.maxCoeff() - begin;
-    const double down = begin - angle.minCoeff();
-    // Torque at a fifth of the way up, against that at its end: friction alone needs as much at once.
-    Eigen::Index fifth = 0;
-    while (fifth < angle.size() && angle[fifth] - begin < 0.2 * up) {
-      ++fifth;
-    }
-    const double elastic = 1.0 - pressed[std::min(fifth, angle.size() - 1)] / torque;
-    if (elastic < kElastic) {
+    const std::optional<CsvLog> log = steps.pressed(torque);
+    if (!log) {
       throw Refusal(
-          "the motor turns under friction alone, without a spring: no tendon pulls at it, or friction hides the "
-          "spring; hook the tendons, and give them pretension, but not more than they need");
+          "at " + rounded(torque, 2) +
+          " Nm the motor lets go and runs further than 2.9 deg at once: no tendon pulls at it; hook both, and "
+          "give them pretension");
+    }
+    const Eigen::VectorXd angle = joint.column(*log, "q1_rad");
+    const double middle = angle[angle.size() / 2];  // without torque again, after the way forward
+    const double up = angle.maxCoeff() - angle[0];
+    const double down = middle - angle.minCoeff();
+    if (std::max(up, down) < enough) {
+      continue;
     }
     if (up > kOneSided * down || down > kOneSided * up) {
-      throw Refusal(
-          std::string("the motor turns far more easily ") + (up > down ? "forward" : "backward") +
-          ": one tendon is loose or off, or friction holds the motor the other way; hook both, and give both the "
-          "same pretension, but not more than they need");
+      throw Refusal(std::string("the motor turns far more easily ") + (up > down ? "forward" : "backward") +
+                    ": one tendon is loose or off; hook both, and give both the same pretension");
     }
-    steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first");
+    // Tendons bend before they slide, and spring back; a motor alone stays where its friction holds it.
+    const double back = std::min((angle.maxCoeff() - middle) / up, (angle[angle.size() - 1] - angle.minCoeff()) / down);
+    if (back < kSpringsBack) {
+      throw Refusal("the motor turns by " + rounded(std::max(up, down) / kDegree, 2) +
+                    " deg under friction alone and does not spring back: no tendon pulls at it; hook both, and give "
+                    "them pretension");
+    }
+    steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first, " +
+               rounded(100.0 * back, 2) + " % of the way springs back");
     return;
   }
-  throw Refusal(
-      "the motor does not turn by 1 deg under its continuous torque: it is blocked; free it, or check "
-      "limits.continuous_current and motor.torque_per_current");
+  throw Refusal("the motor does not turn by " + rounded(enough / kDegree, 2) +
+                " deg under its continuous torque: it is blocked; free it, or check limits.continuous_current and "
+                "motor.torque_per_current");
 }
 
 void CommissionSteps::travel(CommissionSteps& steps) {

@@ -19,7 +19,6 @@ constexpr int kBetween = 8;  // points from line to line
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
-constexpr double kResonanceDb = 6.0;  // above the model of motor and delay
 constexpr double kLeastCoherence = 0.8;
 constexpr double kMostCircle = 0.5;  // radius over value; above, the phase is anybody's guess
 constexpr std::size_t kLeastLines = 5;
@@ -33,8 +32,8 @@ auto between(Complex a, Complex b, double share) -> Complex {
 }
 
 /// Friction that turns its sign now and then repeats from period to period, so no circle shows it, but it differs from
-/// line to line. So the response over the model of motor and delay is averaged over neighbours, each by its circle, and
-/// by how much they differ the circle grows.
+/// line to line. So the response over the model of motor, joint and delay is averaged over neighbours, each by its
+/// circle, and by how much they differ the circle grows.
 auto smoothed(const std::vector<ResponsePoint>& points, const MotorModel& model) -> std::vector<ResponsePoint> {
   std::vector<ResponsePoint> smooth = points;
   for (ResponsePoint& point : smooth) {
@@ -98,13 +97,18 @@ auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
 
 auto dense(const Response& response) -> Dense {
   Dense all;
-  const std::vector<ResponsePoint> points = smoothed(clear_points(response), fit_motor(response));
-  const auto add = [&all](const ResponsePoint& a, const ResponsePoint& b, double share) {
+  all.model = fit_motor_and_joint(response);
+  const MotorModel& model = all.model;
+  const std::vector<ResponsePoint> points = smoothed(clear_points(response), model);
+  // Between the lines a resonance is as the model has it, and what is left of the response runs straight.
+  const auto add = [&all, &model](const ResponsePoint& a, const ResponsePoint& b, double share) {
     const auto mix = [share](double x, double y) { return x + share * (y - x); };
-    all.hz.push_back(a.hz * std::pow(b.hz / a.hz, share));
-    all.motor.push_back(between(a.motor.value, b.motor.value, share));
+    const double hz = a.hz * std::pow(b.hz / a.hz, share);
+    const Complex motor = model.at(hz) * between(a.motor.value / model.at(a.hz), b.motor.value / model.at(b.hz), share);
+    all.hz.push_back(hz);
+    all.motor.push_back(motor);
     all.joint.push_back(between(a.joint.value, b.joint.value, share));
-    all.loop.push_back(between(a.loop.value, b.loop.value, share));
+    all.loop.push_back(motor * between(a.loop.value / a.motor.value, b.loop.value / b.motor.value, share));
     all.motor_share.push_back(
         mix(a.motor.radius95 / std::abs(a.motor.value), b.motor.radius95 / std::abs(b.motor.value)));
     all.joint_share.push_back(
@@ -149,56 +153,15 @@ auto outer_loop(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoi
   return loop;
 }
 
-auto MotorModel::at(double hz) const -> Complex {
-  const double w = 2.0 * kPi * hz;
-  return std::polar(1.0, -w * delay_s) / Complex(stiffness_nm - inertia_kgm2 * w * w, viscous_nms * w);
-}
-
-auto fit_motor(const Response& response) -> MotorModel {
-  MotorModel best;
-  best.share_left = 1e9;
-  const std::vector<ResponsePoint> points = clear_points(response);
-  const auto rows = static_cast<Eigen::Index>(points.size());
-  // 1 / G = (k - J w2 + j w b) exp(j w T): linear but for T, which is looked for every 20 us.
-  for (double delay = 0.0; delay < 0.01; delay += 2e-5) {
-    Eigen::MatrixXd columns(2 * rows, 3);
-    Eigen::VectorXd one(2 * rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      const ResponsePoint& point = points[static_cast<std::size_t>(i)];
-      const double w = 2.0 * kPi * point.hz;
-      const Complex turned = point.motor.value * std::polar(1.0, w * delay);
-      const double weight = 1.0 / (0.02 + point.motor.radius95 / std::abs(point.motor.value));
-      const std::array<Complex, 3> parts = {-w * w * turned, Complex(0.0, w) * turned, turned};
-      for (Eigen::Index c = 0; c < 3; ++c) {
-        columns(2 * i, c) = weight * parts[static_cast<std::size_t>(c)].real();
-        columns(2 * i + 1, c) = weight * parts[static_cast<std::size_t>(c)].imag();
-      }
-      one[2 * i] = weight;
-      one[2 * i + 1] = 0.0;
-    }
-    const Eigen::VectorXd x = columns.colPivHouseholderQr().solve(one);
-    const double left = (columns * x - one).norm() / one.norm();
-    if (left < best.share_left) {
-      best = {.inertia_kgm2 = x[0], .viscous_nms = x[1], .stiffness_nm = x[2], .delay_s = delay, .share_left = left};
-    }
-  }
-  double furthest = std::pow(10.0, kResonanceDb / 20.0);
-  for (const ResponsePoint& point : points) {
-    const double above = (std::abs(point.motor.value) - point.motor.radius95) / std::abs(best.at(point.hz));
-    if (above > furthest) {
-      furthest = above;
-      best.resonance_hz = point.hz;
-    }
-  }
-  return best;
-}
-
 auto predicted_loop(const Response& response, const LoopGains& gains) -> std::vector<LoopPoint> {
   return loop_of(dense(response), gains);
 }
 
 auto measured_loop(const Response& response) -> std::vector<LoopPoint> {
-  const Dense all = dense(response);
+  return measured_loop(dense(response));
+}
+
+auto measured_loop(const Dense& all) -> std::vector<LoopPoint> {
   std::vector<LoopPoint> loop;
   for (std::size_t i = 0; i < all.hz.size(); ++i) {
     loop.push_back({all.hz[i], all.loop[i], all.loop_radius[i]});

@@ -12,8 +12,10 @@ struct Law {
 };
 auto law_of(const LoopGains& gains, double hz) -> Law;
 
-/// The response between its lines: magnitude and phase run straight over the logarithm of the frequency.
+/// The response between its lines: over the model, magnitude and phase run straight over the logarithm of the
+/// frequency.
 struct Dense {
+  MotorModel model;
   std::vector<double> hz;
   std::vector<Complex> motor, joint, loop;                    // joint: per motor angle
   std::vector<double> motor_share, joint_share, loop_radius;  // radii; the first two relative
@@ -21,6 +23,8 @@ struct Dense {
 
 /// Of the lines that rise clearly above noise. Throws Refusal where they are too few.
 auto dense(const Response& response) -> Dense;
+/// The loop that was measured.
+auto measured_loop(const Dense& all) -> std::vector<LoopPoint>;
 /// Those lines.
 auto clear_points(const Response& response) -> std::vector<ResponsePoint>;
 /// -1 where the joint turns against the motor: the transmission is crossed, and the firmware corrects that way round.

@@ -166,8 +166,9 @@ auto response_text(const Response& response) -> std::string {
             " %\n";
   }
   if (response.on_torque) {
-    text += "the loop as it was: " + margins_text(margins_of(measured_loop(response), false)) + "\n";
-    text += "worst within the circles: " + margins_text(margins_of(measured_loop(response))) + "\n";
+    const std::vector<LoopPoint> loop = measured_loop(response);
+    text += "the loop as it was: " + margins_text(margins_of(loop, false)) + "\n";
+    text += "worst within the circles: " + margins_text(margins_of(loop)) + "\n";
   }
   return text;
 }
@@ -179,6 +180,11 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
       " Nms/rad, spring " + rounded(motor.stiffness_nm, 2) + " Nm/rad, delay " + rounded(1e3 * motor.delay_s, 2) +
       " ms; " + rounded(100.0 * motor.share_left, 2) + " % is not of that kind" +
       (motor.resonance_hz > 0.0 ? ", a resonance near " + rounded(motor.resonance_hz, 3) + " Hz\n" : "\n");
+  if (motor.joint_inertia_kgm2 > 0.0) {
+    text += "joint: " + rounded(1e3 * motor.joint_inertia_kgm2, 3) +
+            " g m2 at the motor swings on its tendons; with the motor held at " + rounded(motor.joint_hz, 3) +
+            " Hz, damped by " + rounded(motor.joint_damping, 2) + " of critical\n";
+  }
   text += "gains: stiffness " + rounded(present.stiffness) + " -> " + rounded(tuning.gains.stiffness) +
           " Nm/rad, damping " + rounded(present.damping) + " -> " + rounded(tuning.gains.damping) +
           " Nms/rad, filter of its rate " + rounded(1e3 * present.rate_time_constant_s) + " -> " +

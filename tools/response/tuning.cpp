@@ -302,7 +302,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
   }
   const Dense all = dense(response);
   require_same_gains(response, all, present);
-  const std::vector<LoopPoint> known = measured_loop(response);
+  const std::vector<LoopPoint> known = measured_loop(all);
   const auto servo = tune_servo(all, known, present, wanted);
   if (!servo) {
     refuse_swinging(response, all, known, present, wanted);
@@ -317,7 +317,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
     throw Refusal(response.name + ": beside the motor servo no joint loop keeps the margins; ask for less bandwidth");
   }
   Tuning tuning{.gains = joint->gains,
-                .motor = fit_motor(response),
+                .motor = all.model,
                 .servo = servo->margins,
                 .whole = joint->margins,
                 .whole_nominal = {},

@@ -27,19 +27,25 @@ auto instrument() -> std::optional<sim::PlantParameters> {
   const std::size_t colon = std::min(text.find(':'), text.size());
   const std::string name = text.substr(0, colon);
   const std::size_t axis = colon < text.size() ? std::stoul(text.substr(colon + 1)) : 0;
+  if (sim::built_in_instrument(name).empty()) {
+    throw BadInput("CAPSTAN_INSTRUMENT: there is no instrument '" + name + "'");
+  }
   return sim::parse_instrument(sim::built_in_instrument(name), name).axes.at(axis).plant;
 }
 
-/// What its data sheets tell the board.
+/// What its data sheets tell the board; of the forceps the board knows it. A motor of 30.2 mNm/A is a Maxon RE 40.
 auto data_sheet(const sim::PlantParameters& plant) -> std::vector<std::string> {
+  if (!instrument()) {
+    return {};
+  }
   const std::string set = "set joint0.";
   const double most_a = std::min(plant.current_limit_a, plant.current_full_scale_a);
+  const double continuous_a = std::min(plant.torque_constant_nm_per_a < 0.05 ? 5.77 : 1.5, most_a);
   return {"maintenance open",
           set + "motor.encoder_counts " + std::to_string(std::lround(plant.encoder_counts_per_turn)),
           set + "motor.torque_per_current " + rounded(plant.torque_constant_nm_per_a) + " Nm/A",
-          set + "limits.continuous_current " +
-              rounded(std::min(plant.torque_constant_nm_per_a < 0.05 ? 3.0 : 1.5, most_a)) + " A",
-          set + "limits.current " + rounded(std::min(3.0, most_a)) + " A",
+          set + "limits.current " + rounded(std::min(2.0 * continuous_a, most_a)) + " A",
+          set + "limits.continuous_current " + rounded(continuous_a) + " A",
           set + "motor_angle.beta " + rounded(plant.input_radius_m / plant.output_radius_m)};
 }
 
@@ -78,8 +84,10 @@ struct Outcome {
 auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, Progress progress = {},
          const std::string& stop_before = "") -> Outcome {
   SimShell line(scenario);
-  for (const std::string& one : wrong) {
-    line.ask(one);
+  for (const auto& lines : {data_sheet(scenario.plant), wrong}) {
+    for (const std::string& one : lines) {
+      line.ask(one);
+    }
   }
   for (int i = 0; i < 40; ++i) {
     line.ask("log joint0 50 10");  // what fell, fell
@@ -116,7 +124,7 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
   const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
   for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
     const sim::Scenario scenario = draw(seed);
-    const Outcome outcome = run(scenario, instrument() ? data_sheet(scenario.plant) : std::vector<std::string>{});
+    const Outcome outcome = run(scenario, {});
     std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
                 outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
     for (const std::string& found : outcome.progress.found) {
@@ -179,10 +187,14 @@ TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
     std::vector<std::string> lines;
     const char* sentence;  ///< part of it
   };
+  const auto counts = [](double factor) {
+    const double right = instrument().value_or(sim::PlantParameters{}).encoder_counts_per_turn;
+    return "set joint0.motor.encoder_counts " + std::to_string(std::lround(factor * right));
+  };
   const std::vector<Wrong> all = {
       {"encoder sign", {"set joint0.motor.encoder_sign -1"}, "encoder counts against the torque"},
-      {"counts x4", {"set joint0.motor.encoder_counts 163840"}, "encoder_counts"},
-      {"counts / 2", {"set joint0.motor.encoder_counts 20480"}, "encoder_counts"},
+      {"counts x4", {counts(4.0)}, "encoder_counts"},
+      {"counts / 2", {counts(0.5)}, "encoder_counts"},
       {"current sign", {"fail current sign"}, "wrong sign"},
       {"current sensor stuck", {"fail current stuck"}, "current sensor"},
       {"amplifier off", {"fail amplifier off"}, "does not follow"},

@@ -2,8 +2,11 @@
 // Responses and gains of the firmware on the simulated forceps: what is promised is measured again with the new gains.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <sstream>
 
+#include "capstan/hal/sim/instrument.hpp"
 #include "capstan/tests/tools/run/board_rig.hpp"
 #include "capstan/tools/response/tuning.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -29,6 +32,38 @@ auto respond(const sim::Scenario& scenario, const Lines& lines, const std::strin
     log += row ? line + "\n" : "";
   }
   return estimate_response(read_response(CsvLog::parse(log, "run.csv"), 0));
+}
+
+// Its tendons carry as much inertia as its motor has, and at 45 Hz, between two lines, it stands still while they
+// swing.
+TEST(ResponseOnPlant, MarginsOfAJointThatSwingsOnItsTendonsAreKeptTogetherWithItsResonance) {
+  sim::Scenario scenario;
+  scenario.plant = sim::parse_instrument(sim::built_in_instrument("robot_finger"), "finger").axes[0].plant;
+  const Lines calm = {"set joint0.motor.torque_per_current 0.3 Nm/A", "set joint0.motor_angle.beta 0.77778",
+                      "set joint0.control.stiffness 1 Nm/rad", "set joint0.control.damping 0.01 Nms/rad"};
+  LoopGains present;
+  present.damping = 0.01;
+  present.continuous_nm = 0.45;
+  const std::string experiment = "travel=0.75 speed=0.46875 duration=110 amplitude=6mNm";
+  scenario.seed = 31;
+  const Tuning tuning = tune(respond(scenario, calm, experiment), present, {});
+  const double wanted = std::sqrt(4e4 * 9e-3 * 9e-3 / 4e-5) / (2.0 * std::numbers::pi);
+  EXPECT_NEAR(tuning.motor.joint_hz, wanted, 0.05 * wanted) << "both tendons over the joint's inertia";
+  EXPECT_NEAR(tuning.motor.inertia_kgm2, 4e-5, 0.12 * 4e-5) << "of the motor alone";
+  scenario.seed = 32;
+  Lines tuned = calm;
+  for (const std::string& line : tuning_lines(tuning.gains, 0)) {
+    tuned.push_back(line);
+  }
+  const Margins after = margins_of(measured_loop(respond(scenario, tuned, experiment)), false);
+  const Margins& promised = tuning.whole_nominal;
+  std::printf(
+      "finger: %.1f Hz; phase margin %.1f deg promised, %.1f measured; gain %.1f, %.1f dB; modulus %.3f, %.3f\n",
+      after.crossover_hz, promised.phase_deg, after.phase_deg, promised.gain_db, after.gain_db, promised.modulus,
+      after.modulus);
+  EXPECT_NEAR(after.phase_deg, promised.phase_deg, 5.0);
+  EXPECT_NEAR(after.gain_db, promised.gain_db, 1.0);
+  EXPECT_GE(after.phase_deg, 43.0);
 }
 
 const std::string kTravelling = "travel=1.8 speed=1 duration=120 ";
