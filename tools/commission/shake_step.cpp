@@ -16,8 +16,15 @@ constexpr double kPi = std::numbers::pi;
 
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
 // docs/tuning.md reports other seeds.
-constexpr double kFirstShare = 0.03;  // of the continuous torque, and raised until the motor answers
-constexpr double kMostShare = 0.4;    // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
+constexpr double kFirstShare = 0.03;              // of the continuous torque, and raised until the motor answers
+constexpr double kMostShare = 0.4;                // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
+constexpr double kCounts = 8.0;                   // from end to end: an encoder that counts at all
+constexpr double kUnseenRad = 1.5 * kPi / 180.0;  // to and fro of a motor that nothing holds, until its encoder counts
+constexpr double kSlowFromHz = 50.0;
+constexpr double kFastFromHz = 80.0;  // of a harder shake, ...
+constexpr double kFastRad =
+    2.5 * kPi / 180.0;                  // ... in which a motor that nothing holds goes no further to and fro ...
+constexpr double kFastWayRad = 0.0125;  // ... and none but this: its counts may be wrong by four
 constexpr double kGrowth = 1.5;
 constexpr double kAnswerCounts = 3.0;  // rms of the motor about its mean
 constexpr int kGlanceS = 5;            // of shaking, while it is too little for the motor to answer ...
@@ -26,7 +33,8 @@ constexpr double kFollows = 0.3;       // measured current over the wanted one
 constexpr double kFits = 0.2;          // of the answer that motor, spring and delay leave
 constexpr double kSettled = 0.12;      // from one amplitude to the next, a half larger
 constexpr double kTellsTo = 120.0;     // Hz; above, the delay turns the answer round
-constexpr double kScaleApart = 1.6;    // of inertia by the data sheet and by the shake; wrong counts are 2 or 4
+// Inertia by the shake over that of the data sheet; wrong counts are 2 or 4. Friction holds, so it passes for inertia.
+constexpr double kLeastApart = 0.82, kMostApart = 1.6;
 
 auto as_column(const std::vector<double>& values) -> Eigen::VectorXd {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), std::ssize(values));
@@ -39,12 +47,12 @@ auto spread(const std::vector<double>& values) -> double {
 
 }  // namespace
 
-auto CommissionSteps::shaken(double amplitude_nm, int seconds) -> CsvLog {
+auto CommissionSteps::shaken(const Shake& shake, int seconds) -> CsvLog {
   joint_.arm();
-  const CsvLog log =
-      joint_.rows("experiment", "multisine on=torque from=50Hz to=150Hz duration=" + std::to_string(seconds) +
-                                    " corridor=" + rounded(std::min(options_.corridor_rad, kMotorWayRad)) +
-                                    " amplitude=" + rounded(amplitude_nm, 6) + "Nm");
+  const CsvLog log = joint_.rows(
+      "experiment", "multisine on=torque " + shake.band + " duration=" + std::to_string(seconds) + " corridor=" +
+                        rounded(std::min(options_.corridor_rad, shake.fast ? kFastWayRad : kMotorWayRad)) +
+                        " amplitude=" + rounded(shake.amplitude_nm, 6) + "Nm");
   joint_.disarm();
   return log;
 }
@@ -92,6 +100,14 @@ auto CommissionSteps::inertia_of(const CsvLog& log) const -> std::optional<doubl
   return way > 0.0 ? -median(as_column(inertias)) : median(as_column(inertias));
 }
 
+auto CommissionSteps::over_data_sheet(double inertia) const -> double {
+  return inertia / options_.inertia_kgm2.value_or(inertia);
+}
+
+auto CommissionSteps::unseen_nm() const -> double {
+  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * kSlowFromHz, 2);
+}
+
 void CommissionSteps::judge_inertia(double inertia) {
   all_.progress.inertia_kgm2 = std::fabs(inertia);
   if (inertia < 0.0) {
@@ -101,8 +117,8 @@ void CommissionSteps::judge_inertia(double inertia) {
         rounded(-joint_.value("motor.encoder_sign")) + ", or swap the wires");
   }
   if (options_.inertia_kgm2) {
-    const double apart = inertia / *options_.inertia_kgm2;
-    if (apart > kScaleApart || apart < 1.0 / kScaleApart) {
+    const double apart = over_data_sheet(inertia);
+    if (apart > kMostApart || apart < kLeastApart) {
       throw Refusal("the motor answers as one of " + rounded(1e3 * inertia, 3) + " g m2, " + rounded(apart, 2) +
                     " times the data sheet's: motor.encoder_counts or motor.torque_per_current is wrong by about "
                     "that; compare both with the data sheets of encoder, gear and motor");
@@ -115,40 +131,66 @@ void CommissionSteps::judge_inertia(double inertia) {
   }
 }
 
+auto CommissionSteps::shakes() const -> std::vector<Shake> {
+  std::vector<Shake> all;
+  double amplitude_nm = kFirstShare * continuous_nm();
+  for (; amplitude_nm < kMostShare * continuous_nm(); amplitude_nm *= kGrowth) {
+    all.push_back({"from=" + rounded(kSlowFromHz) + "Hz to=150Hz", amplitude_nm, false});
+  }
+  if (options_.inertia_kgm2) {
+    const double most_nm =
+        std::min(continuous_nm(), kFastRad * *options_.inertia_kgm2 * std::pow(2.0 * kPi * kFastFromHz, 2));
+    for (amplitude_nm /= kGrowth; amplitude_nm < most_nm; amplitude_nm *= kGrowth) {
+      all.push_back({"from=" + rounded(kFastFromHz) + "Hz to=160Hz", std::min(most_nm, kGrowth * amplitude_nm), true});
+    }
+  }
+  return all;
+}
+
 void CommissionSteps::shake(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
-  double last = 0.0;
   const auto answered = [&joint](const CsvLog& log) {
     return rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
   };
+  double last = 0.0;
+  // Friction makes a motor heavier, never lighter.
+  const auto is_sure = [&] { return last < 0.0 || (last > 0.0 && steps.over_data_sheet(last) < kMostApart); };
   bool answers = false;
-  bool held = false;
-  for (double share = kFirstShare; share < kMostShare; share *= kGrowth) {
+  bool ever_answered = false;
+  bool counts = false;
+  for (const Shake& one : steps.shakes()) {
+    // A motor that can not be seen is not shaken harder, and lines nearer to the sampling rate tell less of its
+    // inertia.
+    if ((one.fast && (!ever_answered || is_sure())) || (!counts && one.amplitude_nm > steps.unseen_nm())) {
+      break;
+    }
     std::optional<CsvLog> shaken;
     try {
-      const double amplitude_nm = share * steps.continuous_nm();
       if (!answers) {
-        shaken = steps.shaken(amplitude_nm, kGlanceS);
+        shaken = steps.shaken(one, kGlanceS);
         answers = answered(*shaken);
       }
       if (answers) {
-        shaken = steps.shaken(amplitude_nm, kShakeS);
+        shaken = steps.shaken(one, kShakeS);
         answers = answered(*shaken);
       }
-    } catch (const Refusal&) {
-      if (last == 0.0) {
-        throw;
+    } catch (const Refusal& refusal) {
+      if (!ever_answered) {
+        joint.disarm();
+        throw Refusal("shaken with " + rounded(one.amplitude_nm, 2) +
+                      " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or what it is "
+                      "told is wrong by a factor, motor.encoder_counts or motor.torque_per_current (" +
+                      refusal.what() + ")");
       }
       // It went too far; what the amplitude before this one showed decides.
       break;
     }
-    const CsvLog& log = *shaken;
-    if (answers || kGrowth * share >= kMostShare) {
-      steps.judge_current(log);
-    }
-    const std::optional<double> inertia = answers ? steps.inertia_of(log) : std::nullopt;
-    held = answers && !inertia;
+    ever_answered = ever_answered || answers;
+    const Eigen::VectorXd angle = joint.column(*shaken, "q1_rad");
+    counts = counts || angle.maxCoeff() - angle.minCoeff() > kCounts * joint.count_rad();
+    steps.judge_current(*shaken);
+    const std::optional<double> inertia = answers ? steps.inertia_of(*shaken) : std::nullopt;
     // Friction holds a motor that is shaken too little, and passes for inertia.
     if (inertia && std::fabs(*inertia - last) < kSettled * std::fabs(*inertia)) {
       steps.judge_inertia(*inertia);
@@ -156,20 +198,22 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     }
     last = inertia.value_or(0.0);
   }
-  if (last != 0.0) {
+  if (is_sure()) {
     steps.judge_inertia(last);
     return;
   }
-  if (held) {
+  if (ever_answered) {
     throw Refusal(
-        "friction holds the motor: shaken with " + rounded(100.0 * kMostShare, 2) +
-        " % of the continuous torque it only bends its tendons, so nothing can be said of its encoder's sign; "
-        "slacken the tendons for this step, or raise limits.continuous_current if the motor stands it");
+        "friction holds the motor: it only bends its tendons, so nothing can be said of its encoder's sign; slacken "
+        "the tendons for this step, " +
+        std::string(steps.options_.inertia_kgm2
+                        ? "or raise limits.continuous_current if the motor stands it"
+                        : "or say what inertia the motor's data sheet has (--inertia), so that it can be shaken harder "
+                          "and yet not far"));
   }
   throw Refusal(
       "the motor has its current and the encoder does not count: it is blocked, the encoder is dead, or friction holds "
-      "it against " +
-      rounded(100.0 * kMostShare, 2) + " % of the continuous torque; turn it by hand and look at 'log'");
+      "it; turn it by hand and look at 'log'");
 }
 
 }  // namespace capstan::tools

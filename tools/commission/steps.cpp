@@ -23,8 +23,9 @@ constexpr double kCalmStiffness = 25000.0;   // Nm/rad per kg m2: 25 Hz, damped 
 constexpr double kCalmDamping = 250.0;       // Nms/rad per kg m2
 constexpr double kFirstPressShare = 0.0075;  // of the continuous torque
 constexpr double kPressGrowth = 1.25;
-constexpr double kPressRad = 0.7 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
-constexpr double kFewCounts = 16.0, kEnoughCounts = 40.0;  // ... nor more than are needed
+constexpr double kPressPerS = 32.0;  // of the torque: an eighth of a second, in which a motor alone does not run far
+constexpr double kPressRad = 1.0 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
+constexpr double kFewCounts = 16.0, kEnoughCounts = 60.0;  // ... nor more than are needed
 constexpr double kSpringsBack = 0.1;                       // of the way; tendons on 0.17 to 0.35, off 0 to 0.05
 constexpr double kOneSided = 3.0;                          // of the ways
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
@@ -101,8 +102,8 @@ void CommissionSteps::look(CommissionSteps& steps) {
 auto CommissionSteps::pressed(double torque_nm) -> std::optional<CsvLog> {
   joint_.arm();
   try {
-    CsvLog log = joint_.rows("experiment", "torque_triangle every=2 cycles=1 amplitude=" + rounded(torque_nm, 6) +
-                                               "Nm rates=" + rounded(8.0 * torque_nm, 6) + "Nm/s");
+    CsvLog log = joint_.rows("experiment", "torque_triangle every=1 cycles=1 amplitude=" + rounded(torque_nm, 6) +
+                                               "Nm rates=" + rounded(kPressPerS * torque_nm, 6) + "Nm/s");
     joint_.disarm();
     return log;
   } catch (const Refusal& refusal) {

@@ -33,7 +33,16 @@ class CommissionSteps {
   void let_go();
   [[nodiscard]] auto here() -> double;
   [[nodiscard]] auto continuous_nm() const -> double;
-  [[nodiscard]] auto shaken(double amplitude_nm, int seconds) -> CsvLog;
+  /// What the motor is shaken with.
+  struct Shake {
+    std::string band;  ///< options of the multisine
+    double amplitude_nm;
+    bool fast;
+  };
+  /// The loudest last. Beyond a share of the continuous torque only so fast that the data sheet's inertia bounds the
+  /// way of a motor that can not be seen.
+  [[nodiscard]] auto shakes() const -> std::vector<Shake>;
+  [[nodiscard]] auto shaken(const Shake& shake, int seconds) -> CsvLog;
   /// 2.9 deg: the gate takes torque away there, and a loose motor runs on a little.
   static constexpr double kMotorWayRad = 0.05;
   /// To and fro with that torque, N m; nothing: the motor left its limits.
@@ -42,6 +51,9 @@ class CommissionSteps {
   /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque. Nothing where it answers as a
   /// spring does, held by friction.
   [[nodiscard]] auto inertia_of(const CsvLog& log) const -> std::optional<double>;
+  [[nodiscard]] auto over_data_sheet(double inertia) const -> double;
+  /// Torque of a shake that an encoder has to show, N m; anything where nobody said what the data sheet has.
+  [[nodiscard]] auto unseen_nm() const -> double;
   void judge_inertia(double inertia);
   /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
   [[nodiscard]] auto tracking() -> std::optional<double>;
