@@ -17,16 +17,18 @@ constexpr double kDegree = kPi / 180.0;
 
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test, those
 // of `press` on forceps, wrist and finger 911 and 912; docs/tuning.md reports other seeds.
-constexpr double kMostZeroShare = 0.05;      // of limits.current: an offset that is no offset any more
-constexpr double kSoftStiffness = 0.02;      // Nm/rad: far below any tendon's, so that a wrong sign does not run away
-constexpr double kCalmStiffness = 25000.0;   // Nm/rad per kg m2: 25 Hz, damped at 0.8 of critical
-constexpr double kCalmDamping = 250.0;       // Nms/rad per kg m2
+constexpr double kMostZeroShare = 0.05;     // of limits.current: an offset that is no offset any more
+constexpr double kSoftStiffness = 0.02;     // Nm/rad: far below any tendon's, so that a wrong sign does not run away
+constexpr double kCalmStiffness = 25000.0;  // Nm/rad per kg m2: 25 Hz, damped at 0.8 of critical
+constexpr double kCalmDamping = 250.0;      // Nms/rad per kg m2
+constexpr double kCalmReversalS =
+    0.1;  // so that soft tendons with much friction do not jump where they turn (elbow 912)
 constexpr double kFirstPressShare = 0.0075;  // of the continuous torque
 constexpr double kPressGrowth = 1.25;
 constexpr double kPressPerS = 32.0;  // of the torque: an eighth of a second, in which a motor alone does not run far
 constexpr double kPressRad = 1.0 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
 constexpr double kFewCounts = 16.0, kEnoughCounts = 60.0;  // ... nor more than are needed
-constexpr double kSpringsBack = 0.1;                       // of the way; tendons on 0.17 to 0.35, off 0 to 0.05
+constexpr double kSpringsBack = 0.06;                      // of the way; tendons on 0.1 to 0.35, off 0 to 0.02
 constexpr double kOneSided = 3.0;                          // of the ways
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
 
@@ -62,6 +64,7 @@ void CommissionSteps::keep_to_corridor() {
 void CommissionSteps::calm() {
   joint_.set("control.stiffness", rounded(kCalmStiffness * all_.progress.inertia_kgm2, 6) + " Nm/rad");
   joint_.set("control.damping", rounded(kCalmDamping * all_.progress.inertia_kgm2, 6) + " Nms/rad");
+  joint_.set("control.reversal_time", rounded(kCalmReversalS) + " s");
   joint_.set("control.torque_backward", rounded(all_.progress.backward_nm, 6) + " Nm");
   joint_.set("control.torque_forward", rounded(all_.progress.forward_nm, 6) + " Nm");
 }
@@ -143,8 +146,8 @@ void CommissionSteps::press(CommissionSteps& steps) {
     const double back = std::min((angle.maxCoeff() - middle) / up, (angle[angle.size() - 1] - angle.minCoeff()) / down);
     if (back < kSpringsBack) {
       throw Refusal("the motor turns by " + rounded(std::max(up, down) / kDegree, 2) +
-                    " deg under friction alone and does not spring back: no tendon pulls at it; hook both, and give "
-                    "them pretension");
+                    " deg under friction alone and springs back by " + rounded(100.0 * back, 2) +
+                    " % of it: no tendon pulls at it; hook both, and give them pretension");
     }
     steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first, " +
                rounded(100.0 * back, 2) + " % of the way springs back");

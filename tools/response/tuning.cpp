@@ -21,13 +21,14 @@ constexpr double kCycleS = 1e-3;
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
-constexpr double kServoReserveDeg = 6.0;  // that the joint loop may take of the servo's phase margin
-constexpr double kEncoderShare = 0.02;    // rms torque of the encoder's steps, of the continuous torque
-constexpr double kAboveFirst = 1.5;       // crossover over the first clear line: below it, the loop is not known
-constexpr double kAboveAsked = 1.15;      // crossover over the one that was asked for
-constexpr double kCascade = 0.1;          // joint loop over servo: a cascade's usual distance, and little to hunt with
-constexpr double kMostMismatch = 0.1;     // of measured loop and gains; 0.01 to 0.03 where they belong together
-constexpr double kStepUp = 1.12;          // how much more gain is tried to see what limits
+constexpr double kServoReserveDeg = 6.0;   // that the joint loop may take of the servo's phase margin
+constexpr double kEncoderShare = 0.02;     // rms torque of the encoder's steps, of the continuous torque
+constexpr double kAboveFirst = 1.5;        // crossover over the first clear line: below it, the loop is not known
+constexpr double kAboveAsked = 1.15;       // crossover over the one that was asked for
+constexpr double kCascade = 0.1;           // joint loop over servo: a cascade's usual distance, and little to hunt with
+constexpr double kMostMismatch = 0.1;      // of measured loop and gains; 0.01 to 0.03 where they belong together
+constexpr double kNoiseShare = 1.0 / 3.0;  // mean square of what is within a circle of 95 %, of its radius's square
+constexpr double kStepUp = 1.12;           // how much more gain is tried to see what limits
 // Filters of the servo's rate that are tried beside the present one, s: what one takes of the phase, the encoder's
 // steps pay, and those have a limit of their own. A cycle is 1 ms, so a fifth of it is hardly a filter any more.
 constexpr std::array<double, 3> kRateTimes = {1e-3, 5e-4, 2e-4};
@@ -198,16 +199,17 @@ void refuse_swinging(const Response& response, const Dense& all, const std::vect
 /// Rms of what tells two loops apart, relative, where a gain of 1 is near, and where it is most.
 class Apart {
  public:
-  void add(double hz, Complex predicted, Complex measured) {
+  /// @param radius95  of what was measured: what noise alone makes of the difference is taken off
+  void add(double hz, Complex predicted, Complex measured, double radius95) {
     if (std::abs(measured) > 1.0 / 3.0 && std::abs(measured) < 3.0) {
-      const double square = std::norm(predicted / measured - 1.0);
+      const double square = std::norm(predicted / measured - 1.0) - kNoiseShare * std::norm(radius95 / measured);
       sum_ += square;
       ++count_;
       worst_hz_ = square > worst_ ? hz : worst_hz_;
       worst_ = std::max(worst_, square);
     }
   }
-  [[nodiscard]] auto rms() const -> double { return count_ > 0 ? std::sqrt(sum_ / count_) : 0.0; }
+  [[nodiscard]] auto rms() const -> double { return count_ > 0 ? std::sqrt(std::max(0.0, sum_ / count_)) : 0.0; }
   [[nodiscard]] auto worst_hz() const -> double { return worst_hz_; }
 
  private:
@@ -223,7 +225,7 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
   for (const ResponsePoint& point : clear_points(response)) {
     const Law law = law_of(present, point.hz);
     const Complex feedback = law.servo + through_joint(present, law, sense, point.joint.value);
-    at_lines.add(point.hz, point.motor.value * feedback, point.loop.value);
+    at_lines.add(point.hz, point.motor.value * feedback, point.loop.value, point.loop.radius95);
   }
   if (at_lines.rms() > kMostMismatch) {
     throw Refusal(response.name + ": the loop that was measured is " + rounded(100.0 * at_lines.rms(), 2) +
@@ -233,13 +235,14 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
   Apart between_lines;
   const std::vector<LoopPoint> loop = loop_of(all, present);
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    between_lines.add(loop[i].hz, loop[i].value, all.loop[i]);
+    between_lines.add(loop[i].hz, loop[i].value, all.loop[i], all.loop_radius[i]);
   }
   if (between_lines.rms() > kMostMismatch) {
-    throw SharpResonance(
+    throw Refusal(
         response.name + ": near " + rounded(between_lines.worst_hz(), 2) +
-        " Hz the response changes faster than its lines tell: the joint swings on its tendons there, and "
-        "margins would be guessed; stiffen what swings, or keep gains whose bandwidth stays well below");
+        " Hz the response changes from line to line, beyond noise and more than a joint that swings on its tendons "
+        "does: friction changes its sign, so shake less or let the joint travel faster; or something else swings "
+        "there, so keep gains whose bandwidth stays well below");
   }
 }
 

@@ -78,14 +78,8 @@ struct Tuning {
   std::vector<LoopPoint> loop;
 };
 
-/// The joint swings on its tendons more sharply than the response's lines tell; another shake shows the same.
-class SharpResonance : public Refusal {
- public:
-  using Refusal::Refusal;
-};
-
-/// Gains for the wanted margins over the circles. Throws SharpResonance, or Refusal where no gains keep them, none as
-/// fast as asked, or the joint would begin to swing at less than twice the gains.
+/// Gains for the wanted margins over the circles. Throws Refusal where the response is not smooth between its lines, no
+/// gains keep the margins, none as fast as asked, or the joint would begin to swing at less than twice the gains.
 /// @param present  those the log was made with: their kd, filter and bounds are kept
 auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning;
 

@@ -17,27 +17,25 @@ namespace {
 constexpr double kCorridor = 1.0;
 constexpr double kFiveDegrees = 5.0 / 57.29577951308232;
 
-/// The joint of CAPSTAN_INSTRUMENT, as robot_finger or raven2:1; nothing: the forceps.
-auto instrument() -> std::optional<sim::PlantParameters> {
-  const char* variable = std::getenv("CAPSTAN_INSTRUMENT");
-  if (variable == nullptr) {
-    return {};
-  }
-  const std::string text = variable;
+/// The joint of a built-in instrument, as robot_finger or raven2:1.
+auto joint_of(const std::string& text) -> sim::PlantParameters {
   const std::size_t colon = std::min(text.find(':'), text.size());
   const std::string name = text.substr(0, colon);
   const std::size_t axis = colon < text.size() ? std::stoul(text.substr(colon + 1)) : 0;
   if (sim::built_in_instrument(name).empty()) {
-    throw BadInput("CAPSTAN_INSTRUMENT: there is no instrument '" + name + "'");
+    throw BadInput("there is no instrument '" + name + "'");
   }
   return sim::parse_instrument(sim::built_in_instrument(name), name).axes.at(axis).plant;
 }
 
-/// What its data sheets tell the board; of the forceps the board knows it. A motor of 30.2 mNm/A is a Maxon RE 40.
+/// That of CAPSTAN_INSTRUMENT, or the forceps.
+auto instrument() -> sim::PlantParameters {
+  const char* variable = std::getenv("CAPSTAN_INSTRUMENT");
+  return variable == nullptr ? sim::PlantParameters{} : joint_of(variable);
+}
+
+/// What its data sheets tell the board. A motor of 30.2 mNm/A is a Maxon RE 40.
 auto data_sheet(const sim::PlantParameters& plant) -> std::vector<std::string> {
-  if (!instrument()) {
-    return {};
-  }
   const std::string set = "set joint0.";
   const double most_a = std::min(plant.current_limit_a, plant.current_full_scale_a);
   const double continuous_a = std::min(plant.torque_constant_nm_per_a < 0.05 ? 5.77 : 1.5, most_a);
@@ -49,15 +47,13 @@ auto data_sheet(const sim::PlantParameters& plant) -> std::vector<std::string> {
           set + "motor_angle.beta " + rounded(plant.input_radius_m / plant.output_radius_m)};
 }
 
-auto draw(std::uint64_t seed) -> sim::Scenario {
+auto draw(std::uint64_t seed, const sim::PlantParameters& joint = instrument()) -> sim::Scenario {
   Random random(seed * 7919);
   const auto between = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
   sim::Scenario scenario;
   scenario.seed = seed;
   sim::PlantParameters& plant = scenario.plant;
-  if (const auto named = instrument()) {
-    plant = *named;
-  }
+  plant = joint;
   plant.motor_inertia_kgm2 *= between(0.6, 2.0);
   plant.motor_coulomb_nm *= between(0.5, 2.0);
   plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
@@ -136,6 +132,16 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
   }
 }
 
+// The wrist's tendons are stiff and rub, the finger's joint swings on them at 45 Hz.
+TEST(Commission, OtherInstrumentsAreCommissionedToo) {
+  for (const char* name : {"da_vinci_wrist:0", "robot_finger:0"}) {
+    const Outcome outcome = run(draw(921, joint_of(name)), {});
+    EXPECT_TRUE(outcome.done) << name << ": " << outcome.sentence;
+    EXPECT_TRUE(outcome.torque_off) << name;
+    EXPECT_LT(outcome.joint_rad, kCorridor + 0.02) << name;
+  }
+}
+
 // Its home and its torque had so many digits that the shell said line_too_long.
 TEST(Commission, TheShakesOrderFitsTheShellsLine) {
   const Outcome outcome = run(draw(767), {});
@@ -188,7 +194,7 @@ TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
     const char* sentence;  ///< part of it
   };
   const auto counts = [](double factor) {
-    const double right = instrument().value_or(sim::PlantParameters{}).encoder_counts_per_turn;
+    const double right = instrument().encoder_counts_per_turn;
     return "set joint0.motor.encoder_counts " + std::to_string(std::lround(factor * right));
   };
   const std::vector<Wrong> all = {
