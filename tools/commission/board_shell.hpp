@@ -41,7 +41,9 @@ class PortShell final : public BoardShell {
 /// To a simulated board in this process, which runs as fast as it goes while it answers.
 class SimShell final : public BoardShell {
  public:
-  explicit SimShell(const sim::Scenario& scenario) : board_(scenario, banks_, sink_, false) { board_.tick(); }
+  explicit SimShell(const sim::Scenario& scenario) : SimShell(scenario, nullptr) {}
+  /// On banks that outlive it: what a board had saved is there when its power comes back.
+  SimShell(const sim::Scenario& scenario, Banks& banks) : SimShell(scenario, &banks) {}
   [[nodiscard]] auto board() -> SimBoard& { return board_; }
   /// Furthest that motor and joint have been from where they began, rad, since this was called last.
   struct Way {
@@ -57,6 +59,10 @@ class SimShell final : public BoardShell {
    private:
     void do_write(std::string_view written) override { text.append(written); }
   };
+  SimShell(const sim::Scenario& scenario, Banks* banks)
+      : board_(scenario, banks == nullptr ? banks_ : *banks, sink_, false) {
+    board_.tick();
+  }
   auto do_ask(const std::string& line) -> std::vector<std::string> override;
   void tick();
 

@@ -39,12 +39,13 @@ constexpr std::array<Step, 8> kSteps = {{
 
 /// What a run before this one had found; a board that was restarted does not have it.
 void put_back(JointConsole& joint, const Progress& progress) {
-  for (const auto& [name, value] : progress.set) {
-    if (name.starts_with("control.") && !progress.is_done("check")) {
-      continue;  // nobody has seen yet whether these gains are any good
-    }
-    joint.set(name, value);
-    joint.keep(name);
+  std::vector<std::pair<std::string, std::string>> known = progress.set;
+  if (!progress.is_done("check")) {
+    // Nobody has seen yet whether these gains are any good.
+    std::erase_if(known, [](const auto& one) { return one.first.starts_with("control."); });
+  }
+  if (!known.empty()) {
+    joint.set_together(known);
   }
 }
 

@@ -56,14 +56,29 @@ void JointConsole::set(const std::string& parameter, const std::string& value) {
   values_[parameter] = value;
 }
 
+void JointConsole::set_together(const std::vector<std::pair<std::string, std::string>>& parameters) {
+  board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
+  board_.ask("begin");
+  try {
+    for (const auto& [parameter, value] : parameters) {
+      board_.ask("set " + name() + "." + parameter + " " + value);
+    }
+    board_.ask("commit");
+  } catch (const Refusal&) {
+    board_.ask("abandon");
+    throw;
+  }
+  for (const auto& [parameter, value] : parameters) {
+    values_[parameter] = value;
+    before_.erase(parameter);
+  }
+}
+
 void JointConsole::restore() {
   disarm();
-  for (const auto& [parameter, value] : before_) {
-    board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
-    board_.ask("set " + name() + "." + parameter + " " + value);
-    values_[parameter] = value;
+  if (!before_.empty()) {
+    set_together({before_.begin(), before_.end()});
   }
-  before_.clear();
 }
 
 auto JointConsole::text(const std::string& parameter) const -> const std::string& {

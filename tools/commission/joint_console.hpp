@@ -22,6 +22,8 @@ class JointConsole {
   auto ask(const std::string& line) -> std::vector<std::string> { return board_.ask(line); }
   /// A parameter of the joint, "control.kp"; it counts as changed for a while.
   void set(const std::string& name, const std::string& value);
+  /// Parameters that make sense only together, and count from now on: all of them or none.
+  void set_together(const std::vector<std::pair<std::string, std::string>>& parameters);
   /// What was set counts from now on.
   void keep(const std::string& name) { before_.erase(name); }
   /// What was set for a while is as it was before. Torque is off then.

@@ -108,6 +108,19 @@ auto CommissionSteps::unseen_nm() const -> double {
   return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * kSlowFromHz, 2);
 }
 
+void CommissionSteps::refuse_scale(double inertia) const {
+  throw Refusal("the motor answers as one of " + rounded(1e3 * inertia, 3) + " g m2, " +
+                rounded(over_data_sheet(inertia), 2) +
+                " times the data sheet's: motor.encoder_counts or motor.torque_per_current is wrong by about that; "
+                "compare both with the data sheets of encoder, gear and motor");
+}
+
+void CommissionSteps::require_no_lighter(double inertia) const {
+  if (over_data_sheet(inertia) < kLeastApart) {
+    refuse_scale(inertia);
+  }
+}
+
 void CommissionSteps::judge_inertia(double inertia) {
   all_.progress.inertia_kgm2 = std::fabs(inertia);
   if (inertia < 0.0) {
@@ -118,11 +131,10 @@ void CommissionSteps::judge_inertia(double inertia) {
   }
   if (options_.inertia_kgm2) {
     const double apart = over_data_sheet(inertia);
-    if (apart > kMostApart || apart < kLeastApart) {
-      throw Refusal("the motor answers as one of " + rounded(1e3 * inertia, 3) + " g m2, " + rounded(apart, 2) +
-                    " times the data sheet's: motor.encoder_counts or motor.torque_per_current is wrong by about "
-                    "that; compare both with the data sheets of encoder, gear and motor");
+    if (apart > kMostApart) {
+      refuse_scale(inertia);
     }
+    require_no_lighter(inertia);
     find("inertia " + rounded(1e3 * inertia, 3) + " g m2, the data sheet's times " + rounded(apart, 2) +
          ": counts and torque per current agree with it");
   } else {

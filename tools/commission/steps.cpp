@@ -233,6 +233,7 @@ void CommissionSteps::motor(CommissionSteps& steps) {
         steps.decide(line.substr(joint.name().size() + 1, blank - joint.name().size() - 1), line.substr(blank + 1));
       }
     }
+    steps.require_no_lighter(1e-3 * joint.value("observer.inertia"));
     steps.find("the motor observer watches: inertia " + joint.text("observer.inertia"));
   } catch (const Refusal& refusal) {
     if (std::string(refusal.what()).find("not_here") == std::string::npos) {

@@ -54,6 +54,9 @@ class CommissionSteps {
   [[nodiscard]] auto over_data_sheet(double inertia) const -> double;
   /// Torque of a shake that an encoder has to show, N m; anything where nobody said what the data sheet has.
   [[nodiscard]] auto unseen_nm() const -> double;
+  [[noreturn]] void refuse_scale(double inertia) const;
+  /// Friction and the joint make a motor heavier than its data sheet says, never lighter.
+  void require_no_lighter(double inertia) const;
   void judge_inertia(double inertia);
   /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
   [[nodiscard]] auto tracking() -> std::optional<double>;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <map>
 
 #include "capstan/hal/sim/instrument.hpp"
 #include "capstan/tools/commission/commission.hpp"
@@ -185,6 +186,77 @@ TEST(Commission, StoppedWhileItTunesItDoesNotTryAgainAndPutsTheGainsBack) {
   EXPECT_EQ(line.armed_afterwards(), 0);
   EXPECT_FALSE(energised(line.board().machine().telemetry().state));
   EXPECT_EQ(line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double(), before);
+}
+
+/// Counts the lines of each step, and lets the power fail after some of one.
+class CutShell final : public BoardShell {
+ public:
+  CutShell(SimShell& board, const std::string& step) : board_(board), step_(step) {}
+  void cut(const std::string& step, int after) {
+    cut_step_ = step;
+    after_ = after;
+  }
+  std::map<std::string, int> asked;
+
+ private:
+  auto do_ask(const std::string& line) -> std::vector<std::string> override {
+    dead_ = dead_ || (step_ == cut_step_ && asked[step_] == after_);
+    if (dead_) {
+      throw Refusal("the board does not answer");
+    }
+    ++asked[step_];
+    return board_.ask(line);
+  }
+  SimShell& board_;
+  const std::string& step_;
+  std::string cut_step_;
+  int after_ = -1;
+  bool dead_ = false;
+};
+
+TEST(Commission, AfterAPowerCutInAnyStepTheBoardIsDisarmedWithTheOldOrTheNewSetAndCommissioningGoesOn) {
+  const sim::Scenario scenario = draw(741);
+  const CommissionOptions options{
+      .axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = scenario.plant.motor_inertia_kgm2, .key = {}};
+  std::string step;
+  std::string last_step;
+  Progress known;
+  const Operator person{
+      .tell = [&](const std::string& text) { step = text.front() == ' ' ? step : text.substr(0, text.find(':')); },
+      .agrees = [&](const std::string&) { return last_step.empty() || !known.is_done(last_step); },
+      .keep = [&](const Progress& now) { known = now; }};
+  FileBanks whole_banks = FileBanks::temporary();
+  SimShell whole(scenario, whole_banks);
+  const std::vector<std::string> set_before = whole.ask("dump");
+  CutShell counting(whole, step);
+  commission(counting, person, options, {});
+  const std::vector<std::string> steps = known.done;
+  const std::vector<std::string> set_after = SimShell(scenario, whole_banks).ask("dump");
+  EXPECT_NE(set_after, set_before);
+  known = {};
+  for (const std::string& name : steps) {
+    FileBanks banks = FileBanks::temporary();
+    last_step = name;
+    {
+      SimShell board(scenario, banks);
+      CutShell cut(board, step);
+      cut.cut(name, counting.asked[name] / 2);
+      EXPECT_THROW(commission(cut, person, options, known), Refusal) << name;
+    }
+    ASSERT_FALSE(known.is_done(name));
+    SimShell board(scenario, banks);
+    EXPECT_FALSE(energised(board.board().machine().telemetry().state)) << name;
+    const std::vector<std::string> now = board.ask("dump");
+    EXPECT_TRUE(now == set_before || now == set_after) << name;
+    try {
+      commission(board, person, options, known);
+    } catch (const Refusal& refusal) {
+      EXPECT_NE(std::string(refusal.what()).find("stopped as you wished"), std::string::npos) << refusal.what();
+    }
+    EXPECT_TRUE(known.is_done(name)) << name;
+    known.done.resize(static_cast<std::size_t>(&name - steps.data()) +
+                      1);  // `save` moves nothing, so it does not ask before it begins
+  }
 }
 
 TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
