@@ -14,9 +14,10 @@ namespace capstan::tools {
 namespace {
 
 struct CommandOptions {
-  CommissionOptions own;
-  std::string port, state = "commission.txt", report, machine = "machine.toml";
-  double inertia_gm2 = 0.0;
+  std::vector<int> axes = {0};
+  double corridor_rad = 0.0;
+  std::vector<double> inertia_gm2;
+  std::string port, key, state = "commission.txt", report, machine = "machine.toml";
   std::uint64_t seed = 1;
   bool yes = false, again = false;
 };
@@ -32,18 +33,42 @@ auto agrees(const CommandOptions& options, const std::string& question) -> bool 
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
-auto progress_of(const CommandOptions& options) -> Progress {
-  if (options.again || !std::filesystem::exists(options.state)) {
-    return {};
-  }
-  return Progress::parse(read_text_file(options.state), options.state);
+/// One file a joint where there are several.
+auto state_of(const CommandOptions& options, int axis) -> std::string {
+  return options.axes.size() == 1 ? options.state : options.state + ".joint" + std::to_string(axis);
 }
 
-auto run_commission(CommandOptions& options) -> int {
-  if (options.inertia_gm2 > 0.0) {
-    options.own.inertia_kgm2 = 1e-3 * options.inertia_gm2;
+auto progress_of(const CommandOptions& options, int axis) -> Progress {
+  const std::string state = state_of(options, axis);
+  return options.again || !std::filesystem::exists(state) ? Progress{} : Progress::parse(read_text_file(state), state);
+}
+
+auto joints_of(const CommandOptions& options) -> std::vector<CommissionOptions> {
+  const std::size_t inertias = options.inertia_gm2.size();
+  if (inertias > 1 && inertias != options.axes.size()) {
+    throw BadInput("--inertia has " + std::to_string(inertias) + " values for " + std::to_string(options.axes.size()) +
+                   " joints; give one for each, or one for all");
   }
-  Progress progress = progress_of(options);
+  std::vector<CommissionOptions> joints;
+  for (std::size_t i = 0; i < options.axes.size(); ++i) {
+    joints.push_back({.axis = options.axes[i],
+                      .corridor_rad = options.corridor_rad,
+                      .inertia_kgm2 = {},
+                      .key = options.key,
+                      .saves = options.axes.size() == 1});
+    if (inertias > 0) {
+      joints.back().inertia_kgm2 = 1e-3 * options.inertia_gm2[inertias == 1 ? 0 : i];
+    }
+  }
+  return joints;
+}
+
+auto run_commission(const CommandOptions& options) -> int {
+  const std::vector<CommissionOptions> joints = joints_of(options);
+  std::vector<Progress> progress;
+  for (const CommissionOptions& joint : joints) {
+    progress.push_back(progress_of(options, joint.axis));
+  }
   std::unique_ptr<BoardShell> line;
   if (options.port.empty()) {
     std::cerr << "no port: this is the simulated forceps\n";
@@ -60,13 +85,27 @@ auto run_commission(CommandOptions& options) -> int {
   }
   const Operator person{.tell = [](const std::string& text) { std::cerr << text << "\n"; },
                         .agrees = [&options](const std::string& question) { return agrees(options, question); },
-                        .keep = [&options](const Progress& now) { write_text_file(options.state, now.text()); }};
-  const Commissioned commissioned = commission(*line, person, options.own, std::move(progress));
-  write_text_file(options.machine, machine_file(commissioned.progress, options.own.axis));
-  std::cerr << "wrote " << options.machine << "\n";
-  if (!options.report.empty()) {
-    std::cerr << "wrote " << write_commission_report(options.report, commissioned) << "\n";
+                        .keep = {}};
+  const std::vector<std::string> before = joints.size() > 1 ? line->ask("dump") : std::vector<std::string>{};
+  std::vector<Commissioned> commissioned;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Operator of_joint = person;
+    of_joint.keep = [&](const Progress& now) { write_text_file(state_of(options, joints[i].axis), now.text()); };
+    commissioned.push_back(commission(*line, of_joint, joints[i], std::move(progress[i])));
+    progress[i] = commissioned.back().progress;
   }
+  if (joints.size() > 1) {
+    commission_together(*line, person, joints, progress, before);
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    commissioned[i].progress = progress[i];
+    if (!options.report.empty()) {
+      const std::string folder = options.report + (joints.size() == 1 ? "" : "/joint" + std::to_string(joints[i].axis));
+      std::cerr << "wrote " << write_commission_report(folder, commissioned[i]) << "\n";
+    }
+  }
+  write_text_file(options.machine, machine_file(joints, progress));
+  std::cerr << "wrote " << options.machine << "\n";
   return kExitDone;
 }
 
@@ -77,17 +116,23 @@ void add_commission(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("commission", "from a bare motor to a tuned joint, step by step");
   command->add_option("port", options->port,
                       "the board's shell: tcp:PORT, or its serial device; without it the simulated forceps");
-  command->add_option("--axis", options->own.axis, "joint of the board")->check(CLI::Range(0, 3));
   command
-      ->add_option("--corridor", options->own.corridor_rad,
-                   "rad: how far the joint may go either way from where it stands")
+      ->add_option("--axis", options->axes,
+                   "joint of the board, or several (0,1,2): one after the other, then all together, then saved")
+      ->delimiter(',')
+      ->check(CLI::Range(0, 3));
+  command
+      ->add_option("--corridor", options->corridor_rad, "rad: how far the joint may go either way from where it stands")
       ->required()
       ->check(CLI::Range(0.1, 3.0));
   command
-      ->add_option("--inertia", options->inertia_gm2,
-                   "g m2 of motor and gear at the input pulley by the data sheet; without it wrong counts are not seen")
+      ->add_option(
+          "--inertia", options->inertia_gm2,
+          "g m2 of motor and gear at the input pulley by the data sheet, of each joint or one for all; without it "
+          "wrong counts are not seen")
+      ->delimiter(',')
       ->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--key", options->own.key, "of maintenance, where the board has one");
+  command->add_option("--key", options->key, "of maintenance, where the board has one");
   command->add_option("--state", options->state, "file that remembers what is done")->capture_default_str();
   command->add_flag("--again", options->again, "begin anew, whatever the file says");
   command->add_option("--report", options->report, "folder for the page");

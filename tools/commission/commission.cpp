@@ -115,6 +115,9 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
   CommissionSteps steps(joint, person, options, all);
   put_back(joint, all.progress);
   for (const Step& step : kSteps) {
+    if (!options.saves && std::string(step.name) == "save") {
+      continue;
+    }
     if (all.progress.is_done(step.name)) {
       person.tell(std::string(step.name) + ": done before");
       continue;
@@ -135,6 +138,38 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
     person.keep(all.progress);
   }
   return all;
+}
+
+void commission_together(BoardShell& board, const Operator& person, const std::vector<CommissionOptions>& joints,
+                         std::vector<Progress>& progress, const std::vector<std::string>& before) {
+  try {
+    for (std::size_t i = 0; i < joints.size(); ++i) {
+      Commissioned all{.progress = progress[i], .response = {}, .tuning = {}};
+      JointConsole joint(board, joints[i].axis, joints[i].key);
+      CommissionSteps steps(joint, person, joints[i], all);
+      person.tell("together: shakes " + joint.name() + " while it travels and the others hold, for some two minutes");
+      if (!person.agrees("may the joint move?")) {
+        throw Refusal("stopped as you wished, torque is off");
+      }
+      CommissionSteps::together(steps);
+      joint.restore();
+      if (i + 1 == joints.size()) {
+        CommissionSteps::save(steps);
+      }
+      progress[i] = all.progress;
+    }
+  } catch (const Refusal& refusal) {
+    board.ask("begin");
+    for (const CommissionOptions& one : joints) {
+      for (const std::string& line : before) {
+        if (line.starts_with("set joint" + std::to_string(one.axis) + ".control.")) {
+          board.ask(line);
+        }
+      }
+    }
+    board.ask("commit");
+    throw Refusal(std::string("together: ") + refusal.what() + "; the gains of before are back, nothing was saved");
+  }
 }
 
 }  // namespace capstan::tools

@@ -17,6 +17,7 @@ struct CommissionOptions {
   double corridor_rad = 0.0;           ///< of the joint, either way from where it stands
   std::optional<double> inertia_kgm2;  ///< of motor and input pulley by the data sheet: tells wrong counts
   std::string key;                     ///< of maintenance, where the board has one
+  bool saves = true;                   ///< at the end; with several joints commission_together does
 };
 
 /// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
@@ -54,8 +55,15 @@ struct Commissioned {
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned;
 
+/// Of joints that are commissioned and not saved: margins of each, all being under control, then `save`.
+/// Throws Refusal with its sentence where a margin is lost; the gains of all are those of `before` then, and nothing is
+/// saved.
+/// @param before  lines of the board's `dump` before the first was commissioned
+auto commission_together(BoardShell& board, const Operator& person, const std::vector<CommissionOptions>& joints,
+                         std::vector<Progress>& progress, const std::vector<std::string>& before) -> void;
+
 /// machine.toml: what sets up the next board alike.
-auto machine_file(const Progress& progress, int axis) -> std::string;
+auto machine_file(const std::vector<CommissionOptions>& joints, const std::vector<Progress>& progress) -> std::string;
 /// The page. Throws BadInput if the folder can not be written.
 auto write_commission_report(const std::string& folder, const Commissioned& commissioned) -> std::string;
 

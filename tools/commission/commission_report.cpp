@@ -9,12 +9,15 @@
 
 namespace capstan::tools {
 
-auto machine_file(const Progress& progress, int axis) -> std::string {
-  const std::string joint = "joint" + std::to_string(axis);
-  std::string text = "# Found by 'capstan commission'; every line is one of the board's: set " + joint +
-                     ".NAME VALUE\nschema = \"capstan.machine/1\"\n\n[" + joint + "]\n";
-  for (const auto& [name, value] : progress.set) {
-    text += "\"" + name + "\" = \"" + value + "\"\n";
+auto machine_file(const std::vector<CommissionOptions>& joints, const std::vector<Progress>& progress) -> std::string {
+  std::string text =
+      "# Found by 'capstan commission'; every line is one of the board's: set JOINT.NAME VALUE\n"
+      "schema = \"capstan.machine/1\"\n";
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    text += "\n[joint" + std::to_string(joints[i].axis) + "]\n";
+    for (const auto& [name, value] : progress[i].set) {
+      text += "\"" + name + "\" = \"" + value + "\"\n";
+    }
   }
   return text;
 }

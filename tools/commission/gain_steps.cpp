@@ -21,41 +21,40 @@ constexpr double kLouder = 1.5;
 constexpr double kWaysPerLeg = 2.0;   // from -travel to travel
 constexpr double kLessTravel = 0.25;  // when it went too far
 constexpr int kMostAttempts = 4;
+// What a measurement may be off from the margins that were promised.
+constexpr double kMeasuredDeg = 5.0, kMeasuredDb = 1.0, kMeasuredModulus = 0.9;
 
 }  // namespace
 
-void CommissionSteps::tune_gains(CommissionSteps& steps) {
-  JointConsole& joint = steps.joint_;
-  steps.keep_to_corridor();
-  steps.calm();
-  joint.set("observer.inertia", "0");  // it would take the shaking for a sensor that lies
-  const LoopGains present = read_gains(joint.gains_dump(), joint.axis());
-  double travel = std::min(1.8, kTravelShare * steps.options_.corridor_rad);
-  double beside = kBeside * steps.options_.corridor_rad;
-  double amplitude = kShakePerMotion * steps.all_.progress.inertia_kgm2 * kWaysPerLeg * travel / kLegS;
-  const double home = std::round(steps.home_rad_ * 1e4) / 1e4;  // the shell's line has room for so many digits
+void CommissionSteps::respond(const std::function<void(const Response&)>& take) {
+  keep_to_corridor();
+  joint_.set("observer.inertia", "0");  // it would take the shaking for a sensor that lies
+  double travel = std::min(1.8, kTravelShare * options_.corridor_rad);
+  double beside = kBeside * options_.corridor_rad;
+  double amplitude = kShakePerMotion * all_.progress.inertia_kgm2 * kWaysPerLeg * travel / kLegS;
+  const double home = std::round(home_rad_ * 1e4) / 1e4;  // the shell's line has room for so many digits
   double too_little = 0.0;
   double too_much = 0.0;
   std::string problem;
   const auto try_again = [&](const Refusal& refusal, double& tried, double factor) {
-    joint.disarm();
+    joint_.disarm();
     problem = refusal.what();
     tried = amplitude;
     amplitude = too_little > 0.0 && too_much > 0.0 ? std::sqrt(too_little * too_much) : amplitude * factor;
   };
-  for (int attempt = 0; attempt < kMostAttempts && !steps.all_.tuning; ++attempt) {
-    joint.arm();
+  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    joint_.arm();
     try {
       const CsvLog log =
-          joint.rows("experiment",
-                     "multisine on=torque from=1Hz to=200Hz duration=110 offset=" + rounded(home, 6) +
-                         "rad travel=" + rounded(travel, 4) + "rad speed=" + rounded(kWaysPerLeg * travel / kLegS, 4) +
-                         "rad/s corridor=" + rounded(beside, 4) + "rad amplitude=" + rounded(amplitude, 3) + "Nm");
-      joint.disarm();
-      const Response response = estimate_response(read_response(log, joint.axis()));
+          joint_.rows("experiment",
+                      "multisine on=torque from=1Hz to=200Hz duration=110 offset=" + rounded(home, 6) +
+                          "rad travel=" + rounded(travel, 4) + "rad speed=" + rounded(kWaysPerLeg * travel / kLegS, 4) +
+                          "rad/s corridor=" + rounded(beside, 4) + "rad amplitude=" + rounded(amplitude, 3) + "Nm");
+      joint_.disarm();
+      const Response response = estimate_response(read_response(log, joint_.axis()));
       require_usable(response);
-      steps.all_.response = response;
-      steps.all_.tuning = tune(response, present, {});
+      take(response);
+      return;
     } catch (const FaintShake& refusal) {
       try_again(refusal, too_little, kLouder);
     } catch (const Refusal& refusal) {
@@ -65,9 +64,17 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
       travel -= kLessTravel * travel;
     }
   }
-  if (!steps.all_.tuning) {
-    throw Refusal(problem);
-  }
+  throw Refusal(problem);
+}
+
+void CommissionSteps::tune_gains(CommissionSteps& steps) {
+  const JointConsole& joint = steps.joint_;
+  steps.calm();
+  const LoopGains present = read_gains(steps.joint_.gains_dump(), joint.axis());
+  steps.respond([&](const Response& response) {
+    steps.all_.response = response;
+    steps.all_.tuning = tune(response, present, {});
+  });
   for (const std::string& line : tuning_lines(steps.all_.tuning->gains, joint.axis())) {
     const std::string prefix = "set " + joint.name() + ".";
     if (line.starts_with(prefix)) {
@@ -139,6 +146,24 @@ void CommissionSteps::check(CommissionSteps& steps) {
   steps.find("a sine is followed within " + rounded(1e3 * *after, 3) + " mrad rms of the estimate" +
              (before ? ", " + rounded(1e3 * *before, 3) + " before" : std::string(", and not at all before")) +
              "; after a step nothing swings");
+}
+
+void CommissionSteps::together(CommissionSteps& steps) {
+  std::optional<Margins> margins;
+  steps.respond([&](const Response& response) { margins = margins_of(measured_loop(response), false); });
+  const std::string measured = rounded(margins->phase_deg, 3) + " deg, " + rounded(margins->gain_db, 3) +
+                               " dB and a modulus of " + rounded(margins->modulus, 2);
+  const Wanted wanted;
+  if (margins->phase_deg < wanted.phase_deg - kMeasuredDeg || margins->gain_db < wanted.gain_db - kMeasuredDb ||
+      margins->modulus < wanted.modulus * kMeasuredModulus) {
+    throw Refusal("with the other joints under control " + steps.joint_.name() + " has only " + measured + ", where " +
+                  rounded(wanted.phase_deg) + " deg, " + rounded(wanted.gain_db) + " dB and " +
+                  rounded(wanted.modulus) +
+                  " are wanted: the joints swing together; tune it once more on its own "
+                  "(--again --axis), or for less bandwidth with 'capstan tune'");
+  }
+  steps.find("with the other joints under control: crossover " + rounded(margins->crossover_hz, 3) + " Hz, " +
+             measured);
 }
 
 void CommissionSteps::save(CommissionSteps& steps) {

@@ -20,6 +20,8 @@ class CommissionSteps {
   static void tune_gains(CommissionSteps& steps);
   static void check(CommissionSteps& steps);
   static void save(CommissionSteps& steps);
+  /// Margins of a tuned joint while all others are held by theirs.
+  static void together(CommissionSteps& steps);
 
  private:
   void find(const std::string& sentence);
@@ -58,6 +60,8 @@ class CommissionSteps {
   /// Friction and the joint make a motor heavier than its data sheet says, never lighter.
   void require_no_lighter(double inertia) const;
   void judge_inertia(double inertia);
+  /// Shakes the joint while it travels, louder or less until the response can be used and `take` takes it.
+  void respond(const std::function<void(const Response&)>& take);
   /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
   [[nodiscard]] auto tracking() -> std::optional<double>;
 
