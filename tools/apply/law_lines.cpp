@@ -3,6 +3,7 @@
 
 #include "capstan/tools/apply/effort_lines.hpp"
 #include "capstan/tools/apply/force_lines.hpp"
+#include "capstan/tools/apply/machine_lines.hpp"
 #include "capstan/tools/apply/model_lines.hpp"
 #include "capstan/tools/apply/plausible_law.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
@@ -35,6 +36,9 @@ auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std
   const std::string text = read_text_file(file);
   if (text.find(kEffortSchema) != std::string::npos) {
     return effort_lines(parse_effort_file(text, file), file, axis);
+  }
+  if (text.find(kMachineSchema) != std::string::npos) {
+    return machine_lines(text, file);
   }
   std::vector<std::string> force_law = force_lines(text, file, axis);
   const bool only_force = !force_law.empty() && text.find("[terms") == std::string::npos;

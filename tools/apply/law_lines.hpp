@@ -6,9 +6,9 @@
 
 namespace capstan::tools {
 
-/// The shell lines that write a law's file into a board: its motion law, force law or both, or its effort law, from
-/// 'begin' to 'commit'. @param force  also a law whose joint would run against the motor, or too far
-/// Throws BadInput or Refusal with the cure where this board could not run it.
+/// The shell lines that write a file into a board: a motion law, a force law or both, or an effort law, from 'begin' to
+/// 'commit'; or what a commissioning found (machine_lines). @param force  also a law whose joint would run against the
+/// motor, or too far Throws BadInput or Refusal with the cure where this board could not run it.
 auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

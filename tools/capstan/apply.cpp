@@ -16,7 +16,7 @@ namespace {
 
 struct ApplyOptions {
   std::string model;
-  std::string port;
+  std::string port, key;
   int axis = 0;
   bool keep_unsaved = false;
   bool force = false;
@@ -48,7 +48,7 @@ auto apply(const ApplyOptions& options) -> int {
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
   for (const std::string& line : lines) {
-    shell.ask(line);
+    shell.ask(line == "maintenance open" && !options.key.empty() ? line + " " + options.key : line);
   }
   int verified = 0;
   for (const std::string& line : lines) {
@@ -69,10 +69,16 @@ auto apply(const ApplyOptions& options) -> int {
 
 void add_apply(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ApplyOptions>();
-  CLI::App* command = app.add_subcommand("apply", "write a law into a running board, verify and save it");
-  command->add_option("model", options->model, "the law, a joint.toml")->required();
+  CLI::App* command =
+      app.add_subcommand("apply", "write a law, or what was commissioned, into a running board, verify and save it");
+  command
+      ->add_option(
+          "model", options->model,
+          "the law, a joint.toml; or a machine.toml of 'capstan commission', which says itself for which joints")
+      ->required();
   command->add_option("--port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
   command->add_option("--axis", options->axis, "joint of the board")->capture_default_str()->check(CLI::Range(0, 3));
+  command->add_option("--key", options->key, "of maintenance, where the board has one; a machine.toml needs it");
   command->add_flag("--force", options->force, "write a law even if its joint would run against the motor, or too far");
   command->add_flag("--no-save", options->keep_unsaved, "try the law without keeping it over a restart");
   command->callback([options, &exit_status] { exit_status = apply(*options); });

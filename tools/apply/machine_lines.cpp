@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/apply/machine_lines.hpp"
+
+#include <toml++/toml.h>
+#include <algorithm>
+
+#include "capstan/tools/support/errors.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr std::size_t kLongest = 48;  // characters of a name or a value; the shell's line has room for both
+
+auto is_plain(std::string_view text, std::string_view more) -> bool {
+  return !text.empty() && text.size() <= kLongest && std::all_of(text.begin(), text.end(), [&](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || more.find(c) != std::string_view::npos;
+  });
+}
+
+[[noreturn]] void fail(const std::string& file, const toml::source_region& where, const std::string& sentence) {
+  throw BadInput(file + ":" + std::to_string(where.begin.line) + ": " + sentence);
+}
+
+void add_joint(const std::string& joint, const toml::table& table, const std::string& file,
+               std::vector<std::string>& lines) {
+  for (const auto& [key, node] : table) {
+    const std::string name(key.str());
+    const toml::value<std::string>* value = node.as_string();
+    // What stands here is typed at the board's prompt, so it is a name and a number with its unit and nothing else.
+    if (!is_plain(name, "_.") || value == nullptr || !is_plain(value->get(), " +-./ABCDEFGHIJKLMNOPQRSTUVWXYZ")) {
+      fail(file, node.source(),
+           "'" + name +
+               "' is no parameter with its value in quotes, as \"control.kp\" = \"0.5\"; write it so, or take "
+               "the line out");
+    }
+    lines.push_back("set " + joint + "." + name + " " + value->get());
+  }
+}
+
+}  // namespace
+
+auto machine_lines(const std::string& text, const std::string& file) -> std::vector<std::string> {
+  // The library's tables of letters run into undefined behaviour outside ASCII (3.3.0, found by fuzzing).
+  if (std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; })) {
+    throw BadInput(file + ": has letters beyond ASCII, and no file of 'capstan commission' has; take them out");
+  }
+  toml::table root;
+  try {
+    root = toml::parse(text, file);
+  } catch (const toml::parse_error& error) {
+    fail(file, error.source(), std::string(error.description()) + "; correct this line");
+  }
+  std::vector<std::string> lines = {"maintenance open", "begin"};
+  for (const auto& [key, node] : root) {
+    const std::string joint(key.str());
+    if (joint == "schema") {
+      continue;
+    }
+    const bool known = joint.size() == 6 && joint.starts_with("joint") && joint.back() >= '0' && joint.back() <= '3';
+    if (!known || node.as_table() == nullptr) {
+      fail(file, node.source(), "'" + joint + "' is none of [joint0] to [joint3]; take it out");
+    }
+    add_joint(joint, *node.as_table(), file, lines);
+  }
+  if (lines.size() == 2) {
+    throw BadInput(file + ": sets nothing; give the machine.toml of a commissioning that came to its end");
+  }
+  lines.insert(lines.end(), {"commit", "maintenance close"});
+  return lines;
+}
+
+}  // namespace capstan::tools

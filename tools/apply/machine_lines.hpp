@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace capstan::tools {
+
+inline constexpr std::string_view kMachineSchema = "capstan.machine/1";
+
+/// The shell lines that set up a board as another one was commissioned, from 'maintenance open' to 'maintenance close'.
+/// Throws BadInput with the line and the cure.
+/// @param text  of a machine.toml of `capstan commission`   @param file  its name
+auto machine_lines(const std::string& text, const std::string& file) -> std::vector<std::string>;
+
+}  // namespace capstan::tools
