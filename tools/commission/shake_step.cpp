@@ -216,8 +216,8 @@ void CommissionSteps::shake(CommissionSteps& steps) {
   }
   if (ever_answered) {
     throw Refusal(
-        "friction holds the motor: it only bends its tendons, so nothing can be said of its encoder's sign; slacken "
-        "the tendons for this step, " +
+        "friction holds the motor: it only bends its tendons, so nothing can be said of its encoder's sign and scale; "
+        "slacken the tendons for this step, " +
         std::string(steps.options_.inertia_kgm2
                         ? "or raise limits.continuous_current if the motor stands it"
                         : "or say what inertia the motor's data sheet has (--inertia), so that it can be shaken harder "

@@ -55,6 +55,11 @@ auto CommissionSteps::here() -> double {
 }
 
 void CommissionSteps::keep_to_corridor() {
+  if (home_rad_ < joint_.value("limits.joint_min") || home_rad_ > joint_.value("limits.joint_max")) {
+    throw Refusal("the joint stands at " + rounded(home_rad_, 3) +
+                  " rad, outside limits.joint_min to limits.joint_max: turn it back by hand, say where it stands with "
+                  "'zero', or hook the tendon that let it go");
+  }
   joint_.set("limits.joint_min",
              rounded(std::max(home_rad_ - options_.corridor_rad, joint_.value("limits.joint_min")), 6) + " rad");
   joint_.set("limits.joint_max",

@@ -218,7 +218,7 @@ class Apart {
 };
 
 /// The measured loop is the plant's response times the present gains', line by line, or these are not the gains of the
-/// log; and between the lines too, or the plant swings more sharply than they tell.
+/// log; and between the lines too, or the plant is not smooth between them.
 void require_same_gains(const Response& response, const Dense& all, const LoopGains& present) {
   Apart at_lines;
   const double sense = sense_of(all);
