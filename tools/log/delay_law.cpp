@@ -124,6 +124,27 @@ void add_torque(const LawChannels& channels, const Turns& turns, const MatrixXd&
 
 }  // namespace
 
+/// Rms over mean of lengths or of times of the strokes between turns, the larger.
+auto spread_of(const VectorXd& angle, const VectorXd& direction) -> double {
+  std::vector<double> lengths;
+  std::vector<double> times;
+  Index last = 0;
+  for (Index i = 1; i < angle.size(); ++i) {
+    if (direction[i] * direction[i - 1] < 0.0) {
+      if (last > 0) {
+        lengths.push_back(std::abs(angle[i] - angle[last]));
+        times.push_back(static_cast<double>(i - last));
+      }
+      last = i;
+    }
+  }
+  const auto relative = [](const std::vector<double>& values) {
+    const Eigen::Map<const VectorXd> all(values.data(), std::ssize(values));
+    return values.empty() ? 0.0 : rms_about_mean(all) / all.mean();
+  };
+  return std::max(relative(lengths), relative(times));
+}
+
 auto turns_of(const VectorXd& angle) -> Turns {
   const Index n = angle.size();
   const double near =
@@ -170,6 +191,7 @@ auto turns_of(const VectorXd& angle) -> Turns {
     extreme = angle[i];
   }
   turns.direction.tail(n - from).setConstant(sign);
+  turns.spread = spread_of(angle, turns.direction);
   turns.count = static_cast<Index>(unsure.size());
   turns.unsure = unsure.empty() ? 0.0 : median(Eigen::Map<VectorXd>(unsure.data(), turns.count));
   return turns;

@@ -12,6 +12,7 @@ namespace capstan::tools {
 struct Turns {
   Eigen::VectorXd direction;  ///< per row: 1, -1, before the first motion 0
   Eigen::Index count = 0;
+  double spread = 0.0;  ///< of the strokes' lengths or times, rms over mean; 0: each is like the last
   double unsure = 0.0;  ///< rows to which the angle's steps let a turn be known, median
 };
 /// A turn is certain only after some travel. It is put where the way back began, at the acceleration that the first of
