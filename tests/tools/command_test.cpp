@@ -261,5 +261,24 @@ TEST_F(Command, ForeignColumnsAreReadThroughMaps) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 
+TEST_F(Command, RoutingCostsItsOwnExampleAndRefusesAnotherWithTheRange) {
+  const Outcome help = run("routing --help");
+  const auto start = help.output.find("  input_radius_m");
+  ASSERT_NE(start, std::string::npos);
+  write_text_file(path("way.toml"), help.output.substr(start, help.output.find("[bottom] is like") - start));
+  const Outcome done =
+      run("routing \"" + path("way.toml") + "\" --json \"" + path("way.json") + "\" --svg \"" + path("way.svg") + "\"");
+  EXPECT_EQ(done.status, 0) << done.output;
+  EXPECT_NE(done.output.find("elbow"), std::string::npos) << done.output;
+  EXPECT_NE(read_text_file(path("way.json")).find("capstan.routing/1"), std::string::npos);
+  EXPECT_NE(read_text_file(path("way.svg")).find("<svg"), std::string::npos);
+  write_text_file(path("way.toml"), "input_radius_m = 5\n");
+  const Outcome refused = run("routing \"" + path("way.toml") + "\"");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.output.find("way.toml:1: input_radius_m = 5 is out of range; it must be from 0.0001 to 1"),
+            std::string::npos)
+      << refused.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools
