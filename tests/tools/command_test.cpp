@@ -280,5 +280,15 @@ TEST_F(Command, RoutingCostsItsOwnExampleAndRefusesAnotherWithTheRange) {
       << refused.output;
 }
 
+TEST_F(Command, IdentifyRefusesLevelsThatMakeNoSense) {
+  const std::string log = write_log(short_log(200.0));
+  const Outcome few = run("identify " + log + " --model preisach --levels 3");
+  EXPECT_EQ(few.status, 2);
+  EXPECT_NE(few.output.find("5 to 41"), std::string::npos) << few.output;
+  const Outcome other = run("identify " + log + " --model kinematic --levels 21");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.output.find("--levels"), std::string::npos) << other.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -33,7 +33,7 @@ class Lines {
   std::vector<std::string> lines_;
 };
 
-void add_preisach(Lines& lines, const ReversalTable<double, kPreisachLevels>& table) {
+void add_preisach(Lines& lines, const PreisachTable& table) {
   lines.choose(ForceLawKind::kPreisach);
   lines.set("force.friction", 0.0, "Nm");  // it is in the table
   lines.set("force.offset", 0.0, "Nm");

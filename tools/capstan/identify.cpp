@@ -17,11 +17,15 @@ struct IdentifyOptions {
   LogOptions logs;
   std::string model = kDefaultModel;
   std::string target, output;
+  PreisachGrid grid;
 };
 
 auto run_identify(const IdentifyOptions& options) -> int {
+  if (options.model != "preisach" && (options.grid.levels != kPreisachLevels || options.grid.adaptive)) {
+    throw BadInput("--levels and --adaptive-levels are of --model preisach; leave them out for " + options.model);
+  }
   if (is_force_model(options.model)) {
-    return identify_force(options.logs, options.model, options.output);
+    return identify_force(options.logs, options.model, options.grid, options.output);
   }
   const Identified done = identify({options.logs.job_logs(), options.model, options.target}, warn);
   const Identification& result = done.result;
@@ -59,6 +63,13 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");
+  command
+      ->add_option("--levels", options->grid.levels,
+                   "of --model preisach: levels of its grid; a board holds 11 unless it was built for more")
+      ->capture_default_str()
+      ->check(CLI::Range(kFewestPreisachLevels, kMostPreisachLevels));
+  command->add_flag("--adaptive-levels", options->grid.adaptive,
+                    "of --model preisach: put the levels where the log needs them, judged on rows set aside");
   command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_identify(*options); });
 }

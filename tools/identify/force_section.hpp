@@ -20,7 +20,7 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
 
 /// The reversal table of a joint file's [force] section. Throws BadInput: one sentence with file and cure for a table
 /// that is not whole or not monotone. @pre force_model() is "preisach"
-auto read_preisach(const std::string& joint_file, const std::string& name) -> ReversalTable<double, kPreisachLevels>;
+auto read_preisach(const std::string& joint_file, const std::string& name) -> PreisachTable;
 
 /// The text of a joint file with its [force] section replaced by another, or put behind everything else. An empty text
 /// becomes a file of that section alone.
