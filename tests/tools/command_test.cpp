@@ -290,5 +290,20 @@ TEST_F(Command, IdentifyRefusesLevelsThatMakeNoSense) {
   EXPECT_NE(other.output.find("--levels"), std::string::npos) << other.output;
 }
 
+TEST_F(Command, ReplayOfAForceLawAppendsTheJointsTorque) {
+  write_text_file(path("joint.toml"),
+                  "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [-0.1, 0, 0.1]\n"
+                  "forces = [[-0.05], [-0.05, 0.01], [-0.05, 0.03, 0.06]]\n");
+  write_text_file(path("log.csv"),
+                  "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/tau_out_Nm\n"
+                  "0,0,-0.1,-0.05\n0.01,0.1,0.1,0.06\n0.02,0.05,0,0.04\n");
+  const Outcome done =
+      run("replay \"" + path("log.csv") + "\" --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
+  EXPECT_EQ(done.status, 0) << done.output;
+  // Off by 0.01 in one row of three.
+  EXPECT_NE(done.output.find("against axis0/tau_out_Nm 0.005774 Nm"), std::string::npos) << done.output;
+  EXPECT_NE(read_text_file(path("out.csv")).find("axis0/tau_out_est_Nm"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdio>
 
-#include "capstan/model/force_law.hpp"
+#include "capstan/firmware/parameters/config.hpp"
 #include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
+
+static_assert(ForceConfig::kDepth == kForceDepth, "a replay remembers what a board does");
 
 class Lines {
  public:

@@ -93,6 +93,11 @@ auto force_model(const std::string& joint_file, const std::string& name) -> std:
   return parse(joint_file, name)["force"]["model"].value<std::string>().value_or("");
 }
 
+auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool {
+  const toml::table file = parse(joint_file, name);
+  return file.contains("force") && !file.contains("terms");
+}
+
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit {
   constexpr std::array kWritten = {"eta_top",  "eta_bottom", "pretension",    "ratio",
                                    "friction", "offset",     "stiffness_top", "stiffness_bottom"};

@@ -14,6 +14,9 @@ auto force_section(const PreisachFit& fit) -> std::string;
 /// "pull_push", "preisach", or nothing where a joint file has no [force] section. Throws BadInput if it is no TOML.
 auto force_model(const std::string& joint_file, const std::string& name) -> std::string;
 
+/// The file has a [force] section and no [terms]: nothing for the joint's angle.
+auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool;
+
 /// The pull-push law of a joint file's [force] section, as far as it is written there. Throws BadInput: one sentence
 /// with file and cure where there is none or a number is missing.
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;
