@@ -305,5 +305,15 @@ TEST_F(Command, ReplayOfAForceLawAppendsTheJointsTorque) {
   EXPECT_NE(read_text_file(path("out.csv")).find("axis0/tau_out_est_Nm"), std::string::npos);
 }
 
+TEST_F(Command, WristNamesThreeAxesThatTheLogHas) {
+  const std::string log = write_log(short_log(200.0));
+  const Outcome twice = run("identify " + log + " --model wrist --wrist-axes 0 1 1");
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.output.find("names an axis twice"), std::string::npos) << twice.output;
+  const Outcome absent = run("identify " + log + " --model wrist");
+  EXPECT_EQ(absent.status, 2);
+  EXPECT_NE(absent.output.find("axis1/"), std::string::npos) << absent.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools
