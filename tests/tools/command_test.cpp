@@ -315,5 +315,15 @@ TEST_F(Command, WristNamesThreeAxesThatTheLogHas) {
   EXPECT_NE(absent.output.find("axis1/"), std::string::npos) << absent.output;
 }
 
+TEST_F(Command, TipAppendsItsColumnsAndRefusesLengthsOfNoWrist) {
+  write_text_file(path("wrist.csv"), "time_s,axis0/q2_rad,axis1/q2_rad,axis2/q2_rad\n0,0,0,0\n1,0.1,0.1,0.1\n");
+  const std::string log = "tip \"" + path("wrist.csv") + "\" ";
+  EXPECT_EQ(run(log + "--pitch-to-jaw 0.009 --jaw 0.01 -o \"" + path("tips.csv") + "\"").status, 0);
+  EXPECT_NE(read_text_file(path("tips.csv")).find("tip_left/z_m"), std::string::npos);
+  const Outcome long_jaw = run(log + "--pitch-to-jaw 0.009 --jaw 10");
+  EXPECT_EQ(long_jaw.status, 2);
+  EXPECT_NE(long_jaw.output.find("not in range"), std::string::npos) << long_jaw.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -25,6 +25,7 @@ void add_response(CLI::App& app, int& exit_status);
 void add_tune(CLI::App& app, int& exit_status);
 void add_console(CLI::App& app, int& exit_status);
 void add_routing(CLI::App& app, int& exit_status);
+void add_tip(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 
 }  // namespace capstan::tools
