@@ -11,7 +11,8 @@ namespace {
 // to fit, and long beside the noise.
 constexpr Eigen::Index kStretch = 8;
 constexpr Eigen::Index kEvery = 4;
-// Even levels stay unless others err this much less.
+// Even levels stay unless others err this much less. Like the stretches, set beforehand (23 November 2026) and not
+// varied.
 constexpr double kWorthIt = 0.97;
 
 auto held_out(Eigen::Index row) -> bool {
