@@ -14,7 +14,10 @@ struct Idler {
   double radius_ratio;      ///< bore r' over pulley r, 0 to 1
   double joint_friction;    ///< mu_J in the bore, 0 and more
   double surface_friction;  ///< mu_s between tendon and pulley, above 0
+  double radius_m = 0.0;    ///< r; 0: what lies on the pulley does not count as tendon that stretches
 };
+/// A surface that stands still is an idler whose bearing holds it.
+inline constexpr double kSeizedBearing = 2.0;
 
 /// T2 / T1 across an idler, T1 the larger: the root of (5.7) below 1, unless the tendon would rather slide over a
 /// pulley that stands still, (5.1) with Phi = Gamma.
@@ -51,14 +54,24 @@ struct RunShape {
   double weighted_m;
 };
 
+/// Tendon on a pulley times its tension's factor, m: at the lower tension until it slips, then along (5.1) up to the
+/// higher. Motion meets the lower first, whichever way it goes.
+inline auto weighted_arc(const Idler& idler, double one_end, double other_end) -> double {
+  const double slips = slip_arc(idler);
+  const double high = std::fmax(one_end, other_end);
+  const double low = std::fmin(one_end, other_end);
+  return idler.radius_m * ((idler.wrap_rad - slips) * low + slips * high * mean_decay(idler.surface_friction * slips));
+}
+
 /// Span by span. @param s  +1 the run moves toward the input, tension falls along it; -1 the other way
 inline auto exact_shape(const BeltRun& run, double s) -> RunShape {
   double factor = 1.0;
   double sum = run.spans_m[0];
   for (std::size_t i = 0; i < run.idlers.size(); ++i) {
     const double rho = idler_ratio(run.idlers[i]);
+    const double before = factor;
     factor *= s > 0.0 ? rho : 1.0 / rho;
-    sum += run.spans_m[i + 1] * factor;
+    sum += weighted_arc(run.idlers[i], before, factor) + run.spans_m[i + 1] * factor;
   }
   return {factor, sum};
 }
@@ -67,6 +80,9 @@ inline auto length_of(const BeltRun& run) -> double {
   double sum = 0.0;
   for (const double span : run.spans_m) {
     sum += span;
+  }
+  for (const Idler& idler : run.idlers) {
+    sum += idler.radius_m * idler.wrap_rad;
   }
   return sum;
 }
@@ -131,6 +147,29 @@ inline auto solve_exactly(const BeltDrive& drive, double torque_in_nm, double s)
 }
 inline auto solve_as_surfaces(const BeltDrive& drive, double torque_in_nm, double s) -> BeltState {
   return solve_belt(drive, surface_shape(drive.top, s), surface_shape(drive.bottom, -s), torque_in_nm);
+}
+
+/// The input torque at which solve_belt gives this output torque, N m.
+inline auto torque_in_for(const BeltDrive& drive, const RunShape& top, const RunShape& bottom, double torque_out_nm)
+    -> double {
+  const double total = (length_of(drive.top) + length_of(drive.bottom)) * drive.preset_n;
+  const double y = torque_out_nm / drive.r2;
+  const double bottom_in =
+      (total - top.weighted_m * y / top.end) / (bottom.weighted_m + top.weighted_m * bottom.end / top.end);
+  const double top_in = (y + bottom_in * bottom.end) / top.end;
+  if (bottom_in < 0.0 || top_in < 0.0) {
+    return drive.r1 * y / (y > 0.0 ? top.end : bottom.end);
+  }
+  return drive.r1 * (top_in - bottom_in);
+}
+
+/// Torque that arrives at a held joint per radian that it would turn by the motor, N m/rad: of (3.20) what reaches the
+/// output. A slack run adds nothing.
+inline auto arriving_stiffness(const BeltDrive& drive, const RunShape& top, const RunShape& bottom,
+                               const BeltState& state) -> double {
+  const double top_share = state.top_in_n > 0.0 ? top.end / top.weighted_m : 0.0;
+  const double bottom_share = state.bottom_in_n > 0.0 ? bottom.end / bottom.weighted_m : 0.0;
+  return drive.r2 * drive.r2 * drive.axial_n * (top_share + bottom_share);
 }
 
 /// Speed ratio dq2 / dq1 of a belt without idlers by creep theory, (1.21), for small strains.

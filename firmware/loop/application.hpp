@@ -16,6 +16,7 @@ class Application final : public Machine {
  public:
   static constexpr std::size_t kAxes = Io::kAxes;
   using Streamed = std::array<Request, kAxes>;
+  static_assert(stored_bytes(kAxes) <= kBankLimit, "a bank holds fewer: lower CAPSTAN_PREISACH_LEVELS or the axes");
 
   /// Starts disarmed with what the storage holds, or with defaults if nothing was ever saved. If what is there is not
   /// sound, it is defaults too, and arming is blocked until a set is saved or loaded.

@@ -70,8 +70,11 @@ struct LimitConfig {
 
 /// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.
 struct ForceConfig {
-  static constexpr std::size_t kLevels = 11;  ///< the thesis's grid, and the one that is identified
-  static constexpr std::size_t kDepth = 16;   ///< reversals that are remembered
+  /// From CMake: 11 is the thesis's grid, and with levels that the log chose better than print (docs/thesis.md). Each
+  /// copy of a joint's parameters holds n (n + 3) / 2 words of it, the table of parameters as many rows.
+  static constexpr std::size_t kLevels = CAPSTAN_PREISACH_LEVELS;
+  static_assert(kLevels >= 2 && kLevels <= 41, "CAPSTAN_PREISACH_LEVELS must be 2 to 41");
+  static constexpr std::size_t kDepth = 16;  ///< reversals that are remembered
   using Law = ForceLaw<Q24, kLevels, kDepth>;
 
   std::int32_t law = 0;  ///< a ForceLawKind

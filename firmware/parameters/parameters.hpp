@@ -31,8 +31,9 @@ struct ParameterInfo {
   std::int32_t maximum;
 };
 
-/// There are never more.
-inline constexpr std::size_t kMostParameters = 384;
+/// There are never more: those of a Preisach grid of so many levels, and 307 others. A multiple of 32.
+inline constexpr std::size_t kMostParameters =
+    (307 + ForceConfig::kLevels * (ForceConfig::kLevels + 3) / 2 + 31) / 32 * 32;
 
 /// Every parameter of a joint, grouped; the law's come from the catalogue.
 auto parameters() -> std::span<const ParameterInfo>;

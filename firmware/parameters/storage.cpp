@@ -16,7 +16,7 @@ constexpr std::uint32_t kMagic = 0x31545343;  // "CST1"
 constexpr std::uint32_t kFormatVersion = 1;
 constexpr std::size_t kHeaderBytes = 20;  // magic, version, sequence, length, crc of all that and of the payload
 constexpr std::size_t kEntryBytes = 8;    // hash of the name, raw value
-constexpr std::uint32_t kLongestPayload = 16 * 1024 - kHeaderBytes;
+constexpr std::uint32_t kLongestPayload = kBankLimit - kHeaderBytes;
 
 struct Header {
   std::uint32_t format = kFormatVersion;

@@ -35,6 +35,13 @@ class Banks {
   virtual auto do_read(int bank, std::size_t offset, std::span<std::uint8_t> bytes) -> bool = 0;
 };
 
+/// Bytes of a bank that a set takes at most: header, key, hash and value of every parameter.
+constexpr auto stored_bytes(std::size_t axes) -> std::size_t {
+  return 64 + axes * kMostParameters * 8;
+}
+/// What a bank has on every board.
+inline constexpr std::size_t kBankLimit = std::size_t{16} * 1024;
+
 enum class LoadResult : std::uint8_t {
   kLoaded,
   kEmpty,       ///< never saved: defaults, and nothing is wrong

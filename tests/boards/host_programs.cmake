@@ -19,7 +19,7 @@ if(NOT CAPSTAN_AXES)
   set(CAPSTAN_AXES 4)  # the motor board's; its build has it as an option
 endif()
 set(image_definitions CAPSTAN_AXES=${CAPSTAN_AXES} CAPSTAN_CAN_NODE=1 CAPSTAN_INDEX_COUNTS=0 CAPSTAN_THERMOMETER_UV_PER_K=0
-  CAPSTAN_THERMOMETER_UV_AT_0C=0)
+  CAPSTAN_THERMOMETER_UV_AT_0C=0 CAPSTAN_PREISACH_LEVELS=${CAPSTAN_PREISACH_LEVELS})
 
 function(capstan_host_program name)
   list(TRANSFORM image_definitions PREPEND -D OUTPUT_VARIABLE definitions)

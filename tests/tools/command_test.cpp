@@ -261,5 +261,69 @@ TEST_F(Command, ForeignColumnsAreReadThroughMaps) {
   EXPECT_EQ(outcome.status, 0) << outcome.output;
 }
 
+TEST_F(Command, RoutingCostsItsOwnExampleAndRefusesAnotherWithTheRange) {
+  const Outcome help = run("routing --help");
+  const auto start = help.output.find("  input_radius_m");
+  ASSERT_NE(start, std::string::npos);
+  write_text_file(path("way.toml"), help.output.substr(start, help.output.find("[bottom] is like") - start));
+  const Outcome done =
+      run("routing \"" + path("way.toml") + "\" --json \"" + path("way.json") + "\" --svg \"" + path("way.svg") + "\"");
+  EXPECT_EQ(done.status, 0) << done.output;
+  EXPECT_NE(done.output.find("elbow"), std::string::npos) << done.output;
+  EXPECT_NE(read_text_file(path("way.json")).find("capstan.routing/1"), std::string::npos);
+  EXPECT_NE(read_text_file(path("way.svg")).find("<svg"), std::string::npos);
+  write_text_file(path("way.toml"), "input_radius_m = 5\n");
+  const Outcome refused = run("routing \"" + path("way.toml") + "\"");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.output.find("way.toml:1: input_radius_m = 5 is out of range; it must be from 0.0001 to 1"),
+            std::string::npos)
+      << refused.output;
+}
+
+TEST_F(Command, IdentifyRefusesLevelsThatMakeNoSense) {
+  const std::string log = write_log(short_log(200.0));
+  const Outcome few = run("identify " + log + " --model preisach --levels 3");
+  EXPECT_EQ(few.status, 2);
+  EXPECT_NE(few.output.find("5 to 41"), std::string::npos) << few.output;
+  const Outcome other = run("identify " + log + " --model kinematic --levels 21");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.output.find("--levels"), std::string::npos) << other.output;
+}
+
+TEST_F(Command, ReplayOfAForceLawAppendsTheJointsTorque) {
+  write_text_file(path("joint.toml"),
+                  "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [-0.1, 0, 0.1]\n"
+                  "forces = [[-0.05], [-0.05, 0.01], [-0.05, 0.03, 0.06]]\n");
+  write_text_file(path("log.csv"),
+                  "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/tau_out_Nm\n"
+                  "0,0,-0.1,-0.05\n0.01,0.1,0.1,0.06\n0.02,0.05,0,0.04\n");
+  const Outcome done =
+      run("replay \"" + path("log.csv") + "\" --model \"" + path("joint.toml") + "\" -o \"" + path("out.csv") + "\"");
+  EXPECT_EQ(done.status, 0) << done.output;
+  // Off by 0.01 in one row of three.
+  EXPECT_NE(done.output.find("against axis0/tau_out_Nm 0.005774 Nm"), std::string::npos) << done.output;
+  EXPECT_NE(read_text_file(path("out.csv")).find("axis0/tau_out_est_Nm"), std::string::npos);
+}
+
+TEST_F(Command, WristNamesThreeAxesThatTheLogHas) {
+  const std::string log = write_log(short_log(200.0));
+  const Outcome twice = run("identify " + log + " --model wrist --wrist-axes 0 1 1");
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.output.find("names an axis twice"), std::string::npos) << twice.output;
+  const Outcome absent = run("identify " + log + " --model wrist");
+  EXPECT_EQ(absent.status, 2);
+  EXPECT_NE(absent.output.find("axis1/"), std::string::npos) << absent.output;
+}
+
+TEST_F(Command, TipAppendsItsColumnsAndRefusesLengthsOfNoWrist) {
+  write_text_file(path("wrist.csv"), "time_s,axis0/q2_rad,axis1/q2_rad,axis2/q2_rad\n0,0,0,0\n1,0.1,0.1,0.1\n");
+  const std::string log = "tip \"" + path("wrist.csv") + "\" ";
+  EXPECT_EQ(run(log + "--pitch-to-jaw 0.009 --jaw 0.01 -o \"" + path("tips.csv") + "\"").status, 0);
+  EXPECT_NE(read_text_file(path("tips.csv")).find("tip_left/z_m"), std::string::npos);
+  const Outcome long_jaw = run(log + "--pitch-to-jaw 0.009 --jaw 10");
+  EXPECT_EQ(long_jaw.status, 2);
+  EXPECT_NE(long_jaw.output.find("not in range"), std::string::npos) << long_jaw.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools

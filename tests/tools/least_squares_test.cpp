@@ -48,6 +48,21 @@ TEST(SignedLeastSquares, MeetsTheConditionsOfAnOptimumForAnySigns) {
   }
 }
 
+TEST(SignedLeastSquares, ManyColumnsMeetTheSameConditions) {
+  for (const Eigen::Index n : {160, 300}) {
+    const Eigen::MatrixXd x = random_matrix(2 * n, n, 91) + 2.0 * random_matrix(2 * n, 1, 92).replicate(1, n);
+    const Eigen::VectorXd y = random_matrix(2 * n, 1, 93) + x.col(3);
+    std::vector<Sign> signs(static_cast<std::size_t>(n), Sign::kNonNegative);
+    signs[0] = Sign::kAny;
+    signs[5] = Sign::kNonPositive;
+    const Eigen::MatrixXd gram = x.transpose() * x;
+    const Eigen::VectorXd rhs = x.transpose() * y;
+    const Eigen::VectorXd theta = solve_signed(gram, rhs, signs);
+    expect_optimal(gram / gram.trace(), rhs / gram.trace(), signs, theta);
+    EXPECT_GT((theta.array() == 0.0).count(), n / 4) << "bounds that hold nothing back test nothing";
+  }
+}
+
 TEST(SignedLeastSquares, AColumnOfZerosGetsZero) {
   Eigen::MatrixXd x = random_matrix(20, 2, 3);
   x.col(1).setZero();

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdio>
 
-#include "capstan/model/force_law.hpp"
+#include "capstan/firmware/parameters/config.hpp"
 #include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 namespace {
+
+static_assert(ForceConfig::kDepth == kForceDepth, "a replay remembers what a board does");
 
 class Lines {
  public:
@@ -33,7 +36,7 @@ class Lines {
   std::vector<std::string> lines_;
 };
 
-void add_preisach(Lines& lines, const ReversalTable<double, kPreisachLevels>& table) {
+void add_preisach(Lines& lines, const PreisachTable& table) {
   lines.choose(ForceLawKind::kPreisach);
   lines.set("force.friction", 0.0, "Nm");  // it is in the table
   lines.set("force.offset", 0.0, "Nm");

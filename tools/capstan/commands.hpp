@@ -24,6 +24,8 @@ void add_flash(CLI::App& app, int& exit_status);
 void add_response(CLI::App& app, int& exit_status);
 void add_tune(CLI::App& app, int& exit_status);
 void add_console(CLI::App& app, int& exit_status);
+void add_routing(CLI::App& app, int& exit_status);
+void add_tip(CLI::App& app, int& exit_status);
 void add_thesis(CLI::App& app, int& exit_status);
 
 }  // namespace capstan::tools

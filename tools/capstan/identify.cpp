@@ -4,6 +4,7 @@
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/identify_force.hpp"
+#include "capstan/tools/capstan/identify_wrist.hpp"
 #include "capstan/tools/capstan/options.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/jobs/identify_job.hpp"
@@ -17,11 +18,19 @@ struct IdentifyOptions {
   LogOptions logs;
   std::string model = kDefaultModel;
   std::string target, output;
+  PreisachGrid grid;
+  std::vector<int> wrist = {0, 1, 2};
 };
 
 auto run_identify(const IdentifyOptions& options) -> int {
+  if (options.model != "preisach" && (options.grid.levels != kPreisachLevels || options.grid.adaptive)) {
+    throw BadInput("--levels and --adaptive-levels are of --model preisach; leave them out for " + options.model);
+  }
+  if (options.model == kWristModel) {
+    return identify_wrist(options.logs, options.wrist, options.output);
+  }
   if (is_force_model(options.model)) {
-    return identify_force(options.logs, options.model, options.output);
+    return identify_force(options.logs, options.model, options.grid, options.output);
   }
   const Identified done = identify({options.logs.job_logs(), options.model, options.target}, warn);
   const Identification& result = done.result;
@@ -51,14 +60,27 @@ void add_identify(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("identify", "fit a law to logs of one joint");
   options->logs.add_to(*command, true);
   command
-      ->add_option(
-          "--model", options->model,
-          "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; of the joint torque: "
-          "pull_push, preisach; of an effort: "
-          "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
+      ->add_option("--model", options->model,
+                   "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; wrist: pitch "
+                   "and both jaws at once; of the joint torque: "
+                   "pull_push, preisach; of an effort: "
+                   "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");
+  command
+      ->add_option("--levels", options->grid.levels,
+                   "of --model preisach: levels of its grid; a board holds 11 unless it was built for more")
+      ->capture_default_str()
+      ->check(CLI::Range(kFewestPreisachLevels, kMostPreisachLevels));
+  command->add_flag("--adaptive-levels", options->grid.adaptive,
+                    "of --model preisach: put the levels where the log needs them, judged on rows set aside");
+  command
+      ->add_option("--wrist-axes", options->wrist,
+                   "of --model wrist: numbers of pitch, right and left jaw; the files are called FILE_axis<N>.toml")
+      ->expected(3)
+      ->check(CLI::Range(0, kMostAxes - 1))
+      ->capture_default_str();
   command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_identify(*options); });
 }

@@ -35,8 +35,9 @@ void print(const ForceFit& fit, const std::string& model) {
 
 }  // namespace
 
-auto identify_force(const LogOptions& options, const std::string& model, const std::string& output) -> int {
-  const IdentifiedForce done = identify_force(options.job_logs(), model, warn);
+auto identify_force(const LogOptions& options, const std::string& model, const PreisachGrid& grid,
+                    const std::string& output) -> int {
+  const IdentifiedForce done = identify_force(options.job_logs(), model, warn, grid);
   print(done.fit, model);
   if (!done.fit.undetermined.empty()) {
     throw Refusal(undetermined_sentence(done.fit) + (output.empty() ? "" : " (" + output + " was not written)"));

@@ -61,6 +61,8 @@ int main(int argc, char** argv) {
   add_compare(app, exit_status);
   add_response(app, exit_status);
   add_tune(app, exit_status);
+  add_routing(app, exit_status);
+  add_tip(app, exit_status);
   add_thesis(app, exit_status);
   try {
     const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);

@@ -4,9 +4,11 @@
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/jobs/replay_job.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/replay/effort_replay.hpp"
+#include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -47,22 +49,61 @@ auto run_effort_replay(const ReplayOptions& options) -> int {
   return kExitDone;
 }
 
-auto run_replay(const ReplayOptions& options) -> int {
-  if (is_effort_file(options.model)) {
-    return run_effort_replay(options);
+/// Torque of the joint by the file's force law, if it has one.
+auto run_force_replay(const ReplayOptions& options, const CsvLog& csv, Arithmetic arithmetic, LogColumns& columns)
+    -> std::string {
+  const BoardForceLaw law = read_board_force_law(read_text_file(options.model), options.model);
+  if (law.parameters.kind == ForceLawKind::kNone) {
+    return "";
   }
+  const ReplayedForce force = replay_force(read_motor_side(csv, options.logs.axis).tau_nm, law, arithmetic);
+  columns.add(axis_column(options.logs.axis, "tau_out_est_Nm"), force.torque_nm);
+  if (force.unknown > 0) {
+    warn("the past of the joint is taken as demagnetised in the first " + std::to_string(force.unknown) +
+         " samples; a log that begins with a full swing to one side does not need that");
+  }
+  if (force.beyond > 0) {
+    warn(std::to_string(force.beyond) + " samples lie beyond the torques of " + options.model +
+         ", which ends there; identify the law with more torque");
+  }
+  const std::string measured = axis_column(options.logs.axis, "tau_out_Nm");
+  return csv.has(measured) ? "  error (RMSE) against " + measured + " " +
+                                 rounded(rms(csv.column(measured) - force.torque_nm)) + " Nm\n"
+                           : "";
+}
+
+auto run_angle_replay(const ReplayOptions& options, const CsvLog& csv, Arithmetic arithmetic) -> int {
   const JointFile joint = read_joint_file(options.model);
-  const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
-  const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
   const auto [rows, log, replayed] = replay_angle(csv, options.logs.axis, joint, arithmetic, warn);
-  write_text_file(options.output, replay_text(rows, options.logs.axis, replayed));
+  LogColumns columns = columns_of(options.logs.axis, replayed);
+  const std::string force = run_force_replay(options, rows, arithmetic, columns);
+  write_text_file(options.output, rows.text_with(columns.names, columns.values));
   std::cout << "replayed " << log.samples() << " samples in " << options.arithmetic << " arithmetic, wrote "
             << options.output << "\n";
   if (log.q2_rad.size() > 0) {
     std::cout << "  error (RMSE) against " << log.target << " " << rounded(rms(log.q2_rad - replayed.reported))
               << " rad\n";
   }
+  std::cout << force;
   refuse_saturated(replayed.saturated, options.model);
+  return kExitDone;
+}
+
+auto run_replay(const ReplayOptions& options) -> int {
+  if (is_effort_file(options.model)) {
+    return run_effort_replay(options);
+  }
+  const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
+  const auto arithmetic = options.arithmetic == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
+  if (!is_force_alone(read_text_file(options.model), options.model)) {
+    return run_angle_replay(options, csv, arithmetic);
+  }
+  LogColumns columns;
+  const std::string force = run_force_replay(options, csv, arithmetic, columns);
+  write_text_file(options.output, csv.text_with(columns.names, columns.values));
+  std::cout << "replayed " << csv.time().size() << " samples in " << options.arithmetic << " arithmetic, wrote "
+            << options.output << "\n"
+            << force;
   return kExitDone;
 }
 

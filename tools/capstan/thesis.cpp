@@ -30,6 +30,7 @@ struct Maker {
 auto makers() -> std::vector<Maker> {
   return {{{"2.1", "2.2"}, table_2_1_and_2_2},
           {{"4.1"}, table_4_1},
+          {{"4.1 laws"}, table_4_1_laws},
           {{"5.2"}, table_5_2},
           {{"5.3"}, table_5_3},
           {{"6.1"}, table_6_1},
@@ -90,7 +91,7 @@ void add_thesis(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("thesis", "the reference thesis's tables on the simulated instruments, beside the printed");
   command->add_option("--table", options->tables, "only this one (repeatable)")
-      ->check(CLI::IsMember({"2.1", "2.2", "4.1", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2"}));
+      ->check(CLI::IsMember({"2.1", "2.2", "4.1", "4.1 laws", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2"}));
   command->add_option("--json", options->json, "file for the same as JSON (schema capstan.thesis/2)");
   command->add_option("--html", options->html, "file for the same as a page, with the figures");
   command->footer(

@@ -19,6 +19,31 @@ class NonlinearResidual {
   virtual auto jacobian() -> Eigen::MatrixXd = 0;
 };
 
+/// The same with derivatives by small steps.
+class SteppedResidual : public NonlinearResidual {
+ public:
+  auto at(const Eigen::VectorXd& parameters) -> Eigen::VectorXd override {
+    here_ = parameters;
+    left_ = left_of(parameters);
+    return left_;
+  }
+  auto jacobian() -> Eigen::MatrixXd override {
+    constexpr double kStep = 1e-4;  // of parameters of order one
+    Eigen::MatrixXd slopes(left_.size(), here_.size());
+    for (Eigen::Index i = 0; i < here_.size(); ++i) {
+      Eigen::VectorXd moved = here_;
+      moved[i] += kStep;
+      slopes.col(i) = (left_of(moved) - left_) / kStep;
+    }
+    return slopes;
+  }
+
+ private:
+  virtual auto left_of(const Eigen::VectorXd& parameters) -> Eigen::VectorXd = 0;
+
+  Eigen::VectorXd here_, left_;
+};
+
 struct SearchBounds {
   Eigen::VectorXd lower, upper;
 };

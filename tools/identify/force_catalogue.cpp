@@ -37,7 +37,7 @@ auto torque_of(const Samples& samples) -> Eigen::VectorXd {
 }
 
 auto preisach_columns(const Samples& samples, double /*period_s*/, const Shapes& shapes) -> Eigen::MatrixXd {
-  return relay_columns(shapes[0], shapes[1], kPreisachLevels, torque_of(samples));
+  return relay_columns(even_levels(shapes[0], shapes[1], kPreisachLevels), torque_of(samples));
 }
 
 auto pull_push_term() -> CatalogueTerm {
@@ -160,7 +160,7 @@ auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::V
   Eigen::Index row = 0;
   for (const auto& samples : design.samples()) {
     const Eigen::VectorXd torque = torque_of(samples);
-    coarser.middleRows(row, torque.size()) = relay_columns(ends[0], ends[1], kHalf, torque);
+    coarser.middleRows(row, torque.size()) = relay_columns(even_levels(ends[0], ends[1], kHalf), torque);
     row += torque.size();
   }
   const Eigen::MatrixXd gram = coarser.transpose() * coarser;

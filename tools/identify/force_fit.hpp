@@ -57,18 +57,33 @@ struct PullPushFit : ForceFit {
 auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit;
 
 inline constexpr std::size_t kPreisachLevels = 11;  ///< the thesis's grid
+inline constexpr std::size_t kFewestPreisachLevels = 5;
+inline constexpr std::size_t kMostPreisachLevels = 41;
+using PreisachTable = ReversalTable<double, kMostPreisachLevels>;
+
+/// Levels of the torque, increasing.
+using Levels = std::vector<double>;
+auto even_levels(double low, double high, std::size_t count) -> Levels;
+
+/// What grid a log is fitted on.
+struct PreisachGrid {
+  std::size_t levels = kPreisachLevels;  ///< kFewestPreisachLevels to kMostPreisachLevels
+  /// Levels stand where the law needs them: of kMostPreisachLevels even ones, those go that are missed least on rows
+  /// that the table was not fitted to. Where these rows say that even ones are as good, even ones are taken.
+  bool adaptive = false;
+};
 
 struct PreisachFit : ForceFit {
-  ReversalTable<double, kPreisachLevels> table{};
+  PreisachTable table{};
   std::vector<double> half_intervals;  ///< of the table's values, in its order; infinite where undetermined
 };
 
 /// What joints answer from the lower end on whose relays fill one cell of the grid each: ones, then a column per cell,
 /// row by row of the grid below its diagonal. A reversal table is a sum of these.
-auto relay_columns(double low_nm, double high_nm, std::size_t levels, const Eigen::VectorXd& tau_nm) -> Eigen::MatrixXd;
+auto relay_columns(const Levels& levels, const Eigen::VectorXd& tau_nm) -> Eigen::MatrixXd;
 
 /// The reversal table behind logs of any motion: a sum of relays with weights that are not negative, so the table is
 /// complete and monotone whatever the noise. A first-order-reversal log determines all of it, another what it visits.
-auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit;
+auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid = {}) -> PreisachFit;
 
 }  // namespace capstan::tools

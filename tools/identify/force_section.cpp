@@ -75,7 +75,7 @@ auto force_section(const PreisachFit& fit) -> std::string {
       "\n# Motor torque to joint torque, tip held: first-order reversal values f_ab (4.4), Nm, a row per level a, b up "
       "to a, and the half\n"
       "# widths of their 95 % intervals.\n[force]\nmodel = \"preisach\"\n";
-  text += "inputs = " + array_of({fit.table.inputs.begin(), fit.table.inputs.end()}) + "\n";
+  text += "inputs = " + array_of({fit.table.inputs.begin(), fit.table.inputs.begin() + fit.table.levels}) + "\n";
   std::string values;
   std::string halves;
   std::size_t next = 0;
@@ -91,6 +91,11 @@ auto force_section(const PreisachFit& fit) -> std::string {
 
 auto force_model(const std::string& joint_file, const std::string& name) -> std::string {
   return parse(joint_file, name)["force"]["model"].value<std::string>().value_or("");
+}
+
+auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool {
+  const toml::table file = parse(joint_file, name);
+  return file.contains("force") && !file.contains("terms");
 }
 
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit {
@@ -121,13 +126,13 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
   return fit;
 }
 
-auto read_preisach(const std::string& joint_file, const std::string& name) -> ReversalTable<double, kPreisachLevels> {
+auto read_preisach(const std::string& joint_file, const std::string& name) -> PreisachTable {
   const toml::table file = parse(joint_file, name);
   const auto inputs = numbers(file["force"]["inputs"], name + ": [force] inputs");
-  ReversalTable<double, kPreisachLevels> table;
+  PreisachTable table;
   const toml::array* rows = file["force"]["forces"].as_array();
-  if (inputs.size() < 2 || inputs.size() > kPreisachLevels || rows == nullptr || rows->size() != inputs.size()) {
-    throw BadInput(name + ": [force] has not the same 2 to " + std::to_string(kPreisachLevels) +
+  if (inputs.size() < 2 || inputs.size() > kMostPreisachLevels || rows == nullptr || rows->size() != inputs.size()) {
+    throw BadInput(name + ": [force] has not the same 2 to " + std::to_string(kMostPreisachLevels) +
                    " levels in inputs and forces; identify the law anew");
   }
   table.levels = static_cast<std::uint32_t>(inputs.size());

@@ -14,13 +14,16 @@ auto force_section(const PreisachFit& fit) -> std::string;
 /// "pull_push", "preisach", or nothing where a joint file has no [force] section. Throws BadInput if it is no TOML.
 auto force_model(const std::string& joint_file, const std::string& name) -> std::string;
 
+/// The file has a [force] section and no [terms]: nothing for the joint's angle.
+auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool;
+
 /// The pull-push law of a joint file's [force] section, as far as it is written there. Throws BadInput: one sentence
 /// with file and cure where there is none or a number is missing.
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;
 
 /// The reversal table of a joint file's [force] section. Throws BadInput: one sentence with file and cure for a table
 /// that is not whole or not monotone. @pre force_model() is "preisach"
-auto read_preisach(const std::string& joint_file, const std::string& name) -> ReversalTable<double, kPreisachLevels>;
+auto read_preisach(const std::string& joint_file, const std::string& name) -> PreisachTable;
 
 /// The text of a joint file with its [force] section replaced by another, or put behind everything else. An empty text
 /// becomes a file of that section alone.

@@ -39,6 +39,67 @@ auto violates(double value, Sign sign) -> bool {
   return (sign == Sign::kNonNegative && value < 0.0) || (sign == Sign::kNonPositive && value > 0.0);
 }
 
+/// With more columns than this they are not freed one by one from none: block pivoting says which to begin with.
+constexpr Eigen::Index kMany = 150;
+
+/// Which columns stand free of their bounds, nearly: all that would go the wrong way change sides at once, as long as
+/// fewer and fewer do (Kim and Park 2011).
+auto pivoted_start(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs)
+    -> std::vector<bool> {
+  constexpr double kRidge = 1e-9;
+  constexpr int kMostRounds = 60;
+  const auto n = static_cast<std::size_t>(rhs.size());
+  std::vector<bool> chosen(n, true);
+  for (std::size_t i = 0; i < n; ++i) {
+    chosen[i] = gram(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) > 0.0;
+  }
+  for (int round = 0; round < kMostRounds; ++round) {
+    std::vector<Eigen::Index> index;
+    for (std::size_t i = 0; i < n; ++i) {
+      if (chosen[i]) {
+        index.push_back(static_cast<Eigen::Index>(i));
+      }
+    }
+    const Eigen::VectorXd scale = gram.diagonal()(index).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd scaled = scale.asDiagonal() * gram(index, index) * scale.asDiagonal();
+    scaled.diagonal().array() += kRidge;
+    Eigen::VectorXd theta = Eigen::VectorXd::Zero(rhs.size());
+    theta(index) = scale.cwiseProduct(scaled.llt().solve(scale.cwiseProduct(rhs(index))));
+    const Eigen::VectorXd slope = rhs - gram * theta;
+    bool changed = false;
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      if (chosen[i] ? violates(theta[at], signs[i])
+                    : gram(at, at) > 0.0 && violates(-slope[at], signs[i]) && signs[i] != Sign::kAny) {
+        chosen[i] = !chosen[i];
+        changed = true;
+      }
+    }
+    if (!changed) {
+      break;
+    }
+  }
+  return chosen;
+}
+
+/// Solves for the chosen columns, dropping those that would break their signs.
+auto solve_keeping_signs(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs,
+                         std::vector<bool>& chosen) -> Eigen::VectorXd {
+  for (;;) {
+    Eigen::VectorXd theta = solve_subset(gram, rhs, chosen);
+    bool dropped = false;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (chosen[i] && violates(theta[static_cast<Eigen::Index>(i)], signs[i])) {
+        chosen[i] = false;
+        dropped = true;
+      }
+    }
+    if (!dropped) {
+      return theta;
+    }
+  }
+}
+
 }  // namespace
 
 auto rows_in(const Blocks& blocks) -> Eigen::Index {
@@ -66,7 +127,10 @@ auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
   for (std::size_t i = 0; i < n; ++i) {
     chosen[i] = signs[i] == Sign::kAny;
   }
-  Eigen::VectorXd theta = solve_subset(gram, rhs, chosen);
+  if (rhs.size() > kMany) {
+    chosen = pivoted_start(gram, rhs, signs);
+  }
+  Eigen::VectorXd theta = solve_keeping_signs(gram, rhs, signs, chosen);
   for (std::size_t round = 0; round < 3 * n + 3; ++round) {
     // Free the bounded column that most wants to leave zero in its allowed direction.
     const Eigen::VectorXd slope = rhs - gram * theta;
@@ -85,19 +149,7 @@ auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
       break;
     }
     chosen[best] = true;
-    for (Eigen::VectorXd next = solve_subset(gram, rhs, chosen);; next = solve_subset(gram, rhs, chosen)) {
-      bool dropped = false;
-      for (std::size_t i = 0; i < n; ++i) {
-        if (chosen[i] && violates(next[static_cast<Eigen::Index>(i)], signs[i])) {
-          chosen[i] = false;
-          dropped = true;
-        }
-      }
-      if (!dropped) {
-        theta = next;
-        break;
-      }
-    }
+    theta = solve_keeping_signs(gram, rhs, signs, chosen);
     if (!chosen[best]) {
       break;  // it was freed and fell back at once: at the optimum up to rounding
     }

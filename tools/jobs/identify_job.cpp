@@ -57,7 +57,8 @@ auto law_text(const Identified& identified) -> std::string {
              : joint_file_text(identified.result.joint);
 }
 
-auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn) -> IdentifiedForce {
+auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn, const PreisachGrid& grid)
+    -> IdentifiedForce {
   std::vector<ForceLog> read;
   for (const auto& file : logs.files) {
     for (const auto& warning : file.warnings()) {
@@ -65,7 +66,7 @@ auto identify_force(const JobLogs& logs, const std::string& model, const Say& wa
     }
     read.push_back(read_force_log(file, logs.axis));
   }
-  return model == "preisach" ? identified(fit_preisach(read)) : identified(fit_pull_push(read));
+  return model == "preisach" ? identified(fit_preisach(read, grid)) : identified(fit_pull_push(read));
 }
 
 auto undetermined_sentence(const ForceFit& fit) -> std::string {

@@ -34,7 +34,9 @@ struct IdentifiedForce {
   ForceFit fit;
   std::string section;
 };
-auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn) -> IdentifiedForce;
+/// @param grid  of preisach
+auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn, const PreisachGrid& grid = {})
+    -> IdentifiedForce;
 auto undetermined_sentence(const ForceFit& fit) -> std::string;
 
 }  // namespace capstan::tools

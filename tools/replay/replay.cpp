@@ -53,14 +53,18 @@ auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic ari
       log, fixed, [](double x) { return Q24::from_double(x); }, [](Q24 x) { return x.to_double(); });
 }
 
-auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string {
-  std::vector<std::string> names = {axis_column(axis, "q2_est_rad")};
-  std::vector<Eigen::VectorXd> columns = {replayed.q2};
+auto columns_of(int axis, const Replayed& replayed) -> LogColumns {
+  LogColumns columns;
+  columns.add(axis_column(axis, "q2_est_rad"), replayed.q2);
   if (replayed.q2 != replayed.reported) {
-    names.push_back(axis_column(axis, "q2_reported_est_rad"));
-    columns.push_back(replayed.reported);
+    columns.add(axis_column(axis, "q2_reported_est_rad"), replayed.reported);
   }
-  return csv.text_with(names, columns);
+  return columns;
+}
+
+auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string {
+  const LogColumns columns = columns_of(axis, replayed);
+  return csv.text_with(columns.names, columns.values);
 }
 
 }  // namespace capstan::tools

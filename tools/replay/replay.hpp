@@ -21,6 +21,17 @@ struct Replayed {
 /// only and throws Refusal for other rates. Throws BadInput for inputs outside the firmware's range of numbers.
 auto replay(const AxisLog& log, const LawParameters<double>& law, Arithmetic arithmetic) -> Replayed;
 
+/// Columns to append to a log.
+struct LogColumns {
+  std::vector<std::string> names;
+  std::vector<Eigen::VectorXd> values;
+  void add(const std::string& name, const Eigen::VectorXd& column) {
+    names.push_back(name);
+    values.push_back(column);
+  }
+};
+auto columns_of(int axis, const Replayed& replayed) -> LogColumns;
+
 /// The log with the estimates appended as columns of the axis.
 auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string;
 

@@ -70,7 +70,7 @@ class Recorder {
     *log_ << "time_s";
     for (std::size_t i = 0; i < joints_.size(); ++i) {
       for (const char* name : {"q1_rad", "tau_Nm", "q2_rad", "q2_est_rad", bench_ ? "tau_ref_Nm" : "q2_ref_rad",
-                               "current_A", "tau_out_Nm"}) {
+                               "current_A", "tau_out_Nm", "tau_out_est_Nm"}) {
         *log_ << ",axis" << i << "/" << name;
       }
     }
@@ -90,8 +90,9 @@ class Recorder {
         joints_[i].tracking_rmse_rad += tracking * tracking;
       }
       // Eight decimals tell any two of the firmware's numbers apart, so a replay of the log starts from the same bits.
-      for (const double value : {joint.q1_rad.to_double(), joint.tau_nm.to_double(), seen[i].q2_rad, estimated,
-                                 seen[i].wanted, joint.current_a.to_double(), seen[i].tau_out_nm}) {
+      for (const double value :
+           {joint.q1_rad.to_double(), joint.tau_nm.to_double(), seen[i].q2_rad, estimated, seen[i].wanted,
+            joint.current_a.to_double(), seen[i].tau_out_nm, joint.joint_torque_nm.to_double()}) {
         put(",%.8f", value);
       }
     }

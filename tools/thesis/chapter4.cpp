@@ -13,9 +13,6 @@
 namespace capstan::tools {
 namespace {
 
-// 0.06228 N m of figure 2.10 are the 2 V of chapter 4's signals: 5 V are the 0.155 N m that make a tendon slack.
-constexpr double kTorquePerVolt = 0.06228 / 2.0;
-constexpr double kSaturationV = 5.0;
 constexpr double kSlowVPerS = 1.0;
 constexpr int kReadEveryMs = 10;
 constexpr std::uint64_t kSeed = 400;
@@ -37,14 +34,23 @@ class Forceps {
     }
     return sum;
   }
-  /// Slowly to `volts`.
-  auto go(double volts) -> double {
+  /// Slowly to `volts`, a row for every 10 ms.
+  template <typename Row>
+  auto go(double volts, Row&& row) -> double {
     const double step = kSlowVPerS * 0.001 * kReadEveryMs;
     double torque = hold(volts_);
+    row(volts_, torque);
     while (std::fabs(volts - volts_) > 1e-9) {
       torque = hold(volts_ + std::clamp(volts - volts_, -step, step));
+      row(volts_, torque);
     }
     return torque;
+  }
+  auto go(double volts) -> double {
+    return go(volts, [](double, double) {});
+  }
+  [[nodiscard]] auto q1_rad() const -> double {
+    return 2.0 * std::numbers::pi / plant_.parameters().encoder_counts_per_turn * plant_.readings().encoder_counts;
   }
 
  private:
@@ -88,14 +94,44 @@ auto run_of_chapter_4(std::size_t signal) -> ForceRun {
   Forceps forceps;
   forceps.go(-kSaturationV);
   const auto rows = static_cast<Eigen::Index>(kSeconds[signal] * 1000.0 / kReadEveryMs);
-  ForceRun run{Eigen::VectorXd(rows), Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
+  ForceRun run{Eigen::VectorXd(rows), Eigen::VectorXd(rows), Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
   forceps.go(input_v(signal, 0.0));
   for (Eigen::Index i = 0; i < rows; ++i) {
     run.time_s[i] = 0.001 * kReadEveryMs * static_cast<double>(i);
     run.input_v[i] = input_v(signal, run.time_s[i]);
     run.torque_nm[i] = forceps.hold(run.input_v[i]);
+    run.q1_rad[i] = forceps.q1_rad();
   }
   return run;
+}
+
+auto reversal_run(std::size_t levels) -> ForceRun {
+  Forceps forceps;
+  std::vector<double> volts, torque, q1;
+  const auto record = [&](double v, double t) {
+    volts.push_back(v);
+    torque.push_back(t);
+    q1.push_back(forceps.q1_rad());
+  };
+  forceps.go(-kSaturationV);
+  for (std::size_t peak = levels; peak-- > 1;) {
+    forceps.go(kSaturationV * (2.0 * static_cast<double>(peak) / static_cast<double>(levels - 1) - 1.0), record);
+    forceps.go(-kSaturationV, record);
+  }
+  const auto rows = static_cast<Eigen::Index>(volts.size());
+  const auto column = [rows](const std::vector<double>& values) -> Eigen::VectorXd {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), rows);
+  };
+  const double seconds = 0.001 * kReadEveryMs * static_cast<double>(rows - 1);
+  return {Eigen::VectorXd::LinSpaced(rows, 0.0, seconds), column(volts), column(torque), column(q1)};
+}
+
+auto fitted_surface(const ForceRun& run, const PreisachGrid& grid) -> ForceSurface {
+  return fit_preisach({{"4.1", run.time_s, run.q1_rad, run.input_v, run.torque_nm}}, grid).table;
+}
+
+auto share_of(const Eigen::VectorXd& estimate_nm, const ForceRun& run) -> double {
+  return 100.0 * rms(estimate_nm - run.torque_nm) / run.torque_nm.cwiseAbs().maxCoeff();
 }
 
 auto measured_surface(std::size_t levels) -> ForceSurface {

@@ -5,16 +5,21 @@
 #include <array>
 #include <cstddef>
 
-#include "capstan/model/reversal_table.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
 
 namespace capstan::tools {
 
-inline constexpr std::size_t kMostLevels = 41;
-using ForceSurface = ReversalTable<double, kMostLevels>;
+inline constexpr std::size_t kMostLevels = kMostPreisachLevels;
+using ForceSurface = PreisachTable;
+
+// 0.06228 N m of figure 2.10 are the 2 V of chapter 4's signals: 5 V are the 0.155 N m that make a tendon slack.
+inline constexpr double kTorquePerVolt = 0.06228 / 2.0;
+inline constexpr double kSaturationV = 5.0;
 
 /// A motion of the input voltage on the forceps with a locked tip, from the lower saturation on, every 10 ms.
 struct ForceRun {
   Eigen::VectorXd time_s, input_v, torque_nm;  ///< torque_nm: of the joint, as its force sensor shows
+  Eigen::VectorXd q1_rad;
 };
 
 /// u1, u2, u3 of chapter 4.
@@ -22,6 +27,12 @@ auto run_of_chapter_4(std::size_t signal) -> ForceRun;
 /// First-order reversal values measured as chapter 4 does: one peak per level, read at every level on the way down.
 /// @param levels  2 to kMostLevels over +-5 V
 auto measured_surface(std::size_t levels) -> ForceSurface;
+/// Up to every level in turn, the highest first, and down to the lower saturation each time.
+auto reversal_run(std::size_t levels) -> ForceRun;
+/// The surface that `capstan identify` finds in such a run, in volts.
+auto fitted_surface(const ForceRun& run, const PreisachGrid& grid) -> ForceSurface;
+/// Root mean square of an estimate's error over the run's largest torque, %.
+auto share_of(const Eigen::VectorXd& estimate_nm, const ForceRun& run) -> double;
 /// What the classical Preisach model makes of a run, N m.
 auto preisach_estimate(const ForceSurface& surface, const ForceRun& run) -> Eigen::VectorXd;
 

@@ -14,6 +14,8 @@ namespace capstan::tools {
 auto table_2_1_and_2_2() -> ThesisTable;
 /// Forceps, tip locked: the classical Preisach model on three motions.
 auto table_4_1() -> ThesisTable;
+/// The same motions by other laws, and by other grids, all from one run.
+auto table_4_1_laws() -> ThesisTable;
 /// Micro-forceps: estimation of the joint angle.
 auto table_5_2() -> ThesisTable;
 /// Micro-forceps: control through the estimate.

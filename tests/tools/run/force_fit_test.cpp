@@ -101,7 +101,7 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
   const capstan::test::RandomMultisine motion(8, 1.0, 0.03, 0.3);
   const ForceLog other =
       turn_by_hand(plant, 60.0, [&](double t) { return 0.3 * std::tanh(2.0 * motion(t) + std::sin(0.4 * t)); });
-  Preisach<double, kPreisachLevels> law(fit.table, StartState::kDemagnetised, 1e-9);
+  Preisach<double, kMostPreisachLevels> law(fit.table, StartState::kDemagnetised, 1e-9);
   double squares = 0.0;
   for (Eigen::Index i = 0; i < other.samples(); ++i) {
     // The recipe's torque has the motor's friction in it, 0.003 N m, and this one has not: it is added by direction.
@@ -114,6 +114,8 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
   std::printf("Preisach law on a motion it has not seen: %.2f %% of full scale\n", 100.0 * share);
   EXPECT_LT(share, 0.05);  // loops are congruent to 10 % only: capstan friction goes with the tension
 }
+
+constexpr double kRelayNoise = 2e-4;  // of the joint torque, N m
 
 /// A joint made of 40 x 40 relays, its input in N m.
 auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
@@ -133,7 +135,7 @@ auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog
     log.time_s[i] = t;
     log.q1_rad[i] = 0.1 * u;
     log.tau_nm[i] = 0.01 * u;
-    log.tau_out_nm[i] = 0.01 * relays.update(u) + 2e-4 * random.normal();
+    log.tau_out_nm[i] = 0.01 * relays.update(u) + kRelayNoise * random.normal();
   }
   return log;
 }
@@ -162,6 +164,51 @@ TEST(PreisachFit, ArbitraryMotionGivesTheTableOfTheRelaysItVisits) {
   EXPECT_LT(worst, 0.03 * fit.full_scale_nm);  // a grid of 11 over relays of 40 errs by 1 %
 }
 
+/// Root mean square on a motion that took no part, share of full scale, without the noise of that log.
+auto error_on(const PreisachFit& fit, const ForceLog& other) -> double {
+  Preisach<double, kMostPreisachLevels> law(fit.table, StartState::kNegativeSaturation, 1e-9);
+  double squares = 0.0;
+  long known = 0;
+  for (Eigen::Index i = 0; i < other.samples(); ++i) {
+    const auto estimate = law.update(other.tau_nm[i]);
+    squares += estimate.known ? std::pow(estimate.force - other.tau_out_nm[i], 2.0) : 0.0;
+    known += estimate.known ? 1 : 0;
+  }
+  const double without_noise = squares / static_cast<double>(known) - kRelayNoise * kRelayNoise;
+  return std::sqrt(std::max(0.0, without_noise)) / fit.full_scale_nm;
+}
+
+/// All that bends lies in a fifth of the range.
+auto squeezed_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
+  ForceLog log = relay_log(amplitude, seconds, seed);
+  log.tau_nm = log.tau_nm.unaryExpr([](double tau) { return tau + 0.2 * std::pow(tau / 0.05, 5.0); });
+  return log;
+}
+
+TEST(PreisachFit, MoreLevelsErrLess) {
+  const ForceLog learned = squeezed_log(5.0, 600.0, 31);
+  const ForceLog other = squeezed_log(4.0, 200.0, 32);
+  const double coarse = error_on(fit_preisach({learned}, {9, false}), other);
+  const PreisachFit fit = fit_preisach({learned}, {21, false});
+  EXPECT_EQ(fit.table.levels, 21U);
+  EXPECT_EQ(fit.half_intervals.size(), 231U);
+  EXPECT_LT(error_on(fit, other), 0.6 * coarse);
+}
+
+TEST(PreisachFit, LevelsGoWhereTheJointBends) {
+  const ForceLog learned = squeezed_log(5.0, 600.0, 33);
+  const ForceLog other = squeezed_log(4.0, 200.0, 34);
+  const PreisachFit even = fit_preisach({learned}, {9, false});
+  const PreisachFit chosen = fit_preisach({learned}, {9, true});
+  ASSERT_EQ(chosen.table.levels, 9U);
+  EXPECT_EQ(chosen.table.inputs[0], even.table.inputs[0]);
+  EXPECT_EQ(chosen.table.inputs[8], even.table.inputs[8]);
+  EXPECT_TRUE(check(chosen.table, 1e-9).ok());
+  std::printf("9 levels, another motion: even %.2f %%, chosen %.2f %% of full scale\n", 100.0 * error_on(even, other),
+              100.0 * error_on(chosen, other));
+  EXPECT_LT(error_on(chosen, other), 0.6 * error_on(even, other));
+}
+
 TEST(PreisachFit, MotionThatNeverNestsLoopsLeavesTheInsideUndetermined) {
   ForceLog log = relay_log(0.0, 20.0, 10);
   const PreisachFit fit = fit_preisach({log});
@@ -179,7 +226,7 @@ TEST(ForceSection, ReplacesItselfAndLeavesTheRestOfAJointFileAlone) {
   PullPushFit pull_push;
   pull_push.parameters = {{"eta_top", "1", 1.1414, 0.01}};
   PreisachFit preisach;
-  preisach.table = capstan::test::Relays(20).table<11>(11);
+  preisach.table = capstan::test::Relays(20).table<kMostPreisachLevels>(kPreisachLevels);
   preisach.half_intervals.assign(preisach.table.forces.size(), 0.001);
   const std::string once = with_force_section(before, force_section(preisach));
   const std::string twice = with_force_section(once, force_section(pull_push));

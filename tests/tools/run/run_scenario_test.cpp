@@ -9,9 +9,12 @@
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/hal/sim/multi_plant.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -21,10 +24,10 @@ struct Recorded {
   CsvLog log;
 };
 
-auto record(const sim::Scenario& scenario) -> Recorded {
+auto record(const sim::Scenario& scenario, const std::vector<std::string>& model = {}) -> Recorded {
   std::ostringstream text;
   FileBanks banks = FileBanks::temporary();
-  RunSummary summary = run_scenario(scenario, {}, banks, &text);
+  RunSummary summary = run_scenario(scenario, model, banks, &text);
   return {std::move(summary), CsvLog::parse(text.str(), "log")};
 }
 
@@ -98,6 +101,25 @@ TEST(RunScenario, OnTheBenchTheMotorGivesTheTorqueOfTheScenarioAndTheFirmwareSta
   const Eigen::VectorXd felt = run.log.column("axis0/tau_out_Nm");
   EXPECT_NEAR(felt.maxCoeff() / (0.2 - 0.003), std::exp(-1.1414) * 2.4 / 2.6, 0.02);
   EXPECT_LT(swing(run.log.column("axis0/q2_rad")), 0.03);  // the camera's noise
+}
+
+TEST(RunScenario, JointTorqueThatTheFirmwareEstimatesIsInTheLogAndReplaysFromIt) {
+  const std::string law =
+      "[force]\nmodel = \"pull_push\"\neta_top = { value = 1.1414 }\neta_bottom = { value = 1.1404 }\n"
+      "pretension = { value = 0.072 }\nratio = { value = 0.923 }\nfriction = { value = 0.003 }\n"
+      "offset = { value = 0.0 }\nstiffness_top = { value = 0.3425 }\nstiffness_bottom = { value = 0.3436 }\n";
+  const Recorded run = record(scenario_of("[environment]\nkind = \"spring\"\nstiffness = 0.5\n[motion]\n" +
+                                          sine("motion", "amplitude_rad = 0.2")),
+                              force_lines(law, "joint.toml", 0));
+  EXPECT_EQ(run.summary.fault, "");
+  const Eigen::VectorXd estimated = run.log.column("axis0/tau_out_est_Nm");
+  const Eigen::VectorXd measured = run.log.column("axis0/tau_out_Nm");
+  EXPECT_GT(swing(estimated), 0.05);
+  EXPECT_LT(rms(estimated - measured), 0.1 * swing(measured));
+  const ReplayedForce replayed =
+      replay_force(run.log.column("axis0/tau_Nm"), read_board_force_law(law, "joint.toml"), Arithmetic::kFixed);
+  // The firmware asks its law for what the motor was told; the log has what was measured.
+  EXPECT_LT(rms(replayed.torque_nm - estimated), 0.02 * swing(estimated));
 }
 
 TEST(RunScenario, ThermometerIsLoggedWhereTheInstrumentHasOne) {

@@ -68,7 +68,7 @@ auto errors_against(double stiffness, const TensionStateParameters<double>& para
   const ForceLog log = turn_by_hand(plant, 60.0, wander, &angle);
   const PreisachFit preisach = fit_preisach({learned});
   const Eigen::VectorXd theta = pseudo_kinematic_columns(learned).householderQr().solve(learned_angle);
-  Preisach<double, kPreisachLevels> force_law(preisach.table, StartState::kDemagnetised, 1e-9);
+  Preisach<double, kMostPreisachLevels> force_law(preisach.table, StartState::kDemagnetised, 1e-9);
   TensionState<double> state(parameters);
   SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
   Eigen::VectorXd angle_error(log.samples()), torque_error(log.samples()), preisach_error(log.samples());

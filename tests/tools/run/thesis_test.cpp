@@ -51,6 +51,29 @@ TEST(Thesis, PreisachModelOfTable41IsBelowThePrintOnItsGridForU1AndOnAFinerOneFo
   }
 }
 
+TEST(Thesis, ElevenLevelsThatTheLogChoseAreBelowThePrintAndTwentyOneAsGoodAsFortyOne) {
+  const ThesisTable table = table_4_1_laws();
+  const auto row = [&](const std::string& name) {
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      if (table.rows[i].name == name) {
+        return table.rows[i].values;
+      }
+    }
+    ADD_FAILURE() << name;
+    return std::vector<double>(4, std::nan(""));
+  };
+  const std::vector<double> printed = {2.3, 3.6, 4.0};
+  for (std::size_t u = 0; u < 3; ++u) {
+    EXPECT_LT(row("Preisach 11, adaptive")[u], printed[u]) << "u" << u + 1;
+    EXPECT_LT(row("Preisach 11, adaptive")[u], row("Preisach 11")[u]) << "u" << u + 1;
+    EXPECT_LT(row("Preisach 21, adaptive")[u], 1.1 * row("Preisach 41")[u]) << "u" << u + 1;
+    EXPECT_LT(row("tendon")[u], printed[u]) << "u" << u + 1;
+    for (const char* other : {"Bouc-Wen", "Coleman-Hodgdon"}) {
+      EXPECT_GT(row(other)[u], printed[u]) << other << " u" << u + 1;
+    }
+  }
+}
+
 TEST(Thesis, Table52IsReachedByTheInstrumentsOwnTendonsAndLatePictures) {
   const ThesisTable table = table_5_2();
   ASSERT_EQ(table.rows.size(), 4U);
