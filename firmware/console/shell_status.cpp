@@ -103,6 +103,9 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
     if (joint.tension > Q24{}) {
       out << " tension " << joint.tension << " of the healthy joint's";
     }
+    if (joint.pretension_n > Q24{}) {
+      out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
+    }
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {
         out << " limited by " << kLimitNames[i];

@@ -76,7 +76,7 @@ void Axis::rt_configure(const AxisConfig& config) {
   }
   if (new_monitor) {
     estimator_.rt_make_monitor(config_.monitor);
-    telemetry_.misfit = telemetry_.tension = Q24{};
+    telemetry_.misfit = telemetry_.tension = telemetry_.pretension_n = telemetry_.pretension_95_n = Q24{};
     telemetry_.warnings = 0;
     telemetry_.tendons = TendonHealth::kNothing;
   }
@@ -203,6 +203,8 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.misfit = estimator_.monitor().level();
   telemetry_.warnings = static_cast<WarningSet>(estimator_.monitor().warnings() | limit_cycle_.warnings());
   telemetry_.tension = estimator_.monitor().tendons().tension();
+  telemetry_.pretension_n = estimator_.monitor().tendons().pretension_n();
+  telemetry_.pretension_95_n = estimator_.monitor().tendons().pretension_95_n();
   telemetry_.tendons = estimator_.monitor().tendons().health();
 }
 

@@ -95,6 +95,9 @@ struct MonitorConfig {
   Q24 torque_rms_nm{};                      ///< of the mean friction torque of a stretch of motion
   Q24 excess = Q24::from_double(1.5);       ///< of either that is still allowed, times
   Q24 settle_rad = Q24::from_double(0.35);  ///< motor's travel after a reversal until its torque is steady
+  Q24 tendon_friction_nm{};                 ///< of the healthy friction that of the tendons; 0: all but the motor's own
+  Q24 pretension_n{};                       ///< of the healthy joint; 0: not known
+  Q24 pretension_95_n{};                    ///< half of its 95 % interval
 };
 
 /// How far the joint may be from its estimate, as the law's logs had it. steady_rad 0: nobody knows.

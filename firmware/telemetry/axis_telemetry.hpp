@@ -27,6 +27,8 @@ struct AxisTelemetry {
   Q24 disturbance_nm;             ///< measured torque of that instant less the law's, filtered; 0 while not known
   Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
   Q24 tension;                    ///< of the tendons, as a share of the healthy joint's; 0: not known
+  Q24 pretension_n;               ///< of the tendons, N; 0: not known
+  Q24 pretension_95_n;            ///< half of its 95 % interval
   FaultSet faults = 0;            ///< present now
   LimitSet limits = 0;
   bool estimate_valid = false;

@@ -14,7 +14,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 25> kJointSignals = {
+constexpr std::array<SignalInfo, 27> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -44,6 +44,10 @@ constexpr std::array<SignalInfo, 25> kJointSignals = {
     real("tension", "tension", "1",
          "friction of the tendons, and so their tension, over the healthy joint's; 0 unknown",
          offsetof(AxisTelemetry, tension)),
+    real("pretension", "pretension_N", "N", "mean tension of both tendons together, with a free tip; 0 unknown",
+         offsetof(AxisTelemetry, pretension_n)),
+    real("pretension_error", "pretension_err_N", "N", "half of its 95 % interval",
+         offsetof(AxisTelemetry, pretension_95_n)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
     SignalInfo{"limits", "limits", "1",
