@@ -30,6 +30,9 @@ void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& forc
   if (joint.mode == ControlMode::kForce) {
     out << " of " << joint.joint_torque_reference_nm << " Nm";
   }
+  if (joint.joint_torque_error_nm >= Q24{}) {
+    out << " within " << joint.joint_torque_error_nm << " Nm";
+  }
   if (joint.joint_torque_known) {
     return;
   }

@@ -197,6 +197,7 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.joint_torque_nm = force.force;
   telemetry_.joint_torque_known = force.known;
   telemetry_.joint_torque_phase = force.phase;
+  telemetry_.joint_torque_error_nm = force_error_.rt_step(config_.force.error, telemetry_.drive_nm, force);
   telemetry_.law_torque_nm = effort_.estimate().law_nm;
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;

@@ -22,6 +22,7 @@ struct AxisTelemetry {
   Q24 drive_nm;                   ///< the torque of that
   Q24 excitation_nm;              ///< of it, what an experiment added
   Q24 joint_torque_nm;            ///< by the force law or the tendons of the law, 0 without either
+  Q24 joint_torque_error_nm;      ///< how far from the joint's torque that may be, 95 of 100 times; negative: not known
   Q24 joint_torque_reference_nm;  ///< wanted, in force control
   Q24 law_torque_nm;              ///< by the effort law for the motion a quarter of its window ago, 0 without one
   Q24 disturbance_nm;             ///< measured torque of that instant less the law's, filtered; 0 while not known

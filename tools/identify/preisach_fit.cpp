@@ -236,6 +236,7 @@ auto fit_preisach(const std::vector<ForceLog>& logs) -> PreisachFit {
   result.notes.push_back(std::to_string(averaged.in.size()) + " averaged rows after the first saturation, grid of " +
                          std::to_string(kPreisachLevels) + " levels");
   judge_run(logs, result);
+  result.error_bar = force_error_bar(logs, {.kind = ForceLawKind::kPreisach}, result.table);
   return result;
 }
 

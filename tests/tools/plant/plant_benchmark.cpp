@@ -10,7 +10,7 @@
 #include "capstan/tests/tools/plant/plant_gauge.hpp"
 #include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
-#include "capstan/tests/tools/plant/told_errors.hpp"
+#include "capstan/tests/tools/plant/told_torques.hpp"
 #include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -27,7 +27,7 @@ struct Options {
   std::vector<std::string> only;
   std::string keep;
   bool gauge = false, health = false, healthy = false, from_nothing = false, compare = false, error_bars = false,
-       all_motions = false, verbose = false;
+       torque_error_bars = false, all_motions = false, verbose = false;
 };
 
 /// What an answer says of one joint.
@@ -354,6 +354,8 @@ auto main(int argc, char** argv) -> int {
   app.add_option("--keep", options.keep, "folder that the logs are written to");
   app.add_flag("--health", options.health, "ask boards what became of tendons that fail while they watch");
   app.add_flag("--error-bars", options.error_bars, "how often the joint is within the error bar that a board tells");
+  app.add_flag("--torque-error-bars", options.torque_error_bars,
+               "the same of the joint's torque, tip held or on a spring");
   app.add_flag("--gauge", options.gauge, "pretension in N and friction numbers, 3 to 30 N, and how they change");
   app.add_flag("--healthy", options.healthy, "healthy joints only");
   app.add_flag("--from-nothing", options.from_nothing, "the usual base law instead of the healthy joint's");
@@ -365,6 +367,8 @@ auto main(int argc, char** argv) -> int {
     capstan::tools::plant::ask_boards(options);
   } else if (options.error_bars) {
     capstan::tools::plant::ask_error_bars(options.seed, options.joints);
+  } else if (options.torque_error_bars) {
+    capstan::tools::plant::ask_torque_error_bars(options.seed, options.joints);
   } else if (options.gauge) {
     capstan::tools::plant::ask_gauges(options.seed, options.joints);
   } else {

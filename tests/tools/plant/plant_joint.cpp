@@ -28,13 +28,6 @@ auto scenario_of(PlantMotion motion) -> std::string {
   return {};
 }
 
-/// As far as the motor can pull at a tip that is held, rad: tendons of one side alone, some 0.15 Nm.
-auto pull_of(const sim::PlantParameters& plant) -> double {
-  constexpr double kPullNm = 0.15;
-  const double stiffness = 0.5 * (plant.stiffness_top_n_per_m + plant.stiffness_bottom_n_per_m);
-  return std::min(0.25, kPullNm / (1.5 * stiffness * plant.input_radius_m * plant.input_radius_m));
-}
-
 }  // namespace
 
 auto switches() -> const std::vector<Switch>& {
@@ -116,6 +109,12 @@ auto csv_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t
 auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep)
     -> AxisLog {
   return read_axis(csv_of(plant, motion, seed, keep), {.needs_torque = true});
+}
+
+auto pull_of(const sim::PlantParameters& plant) -> double {
+  constexpr double kPullNm = 0.15;
+  const double stiffness = 0.5 * (plant.stiffness_top_n_per_m + plant.stiffness_bottom_n_per_m);
+  return std::min(0.25, kPullNm / (1.5 * stiffness * plant.input_radius_m * plant.input_radius_m));
 }
 
 }  // namespace capstan::tools::plant
