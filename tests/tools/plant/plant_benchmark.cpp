@@ -7,6 +7,7 @@
 #include <map>
 
 #include "capstan/hal/sim/step.hpp"
+#include "capstan/tests/tools/plant/hybrid.hpp"
 #include "capstan/tests/tools/plant/plant_gauge.hpp"
 #include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
@@ -26,8 +27,8 @@ struct Options {
   std::vector<double> strengths = {4.0};
   std::vector<std::string> only;
   std::string keep;
-  bool gauge = false, health = false, healthy = false, from_nothing = false, compare = false, error_bars = false,
-       torque_error_bars = false, all_motions = false, verbose = false;
+  bool gauge = false, hybrid = false, health = false, healthy = false, from_nothing = false, compare = false,
+       error_bars = false, torque_error_bars = false, all_motions = false, verbose = false;
 };
 
 /// What an answer says of one joint.
@@ -356,6 +357,7 @@ auto main(int argc, char** argv) -> int {
   app.add_flag("--error-bars", options.error_bars, "how often the joint is within the error bar that a board tells");
   app.add_flag("--torque-error-bars", options.torque_error_bars,
                "the same of the joint's torque, tip held or on a spring");
+  app.add_flag("--hybrid", options.hybrid, "joint angle and torque by one law, tip free, touching and held");
   app.add_flag("--gauge", options.gauge, "pretension in N and friction numbers, 3 to 30 N, and how they change");
   app.add_flag("--healthy", options.healthy, "healthy joints only");
   app.add_flag("--from-nothing", options.from_nothing, "the usual base law instead of the healthy joint's");
@@ -369,6 +371,8 @@ auto main(int argc, char** argv) -> int {
     capstan::tools::plant::ask_error_bars(options.seed, options.joints);
   } else if (options.torque_error_bars) {
     capstan::tools::plant::ask_torque_error_bars(options.seed, options.joints);
+  } else if (options.hybrid) {
+    capstan::tools::plant::ask_hybrid(options.seed, options.joints);
   } else if (options.gauge) {
     capstan::tools::plant::ask_gauges(options.seed, options.joints);
   } else {
