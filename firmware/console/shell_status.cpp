@@ -30,6 +30,9 @@ void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& forc
   if (joint.mode == ControlMode::kForce) {
     out << " of " << joint.joint_torque_reference_nm << " Nm";
   }
+  if (joint.joint_torque_error_nm >= Q24{}) {
+    out << " within " << joint.joint_torque_error_nm << " Nm";
+  }
   if (joint.joint_torque_known) {
     return;
   }
@@ -102,6 +105,9 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
     }
     if (joint.tension > Q24{}) {
       out << " tension " << joint.tension << " of the healthy joint's";
+    }
+    if (joint.pretension_n > Q24{}) {
+      out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
     }
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {

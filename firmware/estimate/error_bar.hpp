@@ -2,7 +2,9 @@
 #pragma once
 
 #include "capstan/firmware/parameters/config.hpp"
+#include "capstan/model/force_estimate.hpp"
 #include "capstan/model/sample.hpp"
+#include "capstan/model/turn_play.hpp"
 
 namespace capstan {
 
@@ -28,6 +30,24 @@ class ErrorBar {
 
  private:
   bool settled_ = false;
+};
+
+/// The same of the joint's torque: near a reversal of the motor's torque and beyond. Told where the law's past no
+/// longer matters, within the torques of its logs.
+class ForceErrorBar {
+ public:
+  /// @param motor_nm  the motor's torque   @returns half width of the interval, N m, or ErrorBar::kUnknown
+  auto rt_step(const ForceErrorConfig& config, Q24 motor_nm, const ForceEstimate<Q24>& now) -> Q24 {
+    const bool turning = play_.update(motor_nm, config.turn_nm);
+    if (!now.known || now.saturated || now.beyond_table || abs(motor_nm) > config.torque_nm ||
+        config.steady_nm == Q24{}) {
+      return ErrorBar::kUnknown;
+    }
+    return turning ? config.turning_nm : config.steady_nm;
+  }
+
+ private:
+  TurnPlay<Q24> play_;
 };
 
 }  // namespace capstan

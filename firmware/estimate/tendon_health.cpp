@@ -8,10 +8,11 @@ namespace {
 constexpr Q24 kSlackShare = Q24::from_double(1.0 / 3.0);
 constexpr Q24 kMostShare = Q24::from_int(8);
 
-/// Of the tendons' friction; the motor's own does not go with their tension.
-auto tension_of(const TendonJudge::Stretch& stretch) -> Q24 {
-  const Q24 healthy = stretch.healthy_nm - stretch.motors_nm;
-  const Q24 now = stretch.friction_nm - stretch.motors_nm;
+/// Of the tendons' friction; what rubs beside them, the motor and the joint, does not go with their tension.
+auto tension_of(const TendonJudge::Stretch& stretch, Q24 tendons_nm) -> Q24 {
+  const Q24 healthy =
+      stretch.healthy_nm > Q24{} && tendons_nm > Q24{} ? tendons_nm : stretch.healthy_nm - stretch.motors_nm;
+  const Q24 now = healthy + (stretch.friction_nm - stretch.healthy_nm);
   if (healthy <= Q24{} || now <= Q24{}) {
     return Q24{};
   }
@@ -56,7 +57,9 @@ auto TendonJudge::rt_cause(const MonitorConfig& config, const Stretch& stretch, 
 }
 
 void TendonJudge::rt_judge(const MonitorConfig& config, const Stretch& stretch, WarningSet warnings) {
-  tension_ = tension_of(stretch);
+  tension_ = tension_of(stretch, config.tendon_friction_nm);
+  pretension_n_ = tension_ * config.pretension_n;
+  pretension_95_n_ = tension_ * config.pretension_95_n;
   if (warnings == 0 || loop_rad_ == Q24{}) {
     loop_rad_ = stretch.loop_rad;
   }

@@ -83,6 +83,9 @@ class TendonJudge {
   /// The tendons' friction over that of the healthy joint: while eta is the same, their tension over what it was. 0
   /// until the first stretch.
   [[nodiscard]] auto tension() const -> Q24 { return tension_; }
+  /// The same in N, and half of its 95 % interval; 0 where the healthy joint's is not known.
+  [[nodiscard]] auto pretension_n() const -> Q24 { return pretension_n_; }
+  [[nodiscard]] auto pretension_95_n() const -> Q24 { return pretension_95_n_; }
 
  private:
   [[nodiscard]] auto rt_cause(const MonitorConfig& config, const Stretch& stretch, WarningSet warnings) const
@@ -91,6 +94,8 @@ class TendonJudge {
   TendonHealth health_ = TendonHealth::kNothing;
   TendonHealth last_ = TendonHealth::kNothing;
   Q24 tension_;
+  Q24 pretension_n_;
+  Q24 pretension_95_n_;
   Q24 loop_rad_;   // before anything was wrong
   Q24 moved_rad_;  // where the zero was when it had moved
 };

@@ -76,7 +76,7 @@ void Axis::rt_configure(const AxisConfig& config) {
   }
   if (new_monitor) {
     estimator_.rt_make_monitor(config_.monitor);
-    telemetry_.misfit = telemetry_.tension = Q24{};
+    telemetry_.misfit = telemetry_.tension = telemetry_.pretension_n = telemetry_.pretension_95_n = Q24{};
     telemetry_.warnings = 0;
     telemetry_.tendons = TendonHealth::kNothing;
   }
@@ -197,12 +197,15 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.joint_torque_nm = force.force;
   telemetry_.joint_torque_known = force.known;
   telemetry_.joint_torque_phase = force.phase;
+  telemetry_.joint_torque_error_nm = force_error_.rt_step(config_.force.error, telemetry_.drive_nm, force);
   telemetry_.law_torque_nm = effort_.estimate().law_nm;
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;
   telemetry_.misfit = estimator_.monitor().level();
   telemetry_.warnings = static_cast<WarningSet>(estimator_.monitor().warnings() | limit_cycle_.warnings());
   telemetry_.tension = estimator_.monitor().tendons().tension();
+  telemetry_.pretension_n = estimator_.monitor().tendons().pretension_n();
+  telemetry_.pretension_95_n = estimator_.monitor().tendons().pretension_95_n();
   telemetry_.tendons = estimator_.monitor().tendons().health();
 }
 

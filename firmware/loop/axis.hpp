@@ -83,6 +83,7 @@ class Axis {
   Gate gate_;
   MotorObserver observer_;
   LimitCycleWatch limit_cycle_;
+  ForceErrorBar force_error_;
   AxisTelemetry telemetry_;
 };
 

@@ -68,6 +68,14 @@ struct LimitConfig {
   Q24 fault_travel_rad = Q24::from_double(0.05);   ///< of the joint after a fault, until it stands
 };
 
+/// How far the joint's torque may be from its estimate, as the force law's logs had it. steady_nm 0: nobody knows.
+struct ForceErrorConfig {
+  Q24 steady_nm{};   ///< what 95 of 100 samples kept within
+  Q24 turning_nm{};  ///< the same of those within turn_nm of a reversal of the motor's torque
+  Q24 turn_nm{};
+  Q24 torque_nm{};  ///< largest motor torque that the logs have seen
+};
+
 /// Motor torque to joint torque, tip held: what `capstan identify --model pull_push` or `preisach` finds.
 struct ForceConfig {
   /// From CMake: 11 is the thesis's grid, and with levels that the log chose better than print (docs/thesis.md). Each
@@ -86,8 +94,9 @@ struct ForceConfig {
   Q24 offset_nm{};                 ///< of the motor's torque
   Q24 stiffness_top_nm_per_rad{};  ///< r1^2 Kn, for palpation; 0: not known
   Q24 stiffness_bottom_nm_per_rad{};
-  Q24 rate_nm_per_s = Q24::from_double(0.05);      ///< of `move jointN force=`
-  Q24 reversal_time_s = Q24::from_double(0.03);    ///< the motor's torque crosses the hysteresis within about this
+  Q24 rate_nm_per_s = Q24::from_double(0.05);    ///< of `move jointN force=`
+  Q24 reversal_time_s = Q24::from_double(0.03);  ///< the motor's torque crosses the hysteresis within about this
+  ForceErrorConfig error;
   Q24 threshold_nm = Q24::from_double(0.0002);     ///< return of the wanted torque that counts as a reversal
   ReversalTable<Q24, kLevels> grid{.forces = {}};  ///< of preisach
 };
@@ -98,6 +107,9 @@ struct MonitorConfig {
   Q24 torque_rms_nm{};                      ///< of the mean friction torque of a stretch of motion
   Q24 excess = Q24::from_double(1.5);       ///< of either that is still allowed, times
   Q24 settle_rad = Q24::from_double(0.35);  ///< motor's travel after a reversal until its torque is steady
+  Q24 tendon_friction_nm{};                 ///< of the healthy friction that of the tendons; 0: all but the motor's own
+  Q24 pretension_n{};                       ///< of the healthy joint; 0: not known
+  Q24 pretension_95_n{};                    ///< half of its 95 % interval
 };
 
 /// How far the joint may be from its estimate, as the law's logs had it. steady_rad 0: nobody knows.

@@ -22,11 +22,14 @@ struct AxisTelemetry {
   Q24 drive_nm;                   ///< the torque of that
   Q24 excitation_nm;              ///< of it, what an experiment added
   Q24 joint_torque_nm;            ///< by the force law or the tendons of the law, 0 without either
+  Q24 joint_torque_error_nm;      ///< how far from the joint's torque that may be, 95 of 100 times; negative: not known
   Q24 joint_torque_reference_nm;  ///< wanted, in force control
   Q24 law_torque_nm;              ///< by the effort law for the motion a quarter of its window ago, 0 without one
   Q24 disturbance_nm;             ///< measured torque of that instant less the law's, filtered; 0 while not known
   Q24 misfit;                     ///< how near the monitor is to a warning, 0 to 1
   Q24 tension;                    ///< of the tendons, as a share of the healthy joint's; 0: not known
+  Q24 pretension_n;               ///< of the tendons, N; 0: not known
+  Q24 pretension_95_n;            ///< half of its 95 % interval
   FaultSet faults = 0;            ///< present now
   LimitSet limits = 0;
   bool estimate_valid = false;

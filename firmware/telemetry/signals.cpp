@@ -14,7 +14,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 25> kJointSignals = {
+constexpr std::array<SignalInfo, 28> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -33,6 +33,10 @@ constexpr std::array<SignalInfo, 25> kJointSignals = {
     real("excitation", "tau_exc_Nm", "Nm", "torque that an experiment adds", offsetof(AxisTelemetry, excitation_nm)),
     real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law, or by the tendons of the law",
          offsetof(AxisTelemetry, joint_torque_nm)),
+    real("force_error", "tau_out_err_Nm", "Nm",
+         "95 of 100 times force is no further from the joint's torque, within the torques of the force law's logs; -1 "
+         "not known",
+         offsetof(AxisTelemetry, joint_torque_error_nm)),
     real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
          offsetof(AxisTelemetry, joint_torque_reference_nm)),
     real("law_torque", "tau_est_Nm", "Nm", "motor torque by the effort law, of effort.window / 4 ago",
@@ -44,6 +48,10 @@ constexpr std::array<SignalInfo, 25> kJointSignals = {
     real("tension", "tension", "1",
          "friction of the tendons, and so their tension, over the healthy joint's; 0 unknown",
          offsetof(AxisTelemetry, tension)),
+    real("pretension", "pretension_N", "N", "mean tension of both tendons together, with a free tip; 0 unknown",
+         offsetof(AxisTelemetry, pretension_n)),
+    real("pretension_error", "pretension_err_N", "N", "half of its 95 % interval",
+         offsetof(AxisTelemetry, pretension_95_n)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
     SignalInfo{"limits", "limits", "1",

@@ -199,6 +199,7 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
                          .torque = TorqueParts{{1.0 / 3.0, -0.02, 1e-4, 1.0 / 7e4, 0.05, -1.0 / 9.0, 0.0, 2.0}},
                          .friction_rms = 1.0 / 900.0,
                          .error_bar = ErrorBarNumbers{{0.01, 1.0 / 30.0, 0.2, -4.0 / 3.0, 2.1, 1.0 / 3.0}},
+                         .pretension = PretensionNumbers{{0.05, 0.01, 0.07, 1e-3, 1.1, 0.03, 2.6e-3, 270.5, 3.5}},
                          .joint_range = 2.2,
                          .logs = {"a \"b\".csv", "c.csv"}};
   const JointFile again = parse_joint_file(joint_file_text(joint), "joint.toml");
@@ -218,6 +219,8 @@ TEST(JointFile, WhatIsWrittenReadsBackTheSame) {
   EXPECT_EQ(again.fit->friction_rms, joint.fit->friction_rms);
   ASSERT_TRUE(again.fit->error_bar);
   EXPECT_EQ(again.fit->error_bar->values, joint.fit->error_bar->values);
+  ASSERT_TRUE(again.fit->pretension);
+  EXPECT_EQ(again.fit->pretension->values, joint.fit->pretension->values);
   ASSERT_TRUE(again.fit->torque);
   EXPECT_EQ(again.fit->torque->values, joint.fit->torque->values);
 }

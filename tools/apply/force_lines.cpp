@@ -65,6 +65,12 @@ auto force_lines(const std::string& joint_file, const std::string& name, int axi
   } else if (!model.empty()) {
     throw BadInput(name + ": [force] has the model \"" + model + "\", which no board runs; pull_push and preisach are");
   }
+  if (!model.empty()) {  // all 0 where the file does not say: the board then says that nobody knows
+    const ForceErrorNumbers error = read_force_error(joint_file, name).value_or(ForceErrorNumbers{});
+    for (std::size_t i = 0; i < ForceErrorNumbers::kCount; ++i) {
+      lines.set("force." + std::string(ForceErrorNumbers::kNames[i]), error.values[i], "Nm");
+    }
+  }
   return lines.take();
 }
 

@@ -92,6 +92,26 @@ void write_error_bar(const JointFile& joint, Lines& write) {
   }
 }
 
+/// What the board's gauge of pretension begins from; 0 where the file has none, or more than a board's numbers hold.
+void write_pretension(const JointFile& joint, Lines& write) {
+  constexpr double kMost = 127.0;  // ends of the parameters
+  constexpr double kTwoSpreads = 1.96;
+  const PretensionNumbers numbers = joint.fit && joint.fit->pretension ? *joint.fit->pretension : PretensionNumbers{};
+  const double friction = numbers.friction_nm();
+  double half = 0.0;
+  if (numbers.force_n() > 0.0) {
+    // Of the newtons, of the friction per newton while half of it changes, and of a stretch of motion.
+    const double share = std::hypot(numbers.force_95_n() / numbers.force_n(), 0.5 * numbers.friction_95_nm() / friction,
+                                    kTwoSpreads * expected_friction_nm(joint) / friction);
+    half = share * numbers.force_n();
+  }
+  const bool fits = numbers.force_n() <= kMost && half <= kMost;
+  // A free tip alone does not know it better than the motor's own, which the board has from commissioning.
+  write.set("monitor", "tendon_friction", numbers.torque_nm() > 0.0 ? std::min(friction, 100.0) : 0.0, "Nm");
+  write.set("monitor", "pretension", fits ? numbers.force_n() : 0.0, "N");
+  write.set("monitor", "pretension_error", fits ? half : 0.0, "N");
+}
+
 }  // namespace
 
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
@@ -115,6 +135,7 @@ auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   }
   write.set("monitor", "joint_rms", expected_error_rad(joint), "rad");
   write.set("monitor", "torque_rms", expected_friction_nm(joint), "Nm");
+  write_pretension(joint, write);
   write_error_bar(joint, write);
   lines.emplace_back("commit");
   return lines;

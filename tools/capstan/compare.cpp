@@ -17,6 +17,7 @@ struct CommandOptions {
   LogOptions healthy;
   std::vector<std::string> now;
   std::string base, target, json;
+  TendonDrawing drawing;
 };
 
 void print_comparison(const Comparison& comparison) {
@@ -28,6 +29,9 @@ void print_comparison(const Comparison& comparison) {
   }
   if (comparison.moved.empty()) {
     std::cout << "  no parameter has moved for certain\n";
+  }
+  if (comparison.pretension && comparison.healthy.pretension) {  // else it is among the sizes below
+    std::cout << "  " << drift_sentence(*comparison.pretension) << "\n";
   }
   for (const auto& effect : comparison.came) {
     std::cout << "  " << effect.name << " has come\n";
@@ -49,6 +53,10 @@ auto run_compare(const CommandOptions& options) -> int {
   now.files = options.now;
   DiagnoseOptions wanted;
   wanted.base_model = options.base;
+  wanted.drawing = options.drawing;
+  if (options.base.ends_with(".toml")) {
+    wanted.base_law = read_joint_file(options.base);
+  }
   if (isatty(STDERR_FILENO) != 0) {
     wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
@@ -68,7 +76,8 @@ void add_compare(CLI::App& app, int& exit_status) {
       "compare", "what has changed between two times of one joint: capstan compare HEALTHY... -- NOW...");
   options->healthy.add_to(*command, true);
   command->add_option("--now", options->now, "logs of now; the same as what stands behind --");
-  command->add_option("--base", options->base, "law to start from, as for diagnose");
+  command->add_option("--base", options->base, "law to start from, as for diagnose, or the joint's own file");
+  add_drawing(*command, options->drawing);
   command->add_option("--target", options->target, "column to explain, as for diagnose");
   command->add_option("--json", options->json, "write the comparison as JSON");
   command->callback([options, &exit_status] { exit_status = run_compare(*options); });

@@ -19,6 +19,7 @@ struct CommandOptions {
   LogOptions logs;
   std::string base, target, json, report, next, output;
   std::vector<std::string> tests;
+  TendonDrawing drawing;
 };
 
 /// An effort's error is read beside the effort.
@@ -56,7 +57,8 @@ auto run_diagnose(const CommandOptions& options) -> int {
   DiagnoseJob job{.logs = options.logs.job_logs(),
                   .tests = read_logs(options.tests, options.logs.maps),
                   .base = options.base,
-                  .target = options.target};
+                  .target = options.target,
+                  .drawing = options.drawing};
   if (isatty(STDERR_FILENO) != 0) {
     job.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
@@ -98,6 +100,7 @@ void add_diagnose(CLI::App& app, int& exit_status) {
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");
   command->add_option("--test", options->tests, "log that takes no part in fit or choice and is judged too; repeatable")
       ->allow_extra_args(false);
+  add_drawing(*command, options->drawing);
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
   command->add_option("--next", options->next,

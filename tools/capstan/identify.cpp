@@ -20,6 +20,7 @@ struct IdentifyOptions {
   std::string target, output;
   PreisachGrid grid;
   std::vector<int> wrist = {0, 1, 2};
+  TendonDrawing drawing;
 };
 
 auto run_identify(const IdentifyOptions& options) -> int {
@@ -32,7 +33,7 @@ auto run_identify(const IdentifyOptions& options) -> int {
   if (is_force_model(options.model)) {
     return identify_force(options.logs, options.model, options.grid, options.output);
   }
-  const Identified done = identify({options.logs.job_logs(), options.model, options.target}, warn);
+  const Identified done = identify({options.logs.job_logs(), options.model, options.target, options.drawing}, warn);
   const Identification& result = done.result;
   for (const auto& note : result.notes) {
     std::cerr << "note: " << note << "\n";
@@ -42,6 +43,9 @@ auto run_identify(const IdentifyOptions& options) -> int {
             << law_table(result.joint, result.undetermined);
   std::cout << "  error (RMSE) " << error_text(result.joint.fit->rmse, done.form.catalogue->target_unit())
             << ", goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
+  if (result.joint.fit->pretension) {
+    std::cout << "  " << pretension_sentence(*result.joint.fit->pretension) << "\n";
+  }
   if (!result.undetermined.empty()) {
     throw Refusal(undetermined_sentence(result.undetermined) +
                   (options.output.empty() ? "" : " (" + options.output + " was not written)"));
@@ -81,6 +85,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->expected(3)
       ->check(CLI::Range(0, kMostAxes - 1))
       ->capture_default_str();
+  add_drawing(*command, options->drawing);
   command->add_option("-o,--output", options->output, "where to write the law, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_identify(*options); });
 }

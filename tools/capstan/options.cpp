@@ -68,6 +68,17 @@ void warn(const std::string& warning) {
   std::cerr << "warning: " << warning << "\n";
 }
 
+void add_drawing(CLI::App& command, TendonDrawing& drawing) {
+  command
+      .add_option("--radius", drawing.radius_m,
+                  "radius of the motor's pulley in m, behind its gear: puts the tendons' pretension into newtons")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--stiffness", drawing.stiffness_n_per_m,
+                  "or, where the radius is not known, stiffness E A / L of one tendon in N/m")
+      ->check(CLI::PositiveNumber);
+}
+
 auto law_table(const JointFile& joint, const std::vector<std::string>& left_out) -> std::string {
   std::string table;
   auto add = [&](const std::string& name, double value, const std::string& interval, const char* unit) {

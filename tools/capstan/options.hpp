@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/identify/pretension.hpp"
 #include "capstan/tools/jobs/logs.hpp"
 
 namespace capstan::tools {
@@ -23,6 +24,9 @@ struct LogOptions {
   /// Reads every file. Warnings go to stderr.
   [[nodiscard]] auto read(const AxisRequest& request) const -> std::vector<AxisLog>;
 };
+
+/// Adds what the joint's drawing says of its tendons.
+void add_drawing(CLI::App& command, TendonDrawing& drawing);
 
 /// "value [low, high] unit" lines of a law, one per parameter, for people.
 auto law_table(const struct JointFile& joint, const std::vector<std::string>& left_out) -> std::string;

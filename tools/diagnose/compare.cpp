@@ -53,6 +53,24 @@ auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vecto
   return moved;
 }
 
+/// What the pretension has changed by: from the healthy time's to now's, both beside the law that both are measured by.
+auto pretension_between(const Comparison& comparison) -> std::optional<PretensionDrift> {
+  if (!comparison.healthy.pretension || !comparison.now.pretension) {
+    return comparison.now.pretension;
+  }
+  const PretensionDrift& before = *comparison.healthy.pretension;
+  PretensionDrift drift = *comparison.now.pretension;
+  const double times = drift.times.value / before.times.value;
+  const double of_law = drift.pretension.value / drift.times.value;  // the pretension at the law's own time
+  // How well that is known counts for the difference alone; how well a loop's torque is, twice.
+  const double of_times = std::hypot(drift.times.half, before.times.half);
+  const double known = drift.pretension.half / drift.pretension.value;
+  drift.change.value = drift.pretension.value - before.pretension.value;
+  drift.change.half = std::hypot(of_law * of_times, known * drift.change.value);
+  drift.times = {times, of_times / before.times.value};
+  return drift;
+}
+
 }  // namespace
 
 auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> HealthyJoint {
@@ -60,10 +78,18 @@ auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   if (healthy.diagnosis.law.terms.empty()) {
     throw Refusal("the healthy logs give no law to compare by: " + healthy.diagnosis.reason);
   }
+  if (options.base_law) {
+    healthy.law = *options.base_law;
+    healthy.fitted = identify(logs, form_of(healthy.law)).joint;
+    return healthy;
+  }
   // A law that was grown has no intervals; what has names has.
   const bool named = healthy.diagnosis.law.status == LawStatus::kConfirmed;
   healthy.law = named ? healthy.diagnosis.law : healthy.diagnosis.base;
   healthy.fitted = identify(logs, form_of(healthy.law)).joint;
+  if (healthy.law.fit) {
+    healthy.law.fit->pretension = healthy.fitted.fit->pretension;
+  }
   return healthy;
 }
 
@@ -80,6 +106,7 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   }
   result.now = diagnose(now, from_healthy);
   result.came = result.now.effects;
+  result.pretension = pretension_between(result);
   return result;
 }
 
@@ -102,6 +129,14 @@ auto comparison_json(const Comparison& comparison) -> std::string {
   json["came"] = Json::array();
   for (const auto& effect : comparison.came) {
     json["came"].push_back({{"name", effect.name}, {"alternatives", effect.alternatives}});
+  }
+  json["pretension"] = nullptr;
+  if (comparison.pretension) {
+    const auto number = [](const Gauged& one) -> Json {
+      return {{"value", one.value}, {"ci95", {one.value - one.half, one.value + one.half}}};
+    };
+    const PretensionDrift& drift = *comparison.pretension;
+    json["pretension"] = {{"unit", drift.unit}, {"now", number(drift.pretension)}, {"change", number(drift.change)}};
   }
   json["verdict"] = verdict_word(comparison.now.verdict);
   json["healthy"] = Json::parse(diagnosis_json(comparison.healthy));

@@ -14,10 +14,11 @@ struct MovedParameter {
 
 /// What has changed between two times of one joint.
 struct Comparison {
-  std::vector<std::string> terms;     ///< of the law that both are measured by
-  std::vector<MovedParameter> moved;  ///< most spreads first
-  std::vector<AddedEffect> came;      ///< effects that the law of the healthy joint lacks now
-  Diagnosis healthy, now;             ///< `now` begins from the healthy joint's law
+  std::vector<std::string> terms;                  ///< of the law that both are measured by
+  std::vector<MovedParameter> moved;               ///< most spreads first
+  std::vector<AddedEffect> came;                   ///< effects that the law of the healthy joint lacks now
+  Diagnosis healthy, now;                          ///< `now` begins from the healthy joint's law
+  std::optional<PretensionDrift> pretension = {};  ///< of now, and what it has changed by between the two times
 };
 
 /// What a healthy joint is compared by, worked out once for any number of later times.
@@ -27,6 +28,7 @@ struct HealthyJoint {
   JointFile fitted;  ///< the same fitted to all of the logs, with intervals
 };
 
+/// A law of the options is the joint's, of whatever time: both times are then measured by it.
 /// Throws as diagnose(), and Refusal where the logs are not fit for a diagnosis or hold no law.
 auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> HealthyJoint;
 

@@ -254,6 +254,33 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
   return std::nullopt;
 }
 
+/// What the tendons' pretension is, or has become.
+/// @param is_loop  the joint moved as a free one
+void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool is_loop, Diagnosis& d) {
+  JointFile healthy = options.base_law.value_or(d.law);
+  if (!healthy.fit || !healthy.fit->pretension) {
+    return;
+  }
+  if (healthy.fit->pretension->radius_m() == 0.0) {
+    put_into_newtons(options.drawing, healthy);
+  }
+  if (options.base_law && !is_loop) {
+    return;  // something beside the tendons holds the joint
+  }
+  if (!options.base_law) {
+    d.law.fit->pretension = healthy.fit->pretension;
+    d.sizes.push_back(pretension_sentence(*healthy.fit->pretension));
+    return;
+  }
+  d.pretension = pretension_drift(healthy, p.logs, p.causal, p.target, p.certain());
+  d.sizes.push_back(d.pretension ? drift_sentence(*d.pretension)
+                                 : "torque and width of the loop have not changed alike, as they do with the "
+                                   "pretension alone, so the pretension is not told");
+  if (d.pretension && d.law.fit && d.law.has(kTendonModel)) {
+    d.law.fit->pretension = d.pretension->now;
+  }
+}
+
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
 /// predicts better than that with its effects.
 void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
@@ -286,6 +313,7 @@ void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options,
   d.traces.measured = p.target;
   d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
   report(p, search, base, options.base_law, d);
+  gauge_pretension(p, options, by_its_loop.has_value(), d);
   for (const auto& log : options.test_logs) {
     test_on(log, d, d.tested);
   }

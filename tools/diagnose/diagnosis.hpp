@@ -9,6 +9,7 @@
 #include "capstan/tools/diagnose/identifiability.hpp"
 #include "capstan/tools/diagnose/residual_map.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
+#include "capstan/tools/identify/pretension.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 #include "capstan/tools/select/effort_law.hpp"
@@ -115,11 +116,12 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
-  std::vector<std::string> sizes;       ///< how large what came is, as far as the effects' coefficients do not say it
-  JointFile base, law;                  ///< the law before, and with the effects; equal if none was added
-  std::optional<EffortLaw> effort_law;  ///< of an effort: `law` with what it takes to run it
-  std::optional<JointFile> found;       ///< the law with the effects that were found; it need not be the one delivered
-  std::vector<AddedEffect> effects;     ///< in the order added
+  std::vector<std::string> sizes;  ///< how large what came is, as far as the effects' coefficients do not say it
+  std::optional<PretensionDrift> pretension = {};  ///< beside that of the healthy joint, where one was given
+  JointFile base, law;                             ///< the law before, and with the effects; equal if none was added
+  std::optional<EffortLaw> effort_law;             ///< of an effort: `law` with what it takes to run it
+  std::optional<JointFile> found;    ///< the law with the effects that were found; it need not be the one delivered
+  std::vector<AddedEffect> effects;  ///< in the order added
   std::vector<std::string> undetermined;  ///< parameters of `law` that these logs can not determine
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;
@@ -143,6 +145,7 @@ struct DiagnoseOptions {
       base_model;  ///< empty: rigid_dynamics for an effort, pseudo_kinematic where torque is logged, else kinematic
   std::vector<AxisLog> test_logs = {};     ///< take no part in fit or choice
   std::optional<JointFile> base_law = {};  ///< a joint angle's law to start from instead, called base_model
+  TendonDrawing drawing = {};              ///< of a joint with tendons
   std::function<void(const std::string&)> progress = [](const std::string&) {};
 };
 

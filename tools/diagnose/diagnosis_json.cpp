@@ -117,6 +117,29 @@ auto told_json(const Identifiability& told) -> Json {
   return {{"parameters", parameters}, {"correlation", rows}, {"confused", confused}};
 }
 
+/// What logs told of the tendons' pretension; null for what they did not.
+auto pretension_json(const Diagnosis& d) -> Json {
+  const bool of_law = d.law.fit && d.law.fit->pretension;
+  if (!d.pretension && !of_law) {
+    return nullptr;
+  }
+  const PretensionNumbers& n = d.pretension ? d.pretension->now : *d.law.fit->pretension;
+  const auto number = [](double value, double half, const std::string& unit) -> Json {
+    return value == 0.0 ? Json(nullptr)
+                        : Json{{"value", value}, {"unit", unit}, {"ci95", {value - half, value + half}}};
+  };
+  Json change = nullptr;
+  if (d.pretension) {
+    change = number(d.pretension->change.value, d.pretension->change.half, d.pretension->unit);
+  }
+  return {{"force", number(n.force_n(), n.force_95_n(), "N")},
+          {"torque", number(n.torque_nm(), n.torque_95_nm(), "Nm")},
+          {"friction", number(n.friction_nm(), n.friction_95_nm(), "Nm")},
+          {"eta", number(n.eta(), n.eta_95(), "1")},
+          {"change", change},
+          {"sentence", d.pretension ? drift_sentence(*d.pretension) : pretension_sentence(n)}};
+}
+
 auto error_json(const ErrorSummary& error) -> Json {
   return {{"rmse", error.rmse}, {"gof_percent", error.gof_percent}, {"relative_percent", error.relative_percent}};
 }
@@ -134,6 +157,7 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
                  {"file", d.law_file ? Json(*d.law_file) : Json(nullptr)}};
   json["verdict"] = verdict_word(d.verdict);
   json["sizes"] = d.sizes;
+  json["pretension"] = pretension_json(d);
   json["effects"] = Json::array();
   for (const auto& effect : d.effects) {
     json["effects"].push_back(effect_json(d, effect));

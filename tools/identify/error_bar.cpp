@@ -19,35 +19,19 @@ struct Error {
   bool first;  ///< on the way that the log began with
 };
 
-struct Width {
-  double half_rad = 0.0;
-  /// The quantile's own score, summed: least where the width is the quantile (Koenker, Bassett 1978).
-  double loss = 0.0;
-};
-
 template <typename Belongs>
-auto width_of(const std::vector<Error>& errors, const Belongs& belongs) -> std::optional<Width> {
-  constexpr std::size_t kFewest = 100;  // five of which are beyond the quantile
+auto width_of(const std::vector<Error>& errors, const Belongs& belongs) -> std::optional<HeldWidth> {
   std::vector<double> sizes;
   for (const Error& error : errors) {
     if (belongs(error)) {
       sizes.push_back(error.size_rad);
     }
   }
-  if (sizes.size() < kFewest) {
-    return std::nullopt;
-  }
-  const Eigen::VectorXd all = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
-  Width width{quantile(all, kHeld)};
-  for (const double size : sizes) {
-    const double beyond = size - width.half_rad;
-    width.loss += beyond > 0.0 ? kHeld * beyond : (kHeld - 1.0) * beyond;
-  }
-  return width;
+  return held_width(sizes);
 }
 
 /// The two widths for one turn, both of the samples that a board with this turn tells them of.
-auto with_turn(const std::vector<Error>& errors, double turn_rad) -> std::optional<std::pair<Width, Width>> {
+auto with_turn(const std::vector<Error>& errors, double turn_rad) -> std::optional<std::pair<HeldWidth, HeldWidth>> {
   const auto steady = width_of(errors, [&](const Error& e) { return e.travel_rad >= turn_rad; });
   const auto turning = width_of(errors, [&](const Error& e) { return e.travel_rad < turn_rad && !e.first; });
   return steady && turning ? std::optional(std::pair(*steady, *turning)) : std::nullopt;
@@ -77,6 +61,20 @@ auto see(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad) 
 
 }  // namespace
 
+auto held_width(const std::vector<double>& sizes) -> std::optional<HeldWidth> {
+  constexpr std::size_t kFewest = 100;
+  if (sizes.size() < kFewest) {
+    return std::nullopt;
+  }
+  const Eigen::VectorXd all = Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Eigen::Index>(sizes.size()));
+  HeldWidth width{quantile(all, kHeld)};
+  for (const double size : sizes) {
+    const double beyond = size - width.half;
+    width.loss += beyond > 0.0 ? kHeld * beyond : (kHeld - 1.0) * beyond;
+  }
+  return width;
+}
+
 auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad)
     -> std::optional<ErrorBarNumbers> {
   // A board that goes where the logs went passes their ends by as much at times.
@@ -89,16 +87,16 @@ auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error
   if (!whole || range <= 0.0) {
     return std::nullopt;
   }
-  double steady = whole->half_rad;
-  double turning = whole->half_rad;
+  double steady = whole->half;
+  double turning = whole->half;
   double turn = kTurns.back() * range;
   double loss = std::numeric_limits<double>::max();
   for (const double share : kTurns) {
     const auto widths = with_turn(seen.errors, share * range);
     if (widths && widths->first.loss + widths->second.loss < loss) {
       loss = widths->first.loss + widths->second.loss;
-      steady = widths->first.half_rad;
-      turning = widths->second.half_rad;
+      steady = widths->first.half;
+      turning = widths->second.half;
       turn = share * range;
     }
   }

@@ -9,6 +9,15 @@
 
 namespace capstan::tools {
 
+/// Half the width that 95 of 100 errors keep within, and the quantile's own score, summed: least where the width is the
+/// quantile (Koenker, Bassett 1978).
+struct HeldWidth {
+  double half = 0.0;
+  double loss = 0.0;
+};
+/// @param sizes  magnitudes of errors; nothing of fewer than 100, five of which are beyond the quantile
+auto held_width(const std::vector<double>& sizes) -> std::optional<HeldWidth>;
+
 /// How far from the joint a law was in its logs, 95 of 100 times: near a reversal and beyond, as a board tells it.
 /// Where no turn leaves enough samples on either side of it, both are that of all samples. Of the way that a log began
 /// with nothing is near a reversal: a board does not tell there.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "capstan/model/preisach.hpp"
-#include "capstan/model/pull_push.hpp"
+#include "capstan/model/force_law.hpp"
 #include "capstan/tools/identify/least_squares.hpp"
 #include "capstan/tools/log/csv_log.hpp"
 
@@ -34,6 +35,16 @@ struct ForceParameter {
   double half_interval = 0.0;
 };
 
+/// How far the joint's torque may be from a force law's where its logs have been: `force.error_*` of a board.
+struct ForceErrorNumbers {
+  static constexpr std::size_t kCount = 4;
+  static constexpr std::array<const char*, kCount> kNames = {"error_steady", "error_turning", "error_turn",
+                                                             "error_torque"};
+  /// In their order, all N m: what 95 of 100 samples kept within; the same of those nearer to a reversal of the motor's
+  /// torque than the third; the largest motor torque of the logs.
+  std::array<double, kCount> values{};
+};
+
 /// A fitted force law with what there is to say about the fit.
 struct ForceFit {
   std::vector<ForceParameter> parameters;
@@ -42,6 +53,7 @@ struct ForceFit {
   std::string cure;      ///< what to record, where something is undetermined
   double rmse_nm = 0.0;  ///< of the law run over every sample as the firmware would run it
   double full_scale_nm = 0.0;
+  std::optional<ForceErrorNumbers> error_bar = {};  ///< of the law run as a board runs it
   long samples = 0;
 };
 
@@ -72,6 +84,11 @@ struct PreisachGrid {
   /// that the table was not fitted to. Where these rows say that even ones are as good, even ones are taken.
   bool adaptive = false;
 };
+
+/// How far a force law was from the joint's torque in logs, 95 of 100 times, and what other loops add (kOtherLoops):
+/// near a reversal of the motor's torque and beyond, as a board tells it. Nothing where too few samples are left.
+auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
+                     const ReversalTable<double, kPreisachLevels>& table) -> std::optional<ForceErrorNumbers>;
 
 struct PreisachFit : ForceFit {
   PreisachTable table{};

@@ -20,8 +20,18 @@ auto quantity(const ForceParameter& p) -> std::string {
 }
 
 auto fit_line(const ForceFit& fit) -> std::string {
-  return "rmse = { value = " + exact(fit.rmse_nm) + ", unit = \"Nm\" }\nsamples = " + std::to_string(fit.samples) +
-         "\n";
+  std::string text =
+      "rmse = { value = " + exact(fit.rmse_nm) + ", unit = \"Nm\" }\nsamples = " + std::to_string(fit.samples) + "\n";
+  if (fit.error_bar) {
+    text +=
+        "# 95 of 100 times the joint's torque was no further from the law than error_steady, or error_turning up to\n"
+        "# error_turn of the motor's torque behind its reversal, with torques up to error_torque.\n";
+    for (std::size_t i = 0; i < ForceErrorNumbers::kCount; ++i) {
+      text += std::string(ForceErrorNumbers::kNames[i]) + " = { value = " + exact(fit.error_bar->values[i]) +
+              ", unit = \"Nm\" }\n";
+    }
+  }
+  return text;
 }
 
 auto array_of(const std::vector<double>& values) -> std::string {
@@ -152,6 +162,23 @@ auto read_preisach(const std::string& joint_file, const std::string& name) -> Pr
                    std::to_string(problem.column) + ": " + describe(problem.fault));
   }
   return table;
+}
+
+auto read_force_error(const std::string& joint_file, const std::string& name) -> std::optional<ForceErrorNumbers> {
+  const toml::table file = parse(joint_file, name);
+  ForceErrorNumbers numbers;
+  for (std::size_t i = 0; i < ForceErrorNumbers::kCount; ++i) {
+    const auto value = file["force"][ForceErrorNumbers::kNames[i]]["value"].value<double>();
+    if (!value) {
+      return std::nullopt;  // a file of an older version
+    }
+    if (!std::isfinite(*value) || *value < 0.0) {
+      throw BadInput(name + ": [force] " + ForceErrorNumbers::kNames[i] +
+                     " is no number of 0 or more; identify the law anew");
+    }
+    numbers.values[i] = *value;
+  }
+  return numbers;
 }
 
 auto with_force_section(const std::string& joint_file, const std::string& section) -> std::string {

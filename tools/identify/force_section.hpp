@@ -25,6 +25,9 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
 /// that is not whole or not monotone. @pre force_model() is "preisach"
 auto read_preisach(const std::string& joint_file, const std::string& name) -> PreisachTable;
 
+/// How far off that law may be; nothing where the file does not say. Throws BadInput: one sentence with file and cure.
+auto read_force_error(const std::string& joint_file, const std::string& name) -> std::optional<ForceErrorNumbers>;
+
 /// The text of a joint file with its [force] section replaced by another, or put behind everything else. An empty text
 /// becomes a file of that section alone.
 auto with_force_section(const std::string& joint_file, const std::string& section) -> std::string;

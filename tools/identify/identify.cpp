@@ -4,13 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capstan/tools/identify/error_bar.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
-#include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
-#include "capstan/tools/identify/torque_balance.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -221,44 +218,6 @@ auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> B
   return even_parts(pieces, std::clamp(wanted, kFewest, kMost));
 }
 
-auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque> {
-  // Of the stroke, at either end: by then the friction has turned round, and what the torque owes to the angle averages
-  // out.
-  constexpr double kAwayFromReversal = 0.2;
-  std::vector<double> forward;
-  std::vector<double> backward;
-  for (std::size_t log = 0; log < logs.size(); ++log) {
-    const auto& samples = design.samples()[log];
-    Eigen::VectorXd rate(static_cast<Eigen::Index>(samples.size()));
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      rate[static_cast<Eigen::Index>(i)] = samples[i].dq1;
-    }
-    const double slowest = 0.3 * rms(rate);
-    auto changes = direction_changes(samples);
-    changes.push_back(samples.size());
-    std::size_t begin = 0;
-    for (const std::size_t end : changes) {
-      const double stroke = samples[end - 1].q1 - samples[begin].q1;
-      for (std::size_t i = begin; i < end; ++i) {
-        const double share = stroke != 0.0 ? (samples[i].q1 - samples[begin].q1) / stroke : 0.0;
-        const bool away = share > kAwayFromReversal && share < 1.0 - kAwayFromReversal;
-        const bool steady = away && std::abs(samples[i].dq1) > slowest;
-        if (steady && (samples[i].dq1 > 0.0) == samples[i].forward) {
-          (samples[i].forward ? forward : backward).push_back(samples[i].tau);
-        }
-      }
-      begin = end;
-    }
-  }
-  if (forward.empty() || backward.empty()) {
-    return std::nullopt;
-  }
-  auto middle = [](const std::vector<double>& values) {
-    return median(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  };
-  return SteadyTorque{middle(forward), middle(backward)};
-}
-
 namespace {
 
 /// Columns that others reproduce: those with a part in a direction in which the scaled columns add up to nothing. Signs
@@ -302,45 +261,6 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
     }
   }
   return undetermined;
-}
-
-void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
-                   const Eigen::VectorXd& estimate, JointFile& joint) {
-  if (joint.catalogue->target() == TargetKind::kAngle) {
-    joint.steady_torque = steady_torque(logs, design);
-  }
-  const auto& others = logs.front().others;
-  for (std::size_t slot = 0; slot < std::min(slots_used(joint), others.size()); ++slot) {
-    joint.coupled_to.push_back(others[slot].number);
-  }
-  FitSummary summary;
-  summary.rmse = rms(target - estimate);
-  summary.gof_percent = goodness_of_fit_percent(target, estimate);
-  summary.samples = target.size();
-  summary.joint_range = target.maxCoeff() - target.minCoeff();
-  Interval range = {logs.front().q1_rad.minCoeff(), logs.front().q1_rad.maxCoeff()};
-  for (const auto& log : logs) {
-    range = {std::min(range[0], log.q1_rad.minCoeff()), std::max(range[1], log.q1_rad.maxCoeff())};
-  }
-  summary.motor_range = range;
-  for (const auto& log : logs) {
-    summary.logs.push_back(log.name);
-  }
-  if (joint.steady_torque) {
-    summary.friction_rms = friction_spread(logs, design.samples(), *joint.steady_torque);
-  }
-  if (joint.catalogue->target() == TargetKind::kAngle) {
-    summary.error_bar = error_bar(design.samples(), target - estimate);
-  }
-  joint.fit = summary;
-  if (const auto loop = loop_of(joint)) {
-    const Blocks rows = even_blocks(design.log_rows(), 2);
-    const LawForm gauge = with_lateness(design, target, rows, fit_loop(design, target, rows, *loop));
-    joint.fit->loop_half_width = half_width_of(gauge);
-    joint.fit->late = lateness_of(gauge);
-    joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
-    joint.fit->torque = torque_parts({logs, design.samples(), *joint.fit->loop_half_width});
-  }
 }
 
 namespace {

@@ -102,6 +102,7 @@ auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid) -
   result.notes.push_back(std::to_string(rows.in.size()) + " averaged rows after the first saturation, grid of " +
                          std::to_string(result.table.levels) + " levels");
   judge_run(logs, result);
+  result.error_bar = force_error_bar(logs, {.kind = ForceLawKind::kPreisach}, result.table);
   return result;
 }
 

@@ -48,6 +48,7 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   logs.files = job.tests;
   wanted.test_logs = read_axes(logs, request, warn);
   wanted.base_model = job.base;
+  wanted.drawing = job.drawing;
   wanted.progress = job.progress;
   return diagnose(axes, wanted);
 }

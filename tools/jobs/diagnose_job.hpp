@@ -8,9 +8,10 @@ namespace capstan::tools {
 
 struct DiagnoseJob {
   JobLogs logs;
-  std::vector<CsvLog> tests;  ///< take no part in fit or choice
-  std::string base;           ///< a name, or the path of a joint file; empty: by what is logged
-  std::string target;         ///< column to explain; empty: the base law's own
+  std::vector<CsvLog> tests;   ///< take no part in fit or choice
+  std::string base;            ///< a name, or the path of a joint file; empty: by what is logged
+  std::string target;          ///< column to explain; empty: the base law's own
+  TendonDrawing drawing = {};  ///< of a joint with tendons
   Say progress = [](const std::string&) {};
 };
 

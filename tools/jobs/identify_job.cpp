@@ -43,6 +43,7 @@ auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
   done.logs = read_axes(job.logs, request, warn);
   done.form = file ? *file : form_of_model(job.model, done.logs);
   done.result = identify(done.logs, done.form);
+  put_into_newtons(job.drawing, done.result.joint);
   return done;
 }
 

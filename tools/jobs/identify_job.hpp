@@ -3,6 +3,7 @@
 
 #include "capstan/tools/identify/force_fit.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/pretension.hpp"
 #include "capstan/tools/jobs/logs.hpp"
 
 namespace capstan::tools {
@@ -11,6 +12,7 @@ struct IdentifyJob {
   JobLogs logs;
   std::string model = kDefaultModel;  ///< a name, or the path of a joint file
   std::string target;                 ///< column to explain; empty: the model's own
+  TendonDrawing drawing = {};         ///< of a law with tendons
 };
 
 struct Identified {

@@ -107,6 +107,14 @@ auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
         "# behind a reversal, with motor angles and torques as given.\n[fit.error_bar]\n" +
         numbers_text(*fit.error_bar);
   }
+  if (fit.pretension) {
+    text +=
+        "\n# Of the tendons, each with half its 95 % interval, 0 where it is not known: friction = eta I r1 with a "
+        "free\n"
+        "# tip, torque = I r1, r1 the motor pulley's radius, force = I, both tendons' mean tensions together.\n"
+        "[fit.pretension]\n" +
+        numbers_text(*fit.pretension);
+  }
   if (fit.torque) {
     text +=
         "\n# Motor torque while the joint follows: friction s + offset + viscous q1' + inertia q1''\n"

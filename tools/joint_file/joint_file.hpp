@@ -10,6 +10,7 @@
 #include "capstan/tools/identify/term_catalogue.hpp"
 #include "capstan/tools/identify/torque_parts.hpp"
 #include "capstan/tools/joint_file/error_bar_numbers.hpp"
+#include "capstan/tools/joint_file/pretension_numbers.hpp"
 
 namespace capstan::tools {
 
@@ -40,7 +41,8 @@ struct FitSummary {
   std::optional<TorqueParts> torque = {};         ///< of the motor beyond the loop
   std::optional<double> friction_rms = {};        ///< of a stretch's friction beyond the steady torque, Nm
   std::optional<ErrorBarNumbers> error_bar = {};  ///< of the estimate, in motions like the logs'
-  double joint_range = 0.0;                       ///< of the target in the logs: its way from end to end
+  std::optional<PretensionNumbers> pretension = {};  ///< of a law with tendons
+  double joint_range = 0.0;                          ///< of the target in the logs: its way from end to end
   std::vector<std::string> logs;
 };
 

@@ -124,7 +124,8 @@ auto is_newer(const std::optional<std::string>& schema) -> bool {
 
 /// The table within [fit] of a list of numbers that know their names and units, if it is there.
 template <typename Numbers>
-auto numbers_of(const SectionReader& reader, const toml::table& fit, const char* key) -> std::optional<Numbers> {
+auto numbers_of(const SectionReader& reader, const toml::table& fit, const char* key, double most = kLargestNumber)
+    -> std::optional<Numbers> {
   const toml::table* table = reader.table(fit, key);
   if (table == nullptr) {
     return std::nullopt;
@@ -132,8 +133,7 @@ auto numbers_of(const SectionReader& reader, const toml::table& fit, const char*
   reader.only(*table, {Numbers::kNames.begin(), Numbers::kNames.end()}, "[fit." + std::string(key) + "]");
   Numbers numbers;
   for (std::size_t i = 0; i < Numbers::kCount; ++i) {
-    numbers.values[i] =
-        reader.quantity(*table, Numbers::kNames[i], Numbers::kUnits[i], {-kLargestNumber, kLargestNumber});
+    numbers.values[i] = reader.quantity(*table, Numbers::kNames[i], Numbers::kUnits[i], {-most, most});
   }
   return numbers;
 }
@@ -145,7 +145,7 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   }
   reader.only(*table,
               {"rmse", "gof_percent", "samples", "motor_range", "joint_range", "loop_half_width", "loop_torque", "late",
-               "friction_rms", "logs", "torque", "error_bar"},
+               "friction_rms", "logs", "torque", "error_bar", "pretension"},
               "[fit]");
   FitSummary fit;
   fit.rmse = reader.quantity(*table, "rmse", "rad", {0.0, kLargestNumber});
@@ -168,6 +168,7 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   fit.friction_rms = if_there("friction_rms", "Nm");
   fit.torque = numbers_of<TorqueParts>(reader, *table, "torque");
   fit.error_bar = numbers_of<ErrorBarNumbers>(reader, *table, "error_bar");
+  fit.pretension = numbers_of<PretensionNumbers>(reader, *table, "pretension", PretensionNumbers::kMost);
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {
       fit.logs.push_back(from_ascii(log.value_or(std::string{})));

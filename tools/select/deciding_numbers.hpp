@@ -126,6 +126,22 @@ inline constexpr double kLoopBias = 0.003;
 /// How well a law with tendons knows the motor's own friction, as a share of all friction, two spreads: off by 2.6,
 /// 0.5, -3.7, -0.1, 0.4 and -0.6 % on drawn joints 700 to 705 (November 2026).
 inline constexpr double kMotorFrictionKnown = 0.04;
+/// How well a log with the tip held, beside a free one, tells eta and pretension, as shares, two spreads: eta was off
+/// by 0.1 to 2.6 %, the pretension by 0.0 to 1.3 % on drawn joints 9001 to 9012 with 3 to 30 N (23 November 2026).
+inline constexpr double kTendonEtaKnown = 0.025;
+inline constexpr double kTendonPretensionKnown = 0.015;
+/// How well a free tip alone tells their product: the motor's friction beside it is off by up to so much of itself
+/// (joints 701 to 705), the rest by so much of the product. 9001 to 9012: all held, 6 to 24 % off.
+inline constexpr double kMotorFrictionOfFreeTip = 0.3;
+inline constexpr double kProductOfFreeTip = 0.1;
+/// By how much, as a share of the change, a loop's width may change otherwise than the torque says when the pretension
+/// alone does: 12 % at most on 9001 to 9010 with 0.5 to 1.8 times the pretension (23 November 2026).
+inline constexpr double kWidthWithTorque = 0.2;
+/// How well the torque of a loop comes again, as a share, two spreads.
+inline constexpr double kTorqueAgain = 0.005;
+/// How much wider than in its own log a force law's error bar is: other loops are not quite like those that it was
+/// fitted to. Without it, bars of drawn joints 9001 to 9005 held 84 to 98 % in another motion (23 November 2026).
+inline constexpr double kOtherLoops = 1.2;
 /// How well a mass is known that swings on its tendons, as a share, two spreads: -1.3, 4.1, 9.5, 10.9 and 5.0 % on
 /// drawn joints 701 to 705 (November 2026); why it comes out too large is not known.
 inline constexpr double kMassKnown = 0.15;

@@ -64,6 +64,39 @@ TEST(ErrorBar, IsUnknownForALawThatNoFitToldOf) {
   EXPECT_EQ(bar.rt_step(config, at(0.3, 0.0)), ErrorBar::kUnknown);
 }
 
+/// A force law's, made of torques up to 0.5 Nm; wide for 0.1 Nm behind a reversal.
+auto force_config() -> ForceErrorConfig {
+  return {.steady_nm = q(0.01), .turning_nm = q(0.03), .turn_nm = q(0.1), .torque_nm = q(0.5)};
+}
+auto known_force() -> ForceEstimate<Q24> {
+  ForceEstimate<Q24> now;
+  now.known = true;
+  return now;
+}
+
+TEST(ForceErrorBar, IsWideBehindAReversalOfTheTorqueAndNarrowBeyond) {
+  ForceErrorBar bar;
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.3), known_force()), q(0.01));
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.25), known_force()), q(0.03));
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.15), known_force()), q(0.01));
+}
+
+TEST(ForceErrorBar, IsUnknownWhereTheLawOrItsLogsDoNotSay) {
+  ForceErrorBar bar;
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.6), known_force()), ErrorBar::kUnknown) << "more torque";
+  EXPECT_EQ(bar.rt_step(force_config(), q(-0.6), known_force()), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step({}, q(0.0), known_force()), ErrorBar::kUnknown) << "no fit told of it";
+  ForceEstimate<Q24> now = known_force();
+  now.known = false;
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.3), now), ErrorBar::kUnknown) << "the start still matters";
+  now = known_force();
+  now.beyond_table = true;
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.3), now), ErrorBar::kUnknown);
+  now = known_force();
+  now.saturated = true;
+  EXPECT_EQ(bar.rt_step(force_config(), q(0.3), now), ErrorBar::kUnknown);
+}
+
 TEST(ErrorBar, NoWidthCouldBeTakenForUnknown) {
   EXPECT_LT(ErrorBar::kUnknown, Q24{});
 }

@@ -74,6 +74,21 @@ TEST(TendonJudge, TheMotorsOwnFrictionIsNoTension) {
   EXPECT_EQ(judged(changed(20.0)).tension(), q(8.0)) << "more than can be, and no overflow";
 }
 
+TEST(TendonJudge, TellsNewtonsByTheTendonsShareOfTheFriction) {
+  MonitorConfig config = watching();
+  config.tendon_friction_nm = q(0.04);
+  config.pretension_n = q(20.0);
+  config.pretension_95_n = q(0.5);
+  const TendonJudge looser = judged(changed(0.034), config);
+  EXPECT_NEAR(looser.tension().to_double(), 0.5, 1e-6) << "20 of 40 mNm; 10 of them are no tendon's";
+  EXPECT_NEAR(looser.pretension_n().to_double(), 10.0, 1e-4);
+  EXPECT_NEAR(looser.pretension_95_n().to_double(), 0.25, 1e-5);
+  EXPECT_EQ(judged(changed(0.01), config).pretension_n(), Q24{});
+  config.pretension_n = q(127.0);
+  EXPECT_GT(judged(changed(20.0), config).pretension_n(), q(127.0)) << "held at the end of its range";
+  EXPECT_EQ(judged(changed(0.034)).pretension_n(), Q24{}) << "nobody said what the healthy joint's is";
+}
+
 TEST(TendonJudge, OneStretchIsNoCauseAndWithoutAWarningThereIsNone) {
   TendonJudge judge;
   judge.rt_judge(watching(), healthy(), 0);

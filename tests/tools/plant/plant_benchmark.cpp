@@ -7,9 +7,11 @@
 #include <map>
 
 #include "capstan/hal/sim/step.hpp"
+#include "capstan/tests/tools/plant/hybrid.hpp"
+#include "capstan/tests/tools/plant/plant_gauge.hpp"
 #include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
-#include "capstan/tests/tools/plant/told_errors.hpp"
+#include "capstan/tests/tools/plant/told_torques.hpp"
 #include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -25,8 +27,8 @@ struct Options {
   std::vector<double> strengths = {4.0};
   std::vector<std::string> only;
   std::string keep;
-  bool health = false, healthy = false, from_nothing = false, compare = false, error_bars = false, all_motions = false,
-       verbose = false;
+  bool gauge = false, hybrid = false, health = false, healthy = false, from_nothing = false, compare = false,
+       error_bars = false, torque_error_bars = false, all_motions = false, verbose = false;
 };
 
 /// What an answer says of one joint.
@@ -340,36 +342,6 @@ void ask_boards(const Options& options) {
   print(confusion);
 }
 
-/// What error bars of laws made in one motion are worth in the others.
-void ask_error_bars(const Options& options) {
-  std::vector<double> held;
-  for (int i = 0; i < options.joints; ++i) {
-    const std::uint64_t seed = options.seed + static_cast<std::uint64_t>(i);
-    const sim::PlantParameters plant = drawn_plant(seed);
-    for (const std::string model : {"kinematic", "pseudo_kinematic", "tendon"}) {
-      try {
-        const AxisLog log = log_of(plant, PlantMotion::kIdentify, seed);
-        const JointFile law = identify({log}, form_of_model(model, {log})).joint;
-        for (const PlantMotion motion : {PlantMotion::kDecaying, PlantMotion::kLadder}) {
-          const ToldErrors told = told_errors(law, log_of(plant, motion, seed + 1));
-          held.push_back(told.held);
-          std::printf("seed %llu %s, %s: told of %.3f, held %.3f, mean width %.5f rad, error %.5f rad\n",
-                      static_cast<unsigned long long>(seed), model.c_str(), name_of(motion).c_str(), told.told,
-                      told.held, told.width_rad, told.error_rad);
-          std::fflush(stdout);
-        }
-      } catch (const std::exception& error) {
-        std::printf("seed %llu %s: %s\n", static_cast<unsigned long long>(seed), model.c_str(), error.what());
-      }
-    }
-  }
-  if (!held.empty()) {
-    std::sort(held.begin(), held.end());
-    std::printf("held (asked 0.95): median %.3f, one in ten below %.3f, least %.3f\n", held[held.size() / 2],
-                held[held.size() / 10], held.front());
-  }
-}
-
 }  // namespace
 }  // namespace capstan::tools::plant
 
@@ -383,6 +355,10 @@ auto main(int argc, char** argv) -> int {
   app.add_option("--keep", options.keep, "folder that the logs are written to");
   app.add_flag("--health", options.health, "ask boards what became of tendons that fail while they watch");
   app.add_flag("--error-bars", options.error_bars, "how often the joint is within the error bar that a board tells");
+  app.add_flag("--torque-error-bars", options.torque_error_bars,
+               "the same of the joint's torque, tip held or on a spring");
+  app.add_flag("--hybrid", options.hybrid, "joint angle and torque by one law, tip free, touching and held");
+  app.add_flag("--gauge", options.gauge, "pretension in N and friction numbers, 3 to 30 N, and how they change");
   app.add_flag("--healthy", options.healthy, "healthy joints only");
   app.add_flag("--from-nothing", options.from_nothing, "the usual base law instead of the healthy joint's");
   app.add_flag("--compare", options.compare, "ask `capstan compare` instead");
@@ -392,7 +368,13 @@ auto main(int argc, char** argv) -> int {
   if (options.health) {
     capstan::tools::plant::ask_boards(options);
   } else if (options.error_bars) {
-    capstan::tools::plant::ask_error_bars(options);
+    capstan::tools::plant::ask_error_bars(options.seed, options.joints);
+  } else if (options.torque_error_bars) {
+    capstan::tools::plant::ask_torque_error_bars(options.seed, options.joints);
+  } else if (options.hybrid) {
+    capstan::tools::plant::ask_hybrid(options.seed, options.joints);
+  } else if (options.gauge) {
+    capstan::tools::plant::ask_gauges(options.seed, options.joints);
   } else {
     capstan::tools::plant::Benchmark(options).run();
   }

@@ -84,6 +84,12 @@ auto break_it(sim::Scenario& scenario, const std::string& fault, double error_rm
   return 1.0;
 }
 
+auto healthy_law(const sim::PlantParameters& plant, std::uint64_t seed, const std::string& model) -> JointFile {
+  LawForm form;
+  form.terms = terms_of_model(model);
+  return identify({log_of(plant, PlantMotion::kIdentify, seed)}, form).joint;
+}
+
 }  // namespace
 
 auto tendon_faults() -> const std::vector<TendonFault>& {
@@ -98,10 +104,10 @@ auto tendon_faults() -> const std::vector<TendonFault>& {
   return kAll;
 }
 
-WatchedJoint::WatchedJoint(sim::PlantParameters plant, std::uint64_t seed, const std::string& model) : plant_(plant) {
-  LawForm form;
-  form.terms = terms_of_model(model);
-  const JointFile joint = identify({log_of(plant, PlantMotion::kIdentify, seed)}, form).joint;
+WatchedJoint::WatchedJoint(sim::PlantParameters plant, std::uint64_t seed, const std::string& model)
+    : WatchedJoint(plant, seed, healthy_law(plant, seed, model)) {}
+
+WatchedJoint::WatchedJoint(sim::PlantParameters plant, std::uint64_t seed, const JointFile& joint) : plant_(plant) {
   if (!joint.steady_torque || !joint.fit) {
     throw Refusal("the healthy log gave no steady torque");
   }
@@ -152,6 +158,8 @@ auto WatchedJoint::watch(const std::string& fault, bool joint_sensor, double sec
   const AxisTelemetry joint = watcher.joint();
   answer.health = joint.tendons;
   answer.tension = joint.tension.to_double();
+  answer.pretension_n = joint.pretension_n.to_double();
+  answer.pretension_95_n = joint.pretension_95_n.to_double();
   answer.warnings = joint.warnings;
   return answer;
 }

@@ -22,6 +22,8 @@ auto scenario_of(PlantMotion motion) -> std::string {
       return "recipe_decaying.toml";
     case PlantMotion::kLadder:
       return "recipe_dynamic.toml";
+    case PlantMotion::kPull:
+      return "recipe_pull_push.toml";
   }
   return {};
 }
@@ -78,11 +80,20 @@ auto drawn_plant(std::uint64_t seed) -> sim::PlantParameters {
   return plant;
 }
 
-auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep)
-    -> AxisLog {
+auto csv_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep)
+    -> CsvLog {
   sim::Scenario scenario = sim::load_scenario(kScenarios + scenario_of(motion));
   scenario.plant = plant;
   scenario.seed = seed;
+  if (motion == PlantMotion::kPull) {
+    sim::Segment pull;
+    pull.kind = sim::SegmentKind::kTriangle;
+    pull.duration_s = 20.0;
+    pull.amplitude_rad = pull_of(plant);
+    pull.frequency_hz = 0.1;
+    pull.corner_s = 0.2;
+    scenario.motion = sim::Motion({pull}, 3, 0.5);
+  }
   std::ostringstream text;
   FileBanks banks = FileBanks::temporary();
   const RunSummary summary = run_scenario(scenario, {}, banks, &text);
@@ -92,7 +103,18 @@ auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t
   if (!keep.empty()) {
     std::ofstream(keep) << text.str();
   }
-  return read_axis(CsvLog::parse(text.str(), name_of(motion)), {.needs_torque = true});
+  return CsvLog::parse(text.str(), name_of(motion));
+}
+
+auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep)
+    -> AxisLog {
+  return read_axis(csv_of(plant, motion, seed, keep), {.needs_torque = true});
+}
+
+auto pull_of(const sim::PlantParameters& plant) -> double {
+  constexpr double kPullNm = 0.15;
+  const double stiffness = 0.5 * (plant.stiffness_top_n_per_m + plant.stiffness_bottom_n_per_m);
+  return std::min(0.25, kPullNm / (1.5 * stiffness * plant.input_radius_m * plant.input_radius_m));
 }
 
 }  // namespace capstan::tools::plant

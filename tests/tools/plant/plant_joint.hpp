@@ -21,7 +21,7 @@ struct Switch {
 auto switches() -> const std::vector<Switch>&;
 
 /// The motions that joints are driven with.
-enum class PlantMotion { kIdentify, kDecaying, kLadder };
+enum class PlantMotion { kIdentify, kDecaying, kLadder, kPull };
 inline constexpr PlantMotion kPlantMotions[] = {PlantMotion::kIdentify, PlantMotion::kDecaying, PlantMotion::kLadder};
 auto name_of(PlantMotion motion) -> std::string;
 
@@ -29,9 +29,15 @@ auto name_of(PlantMotion motion) -> std::string;
 /// changed by its own factor.
 auto drawn_plant(std::uint64_t seed) -> sim::PlantParameters;
 
+/// As far as the motor can pull at a tip that is held, rad: tendons of one side alone, some 0.15 Nm.
+auto pull_of(const sim::PlantParameters& plant) -> double;
+
 /// The log of a plant that the firmware moves, its law the ratio alone. Throws Refusal where the firmware stops.
 /// @param keep  file that the log is also written to; none if empty
 auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep = {})
     -> AxisLog;
+/// The same with every column.
+auto csv_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep = {})
+    -> CsvLog;
 
 }  // namespace capstan::tools::plant

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tests/tools/plant/told_errors.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "capstan/firmware/estimate/error_bar.hpp"
+#include "capstan/tests/tools/plant/plant_joint.hpp"
+#include "capstan/tools/identify/identify.hpp"
 
 namespace capstan::tools::plant {
 namespace {
@@ -44,6 +48,35 @@ auto told_errors(const JointFile& law, const AxisLog& log) -> ToldErrors {
     all.error_rad = std::sqrt(squares / samples);
   }
   return all;
+}
+
+void ask_error_bars(std::uint64_t first, int joints) {
+  std::vector<double> held;
+  for (int i = 0; i < joints; ++i) {
+    const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
+    const sim::PlantParameters plant = drawn_plant(seed);
+    for (const std::string model : {"kinematic", "pseudo_kinematic", "tendon"}) {
+      try {
+        const AxisLog log = log_of(plant, PlantMotion::kIdentify, seed);
+        const JointFile law = identify({log}, form_of_model(model, {log})).joint;
+        for (const PlantMotion motion : {PlantMotion::kDecaying, PlantMotion::kLadder}) {
+          const ToldErrors told = told_errors(law, log_of(plant, motion, seed + 1));
+          held.push_back(told.held);
+          std::printf("seed %llu %s, %s: told of %.3f, held %.3f, mean width %.5f rad, error %.5f rad\n",
+                      static_cast<unsigned long long>(seed), model.c_str(), name_of(motion).c_str(), told.told,
+                      told.held, told.width_rad, told.error_rad);
+          std::fflush(stdout);
+        }
+      } catch (const std::exception& error) {
+        std::printf("seed %llu %s: %s\n", static_cast<unsigned long long>(seed), model.c_str(), error.what());
+      }
+    }
+  }
+  if (!held.empty()) {
+    std::sort(held.begin(), held.end());
+    std::printf("held (asked 0.95): median %.3f, one in ten below %.3f, least %.3f\n", held[held.size() / 2],
+                held[held.size() / 10], held.front());
+  }
 }
 
 }  // namespace capstan::tools::plant

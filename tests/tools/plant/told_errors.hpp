@@ -17,4 +17,7 @@ struct ToldErrors {
 /// The law of a board, sample by sample over a log that it was not made of, in the firmware's numbers.
 auto told_errors(const JointFile& law, const AxisLog& log) -> ToldErrors;
 
+/// Prints what error bars of laws made in one motion are worth in the others, on joints drawn by these seeds.
+void ask_error_bars(std::uint64_t first, int joints);
+
 }  // namespace capstan::tools::plant

@@ -2,8 +2,10 @@
 // What a board says of its own error, against the camera of a plant that shares no formula with the laws.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "capstan/tests/tools/plant/plant_joint.hpp"
-#include "capstan/tests/tools/plant/told_errors.hpp"
+#include "capstan/tests/tools/plant/told_torques.hpp"
 #include "capstan/tools/identify/identify.hpp"
 
 namespace capstan::tools::plant {
@@ -32,6 +34,25 @@ TEST_P(Told, ErrorIsBrokenByAJointThatHasChanged) {
   plant.effects.play_half_width_rad = 0.1;
   EXPECT_LT(told_errors(law, log_of(plant, PlantMotion::kLadder, kSeed)).held, 0.7);
 }
+
+constexpr double kHeldTip = std::numeric_limits<double>::infinity();
+class ToldTorque : public testing::TestWithParam<std::string> {};
+
+TEST_P(ToldTorque, ErrorHoldsInAMotionThatTheLawHasNotSeen) {
+  const std::string law = force_file_of(GetParam(), kSeed);
+  const ToldErrors told = told_torque_errors(law, force_log_of("", kSeed, kHeldTip));
+  EXPECT_GT(told.told, 0.8);
+  EXPECT_GT(told.held, 0.85);
+  EXPECT_LT(told.width_rad, 4.0 * told.error_rad) << "a bar that holds everything says nothing";
+}
+
+TEST_P(ToldTorque, ErrorIsBrokenByAJointThatHasChanged) {
+  const std::string law = force_file_of(GetParam(), kSeed);
+  EXPECT_LT(told_torque_errors(law, force_log_of("", kSeed + 1, kHeldTip)).held, 0.7) << "another joint";
+}
+
+INSTANTIATE_TEST_SUITE_P(Laws, ToldTorque, testing::Values("pull_push", "preisach"),
+                         [](const auto& info) { return info.param; });
 
 INSTANTIATE_TEST_SUITE_P(Models, Told, testing::Values("kinematic", "pseudo_kinematic", "tendon"),
                          [](const auto& info) { return info.param; });

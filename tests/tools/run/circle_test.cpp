@@ -167,9 +167,10 @@ TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   const auto lines = model_lines(joint, 0);
   constexpr std::size_t kConditionerTorqueAndMonitor = 6;
   constexpr std::size_t kErrorBar = 6;
+  constexpr std::size_t kPretension = 3;
   constexpr std::size_t kCouplingAndStatus = kMostOthers + 1;
-  EXPECT_EQ(lines.size(),
-            kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kErrorBar + kCouplingAndStatus + 2);
+  EXPECT_EQ(lines.size(), kCoefficientCount + kShapeCount + kConditionerTorqueAndMonitor + kPretension + kErrorBar +
+                              kCouplingAndStatus + 2);
   EXPECT_EQ(lines.front(), "begin");
   EXPECT_EQ(lines.back(), "commit");
   EXPECT_NE(std::find(lines.begin(), lines.end(), "set joint0.control.torque_backward -0.08000000 Nm"), lines.end());
@@ -186,6 +187,24 @@ TEST(ModelLines, TellTheMonitorWhatErrorTheFitLeftAndSwitchItOffWhereThereWasNoF
   EXPECT_TRUE(has("set joint2.monitor.joint_rms 0.01250000 rad"));
   joint.fit->rmse = 7.0;  // of a hopeless fit
   EXPECT_TRUE(has("set joint2.monitor.joint_rms 1.00000000 rad"));
+}
+
+TEST(ModelLines, TellTheGaugeOfPretensionWhatTheFileKnowsAndABoardHolds) {
+  JointFile joint;
+  const auto has = [&joint](const char* line) {
+    const auto lines = model_lines(joint, 0);
+    return std::find(lines.begin(), lines.end(), line) != lines.end();
+  };
+  EXPECT_TRUE(has("set joint0.monitor.pretension 0.00000000 N"));
+  joint.fit = FitSummary{};
+  joint.fit->pretension = PretensionNumbers{{0.05, 0.004, 0.0625, 1e-3, 0.8, 0.02, 2.5e-3, 25.0, 0.75}};
+  EXPECT_TRUE(has("set joint0.monitor.pretension 25.00000000 N"));
+  EXPECT_TRUE(has("set joint0.monitor.pretension_error 1.25000000 N")) << "3 % of its own and 4 % for its change";
+  EXPECT_TRUE(has("set joint0.monitor.tendon_friction 0.05000000 Nm"));
+  joint.fit->pretension->values[7] = 200.0;
+  EXPECT_TRUE(has("set joint0.monitor.pretension 0.00000000 N"));
+  joint.fit->pretension = PretensionNumbers{{0.05, 0.01}};
+  EXPECT_TRUE(has("set joint0.monitor.tendon_friction 0.00000000 Nm")) << "a free tip does not know it well";
 }
 
 TEST(ModelLines, TellTheMonitorHowFarFrictionGoesAndSwitchItOffWhereNobodyKnows) {

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// What logs say of a law beside its terms.
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/identify/error_bar.hpp"
+#include "capstan/tools/identify/friction_spread.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/pretension.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/identify/torque_balance.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools {
+
+auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque> {
+  // Of the stroke, at either end: by then the friction has turned round, and what the torque owes to the angle averages
+  // out.
+  constexpr double kAwayFromReversal = 0.2;
+  std::vector<double> forward;
+  std::vector<double> backward;
+  for (std::size_t log = 0; log < logs.size(); ++log) {
+    const auto& samples = design.samples()[log];
+    Eigen::VectorXd rate(static_cast<Eigen::Index>(samples.size()));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      rate[static_cast<Eigen::Index>(i)] = samples[i].dq1;
+    }
+    const double slowest = 0.3 * rms(rate);
+    auto changes = direction_changes(samples);
+    changes.push_back(samples.size());
+    std::size_t begin = 0;
+    for (const std::size_t end : changes) {
+      const double stroke = samples[end - 1].q1 - samples[begin].q1;
+      for (std::size_t i = begin; i < end; ++i) {
+        const double share = stroke != 0.0 ? (samples[i].q1 - samples[begin].q1) / stroke : 0.0;
+        const bool away = share > kAwayFromReversal && share < 1.0 - kAwayFromReversal;
+        const bool steady = away && std::abs(samples[i].dq1) > slowest;
+        if (steady && (samples[i].dq1 > 0.0) == samples[i].forward) {
+          (samples[i].forward ? forward : backward).push_back(samples[i].tau);
+        }
+      }
+      begin = end;
+    }
+  }
+  if (forward.empty() || backward.empty()) {
+    return std::nullopt;
+  }
+  auto middle = [](const std::vector<double>& values) {
+    return median(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  };
+  return SteadyTorque{middle(forward), middle(backward)};
+}
+
+namespace {
+
+/// Steady torque, friction and the loop between motor and joint: of motions in which the joint is free.
+void describe_free_motion(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                          JointFile& joint) {
+  joint.steady_torque = steady_torque(logs, design);
+  if (joint.steady_torque) {
+    joint.fit->friction_rms = friction_spread(logs, design.samples(), *joint.steady_torque);
+  }
+  const auto loop = loop_of(joint);
+  if (!loop) {
+    return;
+  }
+  const Blocks rows = even_blocks(design.log_rows(), 2);
+  const LawForm gauge = with_lateness(design, target, rows, fit_loop(design, target, rows, *loop));
+  joint.fit->loop_half_width = half_width_of(gauge);
+  joint.fit->late = lateness_of(gauge);
+  joint.fit->loop_torque = loop_torque(design, rows, *joint.fit->loop_half_width);
+  joint.fit->torque = torque_parts({logs, design.samples(), *joint.fit->loop_half_width});
+}
+
+/// The logs in which the tip was not held; all, where it was in each.
+auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std::vector<AxisLog> {
+  const double beta = joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
+  std::vector<AxisLog> free;
+  std::copy_if(logs.begin(), logs.end(), std::back_inserter(free),
+               [beta](const AxisLog& log) { return !is_held(log, beta); });
+  return free.empty() ? logs : free;
+}
+
+void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                    const Eigen::VectorXd& estimate, JointFile& joint) {
+  joint.fit->error_bar = error_bar(design.samples(), target - estimate);
+  const std::vector<AxisLog> free = free_logs(logs, joint);
+  const bool held = free.size() < logs.size();
+  if (held) {
+    describe_free_motion(free, LawDesign(free, joint.parameters.conditioner), stacked_target(free), joint);
+  } else {
+    describe_free_motion(logs, design, target, joint);
+  }
+  joint.fit->pretension = pretension_of(joint, held);
+}
+
+}  // namespace
+
+void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                   const Eigen::VectorXd& estimate, JointFile& joint) {
+  const auto& others = logs.front().others;
+  for (std::size_t slot = 0; slot < std::min(slots_used(joint), others.size()); ++slot) {
+    joint.coupled_to.push_back(others[slot].number);
+  }
+  FitSummary summary;
+  summary.rmse = rms(target - estimate);
+  summary.gof_percent = goodness_of_fit_percent(target, estimate);
+  summary.samples = target.size();
+  summary.joint_range = target.maxCoeff() - target.minCoeff();
+  Interval range = {logs.front().q1_rad.minCoeff(), logs.front().q1_rad.maxCoeff()};
+  for (const auto& log : logs) {
+    range = {std::min(range[0], log.q1_rad.minCoeff()), std::max(range[1], log.q1_rad.maxCoeff())};
+    summary.logs.push_back(log.name);
+  }
+  summary.motor_range = range;
+  joint.fit = summary;
+  if (joint.catalogue->target() == TargetKind::kAngle) {
+    describe_angle(logs, design, target, estimate, joint);
+  }
+}
+
+}  // namespace capstan::tools

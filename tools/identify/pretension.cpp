@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/pretension.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/identify/torque_balance.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+enum Place : std::size_t { kEtaTop, kEtaBottom, kPretension, kTopShare, kMotorFriction };
+
+/// A shape of the law's tendons, known to the share that is known of it and to its interval. Where a fit held it, it is
+/// from a fit of the same logs before that.
+auto shape_of(const JointFile& joint, Place place, double share) -> Gauged {
+  const std::size_t at = joint.catalogue->term(kTendonModel).first_shape + place;
+  const double value = joint.parameters.shapes[at];
+  const auto& ci95 = joint.shape_ci95[at];
+  return {value, std::hypot(share * value, ci95 ? 0.5 * ((*ci95)[1] - (*ci95)[0]) : share * value)};
+}
+
+auto motor_friction(const JointFile& joint) -> double {
+  return joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + kMotorFriction];
+}
+
+auto range_text(const Gauged& number, const std::string& unit) -> std::string {
+  return rounded(number.value, 4) + " [" + rounded(number.value - number.half, 3) + ", " +
+         rounded(number.value + number.half, 3) + "]" + (unit == "1" ? "" : " " + unit);
+}
+
+/// What is told best of two times' pretension: newtons, torque, or nothing but the ratio.
+auto best_of(const PretensionNumbers& n) -> std::pair<Gauged, std::string> {
+  if (n.force_n() > 0.0) {
+    return {{n.force_n(), n.force_95_n()}, "N"};
+  }
+  return n.torque_nm() > 0.0 ? std::pair<Gauged, std::string>{{n.torque_nm(), n.torque_95_nm()}, "Nm"}
+                             : std::pair<Gauged, std::string>{{1.0, 0.0}, "1"};
+}
+
+/// Whether width and torque changed as they do when the pretension alone does. With c the motor's own friction, F the
+/// tendons' and L the joint's, the torque is c + F + L and the width k (F + 2 L) (LoopSearch::pretension_of).
+auto goes_with_width(const JointFile& healthy, const Loop& before, const Loop& now, double friction_nm, double times)
+    -> bool {
+  const double joint_nm = std::max(0.0, before.torque_nm - motor_friction(healthy) - friction_nm);
+  const double wanted = 1.0 + friction_nm * (times - 1.0) / (friction_nm + 2.0 * joint_nm);
+  return std::abs(now.half_width_rad / before.half_width_rad - wanted) <
+         kLoopTold + kWidthWithTorque * std::abs(wanted - 1.0);
+}
+
+}  // namespace
+
+auto is_held(const AxisLog& log, double beta) -> bool {
+  // A free joint follows but for its loop; one that is held moves by its noise.
+  constexpr double kFollows = 0.25;
+  const auto way = [](const Eigen::VectorXd& signal) { return signal.maxCoeff() - signal.minCoeff(); };
+  return log.q2_rad.size() > 0 && way(log.q2_rad) < kFollows * std::abs(beta) * way(log.q1_rad);
+}
+
+auto pretension_of(const JointFile& joint, bool held) -> std::optional<PretensionNumbers> {
+  if (!joint.has(kTendonModel)) {
+    return std::nullopt;
+  }
+  const Gauged top = shape_of(joint, kEtaTop, kTendonEtaKnown);
+  const Gauged bottom = shape_of(joint, kEtaBottom, kTendonEtaKnown);
+  const Gauged torque = shape_of(joint, kPretension, kTendonPretensionKnown);
+  const Gauged eta = {0.5 * (top.value + bottom.value), 0.5 * (top.half + bottom.half)};
+  const double friction = eta.value * torque.value;
+  if (friction <= 0.0) {
+    return std::nullopt;
+  }
+  PretensionNumbers numbers;
+  if (!held) {  // the two go against each other: what the motor rubs beside them is what their product is known to
+    numbers.values = {friction, kMotorFrictionOfFreeTip * motor_friction(joint) + kProductOfFreeTip * friction};
+    return numbers;
+  }
+  numbers.values = {friction,     friction * std::hypot(eta.half / eta.value, torque.half / torque.value),
+                    torque.value, torque.half,
+                    eta.value,    eta.half};
+  return numbers;
+}
+
+void put_into_newtons(const TendonDrawing& drawing, JointFile& joint) {
+  if (!joint.fit || !joint.fit->pretension || !joint.has(kTendonModel)) {
+    return;
+  }
+  PretensionNumbers& numbers = *joint.fit->pretension;
+  double radius_m = drawing.radius_m.value_or(0.0);
+  double radius_share = 0.0;
+  // r1^2 = 2 / (K (c_t + c_b)); a free tip does not know the compliance apart from the rest.
+  if (!drawing.radius_m && drawing.stiffness_n_per_m && numbers.torque_nm() > 0.0) {
+    const auto coefficient = [&](const char* term) {
+      return joint.parameters.coefficients[joint.catalogue->term(term).first_coefficient];
+    };
+    const double compliance = std::abs(coefficient(kTendonModel) / coefficient("motor_angle"));
+    radius_m = compliance > 0.0 ? std::sqrt(2.0 / (*drawing.stiffness_n_per_m * compliance)) : 0.0;
+    radius_share = 0.5 * kTendonPretensionKnown;
+  }
+  if (radius_m <= 0.0) {
+    return;
+  }
+  numbers.values[6] = radius_m;
+  if (numbers.torque_nm() > 0.0) {
+    numbers.values[7] = numbers.torque_nm() / radius_m;
+    numbers.values[8] = numbers.values[7] * std::hypot(numbers.torque_95_nm() / numbers.torque_nm(), radius_share);
+  }
+}
+
+auto pretension_sentence(const PretensionNumbers& n) -> std::string {
+  const std::string radius = "the radius of the motor's pulley (--radius METRES)";
+  if (n.torque_nm() == 0.0) {
+    return "friction along the tendons takes " + range_text({n.friction_nm(), n.friction_95_nm()}, "Nm") +
+           ", friction number times pretension times radius, and a free tip tells no more: for the pretension in N, " +
+           "a log with the tip held is lacking" + (n.radius_m() > 0.0 ? "" : ", and " + radius);
+  }
+  const std::string eta = "; friction number " + range_text({n.eta(), n.eta_95()}, "1");
+  if (n.force_n() == 0.0) {
+    return "pretension times the radius of the motor's pulley is " +
+           range_text({n.torque_nm(), n.torque_95_nm()}, "Nm") + eta + "; for N, " + radius +
+           " or the tendons' stiffness (--stiffness N/m) is lacking";
+  }
+  return "pretension is " + range_text({n.force_n(), n.force_95_n()}, "N") + ", both tendons' mean tensions together" +
+         eta;
+}
+
+auto pretension_drift(const JointFile& healthy, const Loop& now, const std::optional<TorqueParts>& parts)
+    -> std::optional<PretensionDrift> {
+  const auto before = loop_of(healthy);
+  if (!before || !healthy.fit->pretension) {
+    return std::nullopt;
+  }
+  const PretensionNumbers& known = *healthy.fit->pretension;
+  const double friction = known.friction_nm();
+  const double more = now.torque_nm - before->torque_nm;
+  const double times = 1.0 + more / friction;
+  if (times <= 0.0 || !goes_with_width(healthy, *before, now, friction, times)) {
+    return std::nullopt;
+  }
+  // The torque that turns round with the motion, taken apart from what speed and weight take: another way to measure
+  // it.
+  const double otherwise = parts && healthy.fit->torque
+                               ? std::abs(parts->friction() - healthy.fit->torque->friction() - more) / friction
+                               : 0.0;
+  const double of_slope = std::abs(times - 1.0) * known.friction_95_nm() / friction;
+  const double again = kTorqueAgain * before->torque_nm / friction;
+  PretensionDrift drift;
+  drift.times = {times, std::hypot(of_slope, otherwise, again)};
+  drift.now = known;
+  for (const std::size_t scaled : {0U, 2U, 7U}) {
+    const double value = known.values[scaled];
+    drift.now.values[scaled] = value * times;
+    drift.now.values[scaled + 1] =
+        value > 0.0 ? std::hypot(times * known.values[scaled + 1], value * drift.times.half) : 0.0;
+  }
+  const auto [was, unit] = best_of(known);
+  drift.unit = unit;
+  drift.pretension = unit == "1" ? drift.times : best_of(drift.now).first;
+  drift.change = {was.value * (times - 1.0), std::hypot(was.half * (times - 1.0), was.value * drift.times.half)};
+  return drift;
+}
+
+auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs, const LawDesign& design,
+                      const Eigen::VectorXd& target, const Blocks& rows) -> std::optional<PretensionDrift> {
+  const auto before = loop_of(healthy);
+  const auto torque = steady_torque(logs, design);
+  if (!before || !torque) {
+    return std::nullopt;
+  }
+  LawForm gauge = fit_loop(design, target, rows, *before);
+  if (before->late_s) {
+    gauge = with_lateness(design, target, rows, gauge);
+  }
+  const double width = half_width_of(gauge);
+  const double reach = std::max(before->half_width_rad, width);
+  const Loop now{width, loop_torque(design, rows, reach).value_or(friction_of(*torque))};
+  return pretension_drift(healthy, now, torque_parts({logs, design.samples(), reach}));
+}
+
+auto drift_sentence(const PretensionDrift& drift) -> std::string {
+  if (drift.unit == "1") {
+    return "pretension is " +
+           range_text({100.0 * drift.times.value, 100.0 * drift.times.half}, "% of the healthy joint's") +
+           "; for N, a log with the tip held is lacking where the healthy joint is identified";
+  }
+  const bool less = drift.change.value < 0.0;
+  const std::string name = drift.unit == "N" ? "pretension is " : "pretension times the motor pulley's radius is ";
+  return name + range_text(drift.pretension, drift.unit) + ", " +
+         range_text({std::abs(drift.change.value), drift.change.half}, drift.unit) + (less ? " less" : " more") +
+         " than the healthy joint's" + (drift.unit == "N" ? "" : "; for N, that radius is lacking (--radius METRES)");
+}
+
+}  // namespace capstan::tools
