@@ -12,7 +12,7 @@ namespace capstan::tools {
 namespace {
 
 /// A board's depth of memory; what a log has beside that no board knows either.
-using Law = ForceLaw<double, kPreisachLevels, 16>;
+using Law = ForceLaw<double, kMostPreisachLevels, 16>;
 
 /// One log: its motor torque, and the law's error where the law knows.
 struct Errors {
@@ -20,8 +20,8 @@ struct Errors {
   std::vector<double> size_nm;  ///< negative: not known
 };
 
-auto errors_of(const ForceLog& log, const ForceLawParameters<double>& parameters,
-               const ReversalTable<double, kPreisachLevels>& table) -> Errors {
+auto errors_of(const ForceLog& log, const ForceLawParameters<double>& parameters, const PreisachTable& table)
+    -> Errors {
   Law law;
   law.become(parameters, table);
   Errors errors{&log.tau_nm, {}};
@@ -53,7 +53,7 @@ auto with_turn(const std::vector<Errors>& all, double turn_nm) -> std::optional<
 }  // namespace
 
 auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
-                     const ReversalTable<double, kPreisachLevels>& table) -> std::optional<ForceErrorNumbers> {
+                     const PreisachTable& table) -> std::optional<ForceErrorNumbers> {
   constexpr double kBeyond = 0.05;  // a board that goes where the logs went passes their ends by as much at times
   constexpr std::array<double, 6> kTurns = {0.05, 0.1, 0.2, 0.3, 0.4, 0.6};  // shares of the range of torque
   Law there;

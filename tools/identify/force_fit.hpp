@@ -88,7 +88,7 @@ struct PreisachGrid {
 /// How far a force law was from the joint's torque in logs, 95 of 100 times, and what other loops add (kOtherLoops):
 /// near a reversal of the motor's torque and beyond, as a board tells it. Nothing where too few samples are left.
 auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
-                     const ReversalTable<double, kPreisachLevels>& table) -> std::optional<ForceErrorNumbers>;
+                     const PreisachTable& table) -> std::optional<ForceErrorNumbers>;
 
 struct PreisachFit : ForceFit {
   PreisachTable table{};
