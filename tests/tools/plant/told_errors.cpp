@@ -20,34 +20,46 @@ auto bar_of(const JointFile& law) -> ErrorBarConfig {
 
 }  // namespace
 
+void ToldCount::add(double error, double width) {
+  all_ += 1.0;
+  if (width >= 0.0) {
+    told_ += 1.0;
+    held_ += error <= width ? 1.0 : 0.0;
+    widths_ += width;
+    squares_ += error * error;
+  }
+}
+
+auto ToldCount::result() const -> ToldErrors {
+  return told_ == 0.0 ? ToldErrors{}
+                      : ToldErrors{.told = told_ / all_,
+                                   .held = held_ / told_,
+                                   .width = widths_ / told_,
+                                   .error = std::sqrt(squares_ / told_)};
+}
+
+void print_held(std::vector<double> held) {
+  if (!held.empty()) {
+    std::sort(held.begin(), held.end());
+    std::printf("held (asked 0.95): median %.3f, one in ten below %.3f, least %.3f\n", held[held.size() / 2],
+                held[held.size() / 10], held.front());
+  }
+}
+
 auto told_errors(const JointFile& law, const AxisLog& log) -> ToldErrors {
   const ErrorBarConfig config = bar_of(law);
   MotionLaw<Q24> motion(SamplePeriod<Q24>(static_cast<std::int32_t>(std::lround(log.rate_hz()))),
                         to_fixed(motion_parameters(law)));
   ErrorBar bar;
-  ToldErrors all;
-  double samples = 0.0;
-  double squares = 0.0;
+  ToldCount count;
   const Eigen::VectorXd measured = log.measured();
   for (Eigen::Index i = 0; i < measured.size(); ++i) {
     const double estimate =
         motion.update(Q24::from_double(log.q1_rad[i]), Q24::from_double(log.tau_nm[i])).q2_reported.to_double();
     const double width = bar.rt_step(config, motion.sample()).to_double();
-    if (width >= 0.0) {
-      const double error = std::abs(measured[i] - estimate);
-      samples += 1.0;
-      squares += error * error;
-      all.held += error <= width ? 1.0 : 0.0;
-      all.width_rad += width;
-    }
+    count.add(std::abs(measured[i] - estimate), width);
   }
-  all.told = samples / static_cast<double>(measured.size());
-  if (samples > 0.0) {
-    all.held /= samples;
-    all.width_rad /= samples;
-    all.error_rad = std::sqrt(squares / samples);
-  }
-  return all;
+  return count.result();
 }
 
 void ask_error_bars(std::uint64_t first, int joints) {
@@ -64,7 +76,7 @@ void ask_error_bars(std::uint64_t first, int joints) {
           held.push_back(told.held);
           std::printf("seed %llu %s, %s: told of %.3f, held %.3f, mean width %.5f rad, error %.5f rad\n",
                       static_cast<unsigned long long>(seed), model.c_str(), name_of(motion).c_str(), told.told,
-                      told.held, told.width_rad, told.error_rad);
+                      told.held, told.width, told.error);
           std::fflush(stdout);
         }
       } catch (const std::exception& error) {
@@ -72,11 +84,7 @@ void ask_error_bars(std::uint64_t first, int joints) {
       }
     }
   }
-  if (!held.empty()) {
-    std::sort(held.begin(), held.end());
-    std::printf("held (asked 0.95): median %.3f, one in ten below %.3f, least %.3f\n", held[held.size() / 2],
-                held[held.size() / 10], held.front());
-  }
+  print_held(std::move(held));
 }
 
 }  // namespace capstan::tools::plant

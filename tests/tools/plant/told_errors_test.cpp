@@ -25,7 +25,7 @@ TEST_P(Told, ErrorHoldsInAMotionThatTheLawHasNotSeen) {
   const ToldErrors told = told_errors(law, log_of(plant, PlantMotion::kLadder, kSeed));
   EXPECT_GT(told.told, 0.9);
   EXPECT_GT(told.held, 0.9);
-  EXPECT_LT(told.width_rad, 3.0 * told.error_rad) << "a bar that holds everything says nothing";
+  EXPECT_LT(told.width, 3.0 * told.error) << "a bar that holds everything says nothing";
 }
 
 TEST_P(Told, ErrorIsBrokenByAJointThatHasChanged) {
@@ -43,7 +43,7 @@ TEST_P(ToldTorque, ErrorHoldsInAMotionThatTheLawHasNotSeen) {
   const ToldErrors told = told_torque_errors(law, force_log_of("", kSeed, kHeldTip));
   EXPECT_GT(told.told, 0.8);
   EXPECT_GT(told.held, 0.85);
-  EXPECT_LT(told.width_rad, 4.0 * told.error_rad) << "a bar that holds everything says nothing";
+  EXPECT_LT(told.width, 4.0 * told.error) << "a bar that holds everything says nothing";
 }
 
 TEST_P(ToldTorque, ErrorIsBrokenByAJointThatHasChanged) {

@@ -90,28 +90,14 @@ auto told_torque_errors(const std::string& section, const ForceLog& log) -> Told
   const auto config = std::make_unique<ForceConfig>(config_of(section));
   const auto law = std::make_unique<ForceControl>(*config);
   ForceErrorBar bar;
-  ToldErrors all;
-  double samples = 0.0;
-  double squares = 0.0;
+  ToldCount count;
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const Q24 motor = Q24::from_double(log.tau_nm[i]);
     law->rt_observe(motor);
     const double width = bar.rt_step(config->error, motor, law->estimate()).to_double();
-    if (width >= 0.0) {
-      const double error = std::abs(log.tau_out_nm[i] - law->estimate().force.to_double());
-      samples += 1.0;
-      squares += error * error;
-      all.held += error <= width ? 1.0 : 0.0;
-      all.width_rad += width;
-    }
+    count.add(std::abs(log.tau_out_nm[i] - law->estimate().force.to_double()), width);
   }
-  all.told = samples / static_cast<double>(log.samples());
-  if (samples > 0.0) {
-    all.held /= samples;
-    all.width_rad /= samples;
-    all.error_rad = std::sqrt(squares / samples);
-  }
-  return all;
+  return count.result();
 }
 
 void ask_torque_error_bars(std::uint64_t first, int joints) {
@@ -127,8 +113,8 @@ void ask_torque_error_bars(std::uint64_t first, int joints) {
             held.push_back(told.held);
           }
           std::printf("seed %llu %s, tip on %g Nm/rad: told of %.3f, held %.3f, mean width %.5f Nm, error %.5f Nm\n",
-                      static_cast<unsigned long long>(seed), model.c_str(), spring, told.told, told.held,
-                      told.width_rad, told.error_rad);
+                      static_cast<unsigned long long>(seed), model.c_str(), spring, told.told, told.held, told.width,
+                      told.error);
           std::fflush(stdout);
         }
       } catch (const std::exception& error) {
@@ -136,11 +122,7 @@ void ask_torque_error_bars(std::uint64_t first, int joints) {
       }
     }
   }
-  if (!held.empty()) {
-    std::sort(held.begin(), held.end());
-    std::printf("held (asked 0.95): median %.3f, one in ten below %.3f, least %.3f\n", held[held.size() / 2],
-                held[held.size() / 10], held.front());
-  }
+  print_held(std::move(held));
 }
 
 }  // namespace capstan::tools::plant
