@@ -7,8 +7,9 @@
 namespace capstan::tools {
 
 /// The shell lines that write a file into a board: a motion law, a force law or both, or an effort law, from 'begin' to
-/// 'commit'; or what a commissioning found (machine_lines). @param force  also a law whose joint would run against the
-/// motor, or too far Throws BadInput or Refusal with the cure where this board could not run it.
+/// 'commit'; or what a commissioning found (machine_lines).
+/// Throws BadInput or Refusal with the cure where this board could not run it.
+/// @param force  also a law whose joint would run against the motor, or too far
 auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

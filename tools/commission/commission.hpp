@@ -59,8 +59,8 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
 /// Throws Refusal with its sentence where a margin is lost; the gains of all are those of `before` then, and nothing is
 /// saved.
 /// @param before  lines of the board's `dump` before the first was commissioned
-auto commission_together(BoardShell& board, const Operator& person, const std::vector<CommissionOptions>& joints,
-                         std::vector<Progress>& progress, const std::vector<std::string>& before) -> void;
+void commission_together(BoardShell& board, const Operator& person, const std::vector<CommissionOptions>& joints,
+                         std::vector<Progress>& progress, const std::vector<std::string>& before);
 
 /// machine.toml: what sets up the next board alike.
 auto machine_file(const std::vector<CommissionOptions>& joints, const std::vector<Progress>& progress) -> std::string;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 
+#include "capstan/tools/apply/machine_lines.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/report/html.hpp"
 #include "capstan/tools/response/response_report.hpp"
@@ -12,7 +13,8 @@ namespace capstan::tools {
 auto machine_file(const std::vector<CommissionOptions>& joints, const std::vector<Progress>& progress) -> std::string {
   std::string text =
       "# Found by 'capstan commission'; every line is one of the board's: set JOINT.NAME VALUE\n"
-      "schema = \"capstan.machine/1\"\n";
+      "schema = \"" +
+      std::string(kMachineSchema) + "\"\n";
   for (std::size_t i = 0; i < joints.size(); ++i) {
     text += "\n[joint" + std::to_string(joints[i].axis) + "]\n";
     for (const auto& [name, value] : progress[i].set) {
