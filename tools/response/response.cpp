@@ -84,15 +84,22 @@ auto point_of(double hz, const std::vector<Spectra>& all, bool on_torque) -> Res
   return point;
 }
 
-/// Sum of x[i] exp(-j w tick[i]).
-auto spectrum_at(const Eigen::VectorXd& x, Eigen::Index from, Eigen::Index rows, const std::vector<int>& phases,
-                 const std::vector<Complex>& table, std::size_t harmonic) -> Complex {
+/// Mean of a period of x[i] exp(-j w tick[i]), each times its weight, twice.
+auto spectrum_at(const Eigen::VectorXd& x, Eigen::Index from, const Eigen::VectorXd& weights,
+                 const std::vector<int>& phases, const std::vector<Complex>& table, std::size_t harmonic) -> Complex {
   Complex sum{};
-  for (Eigen::Index i = 0; i < rows; ++i) {
+  for (Eigen::Index i = 0; i < kPeriod; ++i) {
     const std::size_t place = harmonic * static_cast<std::size_t>(phases[static_cast<std::size_t>(from + i)]);
-    sum += x[from + i] * table[place % kPeriod];
+    sum += weights[i] * x[from + i] * table[place % kPeriod];
   }
-  return sum * (2.0 / static_cast<double>(rows));
+  return sum * (2.0 / kPeriod);
+}
+
+/// What a turn leaves dies away slowly, so it differs at both ends of a window, and that leaks into all lines as 1 / f:
+/// of a RAVEN elbow, twice what was shaken at 15 Hz. Under von Hann's window it leaks as 1 / f3, and a line mixes with
+/// its two neighbours alone, which are even and empty.
+auto von_hann() -> Eigen::VectorXd {
+  return 1.0 - (Eigen::ArrayXd::LinSpaced(kPeriod, 0, kPeriod - 1) * (kTwoPi / kPeriod)).cos();
 }
 
 /// Windows of one period each, in which the joint goes one way or stands.
@@ -111,15 +118,18 @@ class Periods {
   [[nodiscard]] auto count() const -> std::size_t { return starts_.size(); }
   [[nodiscard]] auto travels() const -> bool { return travels_; }
 
-  /// Spectra of each window at one harmonic, less the ramps that find_slopes found.
-  [[nodiscard]] auto at(std::size_t harmonic, const std::array<const Eigen::VectorXd*, kSignals>& signals) const
-      -> std::vector<Spectra> {
+  /// Spectra of each window at one harmonic, less the ramps that find_slopes found. @param is_line  it is one that
+  /// shakes
+  [[nodiscard]] auto at(std::size_t harmonic, const std::array<const Eigen::VectorXd*, kSignals>& signals,
+                        bool is_line = false) const -> std::vector<Spectra> {
     std::vector<Spectra> all(starts_.size());
     for (std::size_t w = 0; w < starts_.size(); ++w) {
-      const Complex ramp = spectrum_at(ramp_, starts_[w], kPeriod, phases_, table_, harmonic);
+      const auto of = [&](const Eigen::VectorXd& x) {
+        return spectrum_at(x, starts_[w], is_line && travels_ ? von_hann_ : flat_, phases_, table_, harmonic);
+      };
+      const Complex ramp = of(ramp_);
       for (std::size_t s = 0; s < kSignals; ++s) {
-        all[w][s] = spectrum_at(*signals[s], starts_[w], kPeriod, phases_, table_, harmonic) -
-                    (slopes_.empty() ? 0.0 : slopes_[w][s]) * ramp;
+        all[w][s] = of(*signals[s]) - (slopes_.empty() ? 0.0 : slopes_[w][s]) * ramp;
       }
     }
     return all;
@@ -127,7 +137,7 @@ class Periods {
 
   /// Of the first window alone: what shakes has no noise.
   [[nodiscard]] auto shaken_power(std::size_t harmonic, const Eigen::VectorXd& shaken) const -> double {
-    return std::norm(spectrum_at(shaken, starts_.front(), kPeriod, phases_, table_, harmonic));
+    return std::norm(spectrum_at(shaken, starts_.front(), flat_, phases_, table_, harmonic));
   }
 
   /// Over the windows in which the motor goes that way.
@@ -161,7 +171,7 @@ class Periods {
       Eigen::VectorXd rest = ramp_.segment(starts_[w], kPeriod);
       rest.array() -= rest.mean();
       for (const std::size_t line : lines) {
-        const Complex own = spectrum_at(ramp_, starts_[w], kPeriod, phases_, table_, line);
+        const Complex own = spectrum_at(ramp_, starts_[w], flat_, phases_, table_, line);
         for (Eigen::Index i = 0; i < kPeriod; ++i) {
           const std::size_t place = line * static_cast<std::size_t>(phases_[static_cast<std::size_t>(starts_[w] + i)]);
           rest[i] -= (own * std::conj(table_[place % kPeriod])).real();
@@ -175,6 +185,13 @@ class Periods {
   }
 
  private:
+  /// As many as there is room for, as late as can be: what a turn left has died away most then.
+  void fill(Eigen::Index from, Eigen::Index end) {
+    for (Eigen::Index start = end - kPeriod; start >= from; start -= kPeriod) {
+      starts_.push_back(start);
+    }
+  }
+
   void find(bool on_torque) {
     const Eigen::VectorXd& reference = log_.reference_rad;
     ramp_ = log_.time_s.array() - log_.time_s[0];
@@ -184,12 +201,11 @@ class Periods {
       const double turn = (reference[i] - 2.0 * reference[i - 1] + reference[i - 2]) * 1e3 / step_ms_;
       if (on_torque && std::fabs(turn) > kTurnRadS) {
         travels_ = true;
+        fill(from, i - 1);
         from = i + kSettleMs / step_ms_;
-      } else if (i + 1 - from == kPeriod && (i + 1) * step_ms_ <= rows * step_ms_ - kRampMs) {
-        starts_.push_back(from);
-        from = i + 1;
       }
     }
+    fill(from, rows - kRampMs / step_ms_);
   }
 
   const ResponseLog& log_;
@@ -198,6 +214,7 @@ class Periods {
   std::vector<Eigen::Index> starts_;
   std::vector<std::array<double, kSignals>> slopes_;
   Eigen::VectorXd ramp_;
+  const Eigen::VectorXd flat_ = Eigen::VectorXd::Ones(kPeriod), von_hann_ = von_hann();
   int step_ms_ = 1;
   bool travels_ = false;
 };
@@ -285,7 +302,7 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
   }
   for (const std::size_t line : lines) {
     response.points.push_back(
-        point_of(1e3 * static_cast<double>(line) / kPeriod, periods.at(line, signals), response.on_torque));
+        point_of(1e3 * static_cast<double>(line) / kPeriod, periods.at(line, signals, true), response.on_torque));
   }
   response.distortion = distortion_of(periods, lines, signals);
   return response;

@@ -177,8 +177,9 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
   const MotorModel& motor = tuning.motor;
   std::string text =
       "plant: inertia " + rounded(1e3 * motor.inertia_kgm2, 3) + " g m2, drag " + rounded(motor.viscous_nms, 2) +
-      " Nms/rad, spring " + rounded(motor.stiffness_nm, 2) + " Nm/rad, delay " + rounded(1e3 * motor.delay_s, 2) +
-      " ms; " + rounded(100.0 * motor.share_left, 2) + " % is not of that kind" +
+      " Nms/rad, spring " + rounded(motor.stiffness_nm, 2) + " Nm/rad, delay " +
+      rounded(1e3 * (motor.delay_s + motor.lag_s), 2) + " ms; " + rounded(100.0 * motor.share_left, 2) +
+      " % is not of that kind" +
       (motor.resonance_hz > 0.0 ? ", a resonance near " + rounded(motor.resonance_hz, 3) + " Hz\n" : "\n");
   if (motor.joint_inertia_kgm2 > 0.0) {
     text += "joint: " + rounded(1e3 * motor.joint_inertia_kgm2, 3) +

@@ -144,9 +144,10 @@ auto sentence_of(const char* what, double hz, const MotorModel& motor, double fi
     return std::string("a resonance near ") + rounded(motor.resonance_hz, 3) + " Hz: there the " + what +
            " is used up; stiffen what swings, or lower the bandwidth";
   }
+  const double late_s = motor.delay_s + motor.lag_s;
   return std::string("delay: at ") + rounded(hz, 3) + " Hz, where the " + what + " is used up, " +
-         rounded(1e3 * motor.delay_s, 2) + " ms of delay in drive and sensor take " +
-         rounded(kDegreesPerTurn * hz * motor.delay_s, 2) + " deg, and the filter of the rate of " +
+         rounded(1e3 * late_s, 2) + " ms of delay in drive and sensor take " +
+         rounded(kDegreesPerTurn * hz * late_s, 2) + " deg, and the filter of the rate of " +
          rounded(1e3 * filter_s, 2) + " ms (control.rate_time_constant) up to " +
          rounded(kDegreesPerTurn * hz * filter_s, 2) + " deg";
 }

@@ -39,18 +39,21 @@ struct Wanted {
       bandwidth_hz;  ///< of the motor servo: its highest crossover; nothing: as much as the margins allow
 };
 
-/// The plant as motor and delay: exp(-s T) / (J s2 + b s + k), by least squares over the lines; with a joint on its
-/// tendons, which adds m s2 (2 z w s + w2) / (s2 + 2 z w s + w2) below the line.
+/// The plant as motor and delay: exp(-s T) / (J s2 + b s + k) / (1 + s l), by least squares over the lines; with a
+/// joint on its tendons, which adds m (2 z w s + w2) (s2 + 2 d w s) / (s2 + 2 (z + d) w s + w2) below the line.
 struct MotorModel {
   double inertia_kgm2 = 0.0, viscous_nms = 0.0, stiffness_nm = 0.0, delay_s = 0.0;
+  double lag_s = 0.0;                          ///< l: of the amplifier
   double joint_inertia_kgm2 = 0.0;             ///< m, at the motor; 0: no joint of its own is seen
   double joint_hz = 0.0, joint_damping = 0.0;  ///< w: the joint swings there while the motor is held; z
+  double joint_drag = 0.0;                     ///< d: what brakes the joint itself, not its swing on the tendons
   double resonance_hz = 0.0;  ///< where the response is furthest above the model, by 6 dB at least; 0: nowhere
   double share_left = 0.0;    ///< rms of what it does not explain, relative
   [[nodiscard]] auto at(double hz) const -> Complex;
 };
-auto fit_motor(const Response& response) -> MotorModel;
-/// With the joint, where that explains a good part of what the motor alone leaves.
+/// @param with_lag  the amplifier's is looked for: its lines have to go far beyond 100 Hz
+auto fit_motor(const Response& response, bool with_lag = false) -> MotorModel;
+/// With the amplifier's lag, and the joint where that explains a good part of what the motor alone leaves.
 auto fit_motor_and_joint(const Response& response) -> MotorModel;
 
 /// The loop that these gains would have, broken at the torque, between the first and the last line: value and circle.

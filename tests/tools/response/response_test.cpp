@@ -100,6 +100,27 @@ TEST(Response, ATravellingJointsRampIsNoResponseAndItsTurnsAreLeftOut) {
   }
 }
 
+// A tail of 60 mrad and 0.8 s behind each turn, as soft tendons leave it, is a step from window's end to window's end.
+TEST(Response, WhatATurnLeavesForALegDoesNotLeakIntoTheLines) {
+  const KnownLoop known;
+  const long rows = 50 * 2048 + 1;
+  ResponseLog log = known.run(random_multisine(4, 0.01, rows), rows, 4);
+  for (long i = 0; i < rows; ++i) {
+    const double leg = std::fmod(static_cast<double>(i), 3200.0);
+    const bool forward = std::fmod(static_cast<double>(i), 6400.0) < 3200.0;
+    const double way = 2e-4 * (forward ? leg : 3200.0 - leg);
+    log.reference_rad[i] += way;
+    log.q1_rad[i] += way + (forward ? 0.06 : -0.06) * std::exp(-leg / 800.0);
+  }
+  const Response response = estimate_response(log);
+  EXPECT_EQ(refusal_of(response), "");
+  for (const ResponsePoint& point : response.points) {
+    if (point.hz > 10.0) {
+      EXPECT_LT(std::abs(point.motor.value / known.plant(point.hz) - 1.0), 0.02) << point.hz;
+    }
+  }
+}
+
 TEST(Response, AChirpShowsTheSamePlant) {
   KnownLoop known;
   known.noise_nm = 2e-4;

@@ -264,6 +264,24 @@ TEST(Tuning, AJointThatSwingsMoreSharplyThanTheLinesTellIsRefusedWithThatSentenc
   EXPECT_EQ(sentence.find("--dump"), std::string::npos) << sentence;
 }
 
+// A joint in its own bearing behind an undamped tendon: what brakes it shows below its swing too.
+TEST(Tuning, AJointThatIsBrakedItselfIsPartOfTheModel) {
+  constexpr double kInertia = 1.3e-5, kJoint = 1.2e-5, kTendon = 0.14, kBrake = 2e-4, kLateS = 8e-4;
+  Response response{.name = "known", .points = {}, .distortion = {}};
+  for (double hz = 2.0; hz < 200.0; hz *= 1.15) {
+    const double w = 2.0 * kPi * hz;
+    const Complex joint(-kJoint * w * w, kBrake * w);
+    const Complex value = std::polar(1.0, -w * kLateS) / (-kInertia * w * w + kTendon * joint / (kTendon + joint));
+    response.points.push_back({hz, {value, 1e-3 * std::abs(value)}, {1.0, 0.0}, {value, 1e-3 * std::abs(value)}, 1.0});
+  }
+  const MotorModel model = fit_motor_and_joint(response);
+  EXPECT_NEAR(model.inertia_kgm2, kInertia, 0.02 * kInertia);
+  EXPECT_NEAR(model.joint_inertia_kgm2, kJoint, 0.02 * kJoint);
+  EXPECT_NEAR(model.joint_hz, std::sqrt(kTendon / kJoint) / (2.0 * kPi), 0.1);
+  EXPECT_NEAR(model.joint_drag, kBrake / kJoint / (2.0 * std::sqrt(kTendon / kJoint)), 0.005);
+  EXPECT_LT(model.share_left, 0.02);
+}
+
 TEST(Tuning, AChirpOrAShakenReferenceGivesNoGains) {
   const Motor motor;
   Response response = motor.response(gentle());
