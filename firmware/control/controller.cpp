@@ -22,11 +22,13 @@ Controller::Controller(const ControlConfig& gains)
     : reference_(kPeriod, kReferenceShape),
       reversal_gain_(kPeriod.filter_gain(gains.reversal_time_s)),
       rate_gain_(kPeriod.filter_gain(gains.rate_time_constant_s)),
+      per_reversal_angle_(gains.reversal_angle_rad),
       per_stiffness_(gains.stiffness_nm_per_rad) {}
 
 void Controller::rt_configure(const ControlConfig& gains) {
   reversal_gain_ = kPeriod.filter_gain(gains.reversal_time_s);
   rate_gain_ = kPeriod.filter_gain(gains.rate_time_constant_s);
+  per_reversal_angle_ = Reciprocal<Q24>(gains.reversal_angle_rad);
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
 }
 
@@ -106,6 +108,18 @@ void Controller::rt_cross_over(bool forward) {
   branch_ += ((forward ? kOne : Q24{}) - branch_) * reversal_gain_;
 }
 
+/// Tendons that bend before they slide bring the friction over a way, however long the motor takes for it.
+void Controller::rt_cross_over(const ControlConfig& gains, bool forward, Q24 rate) {
+  if (gains.reversal_angle_rad == Q24{}) {
+    rt_cross_over(forward);
+    return;
+  }
+  const Q24 left = (forward ? kOne : Q24{}) - branch_;
+  const Q24 by_time = left * reversal_gain_;
+  const Q24 by_way = per_cycle(left * (abs(rate) * per_reversal_angle_));
+  branch_ += abs(by_way) < abs(by_time) ? by_way : by_time;
+}
+
 /// With a play, for the other axis' encoder is in it.
 void Controller::rt_follow_pull(Q24 asked) {
   constexpr Q24 kPlay = Q24::from_double(0.002);
@@ -131,7 +145,7 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
                                  const TorqueLaw<Q24>* effort) -> Q24 {
   const Sample<Q24>& reference = reference_.update(q1_reference, Q24{});
   if (reference.dq1 != Q24{}) {
-    rt_cross_over(reference.forward);
+    rt_cross_over(gains, reference.forward, reference.dq1);
   }
   // What friction leaves of the way; at the joint the outer loop does that.
   const Q24 limit = gains.integral_limit_rad;
@@ -150,15 +164,16 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   const auto motor_side = [crossed](Q24 joint_side) { return crossed ? -joint_side : joint_side; };
 
   const Sample<Q24>& reference = reference_.update(q2_reference, Q24{});
-  const bool pulled = is_pulled(config);
-  if (pulled ? pull_known_ : reference.dq1 != Q24{}) {
-    const bool forward = pulled ? pull_forward_ : reference.forward != crossed;
-    rt_cross_over(forward);
-  }
   Sample<Q24> motion = law.sample();
   motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
   motion.dq1 = law.per_beta(reference.dq1);
   motion.ddq1 = law.per_beta(reference.ddq1);
+  const bool pulled = is_pulled(config);
+  if (pulled && pull_known_) {
+    rt_cross_over(pull_forward_);
+  } else if (!pulled && reference.dq1 != Q24{}) {
+    rt_cross_over(gains, reference.forward != crossed, motion.dq1);
+  }
   const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
   last_q2_ = q2;
   const Q24 asked = rt_inverse(gains, law, q2_reference, motion);

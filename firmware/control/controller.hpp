@@ -15,9 +15,10 @@ namespace capstan {
 ///   tau = tau* + stiffness (q1* - q1) + damping (q1*' - q1')
 /// tau* is the effort law's torque for the reference's motion where the joint has one, else that of a steady motion in
 /// its direction. At a reversal of the reference the feedforward passes from one branch of the law to the other within
-/// reversal_time, so it crosses the hysteresis at once but does not kick. Where another axis pulls at the joint, the
-/// motor turns round with what that asks of it, reference or no reference: then the direction is that of the inverse
-/// itself.
+/// reversal_time, so it crosses the hysteresis at once but does not kick, and no faster than by 1 - exp(-way /
+/// reversal_angle) of the motor's reference, as tendons bring friction that bend before they slide. Where another axis
+/// pulls at the joint, the motor turns round with what that asks of it, reference or no reference: then the direction
+/// is that of the inverse itself.
 class Controller {
  public:
   explicit Controller(const ControlConfig& gains);
@@ -61,6 +62,8 @@ class Controller {
   /// the feedforward.
   [[nodiscard]] auto rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24;
   void rt_cross_over(bool forward);
+  /// @param rate  of the motor's reference, rad/s
+  void rt_cross_over(const ControlConfig& gains, bool forward, Q24 rate);
   /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
   /// asks would turn the motor back where the hysteresis has the other sign.
   void rt_follow_pull(Q24 asked);
@@ -70,6 +73,7 @@ class Controller {
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;
   Q30 rate_gain_;
+  Reciprocal<Q24> per_reversal_angle_;
   Reciprocal<Q24> per_stiffness_;
   Q24 integral_;
   Q24 last_q2_;

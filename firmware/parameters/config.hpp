@@ -46,6 +46,7 @@ struct ControlConfig {
   Q24 torque_forward_nm{};                             ///< feedforward: torque that keeps the motor moving forward
   Q24 torque_backward_nm{};                            ///< the same backward (negative)
   Q24 reversal_time_s = Q24::from_double(0.02);        ///< the feedforward changes direction within about this time
+  Q24 reversal_angle_rad{};  ///< and, of the motor's reference, within about this way; 0: at once
 };
 
 struct LimitConfig {

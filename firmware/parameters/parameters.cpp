@@ -59,6 +59,8 @@ constexpr std::array kFixedParameters = {
          kControl + offsetof(ControlConfig, torque_backward_nm), -50.0, 50.0, kTunable),
     real("control", "reversal_time", "s", "the feedforward changes direction within about this time",
          kControl + offsetof(ControlConfig, reversal_time_s), 0.001, 2.0, kTunable),
+    real("control", "reversal_angle", "rad", "and within about this way of the motor's reference; 0: at once",
+         kControl + offsetof(ControlConfig, reversal_angle_rad), 0.0, 10.0, kTunable),
     real("limits", "current", "A", "peak current", kLimits + offsetof(LimitConfig, current_a), 0.001, 100.0, kSafety),
     real("limits", "continuous_current", "A", "current the winding stands for ever",
          kLimits + offsetof(LimitConfig, continuous_current_a), 0.001, 100.0, kSafety),

@@ -130,6 +130,29 @@ TEST(Controller, FeedforwardCrossesToTheOtherBranchAtAReversalWithinItsTimeAndWi
   }
 }
 
+// Dahl's friction: what is left of the other branch falls to 1/e over each reversal_angle, however fast.
+TEST(Controller, FeedforwardCrossesOverAWayOfTheReferenceWhateverItsSpeed) {
+  for (const double step : {0.0001, 0.0005}) {
+    AxisConfig config = feedforward_only();
+    config.control.reversal_time_s = q(0.02);
+    config.control.reversal_angle_rad = q(0.1);
+    Rig rig(config);
+    rig.start();
+    double reference = 0.0;
+    for (; reference < 0.8; reference += step) {
+      rig.torque(q(reference), Q24{});
+    }
+    const double turned_at = reference;
+    for (; turned_at - reference < 0.1; reference -= step) {
+      rig.torque(q(reference), Q24{});
+    }
+    const double torque = rig.torque(q(reference), Q24{}).to_double();
+    // lossy_config()'s motor turns by 1 / beta of the joint; its rate is filtered by 2 ms.
+    const double way = 0.1 / rig.law.beta().to_double();
+    EXPECT_NEAR(torque, -0.04 + 0.1 * std::exp(-way / 0.1), 0.003) << step;
+  }
+}
+
 RC_GTEST_PROP(Controller, FeedforwardStaysBetweenTheTwoDirectionsTorquesForAnyReference, ()) {
   Rig rig(feedforward_only());
   rig.start();

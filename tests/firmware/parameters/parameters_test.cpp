@@ -105,6 +105,7 @@ TEST(Parameters, NamesMeanTheFieldsTheySay) {
   expect_field("control.torque_backward", control.torque_backward_nm);
   expect_field("control.rate_time_constant", control.rate_time_constant_s);
   expect_field("control.reversal_time", control.reversal_time_s);
+  expect_field("control.reversal_angle", control.reversal_angle_rad);
   expect_field("limits.current", limits.current_a);
   expect_field("limits.continuous_current", limits.continuous_current_a);
   expect_field("limits.thermal_time", limits.thermal_time_s);
