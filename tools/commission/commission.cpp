@@ -77,6 +77,8 @@ auto Progress::parse(const std::string& text, const std::string& name) -> Progre
       progress.backward_nm = *parse_number(rest);
     } else if (number > 1 && word == "forward" && parse_number(rest)) {
       progress.forward_nm = *parse_number(rest);
+    } else if (number > 1 && word == "reversal" && parse_number(rest)) {
+      progress.reversal_rad = *parse_number(rest);
     } else if (number > 1 && word == "set" && equals != std::string::npos) {
       progress.set.emplace_back(rest.substr(0, equals), rest.substr(equals + 1));
     } else {
@@ -93,8 +95,8 @@ auto Progress::text() const -> std::string {
   for (const std::string& step : done) {
     text += "done " + step + "\n";
   }
-  text +=
-      "inertia " + exact(inertia_kgm2) + "\nbackward " + exact(backward_nm) + "\nforward " + exact(forward_nm) + "\n";
+  text += "inertia " + exact(inertia_kgm2) + "\nbackward " + exact(backward_nm) + "\nforward " + exact(forward_nm) +
+          "\nreversal " + exact(reversal_rad) + "\n";
   for (const auto& [name, value] : set) {
     text += "set " + name + "=" + value + "\n";
   }

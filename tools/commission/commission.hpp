@@ -27,6 +27,7 @@ struct Progress {
   std::vector<std::string> found;                        ///< sentences for the report
   double inertia_kgm2 = 0.0;                             ///< of the motor as it was shaken
   double backward_nm = 0.0, forward_nm = 0.0;            ///< torque of a slow motion
+  double reversal_rad = 0.0;  ///< of the motor, after a turn, until friction has gone over to the other way
   /// Throws BadInput: no such form.
   static auto parse(const std::string& text, const std::string& name) -> Progress;
   [[nodiscard]] auto text() const -> std::string;

@@ -39,6 +39,7 @@ void CommissionSteps::respond(const std::function<void(const Response&)>& take) 
   const auto try_again = [&](const Refusal& refusal, double& tried, double factor) {
     joint_.disarm();
     problem = refusal.what();
+    person_.tell("  shaken with " + rounded(1e3 * amplitude, 3) + " mNm: " + problem);
     tried = amplitude;
     amplitude = too_little > 0.0 && too_much > 0.0 ? std::sqrt(too_little * too_much) : amplitude * factor;
   };
@@ -82,6 +83,7 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
       steps.all_.progress.set.emplace_back(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
     }
   }
+  steps.all_.progress.set.emplace_back("control.reversal_angle", rounded(steps.all_.progress.reversal_rad, 3) + " rad");
   const Margins& margins = steps.all_.tuning->whole_nominal;
   steps.find("gains: crossover " + rounded(margins.crossover_hz, 3) + " Hz, " + rounded(margins.phase_deg, 3) +
              " deg, " + rounded(margins.gain_db, 3) + " dB; limited by " + steps.all_.tuning->limited_by);

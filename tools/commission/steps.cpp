@@ -30,7 +30,56 @@ constexpr double kPressRad = 1.0 * kDegree;  // one way, and no fewer counts of 
 constexpr double kFewCounts = 16.0, kEnoughCounts = 60.0;  // ... nor more than are needed
 constexpr double kSpringsBack = 0.06;                      // of the way; tendons on 0.1 to 0.35, off 0 to 0.02
 constexpr double kOneSided = 3.0;                          // of the ways
+constexpr double kTurnShare = 0.1;                         // of the whole way: less is no turn
+// Ways over which friction may go over to the other direction; on the elbows 1150 to 1159 they are 0.1 to 0.4 rad.
+constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
+
+/// Rows at which a motion to and fro turns.
+auto turns_of(const Eigen::VectorXd& angle) -> std::vector<Eigen::Index> {
+  const double least = kTurnShare * (angle.maxCoeff() - angle.minCoeff());
+  std::vector<Eigen::Index> turns;
+  bool forward = true;
+  Eigen::Index furthest = 0;
+  for (Eigen::Index i = 1; i < angle.size(); ++i) {
+    const double back = (forward ? 1.0 : -1.0) * (angle[furthest] - angle[i]);
+    if (back > least) {
+      turns.push_back(furthest);
+      forward = !forward;
+    }
+    furthest = back > least || back < 0.0 ? i : furthest;
+  }
+  return turns;
+}
+
+/// Tendons bend before they slide: after a turn, what is left of the other direction's torque falls as exp(-way /
+/// angle). That angle, rad, by least squares over the first half of every leg; 0: at once.
+/// @param steady_nm  backward and forward
+auto reversal_angle(const Eigen::VectorXd& angle, const Eigen::VectorXd& torque, const std::array<double, 2>& steady_nm)
+    -> double {
+  const double half = 0.5 * (angle.maxCoeff() - angle.minCoeff());
+  std::vector<std::array<double, 2>> rows;  // way since the turn, share that is left
+  const std::vector<Eigen::Index> turns = turns_of(angle);
+  for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
+    const double from = angle[turns[k]];
+    const std::size_t to = angle[turns[k + 1]] > from ? 1 : 0;
+    for (Eigen::Index i = turns[k]; i < turns[k + 1] && std::fabs(angle[i] - from) < half; ++i) {
+      rows.push_back({std::fabs(angle[i] - from), (torque[i] - steady_nm[to]) / (steady_nm[1 - to] - steady_nm[to])});
+    }
+  }
+  const auto off = [&rows](double over) {
+    double squares = 0.0;
+    for (const auto& [way, left] : rows) {
+      squares += std::pow(left - (over > 0.0 ? std::exp(-way / over) : 0.0), 2);
+    }
+    return squares;
+  };
+  double best = 0.0;
+  for (double over = kReversalFromRad; over < half; over *= kReversalStep) {
+    best = off(over) < off(best) ? over : best;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -72,6 +121,7 @@ void CommissionSteps::calm() {
   joint_.set("control.reversal_time", rounded(kCalmReversalS) + " s");
   joint_.set("control.torque_backward", rounded(all_.progress.backward_nm, 6) + " Nm");
   joint_.set("control.torque_forward", rounded(all_.progress.forward_nm, 6) + " Nm");
+  joint_.set("control.reversal_angle", rounded(all_.progress.reversal_rad, 3) + " rad");
 }
 
 void CommissionSteps::let_go() {
@@ -220,7 +270,10 @@ void CommissionSteps::travel(CommissionSteps& steps) {
   }
   steps.all_.progress.backward_nm = at_middle[0];
   steps.all_.progress.forward_nm = at_middle[1];
-  steps.find("friction: " + rounded(at_middle[1], 3) + " Nm forward, " + rounded(at_middle[0], 3) + " Nm backward");
+  steps.all_.progress.reversal_rad = reversal_angle(angle, torque, at_middle);
+  steps.find("friction: " + rounded(at_middle[1], 3) + " Nm forward, " + rounded(at_middle[0], 3) +
+             " Nm backward; it changes over within " + rounded(steps.all_.progress.reversal_rad, 2) +
+             " rad of the motor");
 }
 
 void CommissionSteps::motor(CommissionSteps& steps) {
