@@ -39,6 +39,7 @@ class CommissionSteps {
   struct Shake {
     std::string band;  ///< options of the multisine
     double amplitude_nm;
+    double way_rad;  ///< where it ends
     bool fast;
   };
   /// The loudest last. Beyond a share of the continuous torque only so fast that the data sheet's inertia bounds the
