@@ -15,7 +15,7 @@ constexpr double kPi = std::numbers::pi;
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33, those
 // of the joint on robot fingers 910 to 915, that of its drag on RAVEN's elbows 1150 to 1154.
 constexpr double kResonanceDb = 6.0;  // above the model of motor and delay
-constexpr double kLongestDelayS = 0.01, kDelayStepS = 5e-4;
+constexpr double kLongestDelayS = 0.01, kDelayStepS = 5e-4, kFineDelayStepS = 2e-5;
 constexpr std::array<double, 3> kLagsS = {0.0, 5e-4, 1e-3};  // of the amplifier
 constexpr double kLagStepS = 5e-4;
 constexpr double kJointStep = 1.05;  // from one frequency that is tried to the next
@@ -102,15 +102,12 @@ class Best {
   }
 
   /// About the best, ever closer.
-  void refine(bool with_lag) {
+  void refine() {
     double step = 0.5;
     for (int i = 0; i < kRefinements; ++i, step *= 0.5) {
       const MotorModel from = model_;
       for (const double later : {-step, 0.0, step}) {
         for (const double slower : {-step, 0.0, step}) {
-          if (slower != 0.0 && !with_lag) {
-            continue;
-          }
           const Shape shape{
               std::max(0.0, from.delay_s + later * kDelayStepS), std::max(0.0, from.lag_s + slower * kLagStepS), {}};
           refine_joint(from, shape, step);
@@ -142,14 +139,17 @@ class Best {
 
 auto motor_alone(const LeastSquares& squares, bool with_lag) -> MotorModel {
   Best best(squares);
-  for (double delay = 0.0; delay < kLongestDelayS; delay += kDelayStepS) {
+  // Without a lag a held motor's answer has several good delays, so none is passed over.
+  for (double delay = 0.0; delay < kLongestDelayS; delay += with_lag ? kDelayStepS : kFineDelayStepS) {
     for (const double lag : kLagsS) {
       if (lag == 0.0 || with_lag) {
         best.try_one({delay, lag, {}});
       }
     }
   }
-  best.refine(with_lag);
+  if (with_lag) {
+    best.refine();
+  }
   MotorModel model = best.model();
   double furthest = std::pow(10.0, kResonanceDb / 20.0);
   for (const ResponsePoint& point : squares.points()) {
@@ -189,7 +189,7 @@ auto fit_motor_and_joint(const Response& response) -> MotorModel {
       }
     }
   }
-  best.refine(true);
+  best.refine();
   MotorModel model = best.model();
   if (model.share_left > kJointIsWorth * alone.share_left) {
     return alone;
