@@ -51,7 +51,7 @@ using InputTerms = TermList<Hysteresis>;
 using SumTerms = TermList<MotorAngle, JointOffset, TendonElongation, TransmissionViscous, PretensionOffset,
                           ReversalMemory, SlipPropagation, Play, Presliding, Gravity, AxisCoupling, ViscoelasticCreep,
                           ThermalDrift, AnglePeriodic, StiffnessHardening, LoadInertia, CurvedRatio, CoupledHysteresis,
-                          CoupledHysteresis2, CoupledHysteresis3, Table, Tendons>;
+                          CoupledHysteresis2, CoupledHysteresis3, Table, Tendons, AxisCoupling2, AxisCoupling3>;
 /// Effects of the joint's own sensor, applied to the finished sum in this order.
 using OutputTerms = TermList<TransportDelay>;
 

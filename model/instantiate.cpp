@@ -74,8 +74,6 @@ template class Preisach<double, 41>;
 template class Preisach<Q24, 41>;
 template class PreisachBounds<double, 11>;
 template class PreisachBounds<Q24, 11>;
-template class CoupledAxes<double, 3>;
-template class CoupledAxes<Q24, 3>;
 template class PullPush<double>;
 template class PullPush<Q24>;
 template class ForceLaw<double, 11, 16>;

@@ -50,6 +50,13 @@ void print_disturbance(Print& out, const AxisTelemetry& joint, const EffortConfi
   out << " disturbance " << joint.disturbance_nm << " Nm" << (joint.disturbance_known ? "" : " (not known yet)");
 }
 
+/// Zeros are no tip: they are the pitch axis itself.
+void print_tip(Print& out, const AxisTelemetry& joint) {
+  if (joint.tip_m != std::array<Q24, 3>{}) {
+    out << " tip " << joint.tip_m[0] << ' ' << joint.tip_m[1] << ' ' << joint.tip_m[2] << " m";
+  }
+}
+
 void print_thermometer(Print& out, const MachineTelemetry& now) {
   if (ScalarTraits<Q24>::is_missing(now.temperature_c)) {
     out << "thermometer none: thermal_drift knows no temperature\r\n";
@@ -109,6 +116,7 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
     if (joint.pretension_n > Q24{}) {
       out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
     }
+    print_tip(out, joint);
     for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
       if ((joint.limits & (1U << i)) != 0) {
         out << " limited by " << kLimitNames[i];

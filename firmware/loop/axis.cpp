@@ -173,7 +173,8 @@ auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> A
   return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven, dither_nm_);
 }
 
-void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, FaultSet faults) {
+void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, const JointEstimate* pitch,
+                     FaultSet faults) {
   const JointReference& reference = modes_.reference();
   telemetry_.q1_rad = motor.q1_rad;
   telemetry_.tau_nm = motor.tau_nm;
@@ -207,6 +208,8 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, Fau
   telemetry_.pretension_n = estimator_.monitor().tendons().pretension_n();
   telemetry_.pretension_95_n = estimator_.monitor().tendons().pretension_95_n();
   telemetry_.tendons = estimator_.monitor().tendons().health();
+  const bool has_tip = pitch != nullptr && pitch->valid && estimate.valid;
+  telemetry_.tip_m = has_tip ? jaw_tip(config_.tip.links, pitch->q2_rad, estimate.q2_rad) : std::array<Q24, 3>{};
 }
 
 }  // namespace capstan

@@ -44,8 +44,8 @@ class Axis {
   auto rt_reference(const MotorState& motor, const JointEstimate& estimate, bool energised) -> const JointReference&;
   /// The one gate every output passes.
   auto rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive;
-  /// The last call of a cycle.
-  void rt_report(const MotorState& motor, const JointEstimate& estimate, FaultSet faults);
+  /// The last call of a cycle. `pitch`: of the joint that this one turns on as a wrist's jaw; nullptr if it is none.
+  void rt_report(const MotorState& motor, const JointEstimate& estimate, const JointEstimate* pitch, FaultSet faults);
 
   /// As another joint's law sees this motor.
   [[nodiscard]] auto as_neighbour(const MotorState& motor) const -> OtherMotor<Q24> {

@@ -99,6 +99,14 @@ auto neighbours_of(const std::array<Axis, Axes>& axes, const std::array<MotorSta
   return others;
 }
 
+/// The joint that axis `i` turns on as a wrist's jaw; nullptr if it is none.
+template <std::size_t Axes>
+auto pitch_of(const AxisConfig& jaw, const std::array<JointEstimate, Axes>& joints, std::size_t i)
+    -> const JointEstimate* {
+  const auto pitch = static_cast<std::size_t>(jaw.tip.pitch);
+  return pitch < Axes && pitch != i ? &joints[pitch] : nullptr;
+}
+
 /// The law keeps the last temperature: a thermometer that is not there, or no longer, stops nothing.
 inline void rt_update_temperature(MachineTelemetry& machine, Quality quality, Q24 temperature_c) {
   if (quality == Quality::kOk) {
@@ -160,7 +168,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     }
     const JointReference& reference = axis.rt_reference(motor[i], joint[i], energised(now));
     drive.axis[i] = axis.rt_drive(motor[i], reference.torque_nm, energised(now));
-    axis.rt_report(motor[i], joint[i], joint_faults[i]);
+    axis.rt_report(motor[i], joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
   }
 
   ++state.telemetry.tick;

@@ -7,6 +7,7 @@
 #include "capstan/model/disturbance.hpp"
 #include "capstan/model/force_law.hpp"
 #include "capstan/model/motion_law.hpp"
+#include "capstan/model/wrist_kinematics.hpp"
 
 namespace capstan {
 
@@ -152,6 +153,12 @@ struct EffortConfig {
   std::int32_t status = 0;       ///< a LawStatus
 };
 
+/// What a jaw of a wrist like the da Vinci's needs to say where its tip is.
+struct TipConfig {
+  std::int32_t pitch = -1;  ///< the joint that the jaw turns on; -1: this one is no jaw
+  JawLinks<Q24> links;
+};
+
 /// Every parameter of one joint. Plain numbers only: the parameter table addresses them by offset.
 struct AxisConfig {
   MotorConfig motor;
@@ -165,6 +172,7 @@ struct AxisConfig {
   EffortConfig effort;
   /// Joints whose motors pull at this one, by the slots of the law's coupling; -1: none.
   std::array<std::int32_t, kMostOthers> coupled_to = {-1, -1, -1};
+  TipConfig tip;
   std::int32_t law_status = 0;  ///< a LawStatus: what `apply` knows of the law and the shell says
 
   constexpr AxisConfig() { law.coefficients[0] = Q24::from_int(1); }  // rigid until a model is loaded

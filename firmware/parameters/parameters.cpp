@@ -25,6 +25,8 @@ constexpr std::size_t kMonitor = offsetof(AxisConfig, monitor);
 constexpr std::size_t kErrorBar = offsetof(AxisConfig, error_bar);
 constexpr std::size_t kCoupledTo = offsetof(AxisConfig, coupled_to);
 constexpr std::size_t kObserver = offsetof(AxisConfig, observer);
+constexpr std::size_t kTip = offsetof(AxisConfig, tip);
+constexpr std::size_t kLinks = kTip + offsetof(TipConfig, links);
 constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
 
 constexpr std::array kFixedParameters = {
@@ -104,6 +106,13 @@ constexpr std::array kFixedParameters = {
             kCoupledTo + sizeof(std::int32_t), -1, 3),
     integer("axis_coupling", "joint_3", "1", "the third, for coupled_hysteresis_3; -1: none",
             kCoupledTo + 2 * sizeof(std::int32_t), -1, 3),
+    integer("tip", "pitch", "1", "joint that this one turns on as a wrist's jaw, for its tip; -1: it is no jaw",
+            kTip + offsetof(TipConfig, pitch), -1, 3),
+    real("tip", "pitch_to_jaw", "m", "from the pitch's axis to the jaw's",
+         kLinks + offsetof(JawLinks<Q24>, pitch_to_jaw_m), 0.0, 0.5),
+    real("tip", "jaw", "m", "from the jaw's axis to its tip", kLinks + offsetof(JawLinks<Q24>, jaw_m), 0.0, 0.5),
+    real("tip", "offset", "m", "of the tip along the jaw's axis", kLinks + offsetof(JawLinks<Q24>, offset_m), -0.1,
+         0.1),
     integer("law", "status", "1", "how sure the law is: 0 confirmed, 1 provisional, 2 base",
             offsetof(AxisConfig, law_status), 0, 2),
     integer("force", "law", "1", "motor torque to joint torque: 0 none, 1 pull, 2 pull-push, 3 preisach",

@@ -30,6 +30,7 @@ struct AxisTelemetry {
   Q24 tension;                    ///< of the tendons, as a share of the healthy joint's; 0: not known
   Q24 pretension_n;               ///< of the tendons, N; 0: not known
   Q24 pretension_95_n;            ///< half of its 95 % interval
+  std::array<Q24, 3> tip_m{};     ///< of a wrist's jaw, from its pitch axis, (6.12); zeros where there is none
   FaultSet faults = 0;            ///< present now
   LimitSet limits = 0;
   bool estimate_valid = false;

@@ -14,7 +14,7 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
-constexpr std::array<SignalInfo, 28> kJointSignals = {
+constexpr std::array<SignalInfo, 31> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
@@ -52,6 +52,10 @@ constexpr std::array<SignalInfo, 28> kJointSignals = {
          offsetof(AxisTelemetry, pretension_n)),
     real("pretension_error", "pretension_err_N", "N", "half of its 95 % interval",
          offsetof(AxisTelemetry, pretension_95_n)),
+    real("tip_x", "tip_x_m", "m", "of a wrist's jaw, from its pitch axis along the shaft; zeros: tip.pitch is not set",
+         offsetof(AxisTelemetry, tip_m)),
+    real("tip_y", "tip_y_m", "m", "across shaft and pitch axis", offsetof(AxisTelemetry, tip_m) + sizeof(Q24)),
+    real("tip_z", "tip_z_m", "m", "along the pitch axis", offsetof(AxisTelemetry, tip_m) + 2 * sizeof(Q24)),
     SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
     SignalInfo{"limits", "limits", "1",

@@ -6,18 +6,15 @@
 #include <cstdio>
 #include <random>
 
-#include "capstan/model/coupled_axes.hpp"
 #include "capstan/model/preisach.hpp"
 #include "capstan/model/pull_push.hpp"
 #include "capstan/model/tension_state.hpp"
-#include "capstan/tests/model/any_coupling.hpp"
 #include "capstan/tests/model/relays.hpp"
 #include "capstan/tests/model/support.hpp"
 
 namespace capstan {
 namespace {
 
-using test::any_matrices;
 using test::number;
 
 constexpr int kSamples = 1'000'000;
@@ -142,50 +139,6 @@ TEST(TensionStateAccuracy, FixedIsWithinItsPromiseOfDouble) {
               worst_angle, worst_torque);
   EXPECT_LT(worst_angle, 2e-5);
   EXPECT_LT(worst_torque, 1e-3);
-}
-
-TEST(CoupledAxesInFixedPoint, AreWithinTheirPromiseOfDouble) {
-  std::mt19937 engine(62);
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  double worst = 0.0;
-  double worst_back = 0.0;
-  for (int round = 0; round < kSamples / 1000; ++round) {
-    const auto fixed_matrices = any_matrices<Q24>(engine);
-    CouplingMatrices<double, 3> matrices;
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t j = 0; j < 3; ++j) {
-        matrices.rigid[i][j] = fixed_matrices.rigid[i][j].to_double();
-        matrices.elongation_top[i][j] = fixed_matrices.elongation_top[i][j].to_double();
-        matrices.elongation_bottom[i][j] = fixed_matrices.elongation_bottom[i][j].to_double();
-      }
-      matrices.offset[i] = fixed_matrices.offset[i].to_double();
-    }
-    const CoupledAxes<double, 3> exact(matrices);
-    const CoupledAxes<Q24, 3> fixed(fixed_matrices);
-    for (int i = 0; i < 1000; ++i) {
-      std::array<double, 3> q{}, tau{};
-      std::array<Q24, 3> q_fixed{}, tau_fixed{};
-      std::array<bool, 3> forward{};
-      for (std::size_t k = 0; k < 3; ++k) {
-        q_fixed[k] = number<Q24>(8.0 * unit(engine));
-        tau_fixed[k] = number<Q24>(unit(engine));
-        q[k] = q_fixed[k].to_double();
-        tau[k] = tau_fixed[k].to_double();
-        forward[k] = unit(engine) > 0.0;
-      }
-      const auto theta = fixed.joints(q_fixed, tau_fixed, forward);
-      const auto expected = exact.joints(q, tau, forward);
-      const auto back = fixed.motors(theta, tau_fixed, forward);
-      for (std::size_t k = 0; k < 3; ++k) {
-        worst = std::fmax(worst, std::fabs(theta[k].to_double() - expected[k]));
-        worst_back = std::fmax(worst_back, std::fabs(back[k].to_double() - q[k]));
-      }
-    }
-  }
-  std::printf("law coupled_axes_3 | q1 8 rad, torque 1 N m, pairs to 5.5 rad/(N m) | %.1e rad\n", worst);
-  std::printf("law coupled_axes_3_inverse | the same, B far from singular | %.1e rad\n", worst_back);
-  EXPECT_LT(worst, 2e-5);
-  EXPECT_LT(worst_back, 2e-5);
 }
 
 }  // namespace

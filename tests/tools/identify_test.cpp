@@ -37,6 +37,44 @@ TEST(Identify, RecoversTheRatioTheOffsetAndBothElongations) {
   EXPECT_LT(result.joint.fit->rmse, 0.0013);
 }
 
+/// Adds motors that pull at the joint by (6.8), each with its own motion, and says so in the log.
+void couple(AxisLog& log, std::size_t others) {
+  for (std::size_t slot = 0; slot < others; ++slot) {
+    const double n = static_cast<double>(slot + 1);
+    OtherAxis other{static_cast<int>(slot) + 1, Eigen::VectorXd(log.samples()), Eigen::VectorXd(log.samples())};
+    for (Eigen::Index i = 0; i < log.samples(); ++i) {
+      const double phase = 2.0 * std::numbers::pi * (0.13 + 0.071 * n) * log.time_s[i];
+      const bool forward = std::cos(phase) >= 0.0;
+      other.q1_rad[i] = 1.5 * std::sin(phase);
+      other.tau_nm[i] = 0.02 * std::sin(2.7 * phase + n) + (forward ? 0.03 : -0.03);
+      log.q2_rad[i] += 0.1 * n * other.q1_rad[i] + (forward ? -0.2 : 0.3) * n * other.tau_nm[i];
+    }
+    log.others.push_back(std::move(other));
+  }
+  log.others_asked = others;
+}
+
+TEST(Identify, ARowOfTheCoupledLawHasATermForEachJointThatWasAskedFor) {
+  AxisLog log = test::synthetic_log({});
+  couple(log, 3);
+  const LawForm form = form_of_model("multi_dof", {log});
+  const Identification result = identify({log}, form);
+  EXPECT_TRUE(result.undetermined.empty());
+  double n = 0.0;
+  for (const char* term : {"axis_coupling", "axis_coupling_2", "axis_coupling_3"}) {
+    n += 1.0;
+    ASSERT_TRUE(result.joint.has(term)) << term;
+    const std::size_t at = catalogue_term(term).first_coefficient;
+    const auto& c = result.joint.parameters.coefficients;
+    EXPECT_NEAR(c[at], 0.1 * n, 0.003) << term;
+    EXPECT_NEAR(c[at + 1], -0.2 * n, 0.03 * n) << term;
+    EXPECT_NEAR(c[at + 2], 0.3 * n, 0.03 * n) << term;
+  }
+  EXPECT_EQ(result.joint.coupled_to, (std::vector<int>{1, 2, 3}));
+  log.others_asked = 0;  // of those that merely move, the first is taken
+  EXPECT_FALSE(form_of_model("multi_dof", {log}).has("axis_coupling_2"));
+}
+
 TEST(Identify, TheReportedErrorIsThatOfTheCausalLaw) {
   const std::vector<AxisLog> logs = {test::synthetic_log({})};
   const Identification result = identify(logs, form_of("pseudo_kinematic"));

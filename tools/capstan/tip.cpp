@@ -28,9 +28,9 @@ auto run_tip(const TipOptions& options) -> int {
   const CsvLog log = CsvLog::read(options.log, parse_mappings(options.maps));
   WristInLog wrist;
   std::copy(options.axes.begin(), options.axes.end(), wrist.axes.begin());
-  wrist.geometry.pitch_to_jaw_m = options.pitch_to_jaw_m;
-  wrist.geometry.jaw_m = options.jaw_m;
-  wrist.geometry.offset_m = options.offset_m;
+  wrist.links.pitch_to_jaw_m = options.pitch_to_jaw_m;
+  wrist.links.jaw_m = options.jaw_m;
+  wrist.links.offset_m = options.offset_m;
   const TipTrack track = tips_of(log, wrist);
   constexpr std::array kJaws = {"right", "left"};
   for (std::size_t jaw = 0; jaw < kJaws.size(); ++jaw) {
@@ -71,7 +71,9 @@ void add_tip(CLI::App& app, int& exit_status) {
   command->footer(
       "(6.12), from the pitch axis in its frame: x along the shaft, z along the pitch axis. Estimates (q2_est_rad) "
       "are\n"
-      "compared with measured angles (q2_rad) where the log has both.\n"
+      "compared with measured angles (q2_rad) where the log has both. Where a camera followed the jaws, columns\n"
+      "tip_right/qw, qx, qy, qz (and tip_left/...), a jaw's frame in that of the pitch axis, become measured angles,\n"
+      "which 'capstan identify --model wrist' takes.\n"
       "  capstan tip wrist.csv --pitch-to-jaw 0.009 --jaw 0.01 -o tips.csv");
   command->callback([options, &exit_status] { exit_status = run_tip(*options); });
 }

@@ -15,6 +15,8 @@
 namespace capstan::tools {
 namespace {
 
+constexpr const char* kCoupledModel = "multi_dof";
+
 /// Lag, in samples, at which the residual's autocorrelation first falls to a tenth, looked for on a coarsening grid.
 auto memory_of(const Eigen::VectorXd& residual) -> Eigen::Index {
   const Eigen::VectorXd centred = residual.array() - residual.mean();
@@ -70,7 +72,7 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   if (model == "dynamic") {  // (6.21)
     return {"motor_angle", "joint_offset", "tendon_elongation", "transmission_viscous"};
   }
-  if (model == "multi_dof") {  // a row of (6.8)
+  if (model == kCoupledModel) {  // a row of (6.8)
     return {"motor_angle", "joint_offset", "tendon_elongation", "axis_coupling"};
   }
   if (model == kTendonModel) {
@@ -119,6 +121,12 @@ auto form_of_model(const std::string& model, const std::vector<AxisLog>& logs) -
   }
   LawForm form;
   form.terms = terms_of_model(model);
+  if (model == kCoupledModel) {
+    constexpr const char* kFurther[] = {"axis_coupling_2", "axis_coupling_3"};
+    for (std::size_t slot = 1; slot < std::min(logs.front().others_asked, kMostOthers); ++slot) {
+      form.terms.emplace_back(kFurther[slot - 1]);
+    }
+  }
   form.catalogue = &catalogue_of_model(model, logs);
   form.shapes = form.catalogue->initial_shapes();
   return form;

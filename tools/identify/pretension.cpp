@@ -13,11 +13,11 @@
 namespace capstan::tools {
 namespace {
 
-enum Place : std::size_t { kEtaTop, kEtaBottom, kPretension, kTopShare, kMotorFriction };
+enum Shape : std::size_t { kEtaTop, kEtaBottom, kPretension, kTopShare, kMotorFriction };
 
 /// A shape of the law's tendons, known to the share that is known of it and to its interval. Where a fit held it, it is
 /// from a fit of the same logs before that.
-auto shape_of(const JointFile& joint, Place place, double share) -> Gauged {
+auto shape_of(const JointFile& joint, Shape place, double share) -> Gauged {
   const std::size_t at = joint.catalogue->term(kTendonModel).first_shape + place;
   const double value = joint.parameters.shapes[at];
   const auto& ci95 = joint.shape_ci95[at];
@@ -103,10 +103,12 @@ void put_into_newtons(const TendonDrawing& drawing, JointFile& joint) {
   if (radius_m <= 0.0) {
     return;
   }
-  numbers.values[6] = radius_m;
+  numbers.values[PretensionNumbers::kRadius] = radius_m;
   if (numbers.torque_nm() > 0.0) {
-    numbers.values[7] = numbers.torque_nm() / radius_m;
-    numbers.values[8] = numbers.values[7] * std::hypot(numbers.torque_95_nm() / numbers.torque_nm(), radius_share);
+    const double force_n = numbers.torque_nm() / radius_m;
+    numbers.values[PretensionNumbers::kForce] = force_n;
+    numbers.values[PretensionNumbers::kForce95] =
+        force_n * std::hypot(numbers.torque_95_nm() / numbers.torque_nm(), radius_share);
   }
 }
 
@@ -150,10 +152,10 @@ auto pretension_drift(const JointFile& healthy, const Loop& now, const std::opti
   PretensionDrift drift;
   drift.times = {times, std::hypot(of_slope, otherwise, again)};
   drift.now = known;
-  for (const std::size_t scaled : {0U, 2U, 7U}) {
+  for (const auto scaled : {PretensionNumbers::kFriction, PretensionNumbers::kTorque, PretensionNumbers::kForce}) {
     const double value = known.values[scaled];
     drift.now.values[scaled] = value * times;
-    drift.now.values[scaled + 1] =
+    drift.now.values[scaled + 1] =  // its interval
         value > 0.0 ? std::hypot(times * known.values[scaled + 1], value * drift.times.half) : 0.0;
   }
   const auto [was, unit] = best_of(known);

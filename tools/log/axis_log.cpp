@@ -83,6 +83,7 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
     }
     add(other);
   }
+  result.others_asked = request.other_axes.size();
   for (int other = 0; other < kMostAxes; ++other) {
     const std::string q1 = axis_column(other, "q1_rad");
     if (other != request.axis && !wanted(other) && csv.has(q1) && varies(csv.column(q1))) {

@@ -38,6 +38,7 @@ struct AxisLog {
   Eigen::VectorXd temperature_c;       ///< empty if not logged or constant
   std::vector<SideSignal> side;        ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
+  std::size_t others_asked = 0;  ///< the first of `others`
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
   /// The motion is what an effort is explained by; else motor torque is an input too.

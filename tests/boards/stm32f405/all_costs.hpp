@@ -25,7 +25,6 @@ template <typename Scalar>
   measure_preisach<Scalar, 41>(out, "preisach_41", "preisach_41_inverse");
   measure_force_laws<Scalar>(out);
   measure_tendon_law<Scalar>(out);
-  measure_coupled_axes<Scalar>(out);
   stm32f4::semihosting::exit(0);
 }
 

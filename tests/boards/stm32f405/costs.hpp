@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "capstan/model/coupled_axes.hpp"
 #include "capstan/model/effort_catalogue.hpp"
 #include "capstan/model/motion_law.hpp"
 #include "capstan/model/preisach.hpp"
@@ -268,37 +267,6 @@ void measure_tendon_law(Print& out) {
         estimate = update(law, walk.q1, tau);
         touch(estimate);
       });
-}
-
-template <typename Scalar>
-void measure_coupled_axes(Print& out) {
-  constexpr CouplingMatrices<Scalar, 3> kWrist =
-      coupling_of(WristTransmission<Scalar>{from<Scalar>(0.996),
-                                            from<Scalar>(1.109),
-                                            from<Scalar>(1.138),
-                                            from<Scalar>(0.674),
-                                            from<Scalar>(0.664),
-                                            {from<Scalar>(-0.424), from<Scalar>(-2.828)},
-                                            {from<Scalar>(-1.907), from<Scalar>(-1.054)},
-                                            {from<Scalar>(-1.047), from<Scalar>(-0.541)}});
-  static CoupledAxes<Scalar, 3> wrist(kWrist);
-  std::array<Scalar, 3> q{};
-  std::array<Scalar, 3> tau{};
-  std::array<Scalar, 3> theta{};
-  const auto draw = [&](int) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      q[i] = chance<Scalar>.within(from<Scalar>(3.0));
-      tau[i] = chance<Scalar>.within(from<Scalar>(0.2));
-    }
-  };
-  measure(out, "coupled_axes_3", draw, [&] {
-    theta = wrist.joints(q, tau, {true, false, true});
-    touch(theta);
-  });
-  measure(out, "coupled_axes_3_inverse", draw, [&] {
-    theta = wrist.motors(q, tau, {true, false, true});
-    touch(theta);
-  });
 }
 
 /// One axis of one cycle, at its worst: the law with every effect on, and a Preisach model whose memory is full. The

@@ -67,7 +67,7 @@ class AxisBench {
   [[nodiscard]] auto telemetry() const -> const AxisTelemetry& { return axis_.telemetry(); }
 
  private:
-  void report() { axis_.rt_report(motor_, joint_, faults_); }
+  void report() { axis_.rt_report(motor_, joint_, nullptr, faults_); }
 
   Axis axis_;
   MotorState motor_;

@@ -86,6 +86,43 @@ TEST(Cycle, AFaultOfOneJointTakesTheTorqueOfAll) {
   EXPECT_EQ(rig.state.telemetry.first_fault, Fault::kSensorInvalid);
 }
 
+// Shaft of 9 mm, jaw of 10 mm, 2 mm to the side, pitched by a quarter turn with the jaw bent by another: 9 mm along y,
+// 2 mm back along x, 10 mm down.
+TEST(Cycle, AJawSaysWhereItsTipIsWhileBothOfItsAnglesAreKnown) {
+  constexpr double kQuarter = 1.5707963267948966;
+  Config<2> config;
+  config[1].tip.pitch = 0;
+  config[1].tip.links = {Q24::from_double(0.009), Q24::from_double(0.01), Q24::from_double(0.002)};
+  test::CycleRig<2> rig(config);
+  for (int i = 1; i <= 100; ++i) {
+    rig.io.motors[0].angle_rad = kQuarter * i / 100.0;
+    rig.io.motors[1].angle_rad = kQuarter * i / 100.0;
+    rig.tick();
+  }
+  const auto expect_tip = [&rig](std::size_t axis, const std::array<double, 3>& tip_m) {
+    for (std::size_t i = 0; i < tip_m.size(); ++i) {
+      EXPECT_NEAR(rig.joint(axis).tip_m[i].to_double(), tip_m[i], 5e-6) << axis << ", " << i;
+    }
+  };
+  ASSERT_TRUE(rig.joint(0).estimate_valid && rig.joint(1).estimate_valid);
+  expect_tip(1, {-0.002, 0.009, -0.01});
+  expect_tip(0, {0.0, 0.0, 0.0});
+  rig.disturb = [](Sensed<2>& s) { s.axis[0].encoder = Quality::kInvalid; };
+  rig.ticks(30);
+  ASSERT_FALSE(rig.joint(0).estimate_valid);
+  expect_tip(1, {0.0, 0.0, 0.0});
+}
+
+TEST(Cycle, AJawOnAPitchThatIsNotThereHasNoTip) {
+  for (const std::int32_t pitch : {-1, 1, 3}) {
+    Config<2> config;
+    config[1].tip.pitch = pitch;
+    config[1].tip.links.jaw_m = Q24::from_double(0.01);
+    const test::CycleRig<2> rig(config);
+    EXPECT_EQ(rig.joint(1).tip_m, (std::array<Q24, 3>{})) << pitch;
+  }
+}
+
 /// What a cycle gives, without padding.
 auto bytes_of(const CycleState<2>& state, const Drive<2>& drive) -> std::vector<std::int64_t> {
   const MachineTelemetry& machine = state.telemetry;

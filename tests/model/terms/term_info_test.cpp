@@ -108,7 +108,7 @@ TEST(TermInfo, WhatSettlesAlikeDoesSoWhateverDirectionAndTorque) {
     EXPECT_EQ(same, settles_alike<Term>() || std::string_view(Term::kInfo.name) == "motor_angle") << Term::kInfo.name;
     alike += settles_alike<Term>() ? 1 : 0;
   });
-  EXPECT_EQ(alike, 10);
+  EXPECT_EQ(alike, 12);
 }
 
 TEST(TermInfo, NoTermMindsShapesOfZero) {
