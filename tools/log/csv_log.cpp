@@ -150,7 +150,7 @@ auto CsvLog::mapped(const ColumnMapping& mapping) const -> Source {
 }
 
 auto CsvLog::has(const std::string& wanted) const -> bool {
-  return mapping_of(wanted) != nullptr || index_of(wanted).has_value();
+  return replaced_.count(wanted) > 0 || mapping_of(wanted) != nullptr || index_of(wanted).has_value();
 }
 
 auto CsvLog::source_of(const std::string& wanted) const -> Source {

@@ -28,8 +28,8 @@ class CsvLog {
   [[nodiscard]] auto warnings() const -> const std::vector<std::string>& { return warnings_; }
   [[nodiscard]] auto column_names() const -> const std::vector<std::string>& { return names_; }
 
-  /// True if column(wanted) would find its cells, under its own name or by a mapping. A mapping counts whether its
-  /// columns are there or not: column() says what is wrong.
+  /// True if column(wanted) would find its cells, given by with_rows(), under its own name or by a mapping. A mapping
+  /// counts whether its columns are there or not: column() says what is wrong.
   [[nodiscard]] auto has(const std::string& wanted) const -> bool;
   /// Name in the file of the column that wanted is read from as it is; `wanted` itself where a factor changes the unit.
   [[nodiscard]] auto source_name(const std::string& wanted) const -> std::string;
@@ -42,7 +42,8 @@ class CsvLog {
   [[nodiscard]] auto time() const -> Eigen::VectorXd;
   /// Whether the command line says where time comes from, or a unit that the log itself gives.
   [[nodiscard]] auto time_is_mapped() const -> bool;
-  /// The same log with these rows only, and with these columns in place of its own. Line numbers stay the file's.
+  /// The same log with these rows only, and with these columns in place of its own or beside them. Line numbers stay
+  /// the file's.
   /// @pre each column has as many values as there are rows
   [[nodiscard]] auto with_rows(const std::vector<std::size_t>& rows,
                                std::map<std::string, Eigen::VectorXd> columns) const -> CsvLog;
