@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
 
 #include "capstan/hal/sim/parameters.hpp"
 #include "capstan/tools/identify/pretension.hpp"
@@ -28,10 +31,18 @@ struct GaugeAnswer {
   Told force_n, by_stiffness_n, eta;    ///< as identified; newtons by the radius, and by the stiffness instead
   std::optional<Told> now_n, change_n;  ///< after the pretension changed; nothing where it was not told
 };
+/// A joint, what is true of it, and its logs.
+struct GaugedJoint {
+  double radius_m, stiffness_n_per_m, eta, pretension_n;
+  std::vector<AxisLog> free_and_held;
+  std::function<AxisLog(double change_n)> free_later;  ///< once the pretension has changed by so much
+};
 /// @param times  the pretension that is left, or more than 1
+auto gauge(const GaugedJoint& joint, double times) -> GaugeAnswer;
 auto gauge(const sim::PlantParameters& plant, std::uint64_t seed, double times) -> GaugeAnswer;
 
 /// Prints how well the gauge does on joints drawn by these seeds, with 0.5 to 1.8 times the pretension later.
-void ask_gauges(std::uint64_t first, int joints);
+/// @param independent  of the other plant, in its own motions
+void ask_gauges(std::uint64_t first, int joints, bool independent);
 
 }  // namespace capstan::tools::plant

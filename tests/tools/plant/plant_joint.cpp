@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "capstan/boards/common/file_banks.hpp"
+#include "capstan/hal/sim/step.hpp"
 #include "capstan/tools/run/run.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/random.hpp"
@@ -28,32 +29,82 @@ auto scenario_of(PlantMotion motion) -> std::string {
   return {};
 }
 
-}  // namespace
+/// A switch, and where it is in the plant.
+struct PlantSwitch {
+  Switchable what;
+  double sim::Effects::*size;
+};
 
-auto switches() -> const std::vector<Switch>& {
+auto plant_switches() -> const std::vector<PlantSwitch>& {
   using E = sim::Effects;
   // Foreign are also those that the catalogue has and a log of this joint alone can not show: the other joint's angle.
-  static const std::vector<Switch> kAll = {
-      {"transmission_viscous", "transmission_viscous", &E::transmission_viscous_forward_ns_per_m, 20.0, 2000.0},
-      {"play", "play", &E::play_half_width_rad, 0.02, 0.3},
-      {"transport_delay", "transport_delay", &E::transport_delay_s, 0.01, 0.2},
-      {"pretension_change", "pretension_offset", &E::pretension_change_n, 8.0, 60.0},
-      {"gravity", "gravity", &E::gravity_torque_nm, 0.02, 0.1},
-      {"creep", "viscoelastic_creep", &E::creep_ratio, 0.1, 2.0},
-      {"thermal_growth", "thermal_drift", &E::thermal_growth_m, 5e-5, 1e-3},
-      {"angle_periodic", "angle_periodic", &E::angle_periodic_rad, 0.01, 0.2},
-      {"hardening", "stiffness_hardening", &E::hardening_per_n, 0.01, 0.5},
-      {"load_inertia", "load_inertia", &E::load_inertia_kgm2, 2e-4, 5e-3},
-      {"axis_coupling", "", &E::axis_coupling_rad, 0.05, 1.0},
-      {"presliding", "presliding", &E::presliding_nm, 0.01, 0.1},
-      {"wear", "", &E::wear_per_rad, 0.002, 0.05},
-      {"sticky_spot", "", &E::sticky_spot_nm, 0.02, 0.08},
-      {"magnetic_detent", "", &E::magnetic_detent_nm, 0.01, 0.05},
-      {"pulley_slip", "", &E::pulley_slip_rad, 0.02, 0.3},
-      {"tremor", "", &E::tremor_nm, 0.01, 0.05},
-      {"sheath_bend", "", &E::sheath_bend_per_rad, 0.3, 3.0},
-      {"torque_fade", "", &E::torque_fade, 0.1, 0.5}};
+  static const std::vector<PlantSwitch> kAll = {
+      {{"transmission_viscous", "transmission_viscous", 20.0, 2000.0}, &E::transmission_viscous_forward_ns_per_m},
+      {{"play", "play", 0.02, 0.3}, &E::play_half_width_rad},
+      {{"transport_delay", "transport_delay", 0.01, 0.2}, &E::transport_delay_s},
+      {{"pretension_change", "pretension_offset", 8.0, 60.0}, &E::pretension_change_n},
+      {{"gravity", "gravity", 0.02, 0.1}, &E::gravity_torque_nm},
+      {{"creep", "viscoelastic_creep", 0.1, 2.0}, &E::creep_ratio},
+      {{"thermal_growth", "thermal_drift", 5e-5, 1e-3}, &E::thermal_growth_m},
+      {{"angle_periodic", "angle_periodic", 0.01, 0.2}, &E::angle_periodic_rad},
+      {{"hardening", "stiffness_hardening", 0.01, 0.5}, &E::hardening_per_n},
+      {{"load_inertia", "load_inertia", 2e-4, 5e-3}, &E::load_inertia_kgm2},
+      {{"axis_coupling", "", 0.05, 1.0}, &E::axis_coupling_rad},
+      {{"presliding", "presliding", 0.01, 0.1}, &E::presliding_nm},
+      {{"wear", "", 0.002, 0.05}, &E::wear_per_rad},
+      {{"sticky_spot", "", 0.02, 0.08}, &E::sticky_spot_nm},
+      {{"magnetic_detent", "", 0.01, 0.05}, &E::magnetic_detent_nm},
+      {{"pulley_slip", "", 0.02, 0.3}, &E::pulley_slip_rad},
+      {{"tremor", "", 0.01, 0.05}, &E::tremor_nm},
+      {{"sheath_bend", "", 0.3, 3.0}, &E::sheath_bend_per_rad},
+      {{"torque_fade", "", 0.1, 0.5}, &E::torque_fade}};
   return kAll;
+}
+
+class PlantJoint final : public SwitchedJoint {
+ public:
+  PlantJoint(std::uint64_t seed, PlantMotion motion) : plant_(drawn_plant(seed)), motion_(motion), seed_(seed) {}
+
+  [[nodiscard]] auto motion() const -> std::string override { return name_of(motion_); }
+  [[nodiscard]] auto camera_noise_rad() const -> double override { return plant_.camera_noise_rad; }
+  [[nodiscard]] auto switches() const -> std::vector<Switchable> override {
+    std::vector<Switchable> all;
+    for (const auto& one : plant_switches()) {
+      all.push_back(one.what);
+    }
+    return all;
+  }
+  [[nodiscard]] auto log(std::size_t which, double size, bool again, const std::string& keep) const
+      -> AxisLog override {
+    sim::PlantParameters plant = plant_;
+    const PlantSwitch& one = plant_switches()[which];
+    plant.effects.*one.size = size;
+    if (one.what.name == "transmission_viscous") {
+      plant.effects.transmission_viscous_backward_ns_per_m = size;
+    }
+    return log_of(plant, motion_, seed_ + (again ? 1 : 0), keep);
+  }
+  [[nodiscard]] auto true_size(std::size_t which, double size) const -> double override {
+    const std::string& name = plant_switches()[which].what.name;
+    if (name == "pretension_change") {
+      return 1.0 + size / plant_.pretension_n;
+    }
+    if (name == "transport_delay") {
+      return sim::kStepS * static_cast<double>(sim::steps(size));  // the camera's value is late by whole steps
+    }
+    return name == "gravity" || name == "load_inertia" || name == "presliding" || name == "play" ? size : 0.0;
+  }
+
+ private:
+  sim::PlantParameters plant_;
+  PlantMotion motion_;
+  std::uint64_t seed_;
+};
+
+}  // namespace
+
+auto switched_joint(std::uint64_t seed, PlantMotion motion) -> std::unique_ptr<SwitchedJoint> {
+  return std::make_unique<PlantJoint>(seed, motion);
 }
 
 auto name_of(PlantMotion motion) -> std::string {

@@ -6,19 +6,10 @@
 #include <vector>
 
 #include "capstan/hal/sim/scenario.hpp"
+#include "capstan/tests/tools/plant/effect_benchmark.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools::plant {
-
-/// A switch of the plant's effects, and what the catalogue calls it.
-struct Switch {
-  std::string name;      ///< of the effect in the plant
-  std::string expected;  ///< in the catalogue; empty: foreign to it
-  double sim::Effects::*size;
-  double usual;  ///< with which a search for the size wanted begins, in the switch's unit
-  double most;   ///< beyond which the plant refuses it, or nobody would call it small
-};
-auto switches() -> const std::vector<Switch>&;
 
 /// The motions that joints are driven with.
 enum class PlantMotion { kIdentify, kDecaying, kLadder, kPull };
@@ -39,5 +30,8 @@ auto log_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t
 /// The same with every column.
 auto csv_of(const sim::PlantParameters& plant, PlantMotion motion, std::uint64_t seed, const std::string& keep = {})
     -> CsvLog;
+
+/// A drawn plant and the switches of its effects.
+auto switched_joint(std::uint64_t seed, PlantMotion motion) -> std::unique_ptr<SwitchedJoint>;
 
 }  // namespace capstan::tools::plant
