@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "capstan/tools/select/deciding_numbers.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -50,7 +52,8 @@ class Beside {
 class LoadFit {
  public:
   LoadFit(const LoadRows& of, double friction)
-      : x_(of.regressor),
+      : of_(of),
+        x_(of.regressor),
         s_(of.sense),
         change_(of.change),
         friction_(friction),
@@ -59,29 +62,69 @@ class LoadFit {
   void run(double start) {
     for (const double eta : {0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 1.0, 1.25, 1.5, 1.75, 2.0, 2.5}) {
       for (const double share : {0.0, 0.15, 0.3, 0.5}) {
-        Carried trial{0.0, eta, share * friction_};
-        settle(start, trial);
+        try_one(start, eta, share);
       }
     }
+  }
+  /// A lean with which clearly less is left than without one; else 0.
+  auto find_lean(double start) -> double {
+    constexpr double kLargest = 1.0;  // 45 degrees
+    constexpr int kSteps = 20;
+    std::pair<double, double> best;
+    double upright = 0.0;
+    for (int i = -kSteps; i <= kSteps; ++i) {
+      const double lean = kLargest * i / kSteps;
+      hang(lean);
+      left_ = std::numeric_limits<double>::infinity();
+      for (const double eta : {0.2, 0.45, 0.8, 1.25, 2.0}) {
+        try_one(start, eta, 0.15);
+      }
+      upright = i == 0 ? left_ : upright;
+      if (i == -kSteps || left_ < best.second) {
+        best = {lean, left_};
+      }
+    }
+    left_ = std::numeric_limits<double>::infinity();
+    const double lean = best.second < kLeanLeaves * upright ? best.first : 0.0;
+    hang(lean);
+    return lean;
   }
   [[nodiscard]] auto left() const -> double { return left_; }
   [[nodiscard]] auto best() const -> const Carried& { return best_; }
   /// Half width of the load's interval, eta and the other friction free.
   [[nodiscard]] auto half_95() const -> double {
-    Eigen::MatrixXd slopes(x_.size(), 3);
-    for (Eigen::Index k = 0; k < slopes.cols(); ++k) {
+    Eigen::MatrixXd slopes(x_.size(), leans_ ? 4 : 3);
+    if (leans_) {
+      constexpr double kStep = 1e-3;
+      LoadFit more = *this;
+      more.hang(lean_ + kStep);
+      slopes.col(3) = (more.told(best_) - told(best_)) / kStep;
+    }
+    for (Eigen::Index k = 0; k < 3; ++k) {
       double Carried::*const part[] = {&Carried::load, &Carried::eta, &Carried::elsewhere};
       Carried more = best_;
       const double step = 1e-3 * std::max(std::abs(best_.*part[k]), 1e-2 * (k == 1 ? 1.0 : friction_));
       more.*part[k] += step;
       slopes.col(k) = (told(more) - told(best_)) / step;
     }
-    Eigen::MatrixXd columns(x_.size(), 3 + beside_.columns().cols());
+    Eigen::MatrixXd columns(x_.size(), slopes.cols() + beside_.columns().cols());
     columns << slopes, beside_.columns();
     return half_interval(fitted(columns, change_ - told(best_)), 0);
   }
 
  private:
+  void hang(double lean) {
+    lean_ = lean;
+    leans_ = lean != 0.0;
+    x_ = of_.regressor;
+    if (leans_) {
+      x_ += lean * of_.lean;
+    }
+  }
+  void try_one(double start, double eta, double share) {
+    Carried trial{0.0, eta, share * friction_};
+    settle(start, trial);
+  }
   [[nodiscard]] auto told(const Carried& by) const -> Eigen::VectorXd {
     Eigen::VectorXd torque(x_.size());
     for (Eigen::Index i = 0; i < x_.size(); ++i) {
@@ -109,8 +152,11 @@ class LoadFit {
     }
   }
 
+  LoadRows of_;
   Eigen::VectorXd x_, s_, change_;
   double friction_;
+  double lean_ = 0.0;
+  bool leans_ = false;
   Beside beside_;
   double left_ = std::numeric_limits<double>::infinity();
   Carried best_;
@@ -150,11 +196,16 @@ auto with_offset(const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
   return all;
 }
 
-auto told_load(const LoadRows& of, double friction, double start) -> LoadAnswer {
+auto told_load(LoadRows of, double friction, double start) -> LoadAnswer {
   LoadFit fit(of, friction);
+  const double lean = of.lean.size() > 0 ? fit.find_lean(start) : 0.0;
+  if (lean != 0.0) {
+    of.regressor += lean * of.lean;
+  }
   fit.run(start);
   const double load = fit.best().load;
-  return {load, std::hypot(fit.half_95(), between_tendons(of, friction, load))};
+  const double leaning = lean != 0.0 ? kLeaningKnown * load : 0.0;
+  return {load, std::hypot(fit.half_95(), between_tendons(of, friction, load), leaning)};
 }
 
 }  // namespace capstan::tools

@@ -17,6 +17,9 @@ auto with_offset(const Eigen::MatrixXd& columns) -> Eigen::MatrixXd;
 struct LoadRows {
   Eigen::VectorXd regressor, sense, change;
   bool other_friction = false;  ///< the friction may have changed, too
+  /// What the load may hang on beside its regressor, by a share that is not known: of a weight, which need not hang
+  /// straight where the joint is at 0, the cosine. Empty: nothing.
+  Eigen::VectorXd lean = {};
 };
 
 /// A load and the half width of its interval, per regressor, at the motor.
@@ -26,6 +29,6 @@ struct LoadAnswer {
 
 /// The load that explains a change of torque as tendons carry it.
 /// @param friction  of the healthy joint, Nm   @param start  the load, were all of it to come through one to one
-auto told_load(const LoadRows& of, double friction, double start) -> LoadAnswer;
+auto told_load(LoadRows of, double friction, double start) -> LoadAnswer;
 
 }  // namespace capstan::tools

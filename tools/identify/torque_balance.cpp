@@ -223,7 +223,9 @@ void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const TorqueLog
   const Eigen::VectorXd sense = rows.columns.col(kSense);
   if (may_be(TorqueCause::kWeight)) {
     const auto far = loaded_rows(rows, now.half_width_rad);
-    take_load(TorqueCause::kWeight, {rows.columns.col(kSine)(far), sense(far), change(far)}, friction, all);
+    const Eigen::VectorXd cosine = 1.0 - rows.columns.col(kCosine)(far).array();
+    take_load(TorqueCause::kWeight, {rows.columns.col(kSine)(far), sense(far), change(far), false, cosine}, friction,
+              all);
   }
   if (may_be(TorqueCause::kMass)) {
     size_mass(rows, change + rows.torque_alike - rows.torque, now, friction, all);

@@ -165,6 +165,12 @@ inline constexpr double kBendsShare = 0.6;
 inline constexpr double kBendsLeaves = 0.4;
 /// And this much of the change more: another pretension is all but friction alone, and its rest looks like anything.
 inline constexpr double kBendsBeyond = 0.03;
+/// A weight is taken to lean where the joint is at 0 if that leaves this share, or less, of the squares left otherwise.
+/// With 0.9 the upright weight of hal/sim's joint 765 was given a lean (24 November 2026).
+inline constexpr double kLeanLeaves = 0.5;
+/// How well a leaning weight is known, as a share, two spreads: 9.5, -17.7 and 3.9 % off on independent joints 1 to 3
+/// (24 November 2026). Its lean is told by where tendons go slack.
+inline constexpr double kLeaningKnown = 0.2;
 /// By how much more than such friction a weight, a mass or drag takes away; drag goes with the direction too.
 inline constexpr double kBeyondFriction = 0.15;
 
