@@ -160,6 +160,7 @@ auto independent_joint(std::uint64_t seed) -> independent::Parameters {
   joint.motor_inertia_kgm2 *= drawn(0.5, 1.5);
   joint.motor_friction_nm *= drawn(0.5, 2.0);
   joint.joint_friction_nm *= drawn(0.3, 1.5);
+  joint.effects.weight_angle_rad = 1.2 * random.uniform() - 0.6;
   return joint;
 }
 

@@ -230,7 +230,7 @@ class Plant {
       // A light wheel that carries the joint along by stiff cheeks, a gap between them.
       const double apart = pulley_.angle - joint_.angle;
       const double pressed = apart - std::clamp(apart, -e_.play_rad, e_.play_rad);
-      double contact = 20.0 * pressed + 1e-3 * (pulley_.rate - joint_.rate) * (pressed != 0.0 ? 1.0 : 0.0);
+      double contact = 150.0 * pressed + 1e-3 * (pulley_.rate - joint_.rate) * (pressed != 0.0 ? 1.0 : 0.0);
       contact = pressed == 0.0 || contact * pressed < 0.0 ? 0.0 : contact;
       pulley_.step(joint_torque_ - contact - 1e-5 * pulley_.rate, kWheel * p_.joint_inertia_kgm2);
       drive = contact;
@@ -244,7 +244,7 @@ class Plant {
     joint_.step(drive, p_.joint_inertia_kgm2 * (e_.play_rad > 0.0 ? 1.0 - kWheel : 1.0) + e_.load_inertia_kgm2);
   }
 
-  static constexpr double kWheel = 0.2;  // its share of the joint's inertia
+  static constexpr double kWheel = 0.3;  // its share of the joint's inertia
   const Parameters& p_;
   const Effects& e_;
   Tendon top_, bottom_;

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
 #include "capstan/tests/tools/plant/independent_joint.hpp"
 
 namespace capstan::tools::plant {
@@ -59,6 +61,9 @@ class IndependentJoint final : public SwitchedJoint {
     const IndependentSwitch& one = all_switches()[which];
     if (one.what.name == "pretension") {
       return 1.0 + size / joint_.pretension_n;
+    }
+    if (one.what.name == "weight") {
+      return size * std::cos(joint_.effects.weight_angle_rad);  // told is what goes with sin q2
     }
     return one.told ? size : 0.0;
   }
