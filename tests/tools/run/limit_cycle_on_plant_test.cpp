@@ -55,6 +55,8 @@ auto gain_lines(const LoopGains& gains, double factor) -> Lines {
           "set joint0.control.damping " + rounded(factor * gains.damping, 6)};
 }
 
+/// Shaken gently: a motor that is shaken faster than its way turns its friction, which is then taken for damping (with
+/// 8 mNm the onset is foretold up to 19 % late).
 /// Nothing: the joint left its corridor, or a fault ended it, and there is nothing to foretell from.
 auto measure(const Drawn& drawn) -> std::optional<Response> {
   test::BoardRig rig(drawn.scenario);
@@ -62,7 +64,7 @@ auto measure(const Drawn& drawn) -> std::optional<Response> {
   rig.say(gain_lines(drawn.gains, 1.0));
   rig.say("arm");
   const std::string text = rig.say(
-      "experiment joint0 multisine on=torque from=1Hz to=200Hz travel=1.5 speed=0.9 duration=120 amplitude=8mNm "
+      "experiment joint0 multisine on=torque from=1Hz to=200Hz travel=1.5 speed=0.9 duration=120 amplitude=4mNm "
       "corridor=0.45");
   if (text.find("error aborted") != std::string::npos) {
     return {};
@@ -181,8 +183,8 @@ TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
     std::printf("%llu | %.2f %.2f | %.1f %.1f | %.2f %.2f | %.2f\n", static_cast<unsigned long long>(seed),
                 foretold->onset, seen.onset, foretold->hz, seen.hz, 1e3 * swing, 1e3 * seen.amplitude_rad,
                 seen.runaway);
-    EXPECT_NEAR(foretold->onset, seen.onset, 0.1 * seen.onset) << seed;
-    EXPECT_NEAR(foretold->hz, seen.hz, 0.1 * seen.hz) << seed;
+    EXPECT_NEAR(foretold->onset, seen.onset, 0.07 * seen.onset) << seed;
+    EXPECT_NEAR(foretold->hz, seen.hz, 0.05 * seen.hz) << seed;
     EXPECT_GT(seen.swing_speed, 0.9) << seed << ": friction lets the swing grow to the speed of the way";
     EXPECT_LT(seen.swing_speed, 1.5) << seed << ": and holds it there";
   }
