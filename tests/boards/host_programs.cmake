@@ -3,7 +3,7 @@
 # recorded run that every machine has to repeat bit for bit.
 find_program(CAPSTAN_HOST_CXX NAMES g++ c++ NO_CMAKE_FIND_ROOT_PATH REQUIRED)
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/model/*.hpp ${PROJECT_SOURCE_DIR}/hal/*.hpp
-  ${PROJECT_SOURCE_DIR}/firmware/*.hpp ${PROJECT_SOURCE_DIR}/boards/stm32f405/*.hpp)
+  ${PROJECT_SOURCE_DIR}/firmware/*.hpp ${PROJECT_SOURCE_DIR}/boards/stm32f405/*.hpp ${PROJECT_SOURCE_DIR}/tests/boards/*.hpp)
 set(plant_sources)
 foreach(name drivetrain faults fields plant sensors tendon)
   list(APPEND plant_sources ${PROJECT_SOURCE_DIR}/hal/sim/${name}.cpp)

@@ -90,7 +90,7 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   const auto set = [&config](const char* name, double value) {
     const ParameterInfo* parameter = find_parameter(name);
     if (parameter == nullptr) {
-      std::fprintf(stderr, "%s: the firmware has no such parameter any more; change replay_fixture.cpp\n", name);
+      std::fprintf(stderr, "%s: the firmware has no such parameter any more; change replay_joints.hpp\n", name);
       std::exit(1);
     }
     set_raw_value(config, *parameter, Q24::from_double(value).raw());
@@ -121,14 +121,14 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   set("stiffness_hardening.top", 0.05);
   set("stiffness_hardening.bottom", 0.04);
   set("load_inertia.lag", -0.05);
-  set("axis_coupling.angle", 0.02);
-  set("axis_coupling.top", -0.003);
-  set("axis_coupling.bottom", -0.002);
   set("curved_ratio.square", 0.01);
   set("curved_ratio.cube", -0.02);
   set("curved_ratio.centre", 0.1);
   set("curved_ratio.span", 3.0);
   for (const std::string slot : {"", "_2", "_3"}) {
+    set(("axis_coupling" + slot + ".angle").c_str(), 0.02);
+    set(("axis_coupling" + slot + ".top").c_str(), -0.003);
+    set(("axis_coupling" + slot + ".bottom").c_str(), -0.002);
     set(("coupled_hysteresis" + slot + ".angle").c_str(), 0.01);
     set(("coupled_hysteresis" + slot + ".lost").c_str(), -0.02);
     set(("coupled_hysteresis" + slot + ".half_width").c_str(), 0.01);
@@ -154,7 +154,7 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   }
   const auto off = std::count(config.law.coefficients.begin(), config.law.coefficients.end(), Q24{});
   if (off != (axis == kTendonAxis ? 2 : 1)) {  // the two of the elongation, or that of the tendons
-    std::fprintf(stderr, "the catalogue has an effect that this law leaves off; add it to replay_fixture.cpp\n");
+    std::fprintf(stderr, "the catalogue has an effect that this law leaves off; add it to replay_joints.hpp\n");
     std::exit(1);
   }
   set("control.torque_forward", 0.05);
