@@ -8,13 +8,13 @@
 
 namespace capstan {
 
-enum class ForceLawKind : std::uint8_t { kNone, kPull, kPullPush, kPreisach };
+enum class ForceLawKind : std::uint8_t { kNone, kPull, kPullPush, kPreisach, kBlend };
 
 /// What a joint's force law is made of, whichever it is.
 template <typename Scalar>
 struct ForceLawParameters {
   ForceLawKind kind = ForceLawKind::kNone;
-  PullPushParameters<Scalar> pull_push{};  ///< weights are not read: the kind says which law it is
+  PullPushParameters<Scalar> pull_push{};  ///< its weights are read of kBlend; else the kind says which law it is
   Scalar friction_nm{};                    ///< the motor's own, in the torque it is given, N m, 0 and above
   Scalar offset_nm{};                      ///< of that torque, N m
 };
@@ -38,13 +38,16 @@ class ForceLaw {
     passed_ = Scalar{};
     law_.template emplace<std::monostate>();
     PullPushParameters<Scalar> pull_push = parameters.pull_push;
-    pull_push.pull_weight = parameters.kind == ForceLawKind::kPull ? kOne : Scalar{};
-    pull_push.pull_push_weight = parameters.kind == ForceLawKind::kPull ? Scalar{} : kOne;
+    if (parameters.kind != ForceLawKind::kBlend) {
+      pull_push.pull_weight = parameters.kind == ForceLawKind::kPull ? kOne : Scalar{};
+      pull_push.pull_push_weight = parameters.kind == ForceLawKind::kPull ? Scalar{} : kOne;
+    }
     switch (parameters.kind) {
       case ForceLawKind::kNone:
         break;
       case ForceLawKind::kPull:
       case ForceLawKind::kPullPush:
+      case ForceLawKind::kBlend:
         if (check(pull_push) == PullPushFault::kNone) {
           law_.template emplace<Tendons>(pull_push);
         }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "capstan/model/exponential.hpp"
 #include "capstan/model/force_estimate.hpp"
 #include "capstan/model/weighted_sum.hpp"
@@ -110,6 +113,8 @@ class TransmissionLine {
     }
     return torque < pushed_slope_ * slack_until_ ? torque / pushed_slope_ : (torque - both_base_) / both_slope_;
   }
+  /// Motor torques where a piece of the line ends, rising.
+  [[nodiscard]] constexpr auto ends() const -> std::array<Scalar, 2> { return {slack_until_, slack_from_}; }
   /// Both tendons are taut (or the pushed one just slack) and the pulled one carries more: what (2.18) and (2.21) ask.
   [[nodiscard]] constexpr auto is_admissible(Scalar x) const -> bool { return Scalar{} < x && Scalar{} < at(x).torque; }
 
@@ -151,9 +156,7 @@ class PullPush {
     }
     pull_.update(tau, forward, rule_);
     pull_push_.update(tau, forward, rule_);
-    WeightedSum<Scalar> force;
-    force.add_checked(parameters_.pull_weight, pull_.held);
-    force.add_checked(parameters_.pull_push_weight, pull_push_.held);
+    const WeightedSum<Scalar> force = blended(pull_.held, pull_push_.held);
     estimate.force = force.value();
     estimate.saturated =
         ScalarTraits<Scalar>::is_saturated(tau) || ScalarTraits<Scalar>::is_saturated(estimate.force) || force.cut();
@@ -167,17 +170,72 @@ class PullPush {
     return estimate;
   }
 
-  /// The law turned round, for kUntilPassed and one law alone: the motor torque nearest to `now` that brings the output
-  /// there. Changes nothing. @pre the parameters are usable, one of the weights is 1 and the other 0
+  /// The law turned round, for kUntilPassed: the motor torque nearest to `now` that brings the output there. Changes
+  /// nothing. @pre the parameters are usable, `now` is what the last update was given
   [[nodiscard]] constexpr auto input_for(Scalar torque, Scalar now) const -> Scalar {
-    const Law& law = parameters_.pull_push_weight == Scalar{} ? pull_ : pull_push_;
-    if (law.held < torque) {
-      return std::max(now, law.forward_line.input_for(torque));
+    const Scalar held = blended(pull_.held, pull_push_.held).value();
+    if (held < torque) {
+      return rising_input_for({{pull_.forward_line, pull_.held}, {pull_push_.forward_line, pull_push_.held}}, torque,
+                              now);
     }
-    return torque < law.held ? std::min(now, -law.backward_line.input_for(-torque)) : now;
+    if (torque < held) {
+      return -rising_input_for({{pull_.backward_line, -pull_.held}, {pull_push_.backward_line, -pull_push_.held}},
+                               -torque, -now);
+    }
+    return now;
   }
 
  private:
+  [[nodiscard]] constexpr auto blended(Scalar pull, Scalar pull_push) const -> WeightedSum<Scalar> {
+    WeightedSum<Scalar> force;
+    force.add_checked(parameters_.pull_weight, pull);
+    force.add_checked(parameters_.pull_push_weight, pull_push);
+    return force;
+  }
+
+  /// A line and what its output is held at until the line has come to it.
+  struct HeldLine {
+    const TransmissionLine<Scalar>& line;
+    Scalar held;
+    [[nodiscard]] constexpr auto at(Scalar x) const -> Scalar { return std::max(held, line.at(x).torque); }
+  };
+  struct HeldLines {
+    HeldLine pull, pull_push;
+  };
+
+  /// As the motor's torque rises from `now`. The output is straight between the torques at which a line comes to what
+  /// is held or a piece of it ends. @pre the output at `now` is below `torque`
+  [[nodiscard]] constexpr auto rising_input_for(const HeldLines& lines, Scalar torque, Scalar now) const -> Scalar {
+    constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
+    const auto& [pull, pull_push] = lines;
+    if (parameters_.pull_weight == Scalar{} && parameters_.pull_push_weight == kOne) {
+      return std::max(now, pull_push.line.input_for(torque));
+    }
+    if (parameters_.pull_weight == kOne && parameters_.pull_push_weight == Scalar{}) {
+      return std::max(now, pull.line.input_for(torque));
+    }
+    const auto output_at = [&](Scalar x) { return blended(pull.at(x), pull_push.at(x)).value(); };
+    const auto pull_push_ends = pull_push.line.ends();
+    std::array<Scalar, 5> knots = {pull.line.input_for(pull.held), pull.line.ends()[1],
+                                   pull_push.line.input_for(pull_push.held), pull_push_ends[0], pull_push_ends[1]};
+    std::sort(knots.begin(), knots.end());
+    Scalar x = now;
+    Scalar output = output_at(now);
+    for (const Scalar knot : knots) {
+      if (knot <= x) {
+        continue;
+      }
+      const Scalar there = output_at(knot);
+      if (torque <= there) {
+        return x + (torque - output) / (there - output) * (knot - x);
+      }
+      x = knot;
+      output = there;
+    }
+    // Beyond the last of them the pulled tendon alone carries in both laws.
+    return x + (torque - output) / (output_at(x + kOne) - output);
+  }
+
   /// One law with what it holds.
   struct Law {
     constexpr Law() = default;

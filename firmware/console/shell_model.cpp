@@ -104,8 +104,15 @@ void print_force_law(Print& out, const ForceConfig& force) {
       break;
     case ForceLawKind::kPull:
     case ForceLawKind::kPullPush:
-      out << "  joint torque, tip held: " << (force.law == 1 ? "pull model (2.17)" : "pull-push model (2.18)-(2.21)")
-          << ", eta_top " << force.eta_top << ", eta_bottom " << force.eta_bottom << ", pretension "
+    case ForceLawKind::kBlend:
+      out << "  joint torque, tip held: ";
+      if (force.law == static_cast<std::int32_t>(ForceLawKind::kBlend)) {
+        out << "blend (2.27), " << force.pull_weight << " of pull and " << force.pull_push_weight
+            << " of pull-push model";
+      } else {
+        out << (force.law == 1 ? "pull model (2.17)" : "pull-push model (2.18)-(2.21)");
+      }
+      out << ", eta_top " << force.eta_top << ", eta_bottom " << force.eta_bottom << ", pretension "
           << force.pretension_nm << " Nm, ratio " << force.ratio << "\r\n";
       break;
   }

@@ -14,7 +14,9 @@ void ForceControl::rt_configure(const ForceConfig& config) {
                .pull_push = {.eta_top = config.eta_top,
                              .eta_bottom = config.eta_bottom,
                              .pretension_nm = config.pretension_nm,
-                             .ratio = config.ratio},
+                             .ratio = config.ratio,
+                             .pull_weight = config.pull_weight,
+                             .pull_push_weight = config.pull_push_weight},
                .friction_nm = config.friction_nm,
                .offset_nm = config.offset_nm},
               config.grid);

@@ -48,8 +48,9 @@ auto parameters_of(const ForceConfig& force) -> TensionStateParameters<Q24> {
 }  // namespace
 
 auto Palpation::check(const ForceConfig& force) -> const char* {
-  if (force.law != static_cast<std::int32_t>(ForceLawKind::kPullPush) || force.stiffness_top_nm_per_rad <= Q24{} ||
-      force.stiffness_bottom_nm_per_rad <= Q24{}) {
+  const auto kind = static_cast<ForceLawKind>(force.law);
+  const bool of_tendons = kind == ForceLawKind::kPullPush || kind == ForceLawKind::kBlend;
+  if (!of_tendons || force.stiffness_top_nm_per_rad <= Q24{} || force.stiffness_bottom_nm_per_rad <= Q24{}) {
     return "the joint has no pull-push law with the stiffness of both tendons; identify one with the tip locked and "
            "'capstan apply' it";
   }

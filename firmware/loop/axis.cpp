@@ -14,9 +14,9 @@ auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool 
 
 auto same_force_law(const ForceConfig& a, const ForceConfig& b) -> bool {
   return a.law == b.law && a.eta_top == b.eta_top && a.eta_bottom == b.eta_bottom &&
-         a.pretension_nm == b.pretension_nm && a.ratio == b.ratio && a.friction_nm == b.friction_nm &&
-         a.offset_nm == b.offset_nm && a.grid.levels == b.grid.levels && a.grid.inputs == b.grid.inputs &&
-         a.grid.forces == b.grid.forces;
+         a.pretension_nm == b.pretension_nm && a.ratio == b.ratio && a.pull_weight == b.pull_weight &&
+         a.pull_push_weight == b.pull_push_weight && a.friction_nm == b.friction_nm && a.offset_nm == b.offset_nm &&
+         a.grid.levels == b.grid.levels && a.grid.inputs == b.grid.inputs && a.grid.forces == b.grid.forces;
 }
 
 auto same_effort_law(const EffortConfig& a, const EffortConfig& b) -> bool {

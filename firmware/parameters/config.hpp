@@ -92,6 +92,8 @@ struct ForceConfig {
   Q24 eta_bottom{};
   Q24 pretension_nm{};
   Q24 ratio = Q24::from_int(1);
+  Q24 pull_weight{};  ///< of kBlend, as is the next
+  Q24 pull_push_weight = Q24::from_int(1);
   Q24 friction_nm{};               ///< the motor's own
   Q24 offset_nm{};                 ///< of the motor's torque
   Q24 stiffness_top_nm_per_rad{};  ///< r1^2 Kn, for palpation; 0: not known

@@ -115,8 +115,8 @@ constexpr std::array kFixedParameters = {
          0.1),
     integer("law", "status", "1", "how sure the law is: 0 confirmed, 1 provisional, 2 base",
             offsetof(AxisConfig, law_status), 0, 2),
-    integer("force", "law", "1", "motor torque to joint torque: 0 none, 1 pull, 2 pull-push, 3 preisach",
-            kForce + offsetof(ForceConfig, law), 0, 3),
+    integer("force", "law", "1", "motor torque to joint torque: 0 none, 1 pull, 2 pull-push, 3 preisach, 4 blend",
+            kForce + offsetof(ForceConfig, law), 0, 4),
     real("force", "eta_top", "1", "friction-bending number of the top tendon", kForce + offsetof(ForceConfig, eta_top),
          0.0, 3.0),
     real("force", "eta_bottom", "1", "the same of the bottom tendon", kForce + offsetof(ForceConfig, eta_bottom), 0.0,
@@ -125,6 +125,10 @@ constexpr std::array kFixedParameters = {
          kForce + offsetof(ForceConfig, pretension_nm), 0.0, 8.0),
     real("force", "ratio", "1", "output radius over input radius, r2 / r1", kForce + offsetof(ForceConfig, ratio),
          0.001, 4.0),
+    real("force", "pull_weight", "1", "of the blend (2.27): how much the pull model counts",
+         kForce + offsetof(ForceConfig, pull_weight), 0.0, 2.0),
+    real("force", "pull_push_weight", "1", "the same of the pull-push model",
+         kForce + offsetof(ForceConfig, pull_push_weight), 0.0, 2.0),
     real("force", "friction", "Nm", "the motor's own friction", kForce + offsetof(ForceConfig, friction_nm), 0.0, 8.0),
     real("force", "offset", "Nm", "of the motor's torque", kForce + offsetof(ForceConfig, offset_nm), -8.0, 8.0),
     real("force", "stiffness_top", "Nm/rad", "of the top tendon at the motor, r1^2 K, for palpation; 0: not known",
@@ -363,6 +367,10 @@ auto check(const AxisConfig& config) -> const char* {
   }
   if (const char* sentence = MotorObserver::check(config)) {
     return sentence;
+  }
+  if (config.force.law == static_cast<std::int32_t>(ForceLawKind::kBlend) && config.force.pull_weight == Q24{} &&
+      config.force.pull_push_weight == Q24{}) {
+    return "force.pull_weight and force.pull_push_weight are both 0; give the blend one of them, or set force.law to 2";
   }
   const TableCheck grid = check_grid(config);
   return grid.ok() ? nullptr : describe(grid.fault);

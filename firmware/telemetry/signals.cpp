@@ -65,9 +65,10 @@ constexpr std::array<SignalInfo, 31> kJointSignals = {
                offsetof(AxisTelemetry, estimate_valid)},
     SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
                offsetof(AxisTelemetry, joint_torque_known)},
-    SignalInfo{"force_phase", "tau_out_phase", "1",
-               "phase of pull_push: 1 held, 2 the pulled tendon moves, 3 both do, 4 one is slack; 0 none or unknown",
-               SignalType::kByte, offsetof(AxisTelemetry, joint_torque_phase)},
+    SignalInfo{
+        "force_phase", "tau_out_phase", "1",
+        "phase of pull_push or blend: 1 held, 2 the pulled tendon moves, 3 both do, 4 one is slack; 0 none or unknown",
+        SignalType::kByte, offsetof(AxisTelemetry, joint_torque_phase)},
     SignalInfo{"mode", "mode", "1", "0 position, 1 motor torque, 2 force control, 3 motor position", SignalType::kByte,
                offsetof(AxisTelemetry, mode)},
     SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,

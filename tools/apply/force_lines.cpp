@@ -54,16 +54,18 @@ void add_preisach(Lines& lines, const PreisachTable& table) {
 auto force_lines(const std::string& joint_file, const std::string& name, int axis) -> std::vector<std::string> {
   Lines lines(axis);
   const std::string model = force_model(joint_file, name);
-  if (model == "pull_push") {
-    lines.choose(ForceLawKind::kPullPush);
-    for (const ForceParameter& parameter : read_pull_push(joint_file, name).parameters) {
+  if (is_of_tendons(model)) {
+    const PullPushFit fit = read_pull_push(joint_file, name);
+    lines.choose(fit.kind);
+    for (const ForceParameter& parameter : fit.parameters) {
       lines.set("force." + parameter.name,
                 parameter.name == "friction" ? std::max(parameter.value, 0.0) : parameter.value, parameter.unit);
     }
   } else if (model == "preisach") {
     add_preisach(lines, read_preisach(joint_file, name));
   } else if (!model.empty()) {
-    throw BadInput(name + ": [force] has the model \"" + model + "\", which no board runs; pull_push and preisach are");
+    throw BadInput(name + ": [force] has the model \"" + model +
+                   "\", which no board runs; pull_push, blend and preisach are");
   }
   if (!model.empty()) {  // all 0 where the file does not say: the board then says that nobody knows
     const ForceErrorNumbers error = read_force_error(joint_file, name).value_or(ForceErrorNumbers{});

@@ -30,7 +30,7 @@ auto run_identify(const IdentifyOptions& options) -> int {
   if (options.model == kWristModel) {
     return identify_wrist(options.logs, options.wrist, options.output);
   }
-  if (is_force_model(options.model)) {
+  if (is_force_law(options.model)) {
     return identify_force(options.logs, options.model, options.grid, options.output);
   }
   const Identified done = identify({options.logs.job_logs(), options.model, options.target, options.drawing}, warn);
@@ -67,7 +67,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->add_option("--model", options->model,
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; wrist: pitch "
                    "and both jaws at once; of the joint torque: "
-                   "pull_push, preisach; of an effort: "
+                   "pull_push, blend (of pull and pull-push law), preisach; of an effort: "
                    "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,

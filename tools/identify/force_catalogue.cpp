@@ -124,6 +124,10 @@ auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog> {
 
 }  // namespace
 
+auto is_force_law(const std::string& model) -> bool {
+  return is_force_model(model) || model == "blend";
+}
+
 auto is_force_model(const std::string& model) -> bool {
   return model == kPullPush || model == kPreisach;
 }

@@ -7,6 +7,8 @@ namespace capstan::tools {
 
 /// Whether the model is a law of the joint torque: pull_push or preisach.
 auto is_force_model(const std::string& model) -> bool;
+/// One of these, or the blend of two, which is fitted and run but no law to start a diagnosis from.
+auto is_force_law(const std::string& model) -> bool;
 
 /// Motor torque to joint torque: the force law of that name as the first term, then what an effort may hold beside it,
 /// creep of the tendon, and OutputTerms.

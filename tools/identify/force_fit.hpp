@@ -58,6 +58,7 @@ struct ForceFit {
 };
 
 struct PullPushFit : ForceFit {
+  ForceLawKind kind = ForceLawKind::kPullPush;  ///< or kBlend, whose weights stand behind the other parameters
   PullPushParameters<double> law{};
   double friction_nm = 0.0;  ///< the motor's own, which is in the logged torque: subtract it in the direction of motion
   double offset_nm = 0.0;    ///< of the logged torque
@@ -67,6 +68,9 @@ struct PullPushFit : ForceFit {
 /// (2.22), (2.26) and I, as least squares over the branches on which both tendons move or one is slack. Only ratios of
 /// torques count, so the radii need not be known; stiffness is r1^2 Kn, pretension I r1.
 auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit;
+/// The same numbers, then the weights of (2.27) by least squares over every row on which both laws are known. A note
+/// says what blend and pull-push law leave of rows that the weights were not fitted to.
+auto fit_blend(const std::vector<ForceLog>& logs) -> PullPushFit;
 
 inline constexpr std::size_t kPreisachLevels = 11;  ///< the thesis's grid
 inline constexpr std::size_t kFewestPreisachLevels = 5;

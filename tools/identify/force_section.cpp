@@ -69,11 +69,17 @@ auto numbers(const toml::node_view<const toml::node>& node, const std::string& w
 
 }  // namespace
 
+auto is_of_tendons(const std::string& model) -> bool {
+  return model == "pull_push" || model == "blend";
+}
+
 auto force_section(const PullPushFit& fit) -> std::string {
-  std::string text =
-      "\n# Motor torque to joint torque, tip held: pull-push law (2.17)-(2.21). Pretension is I r1, stiffness r1^2 Kn, "
-      "ratio r2 / r1;\n"
-      "# friction and offset are the motor's, in the logged torque.\n[force]\nmodel = \"pull_push\"\n";
+  const std::string law = fit.kind == ForceLawKind::kBlend ? "blend (2.27) of pull and pull-push law" : "pull-push law";
+  std::string text = "\n# Motor torque to joint torque, tip held: " + law +
+                     " (2.17)-(2.21). Pretension is I r1, stiffness r1^2 Kn, "
+                     "ratio r2 / r1;\n"
+                     "# friction and offset are the motor's, in the logged torque.\n[force]\nmodel = \"" +
+                     (fit.kind == ForceLawKind::kBlend ? "blend" : "pull_push") + "\"\n";
   for (const auto& parameter : fit.parameters) {
     text += quantity(parameter);
   }
@@ -111,9 +117,11 @@ auto is_force_alone(const std::string& joint_file, const std::string& name) -> b
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit {
   constexpr std::array kWritten = {"eta_top",  "eta_bottom", "pretension",    "ratio",
                                    "friction", "offset",     "stiffness_top", "stiffness_bottom"};
+  constexpr std::array kWeights = {"pull_weight", "pull_push_weight"};
   const toml::table file = parse(joint_file, name);
   const auto section = file["force"];
-  if (section["model"].value<std::string>().value_or("") != "pull_push") {
+  const std::string model = section["model"].value<std::string>().value_or("");
+  if (!is_of_tendons(model)) {
     throw BadInput(name +
                    ": there is no pull-push law in it; record torque triangles with the tip locked and add it by "
                    "'capstan identify LOG --model pull_push -o " +
@@ -121,18 +129,25 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
   }
   PullPushFit fit;
   fit.cure = "identify it anew";
-  for (const char* parameter : kWritten) {
+  const auto read = [&](const char* parameter) {
     const auto value = section[parameter]["value"].value<double>();
     if (!value || !std::isfinite(*value)) {
       throw BadInput(name + ": [force] has no number for " + parameter + "; write it as " + parameter +
                      " = { value = 1.0, unit = ... }, or identify the law anew");
     }
     fit.parameters.push_back({parameter, section[parameter]["unit"].value<std::string>().value_or("1"), *value, 0.0});
-  }
+  };
+  std::for_each(kWritten.begin(), kWritten.end(), read);
   const auto value_of = [&fit](std::size_t i) { return fit.parameters[i].value; };
   fit.law = {.eta_top = value_of(0), .eta_bottom = value_of(1), .pretension_nm = value_of(2), .ratio = value_of(3)};
   fit.friction_nm = value_of(4);
   fit.offset_nm = value_of(5);
+  if (model == "blend") {
+    fit.kind = ForceLawKind::kBlend;
+    std::for_each(kWeights.begin(), kWeights.end(), read);
+    fit.law.pull_weight = value_of(kWritten.size());
+    fit.law.pull_push_weight = value_of(kWritten.size() + 1);
+  }
   return fit;
 }
 

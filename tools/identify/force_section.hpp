@@ -11,14 +11,18 @@ namespace capstan::tools {
 auto force_section(const PullPushFit& fit) -> std::string;
 auto force_section(const PreisachFit& fit) -> std::string;
 
-/// "pull_push", "preisach", or nothing where a joint file has no [force] section. Throws BadInput if it is no TOML.
+/// Whether that model is one of two tendons: "pull_push" or "blend", which read_pull_push() reads.
+auto is_of_tendons(const std::string& model) -> bool;
+
+/// "pull_push", "blend", "preisach", or nothing where a joint file has no [force] section. Throws BadInput if it is no
+/// TOML.
 auto force_model(const std::string& joint_file, const std::string& name) -> std::string;
 
 /// The file has a [force] section and no [terms]: nothing for the joint's angle.
 auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool;
 
-/// The pull-push law of a joint file's [force] section, as far as it is written there. Throws BadInput: one sentence
-/// with file and cure where there is none or a number is missing.
+/// The pull-push law, or its blend with the pull law, of a joint file's [force] section, as far as it is written there.
+/// Throws BadInput: one sentence with file and cure where there is none or a number is missing.
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;
 
 /// The reversal table of a joint file's [force] section. Throws BadInput: one sentence with file and cure for a table

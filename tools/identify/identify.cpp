@@ -90,7 +90,7 @@ auto terms_of_model(const std::string& model) -> std::vector<std::string> {
   throw BadInput(
       "there is no model " + model +
       "; there are kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon, rigid_dynamics, inertia, " +
-      "pull_push and preisach");
+      "pull_push, blend and preisach");
 }
 
 auto is_effort_model(const std::string& model) -> bool {

@@ -67,7 +67,10 @@ auto identify_force(const JobLogs& logs, const std::string& model, const Say& wa
     }
     read.push_back(read_force_log(file, logs.axis));
   }
-  return model == "preisach" ? identified(fit_preisach(read, grid)) : identified(fit_pull_push(read));
+  if (model == "preisach") {
+    return identified(fit_preisach(read, grid));
+  }
+  return identified(model == "blend" ? fit_blend(read) : fit_pull_push(read));
 }
 
 auto undetermined_sentence(const ForceFit& fit) -> std::string {

@@ -123,7 +123,7 @@ auto identify_law(const LogsLike& logs, const std::string& model, const std::str
   Warnings warnings;
   const Law law = [&] {
     const py::gil_scoped_release others_may_run;
-    if (is_force_model(model)) {
+    if (is_force_law(model)) {
       const IdentifiedForce done = identify_force(read, model, warnings.say());
       if (!done.fit.undetermined.empty()) {
         throw Refusal(undetermined_sentence(done.fit));

@@ -18,6 +18,8 @@ auto converted(const ForceLawParameters<double>& from, Convert&& to) -> ForceLaw
   result.pull_push.eta_bottom = to(from.pull_push.eta_bottom);
   result.pull_push.pretension_nm = to(from.pull_push.pretension_nm);
   result.pull_push.ratio = to(from.pull_push.ratio);
+  result.pull_push.pull_weight = to(from.pull_push.pull_weight);
+  result.pull_push.pull_push_weight = to(from.pull_push.pull_push_weight);
   result.friction_nm = to(from.friction_nm);
   result.offset_nm = to(from.offset_nm);
   return result;
@@ -47,9 +49,9 @@ auto run(const Eigen::VectorXd& tau_nm, const BoardForceLaw& from, ToScalar&& to
 auto read_board_force_law(const std::string& joint_file, const std::string& name) -> BoardForceLaw {
   BoardForceLaw law;
   const std::string model = force_model(joint_file, name);
-  if (model == "pull_push") {
+  if (is_of_tendons(model)) {
     const PullPushFit fit = read_pull_push(joint_file, name);
-    law.parameters = {.kind = ForceLawKind::kPullPush,
+    law.parameters = {.kind = fit.kind,
                       .pull_push = fit.law,
                       .friction_nm = std::max(fit.friction_nm, 0.0),
                       .offset_nm = fit.offset_nm};
@@ -57,7 +59,8 @@ auto read_board_force_law(const std::string& joint_file, const std::string& name
     law.parameters.kind = ForceLawKind::kPreisach;
     law.table = read_preisach(joint_file, name);
   } else if (!model.empty()) {
-    throw BadInput(name + ": [force] has the model \"" + model + "\", which no board runs; pull_push and preisach are");
+    throw BadInput(name + ": [force] has the model \"" + model +
+                   "\", which no board runs; pull_push, blend and preisach are");
   }
   return law;
 }

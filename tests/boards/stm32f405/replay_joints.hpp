@@ -14,7 +14,10 @@ inline constexpr std::size_t kTendonAxis = 1;
 
 /// Pull-push on the even axes, Preisach's relays spread evenly on the odd ones: f_ab is the area below a and b.
 inline void give_force_law(ForceConfig& force, std::size_t axis) {
-  force.law = static_cast<std::int32_t>(axis % 2 == 0 ? ForceLawKind::kPullPush : ForceLawKind::kPreisach);
+  const ForceLawKind of_tendons = axis == 0 ? ForceLawKind::kBlend : ForceLawKind::kPullPush;
+  force.law = static_cast<std::int32_t>(axis % 2 == 0 ? of_tendons : ForceLawKind::kPreisach);
+  force.pull_weight = Q24::from_double(0.5904);
+  force.pull_push_weight = Q24::from_double(0.4686);
   force.eta_top = Q24::from_double(1.1414);
   force.eta_bottom = Q24::from_double(1.1404);
   force.pretension_nm = Q24::from_double(0.072);

@@ -74,6 +74,18 @@ TEST(ForceControlShell, BringsTheMotorToTheTorqueThatTheLawTurnedRoundSays) {
   EXPECT_NEAR(motor_torque(bench), -rise_to(-0.01), 2e-5);
 }
 
+TEST(ForceControlShell, BlendWithoutAWeightIsRefusedWithItsCure) {
+  Bench bench;
+  give_law(bench);
+  for (const char* line : {"begin", "set joint0.force.law 4", "set joint0.force.pull_push_weight 0"}) {
+    ASSERT_EQ(verdict(bench.say(line)), "ok") << line;
+  }
+  EXPECT_NE(bench.say("commit").find("force.pull_weight"), std::string::npos);
+  ASSERT_EQ(verdict(bench.say("set joint0.force.pull_weight 0.6")), "ok");
+  EXPECT_EQ(verdict(bench.say("commit")), "ok");
+  EXPECT_NE(bench.say("model joint0").find("blend (2.27), 0.6"), std::string::npos);
+}
+
 TEST(ForceControlShell, StandingTargetLeavesTheMotorAloneForEver) {
   Bench bench;
   hold_still(bench);

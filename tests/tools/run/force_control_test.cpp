@@ -26,6 +26,10 @@ auto pull_push_law() -> const Lines& {
   static const Lines lines = section_lines(force_section(fit_pull_push({test::record("recipe_pull_push.toml")})));
   return lines;
 }
+auto blend_law() -> const Lines& {
+  static const Lines lines = section_lines(force_section(fit_blend({test::record("recipe_pull_push.toml")})));
+  return lines;
+}
 auto preisach_law() -> const Lines& {
   static const Lines lines = section_lines(force_section(fit_preisach({test::record("recipe_preisach.toml")})));
   return lines;
@@ -126,12 +130,15 @@ TEST(ForceControl, FollowsWhatIsWantedManyTimesBetterThanTheMotorsTorqueAlone) {
     const double without = error_share(plain, by_ratio);
     Rig pull_push(c.environment, pull_push_law());
     const double tendons = error_share(pull_push, by_law);
+    Rig blended(c.environment, blend_law());
+    const double blend = error_share(blended, by_law);
     Rig preisach(c.environment, preisach_law());
     const double grid = error_share(preisach, by_law);
-    std::printf("%-26s no law %5.1f %%, pull-push %5.1f %%, Preisach %5.1f %% of %.2f N m\n", c.name, 100.0 * without,
-                100.0 * tendons, 100.0 * grid, kPeakNm);
+    std::printf("%-26s no law %5.1f %%, pull-push %5.1f %%, blend %5.1f %%, Preisach %5.1f %% of %.2f N m\n", c.name,
+                100.0 * without, 100.0 * tendons, 100.0 * blend, 100.0 * grid, kPeakNm);
     EXPECT_GT(without, 0.4);
     EXPECT_LT(tendons, 0.25 * without);
+    EXPECT_LT(blend, 0.25 * without);
     EXPECT_LT(grid, 0.25 * without);
   }
 }
