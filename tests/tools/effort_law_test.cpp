@@ -212,6 +212,12 @@ TEST(EffortFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(run_effort_law({log}, back), run_effort_law({log}, law));
 }
 
+TEST(EffortFile, TargetIsWhatAColumnWasCalledInAnyLetters) {
+  EffortLaw law = select_effort_law({rigid_log(0.02)}).law;
+  law.target = "axis0/\u03c4_Nm \"~x41\\";
+  EXPECT_EQ(parse_effort_file(effort_file_text(law), "law.toml").target, law.target);
+}
+
 TEST(EffortFile, RefusesWhatCanNotBeMeant) {
   const std::string good = effort_file_text(select_effort_law({rigid_log(0.02)}).law);
   const auto with = [&](const std::string& from, const std::string& to) {

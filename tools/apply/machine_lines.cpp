@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/apply/machine_lines.hpp"
 
-#include <toml++/toml.h>
 #include <algorithm>
 
-#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -37,19 +36,7 @@ void add_joint(const std::string& joint, const toml::table& table, const std::st
   }
 }
 
-}  // namespace
-
-auto machine_lines(const std::string& text, const std::string& file) -> std::vector<std::string> {
-  // The library's tables of letters run into undefined behaviour outside ASCII (3.3.0, found by fuzzing).
-  if (std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; })) {
-    throw BadInput(file + ": has letters beyond ASCII, and no file of 'capstan commission' has; take them out");
-  }
-  toml::table root;
-  try {
-    root = toml::parse(text, file);
-  } catch (const toml::parse_error& error) {
-    fail(file, error.source(), std::string(error.description()) + "; correct this line");
-  }
+auto lines_of(const toml::table& root, const std::string& file) -> std::vector<std::string> {
   std::vector<std::string> lines = {"maintenance open", "begin"};
   for (const auto& [key, node] : root) {
     const std::string joint(key.str());
@@ -67,6 +54,12 @@ auto machine_lines(const std::string& text, const std::string& file) -> std::vec
   }
   lines.insert(lines.end(), {"commit", "maintenance close"});
   return lines;
+}
+
+}  // namespace
+
+auto machine_lines(const std::string& text, const std::string& file) -> std::vector<std::string> {
+  return read_toml(text, file, "repair the line", [&file](const toml::table& root) { return lines_of(root, file); });
 }
 
 }  // namespace capstan::tools

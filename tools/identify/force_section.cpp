@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#define TOML_ASSERT(expr) static_assert(true)  // the library asserts what a person can type; its own error says so
 #include "capstan/tools/identify/force_section.hpp"
-
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +7,7 @@
 
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -43,15 +41,7 @@ auto array_of(const std::vector<double>& values) -> std::string {
 }
 
 auto parse(const std::string& joint_file, const std::string& name) -> toml::table {
-  std::string ascii = joint_file;  // names and numbers are; what is not may only be a remark
-  std::replace_if(
-      ascii.begin(), ascii.end(), [](char c) { return static_cast<unsigned char>(c) > 0x7F; }, '?');
-  try {
-    return toml::parse(ascii);
-  } catch (const toml::parse_error& error) {
-    throw BadInput(name + ": line " + std::to_string(error.source().begin.line) + ": this is no joint file (" +
-                   std::string(error.description()) + "); correct the line");
-  }
+  return parse_toml(joint_file, name, "repair the line or write the file anew with capstan identify");
 }
 
 auto numbers(const toml::node_view<const toml::node>& node, const std::string& what) -> std::vector<double> {

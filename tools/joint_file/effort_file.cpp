@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/joint_file/effort_file.hpp"
 
-#define TOML_ASSERT(expr) static_assert(true)
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -69,7 +67,7 @@ class EffortReader {
       sentence += " is missing; write it as text in quotes";
       fail(parent, sentence);
     }
-    return *text;
+    return as_written(*text);
   }
 
  private:
@@ -151,7 +149,7 @@ auto effort_file_text(const EffortLaw& law) -> std::string {
          "how "
          "much\n# later than logged the motor's torque acts. letting_go: time constant with which dry friction lets go "
          "at a\n# standstill; 0: it holds.\n[law]\nfamily = \"" +
-         (law.of_gear() ? kGearFamily : kEffortFamily) + "\"\ntarget = \"" + law.target + "\"\nstatus = \"" +
+         (law.of_gear() ? kGearFamily : kEffortFamily) + "\"\ntarget = " + quoted(law.target) + "\nstatus = \"" +
          law.status + "\"\n" + quantity("window", law.view.window_s, "s") +
          quantity("standstill", law.view.standstill, law.joint.catalogue->motion_unit() + "/s") +
          quantity("skew", law.view.skew_s, "s") + quantity("letting_go", law.view.letting_go_s, "s");
@@ -162,12 +160,8 @@ void write_effort_file(const std::string& path, const EffortLaw& law) {
 }
 
 auto parse_effort_file(const std::string& text, const std::string& name) -> EffortLaw {
-  try {
-    return parse_table(toml::parse(text, name), name);
-  } catch (const toml::parse_error& error) {
-    throw BadInput(place(name, static_cast<std::size_t>(error.source().begin.line)) + "this is not TOML: " +
-                   std::string(error.description()) + "; repair the line or write the file anew with capstan diagnose");
-  }
+  return read_toml(text, name, "repair the line or write the file anew with capstan diagnose",
+                   [&name](const toml::table& root) { return parse_table(root, name); });
 }
 
 auto read_effort_file(const std::string& path) -> EffortLaw {

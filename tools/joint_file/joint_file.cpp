@@ -6,6 +6,7 @@
 #include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -16,19 +17,6 @@ auto quantity(double value, const std::string& unit, const std::optional<Interva
     text += ", ci95 = [" + exact((*ci95)[0]) + ", " + exact((*ci95)[1]) + "]";
   }
   return text + " }\n";
-}
-
-/// TOML wants a decimal point or an exponent in a float; a whole number would read back as an integer, which is
-/// accepted too.
-auto quoted(const std::string& text) -> std::string {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      result += '\\';
-    }
-    result += c;
-  }
-  return result + "\"";
 }
 
 auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string {

@@ -12,39 +12,6 @@
 namespace capstan::tools {
 namespace {
 
-// The library's tables of letters run into undefined behaviour outside ASCII (3.3.0, found by fuzzing), so such letters
-// pass it as
-// "~x" and two hexadecimal digits for each byte.
-constexpr std::string_view kDigits = "0123456789ABCDEF";
-
-auto to_ascii(const std::string& text) -> std::string {
-  std::string ascii;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte > 0x7F || c == '~') {
-      ascii += {'~', 'x', kDigits[byte >> 4U], kDigits[byte & 0xFU]};
-    } else {
-      ascii += c;
-    }
-  }
-  return ascii;
-}
-
-auto from_ascii(const std::string& ascii) -> std::string {
-  std::string text;
-  for (std::size_t i = 0; i < ascii.size(); ++i) {
-    const std::size_t high = i + 3 < ascii.size() ? kDigits.find(ascii[i + 2]) : std::string_view::npos;
-    const std::size_t low = i + 3 < ascii.size() ? kDigits.find(ascii[i + 3]) : std::string_view::npos;
-    if (ascii.compare(i, 2, "~x") == 0 && high != std::string_view::npos && low != std::string_view::npos) {
-      text += static_cast<char>(static_cast<unsigned char>(high * kDigits.size() + low));
-      i += 3;
-    } else {
-      text += ascii[i];
-    }
-  }
-  return text;
-}
-
 void read_conditioner(const SectionReader& reader, const toml::table& root, JointFile& joint) {
   const toml::table* table = reader.table(root, "conditioner");
   if (table == nullptr) {
@@ -171,34 +138,13 @@ void read_fit(const SectionReader& reader, const toml::table& root, JointFile& j
   fit.pretension = numbers_of<PretensionNumbers>(reader, *table, "pretension", PretensionNumbers::kMost);
   if (const auto* logs = table->get("logs"); logs != nullptr && logs->as_array() != nullptr) {
     for (const auto& log : *logs->as_array()) {
-      fit.logs.push_back(from_ascii(log.value_or(std::string{})));
+      fit.logs.push_back(as_written(log.value_or(std::string{})));
     }
   }
   joint.fit = fit;
 }
 
-/// TOML allows no control characters, and the library relies on it.
-void require_text(const std::string& text, const std::string& name) {
-  const auto bad = std::find_if(text.begin(), text.end(), [](char c) {
-    return (c >= 0 && c < ' ' && c != '\t' && c != '\n' && c != '\r') || c == '\x7F';
-  });
-  if (bad != text.end()) {
-    const auto line = static_cast<std::size_t>(std::count(text.begin(), bad, '\n')) + 1;
-    throw BadInput(place(name, line) +
-                   "there are bytes that are no text; give a joint.toml, or write it anew with "
-                   "capstan identify");
-  }
-}
-
-/// @param text  as to_ascii gives it
-auto parse_ascii(const std::string& text, const std::string& name) -> JointFile {
-  toml::table root;
-  try {
-    root = toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    throw BadInput(place(name, static_cast<std::size_t>(error.source().begin.line)) + "this is not TOML: " +
-                   std::string(error.description()) + "; repair the line or write the file anew with capstan identify");
-  }
+auto read_table(const toml::table& root, const std::string& name) -> JointFile {
   const SectionReader reader(name);
   const auto schema = root["schema"].value<std::string>();
   if (schema == kEffortSchema) {
@@ -231,12 +177,8 @@ auto parse_ascii(const std::string& text, const std::string& name) -> JointFile 
 }  // namespace
 
 auto parse_joint_file(const std::string& text, const std::string& name) -> JointFile {
-  require_text(text, name);
-  try {
-    return parse_ascii(to_ascii(text), name);
-  } catch (const BadInput& refusal) {
-    throw BadInput(from_ascii(refusal.what()));
-  }
+  return read_toml(text, name, "repair the line or write the file anew with capstan identify",
+                   [&name](const toml::table& root) { return read_table(root, name); });
 }
 
 auto read_joint_file(const std::string& path) -> JointFile {

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// The library asserts what a person can type ("[$x]"); without that its own error says so.
-#define TOML_ASSERT(expr) static_assert(true)
-#include <toml++/toml.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +8,7 @@
 #include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
 

@@ -79,7 +79,7 @@ class RoutingReader {
         }
         run.pulleys.push_back(pulley(*entry.as_table()));
         run.names.push_back(
-            (*entry.as_table())["name"].value<std::string>().value_or(std::to_string(run.pulleys.size())));
+            as_written((*entry.as_table())["name"].value<std::string>().value_or(std::to_string(run.pulleys.size()))));
       }
     }
     read_spans(*table, run);
@@ -113,12 +113,8 @@ class RoutingReader {
 }  // namespace
 
 auto read_routing(const std::string& text, const std::string& name) -> Routing {
-  try {
-    return RoutingReader(name).read(toml::parse(text));
-  } catch (const toml::parse_error& error) {
-    throw BadInput(place(name, error.source().begin.line) + "this is no routing file (" +
-                   std::string(error.description()) + "); 'capstan routing --help' shows one");
-  }
+  return read_toml(text, name, "repair the line; 'capstan routing --help' shows a routing file",
+                   [&name](const toml::table& root) { return RoutingReader(name).read(root); });
 }
 
 }  // namespace capstan::tools

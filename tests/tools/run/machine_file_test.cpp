@@ -39,7 +39,8 @@ TEST(MachineFile, WhatIsNoParameterIsRefusedWithItsLine) {
            {"[joint7]\n\"control.kp\" = \"1\"\n", ":2: 'joint7' is none of [joint0] to [joint3]"},
            {"[joint0]\ncontrol\n", ":3: "},
            {"", "sets nothing"},
-           {"# \xC3\xBC\n", "letters beyond ASCII"}}) {
+           {"# \xC3\xBC\n", "sets nothing"},
+           {"[joint0]\n\"control.k\xC3\xBC\" = \"1\"\n", ":3: 'control.k\xC3\xBC' is no parameter"}}) {
     try {
       machine_lines(kHead + body, "machine.toml");
       ADD_FAILURE() << body;
