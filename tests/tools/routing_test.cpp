@@ -254,7 +254,7 @@ TEST(Routing, RefusesWhatMakesNoSenseWithLineAndRange) {
            Bad{"[top]", "[up]", "unknown key up"},
            Bad{"load_Nm = 0.05", "", "load_Nm is missing; give a number from -1e+04 to 1e+04"},
            Bad{"load_Nm = 0.05", "load_Nm =", "this is not TOML: "},
-           Bad{"[top]", "[t\u00fcp]", "unknown key t\u00fcp"},
+           Bad{"[top]", "[\"t\u00fcp\"]", "unknown key t\u00fcp"},
            Bad{"radius_m = 0.004", "radius_mm = 4", "unknown key radius_mm in a pulley"},
        }) {
     EXPECT_NE(refusal(changed(good, bad.from, bad.to)).find(bad.says), std::string::npos)
