@@ -207,7 +207,8 @@ class PullPush {
   /// is held or a piece of it ends. @pre the output at `now` is below `torque`
   [[nodiscard]] constexpr auto rising_input_for(const HeldLines& lines, Scalar torque, Scalar now) const -> Scalar {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
-    const auto& [pull, pull_push] = lines;
+    const HeldLine& pull = lines.pull;
+    const HeldLine& pull_push = lines.pull_push;
     if (parameters_.pull_weight == Scalar{} && parameters_.pull_push_weight == kOne) {
       return std::max(now, pull_push.line.input_for(torque));
     }
@@ -216,20 +217,24 @@ class PullPush {
     }
     const auto output_at = [&](Scalar x) { return blended(pull.at(x), pull_push.at(x)).value(); };
     const auto pull_push_ends = pull_push.line.ends();
-    std::array<Scalar, 5> knots = {pull.line.input_for(pull.held), pull.line.ends()[1],
-                                   pull_push.line.input_for(pull_push.held), pull_push_ends[0], pull_push_ends[1]};
-    std::sort(knots.begin(), knots.end());
+    const std::array<Scalar, 5> knots = {pull.line.input_for(pull.held), pull.line.ends()[1],
+                                         pull_push.line.input_for(pull_push.held), pull_push_ends[0],
+                                         pull_push_ends[1]};
     Scalar x = now;
     Scalar output = output_at(now);
-    for (const Scalar knot : knots) {
-      if (knot <= x) {
-        continue;
+    for (std::size_t visited = 0; visited < knots.size(); ++visited) {
+      const Scalar* next = nullptr;
+      for (const Scalar& knot : knots) {
+        next = x < knot && (next == nullptr || knot < *next) ? &knot : next;
       }
-      const Scalar there = output_at(knot);
+      if (next == nullptr) {
+        break;
+      }
+      const Scalar there = output_at(*next);
       if (torque <= there) {
-        return x + (torque - output) / (there - output) * (knot - x);
+        return x + (torque - output) / (there - output) * (*next - x);
       }
-      x = knot;
+      x = *next;
       output = there;
     }
     // Beyond the last of them the pulled tendon alone carries in both laws.

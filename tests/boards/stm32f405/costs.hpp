@@ -220,6 +220,18 @@ void measure_force_laws(Print& out) {
         estimate.saturated |= beyond;
         touch(estimate);
       });
+  Scalar wanted;
+  measure(
+      out, "pull_push_inverse",
+      [&](int i) {
+        walk.step(i);
+        estimate = pull_push.update(walk.tau, true);
+        wanted = chance<Scalar>.within(from<Scalar>(0.15));
+      },
+      [&] {
+        Scalar command = pull_push.input_for(wanted, walk.tau);
+        touch(command);
+      });
   constexpr TensionStateParameters<Scalar> kState = {from<Scalar>(1.1414), from<Scalar>(1.1404), from<Scalar>(0.072),
                                                      from<Scalar>(2.92),   from<Scalar>(2.91),   from<Scalar>(1.083)};
   static TensionState<Scalar> state(kState);
