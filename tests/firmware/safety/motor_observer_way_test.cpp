@@ -98,6 +98,30 @@ TEST(MotorObserver, HalfOfWhatAMotorPressedWithMayGoBeforeItTurns) {
 }
 
 // The current limit falls in one cycle where the winding is hot.
+/// Pressed with `load_a`, shows one last count in the direction in which its torque then goes by `by_a` in 150 cycles.
+auto without_a_count(double load_a, double by_a) -> FaultSet {
+  Rig rig;
+  FaultSet faults = 0;
+  for (int i = 0; i <= 90; ++i) {
+    EXPECT_EQ(rig.step(load_a > 0.0 ? 1 : -1, load_a * i / 90.0), 0U) << i;
+  }
+  EXPECT_EQ(rig.step(0, load_a), 0U);
+  EXPECT_EQ(rig.step(by_a > 0.0 ? 1 : -1, load_a), 0U);
+  for (int i = 0; i <= 150; ++i) {
+    faults |= rig.step(0, load_a + (by_a * i / 150.0));
+  }
+  return faults;
+}
+
+TEST(MotorObserver, AnEighthOfALoadMayGoWithoutACountAndMayNotCome) {
+  EXPECT_EQ(without_a_count(0.9, -0.1), 0U);
+  EXPECT_EQ(without_a_count(-0.9, 0.1), 0U);
+  EXPECT_EQ(without_a_count(0.9, 0.1), bit(Fault::kEncoderFrozen));
+  EXPECT_EQ(without_a_count(-0.9, -0.1), bit(Fault::kEncoderFrozen));
+  EXPECT_EQ(without_a_count(0.2, -0.1), bit(Fault::kEncoderFrozen)) << "half of it may not";
+  EXPECT_EQ(without_a_count(0.9, -0.2), bit(Fault::kEncoderFrozen)) << "more than friction and an eighth";
+}
+
 TEST(MotorObserver, AStepOfTorqueMayBeAnsweredAtTheRateOfTorque) {
   for (const bool answered : {true, false}) {
     Rig rig(stretching_config());
