@@ -18,7 +18,7 @@ constexpr double kPi = std::numbers::pi;
 // docs/tuning.md reports other seeds.
 constexpr double kFirstShare = 0.03;              // of the continuous torque, and raised until the motor answers
 constexpr double kMostShare = 0.4;                // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
-constexpr double kCounts = 8.0;                   // from end to end: an encoder that counts at all
+constexpr double kCounts = 4.0;                   // from end to end: an encoder that counts at all
 constexpr double kUnseenRad = 1.5 * kPi / 180.0;  // to and fro of a motor that nothing holds, until its encoder counts
 constexpr double kSlowFromHz = 50.0;
 constexpr double kFastFromHz = 80.0;  // of a harder shake, ...
@@ -29,14 +29,17 @@ constexpr double kFastRad =
     2.5 * kPi / 180.0;                  // ... in which a motor that nothing holds goes no further to and fro ...
 constexpr double kFastWayRad = 0.0125;  // ... and none but this: its counts may be wrong by four
 constexpr double kFastestWayRad = 0.018;
+// ... or so many counts: on RAVEN's elbow, of 4,000, that is 0.9 deg. Elbows 1335 to 1349, which friction holds.
+constexpr double kFastWayCounts = 10.0;
 constexpr double kGrowth = 1.5;
-constexpr double kAnswerCounts = 3.0;  // rms of the motor about its mean
-constexpr int kGlanceS = 5;            // of shaking, while it is too little for the motor to answer ...
-constexpr int kShakeS = 11;            // ... and for its response: four periods, and one to settle
-constexpr double kFollows = 0.3;       // measured current over the wanted one
-constexpr double kFits = 0.2;          // of the answer that motor, spring and delay leave
-constexpr double kSettled = 0.12;      // from one amplitude to the next, a half larger
-constexpr double kTellsTo = 120.0;     // Hz; above, the delay turns the answer round
+constexpr double kAnswerCounts = 3.0;      // rms of the motor about its mean ...
+constexpr double kFastAnswerCounts = 1.5;  // ... and where it may not go far
+constexpr int kGlanceS = 5;                // of shaking, while it is too little for the motor to answer ...
+constexpr int kShakeS = 11;                // ... and for its response: four periods, and one to settle
+constexpr double kFollows = 0.3;           // measured current over the wanted one
+constexpr double kFits = 0.2;              // of the answer that motor, spring and delay leave
+constexpr double kSettled = 0.12;          // from one amplitude to the next, a half larger
+constexpr double kTellsTo = 120.0;         // Hz; above, the delay turns the answer round
 // Inertia by the shake over that of the data sheet; wrong counts are 2 or 4. Friction holds, so it passes for inertia.
 constexpr double kLeastApart = 0.82, kMostApart = 1.6;
 
@@ -108,8 +111,8 @@ auto CommissionSteps::over_data_sheet(double inertia) const -> double {
   return inertia / options_.inertia_kgm2.value_or(inertia);
 }
 
-auto CommissionSteps::unseen_nm() const -> double {
-  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * kSlowFromHz, 2);
+auto CommissionSteps::unseen_nm(double from_hz) const -> double {
+  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * from_hz, 2);
 }
 
 void CommissionSteps::refuse_scale(double inertia) const {
@@ -151,7 +154,7 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
   std::vector<Shake> all;
   double amplitude_nm = kFirstShare * continuous_nm();
   for (; amplitude_nm < kMostShare * continuous_nm(); amplitude_nm *= kGrowth) {
-    all.push_back({"from=" + rounded(kSlowFromHz) + "Hz to=150Hz", amplitude_nm, kMotorWayRad, false});
+    all.push_back({"from=" + rounded(kSlowFromHz) + "Hz to=150Hz", kSlowFromHz, amplitude_nm, kMotorWayRad, false});
   }
   if (!options_.inertia_kgm2) {
     return all;
@@ -160,23 +163,28 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
     const double most_nm =
         std::min(continuous_nm(), kFastRad * *options_.inertia_kgm2 * std::pow(2.0 * kPi * from_hz, 2));
     for (double before_nm = amplitude_nm / kGrowth; before_nm < most_nm; before_nm *= kGrowth) {
-      all.push_back({"from=" + rounded(from_hz) + to, std::min(most_nm, kGrowth * before_nm), way_rad, true});
+      all.push_back({"from=" + rounded(from_hz) + to, from_hz, std::min(most_nm, kGrowth * before_nm), way_rad, true});
     }
   };
-  add(kFastFromHz, "Hz to=160Hz", kFastWayRad);
-  add(kFastestFromHz, "Hz to=300Hz", kFastestWayRad);
+  const double coarse_rad = kFastWayCounts * joint_.count_rad();
+  add(kFastFromHz, "Hz to=160Hz", std::max(kFastWayRad, coarse_rad));
+  add(kFastestFromHz, "Hz to=300Hz", std::max(kFastestWayRad, coarse_rad));
   return all;
 }
 
 void CommissionSteps::shake(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
-  const auto answered = [&joint](const CsvLog& log) {
-    return rms_about_mean(joint.column(log, "q1_rad")) > kAnswerCounts * joint.count_rad();
+  const auto answered = [&joint](const CsvLog& log, bool fast) {
+    const double least = fast ? kFastAnswerCounts : kAnswerCounts;
+    return rms_about_mean(joint.column(log, "q1_rad")) > least * joint.count_rad();
   };
   double last = 0.0;
-  // Friction makes a motor heavier, never lighter.
-  const auto is_sure = [&] { return last < 0.0 || (last > 0.0 && steps.over_data_sheet(last) < kMostApart); };
+  // Friction makes a motor heavier, never lighter; stiff tendons may, where the shake is slow.
+  const auto is_lighter = [&](double inertia) { return inertia > 0.0 && steps.over_data_sheet(inertia) < kLeastApart; };
+  const auto is_sure = [&] {
+    return last < 0.0 || (last > 0.0 && !is_lighter(last) && steps.over_data_sheet(last) < kMostApart);
+  };
   bool answers = false;
   bool ever_answered = false;
   bool counts = false;
@@ -185,23 +193,26 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     if (one.band == too_far) {
       continue;
     }
-    // A motor that can not be seen is not shaken harder, and lines nearer to the sampling rate tell less of its
-    // inertia.
-    if ((one.fast && (!ever_answered || is_sure())) || (!counts && one.amplitude_nm > steps.unseen_nm())) {
+    // Lines nearer to the sampling rate tell less of the inertia.
+    if (one.fast && is_sure()) {
       break;
+    }
+    // A motor that can not be seen is shaken harder only so fast that it goes no further, were it free.
+    if (!counts && one.amplitude_nm > steps.unseen_nm(one.from_hz)) {
+      continue;
     }
     std::optional<CsvLog> shaken;
     try {
       if (!answers) {
         shaken = steps.shaken(one, kGlanceS);
-        answers = answered(*shaken);
+        answers = answered(*shaken, one.fast);
       }
       if (answers) {
         shaken = steps.shaken(one, kShakeS);
-        answers = answered(*shaken);
+        answers = answered(*shaken, one.fast);
       }
     } catch (const Refusal& refusal) {
-      if (!ever_answered) {
+      if (!ever_answered && !one.fast) {
         joint.disarm();
         throw Refusal("shaken with " + rounded(one.amplitude_nm, 2) +
                       " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or what it is "
@@ -220,13 +231,13 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     steps.judge_current(*shaken);
     const std::optional<double> inertia = answers ? steps.inertia_of(*shaken) : std::nullopt;
     // Friction holds a motor that is shaken too little, and passes for inertia.
-    if (inertia && std::fabs(*inertia - last) < kSettled * std::fabs(*inertia)) {
+    if (inertia && !is_lighter(*inertia) && std::fabs(*inertia - last) < kSettled * std::fabs(*inertia)) {
       steps.judge_inertia(*inertia);
       return;
     }
     last = inertia.value_or(0.0);
   }
-  if (is_sure()) {
+  if (is_sure() || is_lighter(last)) {
     steps.judge_inertia(last);
     return;
   }
