@@ -130,6 +130,30 @@ TEST(GateThermal, TwiceTheContinuousCurrentIsAllowedForAsLongAsTheWindingStandsI
   EXPECT_EQ(axis.telemetry().drive_a, q(1.5));
 }
 
+/// A motor that stands while its reference goes away by 0.9 rad, after 3 A for some time.
+auto faults_of_a_held_motor(double heat_s) -> FaultSet {
+  AxisConfig config = config_without_rate_limit();
+  config.limits.following_error_rad = q(1.0);
+  AxisBench axis(config);
+  arm_at_rest(axis);
+  for (int i = 0; i < 1000.0 * heat_s; ++i) {
+    static_cast<void>(axis.gated(0.0, 3.0, 3.0));
+  }
+  FaultSet faults = 0;
+  for (int i = 0; i <= 900; ++i) {
+    axis.estimate(sensed_at(0.0, axis.telemetry().drive_a.to_double()));
+    static_cast<void>(axis.command({.kind = Request::Kind::kFollow, .position_rad = q(0.001 * i)}));
+    static_cast<void>(axis.drive(axis.control(), true));
+    faults |= axis.faults(true);
+  }
+  return faults;
+}
+
+TEST(GateThermal, WhatTheWindingsHeatHoldsBackNeedsNoCount) {
+  EXPECT_EQ(faults_of_a_held_motor(3.2), FaultSet{0});
+  EXPECT_EQ(faults_of_a_held_motor(0.0), bit(Fault::kEncoderFrozen)) << "a cold one has all its torque";
+}
+
 TEST(GateThermal, TheContinuousCurrentIsAllowedForEver) {
   AxisBench axis(config_without_rate_limit());
   EXPECT_EQ(cycles_to_heat(axis, 1.49, 200'000), -1);
