@@ -100,6 +100,9 @@ auto CommissionSteps::inertia_of(const CsvLog& log) const -> std::optional<doubl
       springs.push_back(1.0 / std::abs(point.motor.value));
     }
   }
+  if (inertias.empty()) {
+    return std::nullopt;
+  }
   // A motor that friction holds bends its tendons: with the torque, and as far at each frequency.
   if (way > 0.0 && spread(springs) < spread(inertias)) {
     return std::nullopt;
@@ -185,6 +188,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
   const auto is_sure = [&] {
     return last < 0.0 || (last > 0.0 && !is_lighter(last) && steps.over_data_sheet(last) < kMostApart);
   };
+  double lighter = 0.0;  // the last inertia less than the data sheet's
   bool answers = false;
   bool ever_answered = false;
   bool counts = false;
@@ -235,11 +239,15 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       steps.judge_inertia(*inertia);
       return;
     }
+    lighter = inertia && is_lighter(*inertia) ? *inertia : lighter;
     last = inertia.value_or(0.0);
   }
   if (is_sure() || is_lighter(last)) {
     steps.judge_inertia(last);
     return;
+  }
+  if (last == 0.0 && lighter > 0.0) {  // and faster it said nothing
+    steps.refuse_scale(lighter);
   }
   if (ever_answered) {
     throw Refusal(
