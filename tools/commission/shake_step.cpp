@@ -114,8 +114,8 @@ auto CommissionSteps::over_data_sheet(double inertia) const -> double {
   return inertia / options_.inertia_kgm2.value_or(inertia);
 }
 
-auto CommissionSteps::unseen_nm(double from_hz) const -> double {
-  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * from_hz, 2);
+auto CommissionSteps::unseen_nm() const -> double {
+  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * kSlowFromHz, 2);
 }
 
 void CommissionSteps::refuse_scale(double inertia) const {
@@ -157,7 +157,7 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
   std::vector<Shake> all;
   double amplitude_nm = kFirstShare * continuous_nm();
   for (; amplitude_nm < kMostShare * continuous_nm(); amplitude_nm *= kGrowth) {
-    all.push_back({"from=" + rounded(kSlowFromHz) + "Hz to=150Hz", kSlowFromHz, amplitude_nm, kMotorWayRad, false});
+    all.push_back({"from=" + rounded(kSlowFromHz) + "Hz to=150Hz", amplitude_nm, kMotorWayRad, false});
   }
   if (!options_.inertia_kgm2) {
     return all;
@@ -166,7 +166,7 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
     const double most_nm =
         std::min(continuous_nm(), kFastRad * *options_.inertia_kgm2 * std::pow(2.0 * kPi * from_hz, 2));
     for (double before_nm = amplitude_nm / kGrowth; before_nm < most_nm; before_nm *= kGrowth) {
-      all.push_back({"from=" + rounded(from_hz) + to, from_hz, std::min(most_nm, kGrowth * before_nm), way_rad, true});
+      all.push_back({"from=" + rounded(from_hz) + to, std::min(most_nm, kGrowth * before_nm), way_rad, true});
     }
   };
   const double coarse_rad = kFastWayCounts * joint_.count_rad();
@@ -197,13 +197,10 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     if (one.band == too_far) {
       continue;
     }
-    // Lines nearer to the sampling rate tell less of the inertia.
-    if (one.fast && is_sure()) {
+    // A motor that can not be seen is not shaken harder, and lines nearer to the sampling rate tell less of its
+    // inertia. (Faster and harder, dead encoders let wrist 1553 go by 12.7 deg.)
+    if ((one.fast && (!ever_answered || is_sure())) || (!counts && one.amplitude_nm > steps.unseen_nm())) {
       break;
-    }
-    // A motor that can not be seen is shaken harder only so fast that it goes no further, were it free.
-    if (!counts && one.amplitude_nm > steps.unseen_nm(one.from_hz)) {
-      continue;
     }
     std::optional<CsvLog> shaken;
     try {
@@ -216,7 +213,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
         answers = answered(*shaken, one.fast);
       }
     } catch (const Refusal& refusal) {
-      if (!ever_answered && !one.fast) {
+      if (!ever_answered) {
         joint.disarm();
         throw Refusal("shaken with " + rounded(one.amplitude_nm, 2) +
                       " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or what it is "

@@ -38,7 +38,6 @@ class CommissionSteps {
   /// What the motor is shaken with.
   struct Shake {
     std::string band;  ///< options of the multisine
-    double from_hz;    ///< its lowest line
     double amplitude_nm;
     double way_rad;  ///< where it ends
     bool fast;
@@ -56,9 +55,8 @@ class CommissionSteps {
   /// spring does, held by friction.
   [[nodiscard]] auto inertia_of(const CsvLog& log) const -> std::optional<double>;
   [[nodiscard]] auto over_data_sheet(double inertia) const -> double;
-  /// Torque of a shake from that frequency on that an encoder has to show, N m; anything where nobody said what the
-  /// data sheet has.
-  [[nodiscard]] auto unseen_nm(double from_hz) const -> double;
+  /// Torque of a shake that an encoder has to show, N m; anything where nobody said what the data sheet has.
+  [[nodiscard]] auto unseen_nm() const -> double;
   [[noreturn]] void refuse_scale(double inertia) const;
   /// Friction and the joint make a motor heavier than its data sheet says, never lighter.
   void require_no_lighter(double inertia) const;
