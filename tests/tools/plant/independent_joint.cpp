@@ -181,9 +181,13 @@ auto log_of(const independent::Parameters& joint, const LabExperiment& experimen
   const double pull = std::min(0.25, kPullNm / (1.5 * stiffness * joint.motor_radius_m * joint.motor_radius_m));
   const Course course = course_of(experiment, pull);
   const double beta = joint.held ? 1.0 : joint.motor_radius_m / joint.joint_radius_m;
-  const double repeat = experiment.repeat_s;
+  // There and back: a course that began anew would jump, which no laboratory lets its joint do.
+  const auto folded = [repeat = experiment.repeat_s](double time) {
+    const double into = std::fmod(time, 2.0 * repeat);
+    return into < repeat ? into : 2.0 * repeat - into;
+  };
   const auto rows = independent::moved(
-      joint, [&](double time) { return course(std::fmod(time, repeat)) / beta; }, joint.held ? 20.0 : kDuration,
+      joint, [&](double time) { return course(folded(time)) / beta; }, joint.held ? 20.0 : kDuration,
       experiment.rate_hz, experiment.noise_seed);
   std::string text = joint.held ? "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad,axis0/tau_out_Nm\n"
                                 : "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad\n";
