@@ -130,6 +130,20 @@ TEST_F(Command, AnUnknownEffectIsARefusal) {
   EXPECT_NE(outcome.output.find("verdict: unknown"), std::string::npos) << outcome.output;
 }
 
+TEST_F(Command, AWordThatIsNoCommandIsToldWhatWasMeant) {
+  const Outcome slip = run("diagnos log.csv");
+  EXPECT_EQ(slip.status, 2);
+  EXPECT_NE(slip.output.find("did you mean 'diagnose'?"), std::string::npos) << slip.output;
+  const Outcome stranger = run("banana");
+  EXPECT_EQ(stranger.status, 2);
+  EXPECT_NE(stranger.output.find("there is no command 'banana'; `capstan --help`"), std::string::npos)
+      << stranger.output;
+  const Outcome nothing = run("");
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_NE(nothing.output.find("`capstan --help` lists the commands"), std::string::npos) << nothing.output;
+  EXPECT_EQ(run("--help").status, 0);
+}
+
 TEST_F(Command, BadLogsEndWithStatusTwoAndOneSentence) {
   const std::string good = "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad\n";
   const std::string cases[][2] = {

@@ -12,6 +12,7 @@
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/run_linux_rt.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/nearest.hpp"
 
 namespace {
 
@@ -22,6 +23,24 @@ auto backwards(std::vector<std::string> words) -> std::vector<std::string> {
   }
   std::reverse(words.begin(), words.end());
   return words;
+}
+
+/// CLI11 would only say of a first word that is no command that a command is missing.
+void expect_command(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.empty()) {
+    throw capstan::tools::BadInput("say what to do; `capstan --help` lists the commands");
+  }
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  if (words.front().starts_with('-') || std::find(names.begin(), names.end(), words.front()) != names.end()) {
+    return;
+  }
+  const auto meant = capstan::tools::nearest(words.front(), names);
+  throw capstan::tools::BadInput("there is no command '" + words.front() + "'; " +
+                                 (meant ? "did you mean '" + *meant + "'? " : std::string()) +
+                                 "`capstan --help` lists the commands");
 }
 
 /// A diagnosis frees and takes columns of a whole log thousands of times. glibc gives each back to the kernel, which
@@ -70,6 +89,7 @@ int main(int argc, char** argv) {
     if (words.size() >= kOwnWords && words[0] == "run" && words[1] == "--board" && words[2] == "linux_rt") {
       run_linux_rt({words.begin() + kOwnWords, words.end()});
     }
+    expect_command(app, words);
     app.parse(backwards(words));
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;

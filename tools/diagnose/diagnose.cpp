@@ -191,6 +191,16 @@ constexpr const char* kNotBetterUnseen =
     "laws without a name fit the log better and erred more than the base law on the rows set aside, so none is "
     "delivered; a longer log may tell more";
 
+/// A law is nearer to the rows that it was fitted to than to others, the more so the more it was chosen from.
+void widen_error_bar(double unseen_rms, FitSummary& fit) {
+  if (fit.error_bar && fit.rmse > 0.0) {
+    const double times = std::max(1.0, unseen_rms / fit.rmse);
+    auto& [steady, turning, turn, from, to, torque] = fit.error_bar->values;
+    steady *= times;
+    turning *= times;
+  }
+}
+
 /// The law that is delivered, and its error on rows that chose nothing.
 void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
   d.law = choice.law;
@@ -198,6 +208,9 @@ void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
   d.traces.after = estimates(p.logs, p.causal, choice.learned);
   d.after = report_error(p, d.traces.after);
   d.ratio_ci95 = ratio_interval(p, d.traces.before, d.traces.after);
+  if (d.law.fit) {  // both measures are of laws fitted to fewer rows than the delivered one, so the smaller is nearer
+    widen_error_bar(choice.unseen_rms > 0.0 ? std::min(d.after.rmse, choice.unseen_rms) : d.after.rmse, *d.law.fit);
+  }
 }
 
 /// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does

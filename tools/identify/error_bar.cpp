@@ -16,7 +16,6 @@ constexpr double kHeld = 0.95;  // of all samples
 struct Error {
   double travel_rad;
   double size_rad;
-  bool first;  ///< on the way that the log began with
 };
 
 template <typename Belongs>
@@ -33,7 +32,7 @@ auto width_of(const std::vector<Error>& errors, const Belongs& belongs) -> std::
 /// The two widths for one turn, both of the samples that a board with this turn tells them of.
 auto with_turn(const std::vector<Error>& errors, double turn_rad) -> std::optional<std::pair<HeldWidth, HeldWidth>> {
   const auto steady = width_of(errors, [&](const Error& e) { return e.travel_rad >= turn_rad; });
-  const auto turning = width_of(errors, [&](const Error& e) { return e.travel_rad < turn_rad && !e.first; });
+  const auto turning = width_of(errors, [&](const Error& e) { return e.travel_rad < turn_rad; });
   return steady && turning ? std::optional(std::pair(*steady, *turning)) : std::nullopt;
 }
 
@@ -44,13 +43,15 @@ struct Seen {
   double torque_nm = 0.0;
 };
 
-auto see(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad) -> Seen {
+auto see(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad, const Blocks& settled) -> Seen {
   Seen seen;
   Eigen::Index row = 0;
-  for (const Samples& log : samples) {
-    const double start = log.empty() ? 0.0 : log.front().q1_reversal;
-    for (const auto& now : log) {
-      seen.errors.push_back({std::abs(now.q1 - now.q1_reversal), std::abs(error_rad[row++]), now.q1_reversal == start});
+  for (std::size_t log = 0; log < samples.size(); ++log) {
+    for (const auto& now : samples[log]) {
+      if (row >= settled[log].begin) {
+        seen.errors.push_back({std::abs(now.q1 - now.q1_reversal), std::abs(error_rad[row])});
+      }
+      ++row;
       seen.from_rad = std::min(seen.from_rad, now.q1);
       seen.to_rad = std::max(seen.to_rad, now.q1);
       seen.torque_nm = std::max(seen.torque_nm, std::abs(now.tau));
@@ -75,13 +76,13 @@ auto held_width(const std::vector<double>& sizes) -> std::optional<HeldWidth> {
   return width;
 }
 
-auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad)
+auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad, const Blocks& settled)
     -> std::optional<ErrorBarNumbers> {
   // A board that goes where the logs went passes their ends by as much at times.
   constexpr double kBeyond = 0.05;
   // Shares of the range of motion, from where presliding ends to where a stroke does.
   constexpr std::array<double, 7> kTurns = {0.01, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3};
-  const Seen seen = see(samples, error_rad);
+  const Seen seen = see(samples, error_rad, settled);
   const double range = seen.to_rad - seen.from_rad;
   const auto whole = width_of(seen.errors, [](const Error&) { return true; });
   if (!whole || range <= 0.0) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "capstan/tools/identify/least_squares.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
 #include "capstan/tools/joint_file/error_bar_numbers.hpp"
 
@@ -19,11 +20,12 @@ struct HeldWidth {
 auto held_width(const std::vector<double>& sizes) -> std::optional<HeldWidth>;
 
 /// How far from the joint a law was in its logs, 95 of 100 times: near a reversal and beyond, as a board tells it.
-/// Where no turn leaves enough samples on either side of it, both are that of all samples. Of the way that a log began
-/// with nothing is near a reversal: a board does not tell there.
+/// Where no turn leaves enough samples on either side of it, both are that of all samples.
 /// @param samples    of each log, as the law runs over them
 /// @param error_rad  measured joint angle less the law's, all logs, one below the other
+/// @param settled    rows that tell of the law: a board does not tell before, either
 /// @returns nothing where too few samples are left
-auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad) -> std::optional<ErrorBarNumbers>;
+auto error_bar(const std::vector<Samples>& samples, const Eigen::VectorXd& error_rad, const Blocks& settled)
+    -> std::optional<ErrorBarNumbers>;
 
 }  // namespace capstan::tools

@@ -7,6 +7,7 @@
 #include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/pretension.hpp"
+#include "capstan/tools/identify/settled.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/identify/torque_balance.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -53,6 +54,18 @@ auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) ->
 
 namespace {
 
+/// Motor angle at every sample, all logs one below the other.
+auto motor_angles(const LawDesign& design) -> Eigen::VectorXd {
+  Eigen::VectorXd q1(design.rows());
+  Eigen::Index row = 0;
+  for (const Samples& log : design.samples()) {
+    for (const auto& sample : log) {
+      q1[row++] = sample.q1;
+    }
+  }
+  return q1;
+}
+
 /// Steady torque, friction and the loop between motor and joint: of motions in which the joint is free.
 void describe_free_motion(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
                           JointFile& joint) {
@@ -83,7 +96,12 @@ auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std:
 
 void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
                     const Eigen::VectorXd& estimate, JointFile& joint) {
-  joint.fit->error_bar = error_bar(design.samples(), target - estimate);
+  const Blocks settled = settled_rows(motor_angles(design), pieces_of(design.log_rows()));
+  const Eigen::VectorXd left = stacked(target - estimate, settled);
+  joint.fit->rmse = rms(left);
+  joint.fit->gof_percent = goodness_of_fit_percent(stacked(target, settled), stacked(estimate, settled));
+  joint.fit->samples = left.size();
+  joint.fit->error_bar = error_bar(design.samples(), target - estimate, settled);
   const std::vector<AxisLog> free = free_logs(logs, joint);
   const bool held = free.size() < logs.size();
   if (held) {

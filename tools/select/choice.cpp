@@ -104,6 +104,7 @@ class Chooser {
     choice.law = law_of(whole_);
     choice.law.status = choice.learned.status = choice.status;
     choice.selection = whole_.selection;
+    choice.unseen_rms = std::sqrt(whole_.selection.laws[place].score);
     for (std::size_t half = 0; half < 2; ++half) {
       choice.halves_agree += agrees(choice.selection, place, half) ? 1 : 0;
     }

@@ -12,9 +12,10 @@ struct LawChoice {
   JointFile law;      ///< fitted to all rows
   JointFile learned;  ///< chosen and fitted without the rows set aside, for the error that is reported
   LawStatus status = LawStatus::kBase;
-  bool is_named = false;  ///< it is the law with the effects that were found
-  int halves_agree = 0;   ///< of two: halves of the judged rows on which no other of the laws compared does better
-  Selection selection;    ///< by all rows
+  bool is_named = false;    ///< it is the law with the effects that were found
+  int halves_agree = 0;     ///< of two: halves of the judged rows on which no other of the laws compared does better
+  Selection selection;      ///< by all rows
+  double unseen_rms = 0.0;  ///< what `law` left of rows that it was not fitted to, some of them later; 0: not asked
 };
 
 /// What the search for names says of the base law.

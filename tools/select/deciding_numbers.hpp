@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "capstan/tools/identify/least_squares.hpp"
+#include "capstan/tools/identify/settled.hpp"
 
 namespace capstan::tools {
 
@@ -19,12 +19,8 @@ struct GrowthRules {
 /// 2026 on the 13 measured joint angles of shared/data/machines, each cut at 45 and 60 % of its rows; what other values
 /// give, and what comes out on a machine when they are chosen on the others, is in docs/measured_machines.md.
 struct DecidingNumbers {
-  /// Rows before the motor has once covered this share of its range take no part: the joint's place depends there on a
-  /// motion that was not logged. Without it catheter_2_3 was 2.15 times a plain fit instead of 0.87,
-  /// wrist_single_q5 2.12 instead of 1.42.
-  double settled_share_of_range = 0.9;
-  /// But at most this share of a log is left out for it.
-  double most_share_unsettled = 0.25;
+  /// Rows that take no part.
+  SettlingRule settling;
 
   /// Half widths of plays that are tried: shares of the motor's range, in equal ratios.
   double narrowest_play = 1.0 / 200.0;

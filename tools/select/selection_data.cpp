@@ -108,7 +108,7 @@ SelectionData::SelectionData(const Preparation& p, const Catalogue& catalogue, c
   q1_.resize(rows());
   std::transform(coarse_.begin(), coarse_.end(), q1_.begin(), [](const auto& sample) { return sample.q1; });
   measure_ranges();
-  find_settled();
+  settled_ = settled_rows(q1_, logs_, numbers_.settling);
   find_widths();
 }
 
@@ -158,22 +158,6 @@ void SelectionData::measure_motion() {
   const Range warm(warmth);
   ranges_.warmth = warm.span();
   ranges_.warmth_centre = warm.centre();
-}
-
-void SelectionData::find_settled() {
-  for (const auto& log : logs_) {
-    const Range whole(q1_.segment(log.begin, log.size()));
-    double least = q1_[log.begin];
-    double most = least;
-    Eigen::Index row = log.begin;
-    for (; row < log.end && most - least < numbers_.settled_share_of_range * whole.span(); ++row) {
-      least = std::min(least, q1_[row]);
-      most = std::max(most, q1_[row]);
-    }
-    const auto latest =
-        log.begin + static_cast<Eigen::Index>(numbers_.most_share_unsettled * static_cast<double>(log.size()));
-    settled_.push_back({std::min(row, latest), log.end});
-  }
 }
 
 void SelectionData::find_widths() {

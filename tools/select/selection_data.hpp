@@ -51,7 +51,6 @@ class SelectionData {
  private:
   void measure_ranges();
   void measure_motion();
-  void find_settled();
   void find_widths();
 
   const Preparation& p_;

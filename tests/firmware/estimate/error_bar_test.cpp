@@ -28,26 +28,36 @@ auto at(double q1, double reversal, double tau = 0.1) -> Sample<Q24> {
   return sample;
 }
 
-TEST(ErrorBar, IsWideBehindAReversalAndNarrowBeyond) {
+/// A bar whose motor has gone from 0 to 0.3 rad and turned.
+auto settled_bar() -> ErrorBar {
   ErrorBar bar;
+  bar.rt_step(bar_config(), at(0.3, 0.0));
+  bar.rt_step(bar_config(), at(0.28, 0.3));
+  return bar;
+}
+
+TEST(ErrorBar, IsWideBehindAReversalAndNarrowBeyond) {
+  ErrorBar bar = settled_bar();
   const ErrorBarConfig config = bar_config();
-  EXPECT_EQ(bar.rt_step(config, at(0.3, 0.0)), q(0.01));
   EXPECT_EQ(bar.rt_step(config, at(0.25, 0.3)), q(0.03)) << "back by 0.05";
   EXPECT_EQ(bar.rt_step(config, at(0.05, 0.3)), q(0.01)) << "back by 0.25";
 }
 
-TEST(ErrorBar, IsUnknownUntilTheJointHasComeThroughItsHysteresisOnce) {
+TEST(ErrorBar, IsUnknownUntilTheMotorTurnsAtTheEndOfALongerWay) {
   ErrorBar bar;
   const ErrorBarConfig config = bar_config();
   EXPECT_EQ(bar.rt_step(config, at(0.1, 0.0)), ErrorBar::kUnknown);
   EXPECT_EQ(bar.rt_step(config, at(0.05, 0.1)), ErrorBar::kUnknown) << "a turn on the way proves nothing";
-  EXPECT_EQ(bar.rt_step(config, at(-0.2, 0.1)), q(0.01));
+  EXPECT_EQ(bar.rt_step(config, at(-0.2, 0.1)), ErrorBar::kUnknown) << "a way of 0.3, and no turn yet";
+  EXPECT_EQ(bar.rt_step(config, at(-0.19, -0.2)), q(0.03)) << "turned";
+  EXPECT_EQ(bar.rt_step(config, at(0.1, -0.2)), q(0.01));
   bar.rt_forget();
   EXPECT_EQ(bar.rt_step(config, at(-0.15, -0.2)), ErrorBar::kUnknown);
+  EXPECT_EQ(bar.rt_step(config, at(0.1, -0.2)), ErrorBar::kUnknown) << "a new way begins";
 }
 
 TEST(ErrorBar, IsUnknownWhereTheLogsHaveNotBeenAndComesBack) {
-  ErrorBar bar;
+  ErrorBar bar = settled_bar();
   const ErrorBarConfig config = bar_config();
   EXPECT_EQ(bar.rt_step(config, at(1.1, 0.0)), ErrorBar::kUnknown);
   EXPECT_EQ(bar.rt_step(config, at(-1.1, 1.1)), ErrorBar::kUnknown);
@@ -57,7 +67,7 @@ TEST(ErrorBar, IsUnknownWhereTheLogsHaveNotBeenAndComesBack) {
 }
 
 TEST(ErrorBar, IsUnknownForALawThatNoFitToldOf) {
-  ErrorBar bar;
+  ErrorBar bar = settled_bar();
   EXPECT_EQ(bar.rt_step({}, at(0.0, 0.0)), ErrorBar::kUnknown);
   ErrorBarConfig config = bar_config();
   config.steady_rad = Q24{};

@@ -145,7 +145,7 @@ auto variants() -> std::vector<Variant> {
   };
   add("6 parts", [](auto& n) { n.parts = 6, n.first_judged_part = 3; });
   add("10 parts", [](auto& n) { n.parts = 10, n.first_judged_part = 5; });
-  add("no settling", [](auto& n) { n.most_share_unsettled = 0.0; });
+  add("no settling", [](auto& n) { n.settling.most_share_of_rows = 0.0; });
   add("any play", [](auto& n) { n.fewest_turns_of_play = 0; });
   add("2 turns", [](auto& n) { n.fewest_turns_of_play = 2; });
   add("base if in set", [](auto& n) { n.worth_a_law = 1e9; });
