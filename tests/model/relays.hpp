@@ -45,7 +45,10 @@ class Relays {
   /// leave up what has its upper threshold under a and its lower one under b.
   template <std::size_t MaxLevels>
   [[nodiscard]] auto table(std::size_t levels) const -> ReversalTable<double, MaxLevels> {
-    ReversalTable<double, MaxLevels> table;
+    // A copy: as a local variable of its own the compiler would write each of a large table's values one by one, and
+    // take half a minute for it.
+    static ReversalTable<double, MaxLevels> unset;
+    ReversalTable<double, MaxLevels> table = unset;
     table.levels = static_cast<std::uint32_t>(levels);
     const int per_cell = n_ / static_cast<int>(levels - 1);
     std::vector<double> up_by_column(static_cast<std::size_t>(n_) + 1, 0.0);  // weight up if b is at that line

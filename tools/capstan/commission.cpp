@@ -13,7 +13,7 @@
 namespace capstan::tools {
 namespace {
 
-struct CommandOptions {
+struct CommissionCommand {
   std::vector<int> axes = {0};
   double corridor_rad = 0.0;
   std::vector<double> inertia_gm2;
@@ -24,7 +24,7 @@ struct CommandOptions {
 
 volatile std::sig_atomic_t stop_asked = 0;
 
-auto agrees(const CommandOptions& options, const std::string& question) -> bool {
+auto agrees(const CommissionCommand& options, const std::string& question) -> bool {
   if (options.yes) {
     return true;
   }
@@ -34,16 +34,16 @@ auto agrees(const CommandOptions& options, const std::string& question) -> bool 
 }
 
 /// One file a joint where there are several.
-auto state_of(const CommandOptions& options, int axis) -> std::string {
+auto state_of(const CommissionCommand& options, int axis) -> std::string {
   return options.axes.size() == 1 ? options.state : options.state + ".joint" + std::to_string(axis);
 }
 
-auto progress_of(const CommandOptions& options, int axis) -> Progress {
+auto progress_of(const CommissionCommand& options, int axis) -> Progress {
   const std::string state = state_of(options, axis);
   return options.again || !std::filesystem::exists(state) ? Progress{} : Progress::parse(read_text_file(state), state);
 }
 
-auto joints_of(const CommandOptions& options) -> std::vector<CommissionOptions> {
+auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
   const std::size_t inertias = options.inertia_gm2.size();
   if (inertias > 1 && inertias != options.axes.size()) {
     throw BadInput("--inertia has " + std::to_string(inertias) + " values for " + std::to_string(options.axes.size()) +
@@ -63,7 +63,7 @@ auto joints_of(const CommandOptions& options) -> std::vector<CommissionOptions> 
   return joints;
 }
 
-auto run_commission(const CommandOptions& options) -> int {
+auto run_commission(const CommissionCommand& options) -> int {
   const std::vector<CommissionOptions> joints = joints_of(options);
   std::vector<Progress> progress;
   for (const CommissionOptions& joint : joints) {
@@ -112,7 +112,7 @@ auto run_commission(const CommandOptions& options) -> int {
 }  // namespace
 
 void add_commission(CLI::App& app, int& exit_status) {
-  auto options = std::make_shared<CommandOptions>();
+  auto options = std::make_shared<CommissionCommand>();
   CLI::App* command = app.add_subcommand("commission", "from a bare motor to a tuned joint, step by step");
   command->add_option("port", options->port,
                       "the board's shell: tcp:PORT, or its serial device; without it the simulated forceps");

@@ -13,7 +13,7 @@
 namespace capstan::tools {
 namespace {
 
-struct CommandOptions {
+struct CompareCommand {
   LogOptions healthy;
   std::vector<std::string> now;
   std::string base, target, json;
@@ -43,7 +43,7 @@ void print_comparison(const Comparison& comparison) {
             << comparison.now.reason << "\n";
 }
 
-auto run_compare(const CommandOptions& options) -> int {
+auto run_compare(const CompareCommand& options) -> int {
   if (options.now.empty()) {
     throw BadInput("there are no logs of now; write them behind --: capstan compare HEALTHY... -- NOW...");
   }
@@ -71,7 +71,7 @@ auto run_compare(const CommandOptions& options) -> int {
 }  // namespace
 
 void add_compare(CLI::App& app, int& exit_status) {
-  auto options = std::make_shared<CommandOptions>();
+  auto options = std::make_shared<CompareCommand>();
   CLI::App* command = app.add_subcommand(
       "compare", "what has changed between two times of one joint: capstan compare HEALTHY... -- NOW...");
   options->healthy.add_to(*command, true);

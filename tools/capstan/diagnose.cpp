@@ -15,7 +15,7 @@
 namespace capstan::tools {
 namespace {
 
-struct CommandOptions {
+struct DiagnoseCommand {
   LogOptions logs;
   std::string base, target, json, report, next, output;
   std::vector<std::string> tests;
@@ -53,7 +53,7 @@ void print_diagnosis(const Diagnosis& d) {
   }
 }
 
-auto run_diagnose(const CommandOptions& options) -> int {
+auto run_diagnose(const DiagnoseCommand& options) -> int {
   DiagnoseJob job{.logs = options.logs.job_logs(),
                   .tests = read_logs(options.tests, options.logs.maps),
                   .base = options.base,
@@ -85,7 +85,7 @@ auto run_diagnose(const CommandOptions& options) -> int {
 }  // namespace
 
 void add_diagnose(CLI::App& app, int& exit_status) {
-  auto options = std::make_shared<CommandOptions>();
+  auto options = std::make_shared<DiagnoseCommand>();
   CLI::App* command =
       app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
   options->logs.add_to(*command, true);
