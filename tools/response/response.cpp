@@ -266,6 +266,17 @@ auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines
           .noise = std::sqrt(noise / (counts[0] + counts[1]))};
 }
 
+/// Rms rate of the motor at the lines that shake, rad/s.
+auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
+                const std::array<const Eigen::VectorXd*, kSignals>& signals) -> double {
+  double power = 0.0;
+  for (const std::size_t line : lines) {
+    const double w = kTwoPi * 1e3 * static_cast<double>(line) / kPeriod;
+    power += 0.5 * w * w * std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
+  }
+  return std::sqrt(power);
+}
+
 auto lines_of(const Periods& periods, const std::array<const Eigen::VectorXd*, kSignals>& signals)
     -> std::vector<std::size_t> {
   std::vector<double> power(kPeriod / 2);
@@ -299,6 +310,7 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     response.backward_nm = periods.mean_torque(false);
     response.forward_nm = periods.mean_torque(true);
     response.motor_speed_rad_s = periods.mean_speed();
+    response.motor_shake_rad_s = shake_rate(periods, lines, signals);
   }
   for (const std::size_t line : lines) {
     response.points.push_back(

@@ -62,6 +62,7 @@ struct Response {
   bool travels = false;                        ///< the joint was on its way meanwhile
   double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
   double motor_speed_rad_s = 0.0;              ///< and how fast the motor went
+  double motor_shake_rad_s = 0.0;              ///< rms of what the shake added to that
 };
 
 /// The period of the board's multisine; a test compares it with the firmware's.
