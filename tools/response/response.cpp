@@ -271,8 +271,8 @@ auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
                 const std::array<const Eigen::VectorXd*, kSignals>& signals) -> double {
   double power = 0.0;
   for (const std::size_t line : lines) {
-    const double w = kTwoPi * 1e3 * static_cast<double>(line) / kPeriod;
-    power += 0.5 * w * w * std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
+    const double way = std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
+    power += 0.5 * way * std::pow(kTwoPi * 1e3 * static_cast<double>(line) / kPeriod, 2);
   }
   return std::sqrt(power);
 }
@@ -319,7 +319,6 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
   response.distortion = distortion_of(periods, lines, signals);
   return response;
 }
-
 /// The next length that a fast transform likes; a few rows of zeros more.
 auto smooth_length(Eigen::Index rows) -> Eigen::Index {
   const auto is_smooth = [](Eigen::Index n) {
@@ -376,24 +375,13 @@ auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
     for (const Spectra& one : some) {
       shaken += std::norm(one[kShaken]) / static_cast<double>(some.size());
     }
-    const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
     if (std::sqrt(shaken) > 0.02 * most) {
+      const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
       response.points.push_back(point_of(hz, some, response.on_torque));
     }
     k = next;
   }
   return response;
-}
-
-auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
-  // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
-  const Eigen::Index first = kPeriod / 2;
-  if (shaken.size() < first + 2 * kPeriod) {
-    return false;
-  }
-  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
-  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
-  return (now - later).norm() < 0.01 * now.norm();
 }
 
 }  // namespace

@@ -23,6 +23,9 @@ struct ResponseLog {
 /// Throws BadInput: a missing column, rows that are not evenly spaced, or nothing that shakes.
 auto read_response(const CsvLog& log, int axis) -> ResponseLog;
 
+/// Whether what shakes repeats with the board's period.
+auto is_multisine(const Eigen::VectorXd& shaken) -> bool;
+
 /// A ratio of two spectra at one frequency.
 struct Estimate {
   Complex value{};

@@ -54,6 +54,17 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
   return result;
 }
 
+auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
+  // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
+  const Eigen::Index first = kPeriod / 2;
+  if (shaken.size() < first + 2 * kPeriod) {
+    return false;
+  }
+  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
+  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
+  return (now - later).norm() < 0.01 * now.norm();
+}
+
 void require_usable(const Response& response) {
   const ResponsePoint* worst = nullptr;
   for (const ResponsePoint& point : response.points) {
