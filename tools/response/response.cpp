@@ -7,8 +7,6 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
-#include "capstan/tools/support/errors.hpp"
-
 namespace capstan::tools {
 namespace {
 
@@ -319,6 +317,7 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
   response.distortion = distortion_of(periods, lines, signals);
   return response;
 }
+
 /// The next length that a fast transform likes; a few rows of zeros more.
 auto smooth_length(Eigen::Index rows) -> Eigen::Index {
   const auto is_smooth = [](Eigen::Index n) {
