@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a response is read from, and whether it is good enough to decide by.
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/tools/response/response.hpp"
