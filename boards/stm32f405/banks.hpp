@@ -76,8 +76,9 @@ static_assert(std::endian::native == std::endian::little, "bytes are packed into
 /// saved lasts until the emulator ends.
 class RamBanks final : public Banks {
  public:
-  /// A quarter of the flash banks, for RAM is short; a set that does not fit is refused when it is saved.
-  static constexpr std::size_t kSize = std::size_t{4} * 1024;
+  /// Less than the flash banks, for RAM is short: enough for the sets of four axes, 2.6 KB each. A set that does not
+  /// fit is refused when it is saved.
+  static constexpr std::size_t kSize = std::size_t{12} * 1024;
   RamBanks() noexcept {
     for (auto& bank : memory_) {
       bank.fill(kErased);

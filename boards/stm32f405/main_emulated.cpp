@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The board's emulated twin: everything as on the motor board but its joint, which is a simulated plant at the end of
 // USART2, and its parameter banks, since the emulator has no flash controller.
-#include "capstan/boards/stm32f405/banks.hpp"
 #include "capstan/boards/stm32f405/board.hpp"
+#include "capstan/boards/stm32f405/host_file_banks.hpp"
 #include "capstan/boards/stm32f405/own_image.hpp"
 #include "capstan/boards/stm32f405/runtime.hpp"
 #include "capstan/hal/plant_link/plant_link_io.hpp"
@@ -61,7 +61,7 @@ SerialPort plant{stm32f4::usart2_registers(), stm32f4::nvic_registers(), stm32f4
 BoardTick tick{stm32f4::systick_registers()};
 stm32f4::Watchdog<MemoryRegister> watchdog{stm32f4::watchdog_registers()};
 stm32f405::CanPort can{stm32f4::can1_registers()};
-stm32f405::RamBanks banks;
+stm32f405::HostFileBanks banks;
 LookCounter looks;
 PlantLink link{plant, looks, kPlantPatience};
 PlantIo io{link, tick};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Calls to the host of an emulated or debugged core (Arm "Semihosting for AArch32 and AArch64", version 2.0). Only the
-// images for the emulator's tests include this: without a host to answer, the trap would be a hard fault.
+// images for the emulator include this: without a host to answer, the trap would be a hard fault.
 #pragma once
 
 #include <algorithm>
@@ -19,6 +19,7 @@ enum class Operation : std::uint32_t {
   kClose = 0x02,
   kWrite = 0x05,
   kRead = 0x06,
+  kSeek = 0x0A,
   kCommandLine = 0x15,
   kExitExtended = 0x20,
 };
@@ -59,7 +60,7 @@ inline auto word(const volatile void* pointer) noexcept -> std::uint32_t {
 /// A file of the host, as a stream of bytes. Closed when the object goes.
 class File {
  public:
-  enum class Mode : std::uint32_t { kRead = 1, kWrite = 5 };  ///< "rb" and "wb"
+  enum class Mode : std::uint32_t { kRead = 1, kUpdate = 3, kWrite = 5 };  ///< "rb", "r+b" and "wb"
   static constexpr std::size_t kLongestPath = 255;
 
   /// ":tt" is the host's console. A path that is longer than kLongestPath is not opened.
@@ -84,6 +85,12 @@ class File {
 
   [[nodiscard]] auto is_open() const noexcept -> bool { return handle_ >= 0; }
 
+  /// The next byte read or written is the one at `offset`, which is not beyond the end.
+  [[nodiscard]] auto seek(std::size_t offset) noexcept -> bool {
+    const std::array<std::uint32_t, 2> arguments{static_cast<std::uint32_t>(handle_),
+                                                 static_cast<std::uint32_t>(offset)};
+    return detail::call(detail::Operation::kSeek, arguments.data()) == 0;
+  }
   /// Bytes read; fewer than asked for only at the end of the file.
   [[nodiscard]] auto read(std::span<std::uint8_t> bytes) noexcept -> std::size_t {
     return bytes.size() - transfer(detail::Operation::kRead, bytes.data(), bytes.size());

@@ -93,6 +93,9 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
   if (!steps.all_.tuning->swings.empty()) {
     steps.find(steps.all_.tuning->swings);
   }
+  if (!steps.all_.tuning->warning.empty()) {
+    steps.find("warning: " + steps.all_.tuning->warning);
+  }
 }
 
 auto CommissionSteps::tracking() -> std::optional<double> {

@@ -7,8 +7,6 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
-#include "capstan/tools/support/errors.hpp"
-
 namespace capstan::tools {
 namespace {
 
@@ -266,6 +264,17 @@ auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines
           .noise = std::sqrt(noise / (counts[0] + counts[1]))};
 }
 
+/// Rms rate of the motor at the lines that shake, rad/s.
+auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
+                const std::array<const Eigen::VectorXd*, kSignals>& signals) -> double {
+  double power = 0.0;
+  for (const std::size_t line : lines) {
+    const double way = std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
+    power += 0.5 * way * std::pow(kTwoPi * 1e3 * static_cast<double>(line) / kPeriod, 2);
+  }
+  return std::sqrt(power);
+}
+
 auto lines_of(const Periods& periods, const std::array<const Eigen::VectorXd*, kSignals>& signals)
     -> std::vector<std::size_t> {
   std::vector<double> power(kPeriod / 2);
@@ -299,6 +308,7 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     response.backward_nm = periods.mean_torque(false);
     response.forward_nm = periods.mean_torque(true);
     response.motor_speed_rad_s = periods.mean_speed();
+    response.motor_shake_rad_s = shake_rate(periods, lines, signals);
   }
   for (const std::size_t line : lines) {
     response.points.push_back(
@@ -364,24 +374,13 @@ auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
     for (const Spectra& one : some) {
       shaken += std::norm(one[kShaken]) / static_cast<double>(some.size());
     }
-    const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
     if (std::sqrt(shaken) > 0.02 * most) {
+      const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
       response.points.push_back(point_of(hz, some, response.on_torque));
     }
     k = next;
   }
   return response;
-}
-
-auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
-  // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
-  const Eigen::Index first = kPeriod / 2;
-  if (shaken.size() < first + 2 * kPeriod) {
-    return false;
-  }
-  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
-  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
-  return (now - later).norm() < 0.01 * now.norm();
 }
 
 }  // namespace

@@ -23,6 +23,9 @@ struct ResponseLog {
 /// Throws BadInput: a missing column, rows that are not evenly spaced, or nothing that shakes.
 auto read_response(const CsvLog& log, int axis) -> ResponseLog;
 
+/// Whether what shakes repeats with the board's period.
+auto is_multisine(const Eigen::VectorXd& shaken) -> bool;
+
 /// A ratio of two spectra at one frequency.
 struct Estimate {
   Complex value{};
@@ -62,6 +65,7 @@ struct Response {
   bool travels = false;                        ///< the joint was on its way meanwhile
   double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
   double motor_speed_rad_s = 0.0;              ///< and how fast the motor went
+  double motor_shake_rad_s = 0.0;              ///< rms of what the shake added to that
 };
 
 /// The period of the board's multisine; a test compares it with the firmware's.

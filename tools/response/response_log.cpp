@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a response is read from, and whether it is good enough to decide by.
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/tools/response/response.hpp"
@@ -16,6 +17,12 @@ constexpr int kPeriod = kMultisinePeriodMs;
 constexpr double kLeastCoherence = 0.8;
 constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
 constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
+
+/// How much louder a shake has to be for the least coherence, if what does not repeat stays as it is.
+auto louder(double coherence) -> double {
+  const double over_noise = std::max(coherence, 0.01) / (1.0 - coherence);
+  return std::sqrt(kLeastCoherence / (1.0 - kLeastCoherence) / over_noise);
+}
 
 }  // namespace
 
@@ -48,6 +55,17 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
   return result;
 }
 
+auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
+  // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
+  const Eigen::Index first = kPeriod / 2;
+  if (shaken.size() < first + 2 * kPeriod) {
+    return false;
+  }
+  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
+  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
+  return (now - later).norm() < 0.01 * now.norm();
+}
+
 void require_usable(const Response& response) {
   const ResponsePoint* worst = nullptr;
   for (const ResponsePoint& point : response.points) {
@@ -60,8 +78,10 @@ void require_usable(const Response& response) {
   if (worst != nullptr && worst->coherence < kLeastCoherence) {
     throw FaintShake(
         response.name + ": at " + rounded(worst->hz, 3) + " Hz only " + rounded(100.0 * worst->coherence, 2) +
-        " % of the power repeats with what shakes (80 % are needed where the loop's gain is near 1); shake with "
-        "a larger amplitude, for longer, or let the joint travel faster");
+        " % of the power repeats with what shakes (80 % are needed where the loop's gain is near 1); shake with " +
+        rounded(louder(worst->coherence), 2) + " times the amplitude at least, or let the joint travel" +
+        (response.travels ? " faster" : " (travel=0.4 speed=0.4)") +
+        "; to shake for longer does not help, as each period is as noisy");
   }
   if (response.distortion.known && response.distortion.odd > kMostDistortion) {
     throw Refusal(response.name + ": " + rounded(100.0 * response.distortion.odd, 2) +

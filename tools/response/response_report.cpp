@@ -198,6 +198,7 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
   text += "joint loop up to " + rounded(tuning.joint_bandwidth_hz, 2) + " Hz\n";
   text += "limited by " + tuning.limited_by + "\n";
   text += tuning.swings.empty() ? "" : tuning.swings + "\n";
+  text += tuning.warning.empty() ? "" : "warning: " + tuning.warning + "\n";
   return text;
 }
 
@@ -217,7 +218,8 @@ auto write_response_report(const std::string& folder, const Response& response, 
   page += "<pre>" + escaped(response_text(response)) + "</pre>\n";
   if (tuning) {
     page += "<h2>Gains</h2>\n<p>Limited by " + escaped(tuning->limited_by) + ".</p>\n<p>" + escaped(tuning->swings) +
-            "</p>\n<pre>" + escaped(joined(tuning_lines(tuning->gains, 0), "\n")) + "</pre>\n";
+            "</p>\n<p>" + escaped(tuning->warning) + "</p>\n<pre>" +
+            escaped(joined(tuning_lines(tuning->gains, 0), "\n")) + "</pre>\n";
   }
   const std::string path = folder + "/index.html";
   write_text_file(path, page + "</body></html>\n");

@@ -327,6 +327,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                 .whole_nominal = {},
                 .limited_by = {},
                 .swings = {},
+                .warning = turned_about(response),
                 .loop = loop_of(all, joint->gains)};
   require_calm(response, tuning.gains);
   if (const auto cycle = foretell(response, tuning.gains)) {

@@ -78,6 +78,7 @@ struct Tuning {
   double joint_bandwidth_hz = 0.0;  ///< where the joint loop's gain is 1
   std::string limited_by;           ///< a sentence
   std::string swings;               ///< at which multiple of the gains the joint would swing, a sentence; or nothing
+  std::string warning;              ///< of a log that makes that come too late; or nothing
   std::vector<LoopPoint> loop;
 };
 

@@ -180,13 +180,20 @@ TEST(Response, EvenAndOddNonlinearityShowOnTheirOwnLines) {
   }
 }
 
-TEST(Response, WhatNoiseBuriesWhereMarginsAreDecidedIsRefusedWithACure) {
+TEST(Response, WhatNoiseBuriesWhereMarginsAreDecidedIsRefusedWithACureThatCures) {
   KnownLoop known;
-  EXPECT_EQ(refusal_of(estimate_response(known.run(random_multisine(6, 0.01, kRows), kRows, 6))), "");
+  const auto shaken_with = [&known](double amplitude_nm) {
+    return refusal_of(estimate_response(known.run(random_multisine(6, amplitude_nm, kRows), kRows, 6)));
+  };
+  EXPECT_EQ(shaken_with(0.01), "");
   known.noise_nm = 0.1;
-  const std::string refusal = refusal_of(estimate_response(known.run(random_multisine(6, 0.01, kRows), kRows, 6)));
+  const std::string refusal = shaken_with(0.01);
   EXPECT_NE(refusal.find("80 %"), std::string::npos) << refusal;
-  EXPECT_NE(refusal.find("larger amplitude"), std::string::npos) << refusal;
+  const std::size_t times = refusal.find(" times the amplitude");
+  ASSERT_NE(times, std::string::npos) << refusal;
+  const double louder = std::stod(refusal.substr(refusal.rfind(' ', times - 1)));
+  EXPECT_EQ(shaken_with(1.4 * louder * 0.01), "") << "eighteen periods tell the coherence to a few per cent";
+  EXPECT_NE(shaken_with(0.5 * louder * 0.01), "");
 }
 
 TEST(Response, TooFewPeriodsOrNothingThatShakesIsRefused) {

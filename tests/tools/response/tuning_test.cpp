@@ -334,5 +334,20 @@ TEST(Tuning, ThePageShowsBodeAndNyquist) {
   }
 }
 
+TEST(LimitCycle, AShakeThatTurnsItsMotorAboutIsWarnedOfAndAGentleOneIsNot) {
+  const LoopGains gains = gentle();
+  Response response = Motor{}.response(gains);
+  response.travels = true;
+  response.motor_speed_rad_s = 0.9;
+  response.motor_shake_rad_s = 0.25;
+  EXPECT_EQ(tune(response, gains, {}).warning, "");
+  response.motor_shake_rad_s = 0.5;
+  const Tuning tuning = tune(response, gains, {});
+  EXPECT_NE(tuning.warning.find("turned the motor about"), std::string::npos) << tuning.warning;
+  EXPECT_NE(tuning_text(tuning, gains).find("warning: the shake"), std::string::npos);
+  response.motor_speed_rad_s = 0.0;
+  EXPECT_EQ(tune(response, gains, {}).warning, "") << "a joint that stands has no way to be turned about";
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -55,17 +55,18 @@ auto gain_lines(const LoopGains& gains, double factor) -> Lines {
           "set joint0.control.damping " + rounded(factor * gains.damping, 6)};
 }
 
-/// Shaken gently: a motor that is shaken faster than its way turns its friction, which is then taken for damping (with
-/// 8 mNm the onset is foretold up to 19 % late).
-/// Nothing: the joint left its corridor, or a fault ended it, and there is nothing to foretell from.
-auto measure(const Drawn& drawn) -> std::optional<Response> {
+/// Usually shaken gently: a motor that is shaken faster than its way turns its friction, which is then taken for
+/// damping (with 8 mNm the onset is foretold up to 19 % late). Nothing: the joint left its corridor, or a fault ended
+/// it, and there is nothing to foretell from.
+auto measure(const Drawn& drawn, const std::string& amplitude = "4mNm") -> std::optional<Response> {
   test::BoardRig rig(drawn.scenario);
   rig.say("maintenance open");
   rig.say(gain_lines(drawn.gains, 1.0));
   rig.say("arm");
   const std::string text = rig.say(
-      "experiment joint0 multisine on=torque from=1Hz to=200Hz travel=1.5 speed=0.9 duration=120 amplitude=4mNm "
-      "corridor=0.45");
+      "experiment joint0 multisine on=torque from=1Hz to=200Hz travel=1.5 speed=0.9 duration=120 corridor=0.45 "
+      "amplitude=" +
+      amplitude);
   if (text.find("error aborted") != std::string::npos) {
     return {};
   }
@@ -189,6 +190,30 @@ TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
     EXPECT_LT(seen.swing_speed, 1.5) << seed << ": and holds it there";
   }
   EXPECT_GE(2 * judged, plants);
+}
+
+TEST(LimitCycleOnPlant, AShakeThatTurnsTheMotorAboutIsToldWithAnAmplitudeThatDoesNot) {
+  for (std::uint64_t seed = 1700; seed < 1703; ++seed) {
+    const Drawn drawn = draw(seed);
+    const std::optional<Response> loud = measure(drawn, "12mNm");
+    if (!loud) {
+      std::printf("%llu | the shaking was ended\n", static_cast<unsigned long long>(seed));
+      continue;
+    }
+    const std::string warning = turned_about(*loud);
+    const std::size_t times = warning.find(" times the amplitude");
+    ASSERT_NE(times, std::string::npos) << seed << ": " << warning;
+    const double less = std::stod(warning.substr(warning.rfind(' ', times - 1)));
+    const std::optional<Response> gentle = measure(drawn, rounded(12.0 * less, 3) + "mNm");
+    ASSERT_TRUE(gentle) << seed;
+    EXPECT_EQ(turned_about(*gentle), "") << seed;
+    const auto late = foretell(*loud, drawn.gains);
+    const auto foretold = foretell(*gentle, drawn.gains);
+    ASSERT_TRUE(late && foretold) << seed;
+    std::printf("%llu | %.2f of the amplitude | onset %.2f foretold, %.2f with 12 mNm\n",
+                static_cast<unsigned long long>(seed), less, foretold->onset, late->onset);
+    EXPECT_GT(late->onset, 1.03 * foretold->onset) << seed;
+  }
 }
 
 /// Six seconds of way with these multiples of the gains: how the supervisor takes it.
