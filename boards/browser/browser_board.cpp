@@ -12,8 +12,10 @@ void BrowserBoard::Sink::do_write(std::string_view more) {
 }
 
 BrowserBoard::BrowserBoard(std::string_view scenario)
-    : scenario_(scenario.empty() ? sim::Scenario{} : sim::parse_scenario(scenario, "scenario")),
-      fault_memory_(FaultLog::words_for(1 + scenario_.other_axes.size())) {
+    : BrowserBoard(scenario.empty() ? sim::Scenario{} : sim::parse_scenario(scenario, "scenario")) {}
+
+BrowserBoard::BrowserBoard(sim::Scenario scenario)
+    : scenario_(std::move(scenario)), fault_memory_(FaultLog::words_for(1 + scenario_.other_axes.size())) {
   start();
 }
 

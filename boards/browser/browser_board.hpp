@@ -18,6 +18,8 @@ class BrowserBoard {
   /// @param scenario  TOML, as `capstan run --scenario` reads it; empty: one joint. Throws sim::ScenarioError, or
   /// std::runtime_error if the instrument has more axes than a board.
   explicit BrowserBoard(std::string_view scenario);
+  /// The same from what was read already.
+  explicit BrowserBoard(sim::Scenario scenario);
 
   /// Characters for the shell; returns how many found room. The others are to be given again after a tick.
   [[nodiscard]] auto receive(std::string_view bytes) -> std::size_t;

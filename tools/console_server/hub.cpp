@@ -2,8 +2,19 @@
 #include "capstan/tools/console_server/hub.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace capstan::tools {
+namespace {
+
+constexpr std::string_view kAnew = "anew";
+
+}  // namespace
+
+void BoardLine::start_anew(std::string_view /*effect*/) {
+  throw std::runtime_error(
+      "only a simulator of capstan console starts anew; end this board's program and start it again");
+}
 
 Hub::Hub(Open open) : open_(std::move(open)) {
   open_line();
@@ -49,7 +60,7 @@ void Hub::join(Guest& guest, Clock::time_point now) {
   } else if (commander_ == nullptr) {
     command(guests_.front(), now);
   } else {
-    guest.say("look " + std::to_string(line_->every_ms()));
+    guest.say(role_of(guest));
   }
 }
 
@@ -58,8 +69,27 @@ void Hub::command(Guest* guest, Clock::time_point now) {
   attended_ = true;
   alive_ = now;
   for (Guest* one : guests_) {
-    one->say((one == commander_ ? "command " : "look ") + std::to_string(line_->every_ms()));
+    one->say(role_of(*one));
   }
+}
+
+auto Hub::role_of(const Guest& guest) const -> std::string {
+  return (commands(guest) ? "command " : "look ") + std::to_string(line_->every_ms()) +
+         (line_->starts_anew() ? " " + std::string(kAnew) : "");
+}
+
+void Hub::start_anew(Guest& guest, std::string_view effect, Clock::time_point now) {
+  std::string why = "another page commands this board; take the command first";
+  if (commands(guest)) {
+    try {
+      line_->start_anew(effect);
+      why.clear();
+      command(&guest, now);
+    } catch (const std::exception& problem) {
+      why = problem.what();
+    }
+  }
+  guest.say(std::string(kAnew) + " " + why);
 }
 
 void Hub::leave(Guest& guest) {
@@ -97,6 +127,8 @@ void Hub::word(Guest& guest, std::string_view word, Clock::time_point now) {
       commander_->say("cancel");  // the answer that it waits for may never come
       commander_->say("remark # another page took the torque away");
     }
+  } else if (word.starts_with(kAnew)) {
+    start_anew(guest, word.substr(std::min(word.size(), kAnew.size() + 1)), now);
   } else if (word == "take" && commander_ != &guest) {
     line_->peer_left();
     command(&guest, now);

@@ -25,6 +25,11 @@ class BoardLine {
   virtual void peer_left() = 0;
   /// Milliseconds from sample to sample that the line can carry for eight signals.
   [[nodiscard]] virtual auto every_ms() const -> int = 0;
+  /// True where the joint is a simulator of this program.
+  [[nodiscard]] virtual auto starts_anew() const -> bool { return false; }
+  /// Starts it anew, without torque. @param effect  that the firmware is not told of, "play=0.03"; empty: none
+  /// Throws std::exception with a sentence; the board goes on then.
+  virtual void start_anew(std::string_view effect);
 };
 
 /// One page.
@@ -36,7 +41,8 @@ class Guest {
   virtual ~Guest() = default;
 
   virtual void bytes(std::string_view bytes) = 0;
-  /// What the server itself has to say: "command EVERY_MS", "look EVERY_MS", "cancel", "remark TEXT", "lost SENTENCE".
+  /// What the server itself has to say: "command EVERY_MS", "look EVERY_MS" (and " anew" where the board can be started
+  /// so), "anew SENTENCE" (why it was not; nothing if it was), "cancel", "remark TEXT", "lost SENTENCE".
   virtual void say(std::string_view words) = 0;
 };
 
@@ -78,7 +84,8 @@ class Hub final : public Talk {
   void leave(Guest& guest) override;
   /// What a page sends to the board; only the commanding one is heard.
   void bytes(Guest& guest, std::string_view bytes) override;
-  /// What a page says to the hub: "alive", "leave" (nobody watches any more), "disarm", "take" (wants to command).
+  /// What a page says to the hub: "alive", "leave" (nobody watches any more), "disarm", "take" (wants to command),
+  /// "anew EFFECT" (starts the simulated board anew).
   void word(Guest& guest, std::string_view word, Clock::time_point now) override;
   /// To be called several times a second.
   void look(Clock::time_point now);
@@ -96,6 +103,8 @@ class Hub final : public Talk {
   void open_line();
   void lost(const std::string& why);
   void command(Guest* guest, Clock::time_point now);
+  void start_anew(Guest& guest, std::string_view effect, Clock::time_point now);
+  [[nodiscard]] auto role_of(const Guest& guest) const -> std::string;
   void everyone(std::string_view words);
 
   Open open_;

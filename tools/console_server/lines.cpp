@@ -148,7 +148,11 @@ class PortLine final : public BoardLine {
 class SimulatedLine final : public BoardLine {
  public:
   SimulatedLine(asio::io_context& io, const std::string& scenario, Hub::Listener listener)
-      : board_(scenario), listener_(std::move(listener)), timer_(io), last_(Clock::now()) {
+      : scenario_(scenario.empty() ? sim::Scenario{} : sim::parse_scenario(scenario, "scenario")),
+        board_(std::make_unique<BrowserBoard>(scenario_)),
+        listener_(std::move(listener)),
+        timer_(io),
+        last_(Clock::now()) {
     wait();
   }
 
@@ -161,9 +165,18 @@ class SimulatedLine final : public BoardLine {
   void disarm() override { waiting_ = kDisarm; }
   void peer_left() override {
     waiting_.clear();
-    board_.peer_left();
+    board_->peer_left();
   }
   [[nodiscard]] auto every_ms() const -> int override { return 1; }
+  [[nodiscard]] auto starts_anew() const -> bool override { return true; }
+  void start_anew(std::string_view effect) override {
+    sim::Scenario scenario = scenario_;
+    if (!effect.empty()) {
+      sim::override_effect(scenario, effect);
+    }
+    board_ = std::make_unique<BrowserBoard>(std::move(scenario));
+    waiting_.clear();
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -181,20 +194,21 @@ class SimulatedLine final : public BoardLine {
     last_ = std::max(last_, now - kMostBehind);
     try {
       for (; last_ + std::chrono::milliseconds(1) <= now; last_ += std::chrono::milliseconds(1)) {
-        waiting_.erase(0, board_.receive(waiting_));
-        board_.tick();
+        waiting_.erase(0, board_->receive(waiting_));
+        board_->tick();
       }
     } catch (const std::runtime_error& diverged) {
       listener_.lost(std::string("the simulator stopped: ") + diverged.what());
       return;
     }
-    if (!board_.output().empty()) {
-      listener_.bytes(std::exchange(board_.output(), {}));
+    if (!board_->output().empty()) {
+      listener_.bytes(std::exchange(board_->output(), {}));
     }
     wait();
   }
 
-  BrowserBoard board_;
+  sim::Scenario scenario_;
+  std::unique_ptr<BrowserBoard> board_;
   Hub::Listener listener_;
   asio::steady_timer timer_;
   Clock::time_point last_;

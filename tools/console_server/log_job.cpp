@@ -36,6 +36,11 @@ auto LogJob::diagnose(std::string_view log, const std::string& target, Done done
   return start(log, std::move(words), false, std::move(done));
 }
 
+auto LogJob::identify(std::string_view log, const std::string& model, Done done) -> bool {
+  return start(log, {"identify", folder_.file(kLog), "--model=" + model, "-o", folder_.file(kLaw)}, false,
+               std::move(done));
+}
+
 auto LogJob::tune(std::string_view log, const std::string& options, Done done) -> bool {
   const std::size_t slash = std::min(options.find('/'), options.size());
   std::vector<std::string> words = {"tune",

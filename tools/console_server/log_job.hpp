@@ -11,7 +11,7 @@
 
 namespace capstan::tools {
 
-/// `capstan diagnose` or `capstan tune` over a log that a page brings, one at a time.
+/// `capstan diagnose`, `capstan identify` or `capstan tune` over a log that a page brings, one at a time.
 class LogJob {
  public:
   /// Is told the answer as JSON:
@@ -24,6 +24,9 @@ class LogJob {
   /// @param target  column to explain; empty: the joint's angle
   /// False if a job is under way.
   auto diagnose(std::string_view log, const std::string& target, Done done) -> bool;
+  /// Fits a law anew. @param model  as `capstan identify --model` names it
+  /// False if a job is under way.
+  auto identify(std::string_view log, const std::string& model, Done done) -> bool;
   /// @param log  the answer to `dump`, and below it that of the experiment   @param options  "AXIS" or "AXIS/BANDWIDTH"
   /// False if a job is under way.
   auto tune(std::string_view log, const std::string& options, Done done) -> bool;

@@ -25,6 +25,7 @@ constexpr std::chrono::seconds kRequestWithin{10};
 constexpr std::string_view kFoxglove = "foxglove";
 constexpr std::string_view kFoxglovePage = "https://app.foxglove.dev";
 constexpr std::string_view kDiagnose = "diagnose/";  // and the column to explain, or nothing
+constexpr std::string_view kIdentify = "identify/";  // and the model
 constexpr std::string_view kTune = "tune/";          // and the axis, and perhaps a bandwidth
 
 auto view(beast::string_view text) -> std::string_view {
@@ -41,6 +42,10 @@ auto content_policy(std::string_view host) -> std::string {
          "connect-src 'self' ws://" +
          std::string(host) + "; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 }
+auto is_job(std::string_view place) -> bool {
+  return place.starts_with(kDiagnose) || place.starts_with(kIdentify) || place.starts_with(kTune);
+}
+
 /// A report has its style within itself, and runs nothing.
 constexpr const char* kReportPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox";
@@ -202,7 +207,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     const std::string_view place = *shop_->door->behind_token(caller.target);
     if (talks && place == "board") {
       std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->board)->begin(request, {});
-    } else if (request.method() == http::verb::post && (place.starts_with(kDiagnose) || place.starts_with(kTune))) {
+    } else if (request.method() == http::verb::post && is_job(place)) {
       read_log(std::string(place));
     } else if (talks || request.method() != http::verb::get) {
       answer(http::status::method_not_allowed, {kPlain, "the page's files can only be read\n"});
@@ -250,7 +255,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
   }
   void too_large() {
     answer(http::status::payload_too_large,
-           {kPlain, "the log is larger than 64 MB; use 'capstan diagnose' or 'capstan tune'\n"});
+           {kPlain, "the log is larger than 64 MB; use 'capstan diagnose', 'identify' or 'tune'\n"});
   }
   void look_at_log(const std::string& place) {
     stream_.expires_never();
@@ -258,10 +263,11 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
       self->answer(http::status::ok, {"application/json", std::move(found)});
     };
     const std::string& log = parser_.get().body();
-    const bool begun = place.starts_with(kTune) ? shop_->job.tune(log, place.substr(kTune.size()), done)
-                                                : shop_->job.diagnose(log, place.substr(kDiagnose.size()), done);
+    const bool begun = place.starts_with(kTune)       ? shop_->job.tune(log, place.substr(kTune.size()), done)
+                       : place.starts_with(kIdentify) ? shop_->job.identify(log, place.substr(kIdentify.size()), done)
+                                                      : shop_->job.diagnose(log, place.substr(kDiagnose.size()), done);
     if (!begun) {
-      answer(http::status::conflict, {kPlain, "a diagnosis or tuning is under way; wait for it\n"});
+      answer(http::status::conflict, {kPlain, "the host program looks at another log; wait for it\n"});
     }
   }
 

@@ -49,9 +49,27 @@ test('samples come at 1 kHz and none is lost', async () => {
     await one.page.selectOption('#signal-add', signal);
     await until(one, (name) => document.getElementById('signals').textContent.includes(name), signal);
   }
-  await one.page.waitForTimeout(2500);
+  await one.page.waitForTimeout(1500);
+  const session = await one.page.context().newCDPSession(one.page);
+  const heap = async () => {
+    await session.send('HeapProfiler.collectGarbage');
+    return (await session.send('Runtime.getHeapUsage')).usedSize / 1e6;
+  };
+  const machine = await rig.browser.newBrowserCDPSession();
+  const processor = async () => (await machine.send('SystemInfo.getProcessInfo')).processInfo.reduce((sum, process) => sum + process.cpuTime, 0);
+  await one.page.evaluate(() => {
+    window.pictures = 0;
+    const count = () => requestAnimationFrame(() => (++window.pictures, count()));
+    count();
+  });
+  const [heapBefore, before] = [await heap(), await processor()];
+  await one.page.waitForTimeout(4000);
+  const [pictures, used] = [await one.page.evaluate(() => window.pictures), (await processor()) - before];
+  const grown = (await heap()) - heapBefore;
   const words = await text(one, '#rate');
-  console.log(`eight signals: ${words}`);
+  console.log(`eight signals: ${words}; ${((1000 * used) / pictures).toFixed(1)} ms of a processor for each of ${pictures} pictures, all of the browser and the simulator in it; heap ${grown.toFixed(2)} MB more after 4 s`);
+  assert.ok(used < 2 * pictures / 50, 'two processors without other work draw 50 pictures a second');
+  assert.ok(grown < 1, `${grown} MB`);
   const [, samples, every, lost] = /^(\d+) samples kept, one every (\d+) ms, (\d+) lost/.exec(words);
   assert.equal(every, '1');
   assert.equal(lost, '0');
@@ -80,6 +98,8 @@ test('pause stops the picture, a drag zooms, a double click shows all again', as
   const still = await picture();
   await one.page.waitForTimeout(500);
   assert.equal(await picture(), still);
+  const window = () => one.page.$eval('#cursor-a', (slider) => [Number(slider.min), Number(slider.max)]);
+  const whole = await window();
   const box = await one.page.locator('#plot .u-over').boundingBox();
   await one.page.mouse.move(box.x + box.width * 0.9, box.y + 80);
   await one.page.mouse.down();
@@ -87,7 +107,64 @@ test('pause stops the picture, a drag zooms, a double click shows all again', as
   await one.page.mouse.up();
   await eventually(async () => (await picture()) !== still, 'another picture');
   await one.page.mouse.dblclick(box.x + box.width / 2, box.y + 80);
-  await eventually(async () => (await picture()) === still, 'the picture before');
+  await eventually(async () => String(await window()) === String(whole), 'the window before');
+});
+
+test('two cursors on a plot that stands say what the signals are there and what lies between, by click and by keyboard', async () => {
+  const one = await fresh();
+  await arm(one);
+  await type(one, 'move joint0 10 deg');
+  await view(one, 'live');
+  assert.ok(await one.page.isHidden('#cursors'), 'none while it moves');
+  await one.page.waitForTimeout(1500);
+  await one.page.click('#pause');
+  await until(one, () => !document.getElementById('cursors').hidden);
+  const cells = async () => Object.fromEntries(await one.page.$$eval('#cursor-table tbody tr', (all) => all.map((row) => [row.children[0].textContent, [...row.children].slice(1).map((cell) => parseFloat(cell.textContent))])));
+  await one.page.focus('#cursor-a');
+  await one.page.keyboard.press('Home');
+  await one.page.focus('#cursor-b');
+  await one.page.keyboard.press('End');
+  const all = await cells();
+  assert.ok(Math.abs(all['joint0.reference'][2] - (10 * Math.PI) / 180) < 1e-3, JSON.stringify(all));
+  for (const [a, b, between] of Object.values(all)) assert.ok(Math.abs(b - a - between) < 1e-3);
+  await one.page.keyboard.press('ArrowLeft');
+  assert.ok(Math.abs((await cells()).time[1] - all.time[1] + 0.001) < 1e-6, 'one sample');
+  const box = await one.page.locator('#plot .u-over').boundingBox();
+  await one.page.mouse.click(box.x + box.width / 2, box.y + 60);
+  await eventually(async () => {
+    const { time } = await cells();
+    return Math.min(...time.slice(0, 2).map((at) => Math.abs(at - (all.time[0] + all.time[1]) / 2))) < 0.02 * all.time[2];
+  }, 'a cursor where the click was');
+  await one.page.screenshot({ path: join(pictures, 'cursors.png') });
+  await one.page.click('#pause');
+  await until(one, () => document.getElementById('cursors').hidden);
+});
+
+test('time goes as fast as it can, more than 20 times real time in this browser, and the page stays in charge', async () => {
+  const one = await fresh();
+  await type(one, 'frames off');
+  await arm(one);
+  await type(one, 'move joint0 30 deg');
+  const cycles = async () => Number(/cycles (\d+)/.exec(await type(one, 'status'))[1]);
+  await one.page.selectOption('#speed', 'Infinity');
+  const [from, began] = [await cycles(), performance.now()];
+  await one.page.waitForTimeout(1500);
+  const times = ((await cycles()) - from) / (performance.now() - began);
+  console.log(`console page: ${times.toFixed(0)} times real time in the browser, one axis`);
+  assert.ok(times > 20, `${times}`);
+  await one.page.keyboard.press('Escape');
+  await state(one, 'disarmed');
+  await one.page.selectOption('#speed', '1');
+  await arm(one);
+});
+
+test('a file that is no log is told in a sentence', async () => {
+  const one = await fresh();
+  await view(one, 'diagnose');
+  await one.page.selectOption('#diagnose-source', 'file');
+  await one.page.setInputFiles('#diagnose-file', { name: 'poem.csv', mimeType: 'text/csv', buffer: Buffer.from('so much depends\nupon\n') });
+  await one.page.click('#diagnose-run');
+  await until(one, () => document.getElementById('diagnose-answer').textContent.startsWith('this is no log: its first line names no column time_s'));
 });
 
 test('one signal against another', async () => {
@@ -105,7 +182,30 @@ test('one signal against another', async () => {
   assert.ok(await one.page.isHidden('#plot'));
   assert.equal(await one.page.inputValue('#xy-x'), 'joint0.q1');
   await one.page.screenshot({ path: join(pictures, 'xy.png') });
+  await compareWithReadme(one, join(pictures, 'xy.png'));
 });
+
+/** The README's picture is this test's: as large, and but for where the trace ends the same. */
+async function compareWithReadme(one, made) {
+  const kept = new URL('../../../docs/pictures/console.png', import.meta.url);
+  const other = await rig.browser.newContext();
+  const page = await other.newPage();
+  const differs = await page.evaluate(async (files) => {
+    const [a, b] = await Promise.all(files.map(async (file) => createImageBitmap(await (await fetch(`data:image/png;base64,${file}`)).blob())));
+    if (a.width !== b.width || a.height !== b.height) return 1;
+    const [left, right] = [a, b].map((image) => {
+      const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      context.drawImage(image, 0, 0);
+      return context.getImageData(0, 0, image.width, image.height).data;
+    });
+    let count = 0;
+    for (let i = 0; i < left.length; i += 4) count += Math.abs(left[i] - right[i]) + Math.abs(left[i + 1] - right[i + 1]) + Math.abs(left[i + 2] - right[i + 2]) > 60 ? 1 : 0;
+    return (4 * count) / left.length;
+  }, [made, kept].map((file) => readFileSync(file).toString('base64')));
+  await other.close();
+  console.log(`console page: ${(100 * differs).toFixed(1)} % of the README's picture differ from the test's`);
+  assert.ok(differs < 0.1, `${differs}: cp build/browser/pictures/xy.png docs/pictures/console.png`);
+}
 
 test('an experiment runs, is drawn and ends in a log; another is stopped, and one unarmed is refused', async () => {
   const one = await fresh();
@@ -200,7 +300,22 @@ test('a picture is saved', async () => {
   const one = await fresh();
   await one.page.waitForTimeout(300);
   const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#png')]);
-  assert.equal(readFileSync(await download.path()).toString('latin1', 1, 4), 'PNG');
+  const picture = readFileSync(await download.path());
+  assert.equal(picture.toString('latin1', 1, 4), 'PNG');
+  const other = await rig.browser.newContext();
+  const page = await other.newPage();
+  const [ground, plotted] = await page.evaluate(async (file) => {
+    const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${file}`)).blob());
+    const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, image.height - 20, image.width, 20);
+    let coloured = 0;
+    for (let i = 0; i < data.length; i += 4) coloured += data[i] < 200 ? 1 : 0;
+    return [[...context.getImageData(1, 1, 1, 1).data], coloured];
+  }, picture.toString('base64'));
+  await other.close();
+  assert.deepEqual(ground, [255, 255, 255, 255], 'it has its ground');
+  assert.ok(plotted > 200, 'the lines are named below it');
 });
 
 test('a parameter is staged, taken whole, and marked; what is refused changes nothing', async () => {
@@ -336,6 +451,7 @@ test('the page works from the folder, without a server', async () => {
   const began = performance.now();
   const one = await rig.open({}, `file://${site}/index.html`);
   console.log(`console page: signals ${Math.round(performance.now() - began)} ms after it was opened`);
+  await one.page.context().setOffline(true);
   await arm(one);
 });
 
@@ -370,9 +486,8 @@ for (const colorScheme of ['light', 'dark']) {
       const { violations } = await one.page.evaluate(() => window.axe.run());
       const bad = violations.filter((one) => ['serious', 'critical'].includes(one.impact));
       assert.deepEqual(bad.map((one) => `${one.id}: ${one.nodes[0].html}`), [], name);
+      await one.page.screenshot({ path: join(pictures, `${colorScheme}_${name}.png`) });
     }
-    await view(one, 'live');
-    await one.page.screenshot({ path: join(pictures, `${colorScheme}.png`) });
   });
 }
 
@@ -383,6 +498,19 @@ test('on a screen of 360 pixels nothing is wider than it', async () => {
     await one.page.waitForTimeout(name === 'parameters' ? 1500 : 300);
     const width = await one.page.evaluate(() => document.documentElement.scrollWidth);
     assert.ok(width <= 360, `${name} is ${width} pixels wide`);
+    const thin = await one.page.$$eval(`#${name} input, #${name} select, #${name} button`, (all) => all.filter((element) => element.offsetParent !== null && element.type !== 'checkbox' && element.getBoundingClientRect().width < 40).map((element) => element.id));
+    assert.deepEqual(thin, [], `${name}: too narrow to use`);
+    const disarm = await one.page.locator('#disarm').boundingBox();
+    assert.ok(disarm.y + disarm.height <= 740 && disarm.width > 100 && disarm.height >= 44, `${name}: DISARM is in sight`);
+    await one.page.screenshot({ path: join(pictures, `narrow_${name}.png`) });
   }
-  await one.page.screenshot({ path: join(pictures, 'narrow.png') });
+});
+
+test('on a screen of 3840 by 2160 pixels texts are larger and the plot fills it', async () => {
+  const one = await fresh({ viewport: { width: 3840, height: 2160 } });
+  const size = await one.page.$eval('#pause', (button) => parseFloat(getComputedStyle(button).fontSize));
+  assert.ok(size >= 20, `${size} pixels`);
+  const plot = await one.page.locator('#plot canvas').boundingBox();
+  assert.ok(plot.width > 3600 && plot.height > 1000, JSON.stringify(plot));
+  await one.page.screenshot({ path: join(pictures, 'wide.png') });
 });

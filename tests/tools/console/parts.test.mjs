@@ -137,6 +137,50 @@ test('a plot of many samples keeps the smallest and the largest', () => {
   assert.equal(Math.min(...values), -7);
 });
 
+test('of one signal against another, both values are of the same sample', () => {
+  const series = new Series();
+  series.reset(['a', 'b'], 1);
+  for (let i = 0; i < 20000; ++i) series.push(i, [Math.sin(i / 7), 3 * Math.sin(i / 7) + 1]);
+  const [x, y] = series.pairs(0, 1, 0, 20000, 3000);
+  assert.ok(x.length > 1500 && x.length <= 3000, `${x.length}`);
+  x.forEach((value, i) => assert.equal(y[i], 3 * value + 1));
+});
+
+/** As people without one kind of cone see it: G. M. Machado and others, IEEE TVCG 15 (2009), severity 1. */
+const kVision = {
+  'everybody': [1, 0, 0, 0, 1, 0, 0, 0, 1],
+  'without red cones': [0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998],
+  'without green cones': [0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881],
+  'without blue cones': [1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.3039],
+};
+/** Lightness, and the two colour axes of CIELAB, D65. */
+function lab(hex, vision) {
+  const linear = [1, 3, 5].map((at) => Number.parseInt(hex.slice(at, at + 2), 16) / 255).map((v) => (v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4));
+  const [r, g, b] = [0, 3, 6].map((row) => Math.min(1, Math.max(0, vision[row] * linear[0] + vision[row + 1] * linear[1] + vision[row + 2] * linear[2])));
+  const white = [0.95047, 1, 1.08883];
+  const f = [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.072175], [0.0193339, 0.119192, 0.9503041]]
+    .map(([x, y, z], i) => (x * r + y * g + z * b) / white[i]).map((t) => (t > 216 / 24389 ? Math.cbrt(t) : (24389 / 27 * t + 16) / 116));
+  return [116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])];
+}
+
+test('the eight lines are told apart by people with any colour vision, in both themes: by colour, or by their dashes', async () => {
+  for (const isDark of [false, true]) {
+    globalThis.matchMedia = () => ({ matches: isDark });
+    const { stroke } = await part('palette');
+    const lines = Array.from({ length: 8 }, (_, i) => stroke(i));
+    for (const [who, vision] of Object.entries(kVision)) {
+      for (let i = 0; i < 8; ++i) {
+        for (let k = 0; k < i; ++k) {
+          const [a, b] = [lab(lines[i].colour, vision), lab(lines[k].colour, vision)];
+          const apart = Math.hypot(...a.map((value, axis) => value - b[axis]));
+          assert.ok(apart > 10 || String(lines[i].dash) !== String(lines[k].dash), `${who}, dark ${isDark}: ${k} and ${i} are ${apart.toFixed(1)} apart`);
+          assert.ok(i > 3 || apart > 10, `${who}, dark ${isDark}: of the four lines shown at first ${k} and ${i} are ${apart.toFixed(1)} apart`);
+        }
+      }
+    }
+  }
+});
+
 test('the series forgets what is older than its room, counts what is lost and begins anew with the board', () => {
   const series = new Series();
   series.reset(['a'], 2);

@@ -4,12 +4,15 @@
 import assert from 'node:assert/strict';
 import test, { afterEach } from 'node:test';
 import { Board } from '../../boards/browser/module.mjs';
-import { arm, armMoveDisarm, kPatience, message as told, pages, state, type, view } from './browser.mjs';
+import { arm, armMoveDisarm, eventually, kPatience, message as told, pages, responses, state, type, view } from './browser.mjs';
 
 const rig = pages();
 let one;
 let board;
-afterEach(() => clearInterval(board?.timer));
+afterEach(() => {
+  clearInterval(board?.timer);
+  passes = (text) => text;
+});
 
 /** In the page: a port whose other end is the test. */
 function fakeSerial() {
@@ -50,7 +53,7 @@ class SerialBoard extends Board {
       this.waiting = this.waiting.slice(this.wasm.capstan_receive(this.put(this.waiting)));
       this.tick(1);
     }
-    this.say(this.text);
+    this.say(passes(this.text));
     this.text = '';
   }
   say(text) {
@@ -58,12 +61,15 @@ class SerialBoard extends Board {
   }
 }
 
-async function connected() {
+/** What the board says passes through this. */
+let passes = (text) => text;
+
+async function connected(waits = true) {
   one = await rig.open({ script: fakeSerial });
   await one.page.exposeFunction('toBoard', (bytes) => board.receive(bytes));
   board = new SerialBoard(one.page);
   await one.page.click('#serial');
-  await message('real joints may move');
+  if (waits) await message('real joints may move');
   await state(one, 'disarmed');
 }
 const message = (part) => told(one, part);
@@ -92,6 +98,65 @@ test('a line that breaks is told, and the page says nothing more of a state', as
   await message('may still have torque: press the emergency stop');
   assert.equal(await one.page.textContent('#state'), 'not connected');
   assert.ok(await one.page.isDisabled('#arm'));
+});
+
+test('tunes over the line: the step response is drawn, a gain is changed meanwhile and undone', async () => {
+  await connected();
+  await arm(one);
+  await view(one, 'move');
+  await one.page.waitForSelector('#response-gains input');
+  await one.page.click('#response-run');
+  await eventually(async () => (await responses(one)).length > 0, 'a response');
+  await one.page.fill('[data-gain="control.ki"]', '12');
+  await one.page.press('[data-gain="control.ki"]', 'Enter');
+  await eventually(async () => (await responses(one)).some((row) => /^ki 12$/.test(row[5])), 'a response with it');
+  for (const row of await responses(one)) assert.ok(Math.abs(Math.abs(Number(row[0])) - 2) < 0.01 && Number(row[2]) > 0, row.join());
+  assert.match(board.heard, /set joint0\.control\.ki 12\n/);
+  await one.page.click('#response-undo');
+  await one.page.waitForFunction(() => document.getElementById('response-answer').textContent.includes('joint0.control.ki is 4 again'), null, { timeout: kPatience });
+  await one.page.click('#disarm');
+  await one.page.waitForFunction(() => document.getElementById('response-answer').textContent.startsWith('ended'), null, { timeout: kPatience });
+  assert.equal(board.state(), 'disarmed none');
+});
+
+test('captures by the scope over the line, and shows a fault of the board with cause and cure', async () => {
+  await connected();
+  await view(one, 'live');
+  await one.page.waitForFunction(() => document.querySelectorAll('#signals button').length > 0, null, { timeout: kPatience });
+  await one.page.click('#scope summary');
+  await one.page.selectOption('#scope-when', 'fault');
+  await one.page.fill('#scope-samples', '200');
+  await one.page.fill('#scope-before', '100');
+  await one.page.click('#scope-form button[type="submit"]');
+  const answer = (part) => one.page.waitForFunction((wanted) => document.getElementById('scope-answer').textContent.includes(wanted), part, { timeout: kPatience });
+  await answer('waiting for its trigger');
+  await arm(one);
+  board.receive(Buffer.from('fail encoder off\n'));  // what happens to a board, happens beside the page
+  await state(one, 'faulted by sensor_missing');
+  await answer('captured 200 samples');
+  await view(one, 'states');
+  await one.page.waitForFunction(() => /latched sensor_missing: .*To do: /.test(document.getElementById('faults').textContent), null, { timeout: kPatience });
+});
+
+test('a page that is reloaded under torque has disarmed the board on the line, and another page does not get the port', async () => {
+  await connected();
+  await arm(one);
+  const two = await rig.open({ script: fakeSerial });
+  await two.page.evaluate(() => (window.portTaken = true));  // a browser opens a port once
+  await two.page.click('#serial');
+  await told(two, 'the port does not open');
+  await one.page.bringToFront();
+  await arm(one).catch(() => undefined);  // it lost the focus meanwhile, and with it the torque
+  await eventually(() => board.state() === 'holding none', 'torque');
+  await one.page.reload();
+  await eventually(() => board.state() === 'disarmed none', 'no torque after the page has gone');
+  await state(one, 'disarmed');
+});
+
+test('a board of another version is told', async () => {
+  passes = (text) => text.replace(/capstan \S+ board/, 'capstan 9.9.9 board');
+  await connected(false);
+  await message("the board's firmware is version 9.9.9, this page is of ");
 });
 
 test('garbage on the line is no state, no sample and no end', async () => {

@@ -40,14 +40,14 @@ export async function console_(...words) {
   return { ...one, address: one.found[1], port: Number(one.found[2]), token: one.found[3] };
 }
 
-/** A board of the host, by TCP or a pseudo-terminal; `name` is what `capstan console` is given. */
+/** A board of the host, by TCP ('fast': whose time passes as fast as it goes) or a pseudo-terminal; `name` is what `capstan console` is given. */
 export async function board(kind = 'tcp') {
   if (kind === 'pty') {
     const one = await start(['run', '--shell', 'pty'], /shell at (\/dev\/pts\/\d+)/);
     return { ...one, name: one.found[1] };
   }
   const port = await freePort();
-  const one = await start(['run', '--shell', `tcp:${port}`], /shell at/);
+  const one = await start(['run', '--shell', `tcp:${port}`, ...(kind === 'fast' ? ['--fast'] : [])], /shell at/);
   return { ...one, port, name: `tcp:${port}` };
 }
 

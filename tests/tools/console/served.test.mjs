@@ -209,6 +209,17 @@ test('a log is diagnosed beside its loop, the report is shown, and APPLY gives t
   await one.page.click('#diagnose-apply');
   await answer(one, 'the board has the law now');
   assert.match(await type(one, 'model'), /play/);
+  await view(one, 'diagnose');
+  await one.page.selectOption('#diagnose-task', 'identify');
+  await one.page.selectOption('#diagnose-model', 'kinematic');
+  await one.page.click('#diagnose-run');
+  await one.page.waitForFunction(() => /^kinematic: error \(RMSE\) \S+ rad/.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
+  assert.match(await one.page.textContent('#diagnose-said'), /95 % interval/);
+  const changes = await one.page.$$eval('#diagnose-table tbody tr', (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  assert.ok(changes.length > 0 && changes.every(([name, before, after]) => /^joint0\./.test(name) && before !== '' && after !== ''), JSON.stringify(changes));
+  await one.page.click('#diagnose-apply');
+  await answer(one, 'the board has the law now');
+  assert.doesNotMatch(await type(one, 'model'), /play/);
 });
 
 test('an experiment of the board is diagnosed; a log that is none is told in a sentence, and so is none at all', async () => {
@@ -216,6 +227,8 @@ test('an experiment of the board is diagnosed; a log that is none is told in a s
   await view(one, 'diagnose');
   await one.page.click('#diagnose-run');
   await answer(one, 'there is no log yet; run an experiment in Move');
+  await diagnoseFile(one, 'a poem\n');
+  await answer(one, 'this is no log: its first line names no column time_s');
   await diagnoseFile(one, 'time_s,axis0/q1_rad\n0,zero\n');
   await answer(one, 'capstan: log.csv');
   assert.ok(await one.page.isDisabled('#diagnose-apply'));

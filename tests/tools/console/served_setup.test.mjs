@@ -2,6 +2,7 @@
 // node --test served_setup.test.mjs: a joint set up by the page that `capstan console` serves: commissioned, tuned, its response looked at;
 // and a simulated one broken.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import test, { afterEach } from 'node:test';
 import { arm, eventually, kPatience, message, pages, responses, state, type, view } from './browser.mjs';
@@ -56,6 +57,36 @@ test('commission is guided: it explains, asks before the joint moves, and No end
   await commissioned(one, 'stopped as you wished');
   await beginCommissioning(one);
   assert.doesNotMatch(await steps(one), /done before/);
+});
+
+test('commission goes to its end: every step, every answer Yes, gains found and saved, report and machine.toml, no torque left', async () => {
+  const there = await board('fast');
+  const one = await open(await console_(there.name));
+  await view(one, 'setup');
+  await one.page.fill('#commission-inertia', '0.02');
+  await one.page.click('#commission-start');
+  let asked = 0;
+  for (let ended = false; !ended; ended = await one.page.isHidden('#commission-time') || /^(done|ended|stopped)/.test(await one.page.textContent('#commission-answer'))) {
+    await one.page.waitForFunction(() => !document.getElementById('commission-question').hidden || document.getElementById('commission-stop').disabled, null, { timeout: 120000 });
+    if (await one.page.isVisible('#commission-question')) {
+      await one.page.click('#commission-yes');
+      ++asked;
+    }
+  }
+  await commissioned(one, 'done: the joint has its gains, and its torque is off');
+  console.log(`console page: ${await one.page.textContent('#commission-time')} for a commissioning, the joint's time as fast as it goes`);
+  assert.ok(asked >= 1);
+  assert.deepEqual(await one.page.$$eval('#commission-steps > li > strong', (all) => all.map((step) => step.textContent)), ['look', 'shake', 'press', 'travel', 'motor', 'tune', 'check', 'save']);
+  await state(one, 'disarmed');
+  const reports = one.page.locator('#commission-report iframe');
+  assert.equal(await reports.count(), 2);
+  for (const title of ['report of commissioning', 'frequency response of commissioning']) {
+    await one.page.frameLocator(`#commission-report iframe[title="${title}"]`).locator('h1').first().waitFor({ timeout: kPatience });
+  }
+  await one.page.screenshot({ path: join(process.env.CAPSTAN_PICTURES, 'commission.png'), fullPage: true });
+  const [download] = await Promise.all([one.page.waitForEvent('download'), one.page.click('#commission-machine')]);
+  assert.match(readFileSync(await download.path(), 'utf8'), /inertia/);
+  assert.notEqual(Number(/stiffness (\S+) /.exec(await type(one, 'get joint0.control.stiffness'))[1]), 1);
 });
 
 test('DISARM ends a commissioning that shakes the joint: no torque comes back, and the gains are those of before', async () => {
@@ -147,6 +178,38 @@ test('a log that gives no gains is told with its cure, and nothing is offered', 
   await shake(one, { duration: '5', travel: '0.2', speed: '0.2', amplitude: '0.1' });
   await one.page.waitForFunction(() => /;/.test(document.getElementById('tune-answer').textContent), null, { timeout: 40000 });
   assert.ok(await one.page.isHidden('#tune-choice'));
+});
+
+test('the simulated joint of capstan console gets an undeclared effect and a fault by a click; the page that looks follows', async () => {
+  const served = await console_();
+  const one = await open(served);
+  const two = await open(served, { looks: true });
+  const answered = (part) => until(one, (wanted) => document.getElementById('effect-answer').textContent.includes(wanted), part);
+  await arm(one);
+  await view(one, 'break');
+  await one.page.selectOption('#effect', 'play.half_width_rad');
+  await one.page.fill('#effect-value', '7');
+  await one.page.click('text="Start anew with it"');
+  await answered('impossible');
+  assert.equal(await one.page.textContent('#state'), 'holding', 'what is refused changes nothing');
+  await one.page.fill('#effect-value', '0.2');
+  await one.page.click('text="Start anew with it"');
+  await answered('started anew with play.half_width_rad=0.2');
+  await state(one, 'disarmed');
+  await state(two, 'disarmed');
+  await arm(one);
+  assert.doesNotMatch(await type(one, 'model'), /play/, 'the firmware is not told');
+  await view(one, 'break');
+  await one.page.selectOption('#fault-target', 'encoder');
+  await one.page.selectOption('#fault-kind', 'off');
+  await one.page.click('text="Break it now"');
+  await state(one, 'faulted by sensor_missing');
+  await until(one, () => /latched sensor_missing: .*To do: /.test(document.querySelector('#break .faults').textContent));
+  await state(two, 'faulted by sensor_missing');
+  await one.page.click('#effect-none');
+  await answered('started anew, as it should be');
+  await state(one, 'disarmed');
+  await arm(one);
 });
 
 test('a simulated board behind capstan console is broken by a click; a real one is not offered it, and one without the command says so', async () => {

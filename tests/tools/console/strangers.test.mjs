@@ -45,6 +45,7 @@ test('only the page itself is let in: token, Host and Origin', async () => {
     'a diagnosis for another origin': { path: `/${served.token}/diagnose/`, method: 'POST', origin: 'http://evil.example' },
     'a tuning for nobody': { path: `/${served.token}/tune/0`, method: 'POST' },
     'a tuning for another origin': { path: `/${served.token}/tune/0`, method: 'POST', origin: 'http://evil.example' },
+    'an identification for another origin': { path: `/${served.token}/identify/dynamic`, method: 'POST', origin: 'http://evil.example' },
     'a board for another origin': { ...ws, origin: 'http://evil.example' },
     'a board for nobody': ws,
     'a board for a frame without origin': { ...ws, origin: 'null' },
@@ -156,9 +157,9 @@ test('one diagnosis at a time; what is too large is told', async () => {
   const second = await visit(served, { ...post, body });
   const tuning = await visit(served, { ...post, path: `/${served.token}/tune/0`, body });
   assert.equal(tuning.status, 409, 'nor a tuning beside it');
-  assert.deepEqual([second.status, second.body], [409, 'a diagnosis or tuning is under way; wait for it\n']);
+  assert.deepEqual([second.status, second.body], [409, 'the host program looks at another log; wait for it\n']);
   assert.equal((await first).status, 200);
   const large = await visit(served, { ...post, 'content-length': String(65 * 1024 * 1024) });
   assert.equal(large.status, 413);
-  assert.match(large.body, /larger than 64 MB; use 'capstan diagnose' or 'capstan tune'/);
+  assert.match(large.body, /larger than 64 MB; use 'capstan diagnose', 'identify' or 'tune'/);
 });

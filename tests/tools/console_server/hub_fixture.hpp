@@ -14,6 +14,8 @@ struct Board {
   int disarmed = 0;
   int left = 0;
   int opened = 0;
+  bool simulated = false;
+  std::string effect = "not started anew";
   std::string refuses;
   Hub::Listener listener;
 };
@@ -25,6 +27,15 @@ class FakeLine final : public BoardLine {
   void disarm() override { ++board_.disarmed; }
   void peer_left() override { ++board_.left; }
   [[nodiscard]] auto every_ms() const -> int override { return 10; }
+  [[nodiscard]] auto starts_anew() const -> bool override { return board_.simulated; }
+  void start_anew(std::string_view effect) override {
+    if (!board_.simulated) {
+      BoardLine::start_anew(effect);
+    } else if (effect == "no_such=1") {
+      throw std::runtime_error("no such effect");
+    }
+    board_.effect = effect;
+  }
 
  private:
   Board& board_;

@@ -17,6 +17,34 @@ TEST_F(HubTest, FirstPageCommandsAndTheSecondLooks) {
   EXPECT_EQ(board.sent, "status\n");
 }
 
+TEST_F(HubTest, TheCommandingPageStartsASimulatedBoardAnewAndAllAreTold) {
+  board.simulated = true;
+  hub.join(first, now);
+  hub.join(second, now);
+  EXPECT_EQ(first.words, std::vector<std::string>{"command 10 anew"});
+  EXPECT_EQ(second.words, std::vector<std::string>{"look 10 anew"});
+  hub.word(first, "anew play=0.03", now);
+  EXPECT_EQ(board.effect, "play=0.03");
+  EXPECT_EQ(first.words, (std::vector<std::string>{"command 10 anew", "command 10 anew", "anew "}));
+  EXPECT_EQ(second.words.back(), "look 10 anew");
+  hub.word(first, "anew", now);
+  EXPECT_EQ(board.effect, "");
+}
+
+TEST_F(HubTest, WhatCanNotStartAnewIsRefusedByASentenceAndTheBoardGoesOn) {
+  hub.join(first, now);
+  hub.join(second, now);
+  hub.word(first, "anew play=0.03", now);
+  EXPECT_NE(first.words.back().find("only a simulator of capstan console"), std::string::npos);
+  board.simulated = true;
+  hub.word(second, "anew play=0.03", now);
+  EXPECT_NE(second.words.back().find("take the command first"), std::string::npos);
+  hub.word(first, "anew no_such=1", now);
+  EXPECT_EQ(first.words.back(), "anew no such effect");
+  EXPECT_EQ(board.effect, "not started anew");
+  EXPECT_TRUE(hub.commands(first));
+}
+
 TEST_F(HubTest, EveryPageHearsTheBoard) {
   hub.join(first, now);
   hub.join(second, now);

@@ -18,7 +18,7 @@ export class BreakView {
     });
     byId('effect-form').addEventListener('submit', (event) => {
       event.preventDefault();
-      void this.start(`${this.effect.value} = ${byId<HTMLInputElement>('effect-value').value}`);
+      void this.start(`${this.effect.value}=${byId<HTMLInputElement>('effect-value').value.trim()}`);
     });
     byId('effect-none').addEventListener('click', () => void this.start(''));
     this.effect.addEventListener('change', () => this.showRange());
@@ -30,10 +30,10 @@ export class BreakView {
     this.showRange();
   }
 
-  /** What can fail, and how, is what the board says when it does not understand. @param own  the page's own simulator, which it can start anew */
-  async connected(joints: number, own: boolean): Promise<void> {
-    byId('effects').hidden = !own;
-    byId('effects-elsewhere').hidden = own;
+  /** What can fail, and how, is what the board says when it does not understand. @param anew  it can be started anew from here */
+  async connected(joints: number, anew: boolean): Promise<void> {
+    byId('effects').hidden = !anew;
+    byId('effects-elsewhere').hidden = anew;
     const targets = parseKnown((await this.board.ask('fail ?')).error ?? '');
     byId('fault-form').hidden = targets.length === 0;
     byId('fault-answer').textContent = targets.length > 0 ? '' : "this board's shell has no command 'fail': its joints are simulated by another program; give that program's scenario the faults, or connect a board of 'capstan run'";
@@ -57,7 +57,7 @@ export class BreakView {
     }
     words.push('axis', value('fault-joint'));
     const answer = await this.board.ask(words.join(' '));
-    byId('fault-answer').textContent = answer.error ?? `${words.join(' ')}: done. What the firmware makes of it is under State.`;
+    byId('fault-answer').textContent = answer.error ?? `${words.join(' ')}: done`;
   }
 
   private async start(effects: string): Promise<void> {

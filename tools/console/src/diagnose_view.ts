@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the law of a joint lacks: the host program looks at a log, and the board takes the law that it finds. Where no host program is
+// What the law of a joint lacks, or the law itself: the host program looks at a log, and the board takes what it finds. Where no host program is
 // behind the page, the log is offered with the command to run.
 import type { Board } from './board';
 import { byId, download, make } from './dom';
@@ -28,6 +28,8 @@ function columns(csv: string): Map<string, number[]> {
 
 export class DiagnoseView {
   private readonly source = byId<HTMLSelectElement>('diagnose-source');
+  private readonly task = byId<HTMLSelectElement>('diagnose-task');
+  private readonly model = byId<HTMLSelectElement>('diagnose-model');
   private readonly target = byId<HTMLSelectElement>('diagnose-target');
   private readonly words = byId('diagnose-answer');
   private readonly apply = byId<HTMLButtonElement>('diagnose-apply');
@@ -46,18 +48,26 @@ export class DiagnoseView {
       event.preventDefault();
       void this.begin();
     });
-    this.source.addEventListener('change', () => this.show());
-    this.target.addEventListener('change', () => this.show());
+    for (const choice of [this.source, this.task, this.model, this.target]) {
+      choice.addEventListener('change', () => this.show());
+    }
     this.apply.addEventListener('click', () => void this.give());
-    byId('diagnose-run').textContent = served ? 'Diagnose' : 'Save log';
     this.show();
   }
 
   private show(): void {
     byId('diagnose-file').hidden = this.source.value !== 'file';
     byId('diagnose-file-label').hidden = this.source.value !== 'file';
-    byId('diagnose-command').textContent = this.served ? '' : `then: capstan diagnose capstan_log.csv${this.target.value === '' ? '' : ` --target ${this.target.value}`} --report report -o law.toml, and capstan apply law.toml --port PORT`;
+    byId('diagnose-run').textContent = !this.served ? 'Save log' : this.identifies ? 'Identify' : 'Diagnose';
+    byId('diagnose-model-label').hidden = !this.identifies;
+    byId('diagnose-target-label').hidden = this.identifies;
+    const work = this.identifies ? `identify capstan_log.csv --model ${this.model.value}` : `diagnose capstan_log.csv${this.target.value === '' ? '' : ` --target ${this.target.value}`} --report report`;
+    byId('diagnose-command').textContent = this.served ? '' : `then: capstan ${work} -o law.toml, and capstan apply law.toml --port PORT`;
     this.apply.disabled = this.lines.length === 0 || this.busy;
+  }
+
+  private get identifies(): boolean {
+    return this.task.value === 'identify';
   }
 
   private async log(): Promise<string | undefined> {
@@ -77,6 +87,10 @@ export class DiagnoseView {
       this.words.textContent = "the log is larger than 64 MB; diagnose it by 'capstan diagnose'";
       return;
     }
+    if (!log.split('\n', 1)[0]!.split(',').includes('time_s')) {
+      this.words.textContent = "this is no log: its first line names no column time_s; docs/logs.md says what a log is, and 'capstan diagnose --map' reads other names";
+      return;
+    }
     this.draw(log);
     if (!this.served) {
       download('capstan_log.csv', [log], 'text/csv');
@@ -91,12 +105,26 @@ export class DiagnoseView {
     } catch (problem) {
       this.words.textContent = problem instanceof Error ? problem.message : String(problem);
     }
+    await this.compare();
     this.busy = false;
     this.show();
   }
 
+  /** What the board has, beside what it would have. */
+  private async compare(): Promise<void> {
+    const values = valuesOf(this.lines);
+    byId('diagnose-table').hidden = values.size === 0;
+    if (values.size > 0) {
+      await this.parameters.load();
+    }
+    const rows = [...values].map(([name, after]) => [name, this.parameters.find(name), after] as const);
+    byId('diagnose-table').querySelector('tbody')!.replaceChildren(
+      ...rows.map(([name, now, after]) => make('tr', {}, make('th', { scope: 'row' }, name), make('td', {}, `${now?.value ?? ''} ${now?.unit ?? ''}`), make('td', {}, after))),
+    );
+  }
+
   private async ask(log: string): Promise<Answer> {
-    const response = await fetch(`diagnose/${this.target.value}`, { method: 'POST', body: log }).catch(() => {
+    const response = await fetch(this.identifies ? `identify/${this.model.value}` : `diagnose/${this.target.value}`, { method: 'POST', body: log }).catch(() => {
       throw new Error('capstan console has gone; start it again and open the address that it prints');
     });
     if (!response.ok) {
@@ -109,14 +137,18 @@ export class DiagnoseView {
     const { diagnosis } = answer;
     byId('diagnose-said').textContent = answer.said;
     byId('diagnose-report').replaceChildren();
+    const not = answer.not_applied === undefined ? '' : `; not for this board: ${answer.not_applied}`;
     if (diagnosis === undefined) {
-      this.words.textContent = answer.said.trim().split('\n').at(-1) ?? '';
+      const lines = answer.said.trim().split('\n').map((line) => line.trim());
+      const fit = lines.find((line) => line.startsWith('error (RMSE) '));
+      this.words.textContent = answer.status === 0 && fit !== undefined ? `${this.model.value}: ${fit}${not}` : (lines.at(-1) ?? '');
+      this.lines = answer.lines;
       return;
     }
     const unit = this.target.value.endsWith('_Nm') ? 'N m' : 'rad';
     const error = (errors: Errors | null) => (errors === null ? 'not known' : `${errors.rmse.toPrecision(3)} ${unit}`);
     const effects = diagnosis.effects.map((one) => one.name).join(', ');
-    this.words.textContent = `verdict: ${diagnosis.verdict}${effects === '' ? '' : ` (${effects})`}; error before ${error(diagnosis.before)}, after ${error(diagnosis.after)}${answer.not_applied === undefined ? '' : `; not for this board: ${answer.not_applied}`}`;
+    this.words.textContent = `verdict: ${diagnosis.verdict}${effects === '' ? '' : ` (${effects})`}; error before ${error(diagnosis.before)}, after ${error(diagnosis.after)}${not}`;
     this.lines = answer.lines;
     byId('diagnose-report').append(make('iframe', { src: `report?${Date.now()}`, title: 'report', sandbox: '' }));
   }
@@ -124,7 +156,8 @@ export class DiagnoseView {
   /** The loop that is explained: over the motor's angle. */
   private draw(log: string): void {
     const all = columns(log);
-    const wanted = this.target.value || 'axis0/q2_rad';
+    const wanted = (this.identifies ? '' : this.target.value) || 'axis0/q2_rad';
+    byId('diagnose-loop').hidden = false;
     this.loop.show(all.get('axis0/q1_rad') ?? [], all.get(wanted) ?? [], 'axis0/q1_rad', wanted);
   }
 

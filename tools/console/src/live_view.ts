@@ -5,6 +5,8 @@ import { byId, download, make, options } from './dom';
 import type { Schema } from './frames';
 import { parseSignals, type Signal } from './knowledge';
 import { mcapOf } from './mcap_file';
+import { CursorView } from './cursor_view';
+import { pictureOf } from './picture';
 import { Series } from './series';
 import { TimePlot } from './time_plot';
 import { XyPlot } from './xy_plot';
@@ -12,6 +14,7 @@ import { XyPlot } from './xy_plot';
 const kMostSignals = 8;
 const kMostBuckets = 2000; // of a plot, each with its smallest and largest value
 const kMovingPixels = 2; // of a plot that moves for each of them: half of the points are half of the time
+const kMostPairs = 5000;
 const kFirst = ['joint0.reference', 'joint0.q2', 'joint0.q1', 'joint0.torque'];
 
 /** A log's columns tell their units. */
@@ -26,6 +29,7 @@ export class LiveView {
   private shown: Signal[] = [];
   private readonly plot = new TimePlot(byId('plot'));
   private readonly xy = new XyPlot(byId<HTMLCanvasElement>('xy-plot'));
+  private readonly cursors = new CursorView(this.series, this.plot);
   private readonly pauseButton = byId<HTMLButtonElement>('pause');
   private readonly add = byId<HTMLSelectElement>('signal-add');
   private readonly kind = byId<HTMLSelectElement>('plot-kind');
@@ -196,8 +200,9 @@ export class LiveView {
   }
 
   private savePicture(): void {
-    const canvas = this.kind.value === 'xy' ? byId<HTMLCanvasElement>('xy-plot') : byId('plot').querySelector('canvas');
-    canvas?.toBlob((blob) => blob !== null && download('capstan.png', [blob], 'image/png'));
+    const xy = this.kind.value === 'xy';
+    const canvas = xy ? byId<HTMLCanvasElement>('xy-plot') : byId('plot').querySelector('canvas');
+    canvas && pictureOf(canvas, xy ? [] : this.shown).toBlob((blob) => blob !== null && download('capstan.png', [blob], 'image/png'));
   }
 
   private draw(): void {
@@ -212,13 +217,15 @@ export class LiveView {
     }
     this.drawn = what;
     const still = this.frozen !== undefined;
-    const data = this.series.view(from, to, Math.min(kMostBuckets, this.plot.width) / (still ? 1 : kMovingPixels));
+    this.cursors.show(still && this.kind.value === 'time' ? [from, to] : undefined, this.shown);
     if (this.kind.value === 'xy') {
       const names = this.shown.map((one) => one.name);
       const [x, y] = [names.indexOf(this.across.value), names.indexOf(this.up.value)];
       const label = (i: number) => `${this.shown[i]?.name ?? ''} ${this.shown[i]?.unit ?? ''}`;
-      this.xy.show(data[x + 1] ?? [], data[y + 1] ?? [], label(x), label(y));
+      const [xs, ys] = x < 0 || y < 0 ? [[], []] : this.series.pairs(x, y, from, to, kMostPairs);
+      this.xy.show(xs, ys, label(x), label(y));
     } else {
+      const data = this.series.view(from, to, Math.min(kMostBuckets, this.plot.width) / (still ? 1 : kMovingPixels));
       this.plot.show(data, from / 1000, to / 1000, still);
     }
   }

@@ -50,7 +50,7 @@ let socket: SocketLink | undefined;
 const commissioning = new CommissionView(board, () => (board.link === socket ? socket : undefined), served, () => live.standBack());
 new DiagnoseView(board, served, parameters, { experiment: () => experiments.csv, live: () => live.csv() });
 const scope = new ScopeView(board, live);
-const breaking = new BreakView(board, (effects) => startSimulator(effects));
+const breaking = new BreakView(board, (effect) => startAnew(effect));
 const shell = new ShellView(board);
 const safety = new Safety(
   board,
@@ -99,7 +99,7 @@ async function connected(): Promise<void> {
   await board.askStatus();
   await experiments.connected(board.status?.joints.length ?? 1);
   if (simulated) {
-    await breaking.connected(board.status?.joints.length ?? 1, own);
+    await breaking.connected(board.status?.joints.length ?? 1, own || socket?.startsAnew === true);
   }
   viewShown(visible);
   compareVersions(theirs);
@@ -156,6 +156,11 @@ async function startSimulator(effects: string): Promise<string> {
   return problem;
 }
 
+/** The simulated board that is connected, with an effect ("play=0.03") or without; returns a sentence if that is not possible. */
+function startAnew(effect: string): Promise<string> {
+  return socket !== undefined && board.link === socket ? socket.startAnew(effect) : startSimulator(effect);
+}
+
 /** The board behind the program that serves this page; choosing an instrument leaves it for the simulator. */
 function connectServer(): void {
   const events = board.eventsOf(() => server);
@@ -194,6 +199,7 @@ void simulator.tables.then(async (text) => {
 });
 instrument.addEventListener('change', () => void startSimulator('').then(say));
 byId<HTMLSelectElement>('speed').addEventListener('change', (event) => simulator.setSpeed(Number((event.target as HTMLSelectElement).value)));
+byId('speed').parentElement!.hidden = served; // it is the page's own simulator's
 
 const serial = serialOfBrowser();
 const serialButton = byId<HTMLButtonElement>('serial');

@@ -99,7 +99,7 @@ export class ParameterView {
       make('th', { scope: 'row' }, parameter.name),
       make('td', {}, input, refusal),
       make('td', {}, parameter.unit),
-      make('td', {}, `${parameter.low} to ${parameter.high}`),
+      make('td', { class: 'range' }, `${parameter.low} to ${parameter.high}`),
       make('td', {}, parameter.fallback),
       meaning,
     );

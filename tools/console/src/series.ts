@@ -93,6 +93,18 @@ export class Series {
     return out;
   }
 
+  /** Two channels of the same samples, at most `most` of them: of one against another, no value may come from a neighbour. */
+  pairs(x: number, y: number, fromTick: number, toTick: number, most: number): [number[], number[]] {
+    const first = this.firstFrom(fromTick);
+    const end = this.firstFrom(toTick + 1);
+    const out: [number[], number[]] = [[], []];
+    for (let i = first, step = Math.max(1, Math.ceil((end - first) / most)); i < end; i += step) {
+      out[0].push(this.value(x, i));
+      out[1].push(this.value(y, i));
+    }
+    return out;
+  }
+
   private extremes(channel: number, start: number, stop: number): [number, number] {
     let low = start;
     let high = start;

@@ -57,6 +57,7 @@ export class SimulatorLink implements Link {
         this.started?.(message.problem);
         break;
       case 'bytes':
+        this.post({ kind: 'heard', count: message.bytes.length });
         this.events.bytes(message.bytes);
         break;
       case 'unattended':

@@ -8,8 +8,9 @@ export type ToSimulator =
   | { kind: 'start'; scenario: string }
   | { kind: 'bytes'; bytes: Uint8Array }
   | { kind: 'alive' }
+  | { kind: 'heard'; count: number } // so many bytes arrived
   | { kind: 'leave' }
-  | { kind: 'speed'; factor: number };
+  | { kind: 'speed'; factor: number }; // of real time; Infinity: as fast as it goes
 
 export type FromSimulator =
   | { kind: 'loaded'; tables: string }

@@ -6,6 +6,7 @@ import { FirmwareModule } from './module';
 import { kAliveWithinMs, type FromSimulator, type ToSimulator } from './simulator_messages';
 
 const kStepMs = 10;
+const kMostUnheard = 200000; // bytes; as fast as it goes is no faster than the page listens
 const kMostBehindMs = 100; // a machine that is too slow lets the joint's time pass slower instead of catching up
 
 const post = (message: FromSimulator, transfer: Transferable[] = []) =>
@@ -14,7 +15,8 @@ const post = (message: FromSimulator, transfer: Transferable[] = []) =>
 let firmware: FirmwareModule | undefined;
 let running = false;
 let waiting = new Uint8Array();
-let speed = 1;
+let speed = 1; // Infinity: as fast as it goes
+let unheard = 0; // bytes on their way to the page
 let lastMs = 0;
 let owedMs = 0;
 let aliveMs = 0;
@@ -28,7 +30,7 @@ function leave(): void {
 function step(): void {
   const now = performance.now();
   aliveMs += Math.max(0, now - lastMs - kMostBehindMs); // while this thread slept, nobody was heard
-  owedMs = Math.min(owedMs + (now - lastMs) * speed, Math.max(kMostBehindMs, kStepMs * speed));
+  owedMs = speed === Infinity ? 0 : Math.min(owedMs + (now - lastMs) * speed, Math.max(kMostBehindMs, kStepMs * speed));
   lastMs = now;
   if (firmware === undefined || !running) {
     return;
@@ -38,10 +40,16 @@ function step(): void {
     leave();
     post({ kind: 'unattended' });
   }
-  const cycles = Math.floor(owedMs);
-  owedMs -= cycles;
   try {
-    pass(firmware, cycles);
+    if (speed === Infinity) {
+      while (performance.now() < now + kStepMs && unheard < kMostUnheard) {
+        pass(firmware, kStepMs);
+      }
+    } else {
+      const cycles = Math.floor(owedMs);
+      owedMs -= cycles;
+      pass(firmware, cycles);
+    }
   } catch (problem) {
     running = false;
     post({ kind: 'problem', text: problem instanceof Error ? problem.message : String(problem) });
@@ -56,6 +64,7 @@ function pass(board: FirmwareModule, cycles: number): void {
     const said = board.tick(now);
     left -= now;
     if (said.length > 0) {
+      unheard += said.length;
       post({ kind: 'bytes', bytes: said }, [said.buffer]);
     }
   } while (left > 0);
@@ -77,6 +86,9 @@ function take(message: ToSimulator): void {
       waiting = all;
       break;
     }
+    case 'heard':
+      unheard -= message.count;
+      break;
     case 'alive':
       aliveMs = performance.now();
       attended = true;

@@ -21,6 +21,9 @@ export class SocketLink implements Link {
   private readonly socket: WebSocket;
   private readonly heart: number;
   private ended = false;
+  /** The board is a simulator of capstan console, which can start it anew with an effect. */
+  startsAnew = false;
+  private begun: ((problem: string) => void) | undefined;
 
   constructor(private readonly events: SocketEvents) {
     this.socket = new WebSocket(new URL('board', window.location.href.replace(/^http/, 'ws')));
@@ -51,6 +54,13 @@ export class SocketLink implements Link {
   askForCommand(): void {
     this.say('take');
   }
+  /** Starts the simulated board anew, with an effect ("play=0.03") or without; resolves to why not. */
+  startAnew(effect: string): Promise<string> {
+    return new Promise((resolve) => {
+      this.begun = resolve;
+      this.say(`anew ${effect}`);
+    });
+  }
   /** To `capstan commission` on this board. */
   commission(words: string): void {
     this.say(`commission ${words}`);
@@ -69,8 +79,12 @@ export class SocketLink implements Link {
   private take(words: string): void {
     const [word = '', rest = ''] = /^(\w+) ?(.*)$/s.exec(words)?.slice(1) ?? [];
     if (word === 'command' || word === 'look') {
-      this.everyMs = Number(rest);
+      const [every, anew] = rest.split(' ');
+      this.everyMs = Number(every);
+      this.startsAnew = anew === 'anew';
       this.events.role(word === 'look');
+    } else if (word === 'anew') {
+      this.begun?.(rest);
     } else if (word === 'cancel') {
       this.events.cancelled();
     } else if (word === 'remark') {

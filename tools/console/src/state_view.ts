@@ -26,10 +26,11 @@ export class StateView {
   }
 
   happened(text: string): void {
-    const events = byId('events');
-    events.prepend(make('li', {}, `${new Date().toLocaleTimeString()}: ${text}`));
-    while (events.children.length > kMostEvents) {
-      events.lastChild!.remove();
+    for (const events of document.querySelectorAll('.events')) {
+      events.prepend(make('li', {}, `${new Date().toLocaleTimeString()}: ${text}`));
+      while (events.children.length > kMostEvents) {
+        events.lastChild!.remove();
+      }
     }
   }
 
@@ -41,7 +42,7 @@ export class StateView {
       this.happened(words);
       this.mark(state, words, status);
     }
-    if (status !== undefined && performance.now() - this.asked > kFaultsEveryMs && !byId('states').hidden) {
+    if (status !== undefined && performance.now() - this.asked > kFaultsEveryMs && !(byId('states').hidden && byId('break').hidden)) {
       this.asked = performance.now();
       void this.askFaults();
     }
@@ -67,12 +68,14 @@ export class StateView {
 
   /** What is latched and what blocks arming. */
   list(lines: string[]): void {
-    byId('faults').replaceChildren(
-      ...parseFaults(lines).map((fault) =>
-        fault.kind === '' || fault.name === 'none'
-          ? make('li', {}, fault.name === 'none' ? 'nothing is latched' : fault.cause)
-          : make('li', {}, make('strong', {}, `${fault.kind} ${fault.name}`), `: ${fault.cause}. To do: ${fault.cure}`),
-      ),
-    );
+    for (const list of document.querySelectorAll('.faults')) {
+      list.replaceChildren(
+        ...parseFaults(lines).map((fault) =>
+          fault.kind === '' || fault.name === 'none'
+            ? make('li', {}, fault.name === 'none' ? 'nothing is latched' : fault.cause)
+            : make('li', {}, make('strong', {}, `${fault.kind} ${fault.name}`), `: ${fault.cause}. To do: ${fault.cure}`),
+        ),
+      );
+    }
   }
 }

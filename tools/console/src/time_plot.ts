@@ -6,6 +6,8 @@ import { stroke, themed } from './palette';
 
 const kMostAxes = 3;
 const kStillWidth = 1.5;
+const kLeastDrag = 4; // pixels
+const kDoubleClickMs = 250;
 
 /** A signal and how it is drawn. */
 export interface Line extends Signal {
@@ -23,6 +25,10 @@ export class TimePlot {
   private plot: uPlot | undefined;
   /** Dragging across the plot: from and to, s; undefined: everything. */
   onZoom: (range: [number, number] | undefined) => void = () => undefined;
+  /** A click, s. */
+  onPick: (time: number) => void = () => undefined;
+  /** Lines across the plot with their names, s. */
+  cursors: { name: string; time: number }[] = [];
 
   constructor(private readonly place: HTMLElement) {
     new ResizeObserver(() => this.plot?.setSize({ width: this.width, height: height() })).observe(place);
@@ -35,13 +41,15 @@ export class TimePlot {
   shape(signals: Line[], across = 'time since start, s'): void {
     this.plot?.destroy();
     const units = [...new Set(signals.map((signal) => signal.unit))];
-    const common = { stroke: themed('ink'), grid: { stroke: themed('grid'), width: 1 }, ticks: { stroke: themed('grid'), width: 1 } };
+    const scale = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+    const font = `${Math.round(12 * scale)}px system-ui, sans-serif`;
+    const common = { font, labelFont: `bold ${font}`, stroke: themed('ink'), grid: { stroke: themed('grid'), width: 1 }, ticks: { stroke: themed('grid'), width: 1 } };
     const axes: uPlot.Axis[] = units.slice(0, kMostAxes).map((unit, i) => ({
       ...common,
       scale: `unit ${unit}`,
       side: i === 0 ? 3 : 1,
       label: unit === '' ? 'number' : unit,
-      size: 66,
+      size: 66 * scale,
       values: (_, splits) => splits.map((value) => String(Number(value.toPrecision(4)))),
       grid: { ...common.grid, show: i === 0 },
     }));
@@ -55,15 +63,15 @@ export class TimePlot {
         width: this.width,
         height: height(),
         scales: { x: { time: false, auto: false }, ...Object.fromEntries(units.map((unit) => [`unit ${unit}`, { range: readable }])) },
-        axes: [{ ...common, label: across }, ...axes],
+        axes: [{ ...common, label: across, size: 50 * scale }, ...axes],
         series: [{ label: 'time', value: (_, value) => (value === null || value === undefined ? '' : `${value.toFixed(3)} s`) }, ...series],
         cursor: { drag: { x: true, y: false, setScale: false } },
-        hooks: { setSelect: [(plot) => this.selected(plot)] },
+        hooks: { setSelect: [(plot) => this.selected(plot)], draw: [(plot) => this.drawCursors(plot)] },
       },
       [[], ...signals.map((): number[] => [])] as uPlot.AlignedData,
       this.place,
     );
-    this.plot.over.addEventListener('dblclick', () => this.onZoom(undefined));
+    this.listen(this.plot.over);
   }
 
   /** @param still  it is not drawn again at once: lines may take their time */
@@ -79,8 +87,50 @@ export class TimePlot {
     }
   }
 
+  /** A click picks; a drag zooms, and a double click shows everything. */
+  private listen(over: HTMLElement): void {
+    let downAt = 0;
+    let timer = 0;
+    over.addEventListener('mousedown', (event) => (downAt = event.clientX));
+    over.addEventListener('click', (event) => {
+      const time = this.plot!.posToVal(event.offsetX, 'x');
+      window.clearTimeout(timer);
+      if (event.detail === 1 && Math.abs(event.clientX - downAt) <= kLeastDrag) {
+        timer = window.setTimeout(() => this.onPick(time), kDoubleClickMs);
+      }
+    });
+    over.addEventListener('dblclick', () => {
+      window.clearTimeout(timer);
+      this.onZoom(undefined);
+    });
+  }
+
+  /** Draws again what stands. */
+  redraw(): void {
+    this.plot?.redraw(false, false);
+  }
+
+  private drawCursors(plot: uPlot): void {
+    const { ctx, bbox } = plot;
+    ctx.save();
+    ctx.strokeStyle = ctx.fillStyle = themed('accent');
+    ctx.lineWidth = 2 * window.devicePixelRatio;
+    ctx.font = `bold ${14 * window.devicePixelRatio}px system-ui, sans-serif`;
+    for (const { name, time } of this.cursors) {
+      const x = plot.valToPos(time, 'x', true);
+      if (x >= bbox.left && x <= bbox.left + bbox.width) {
+        ctx.beginPath();
+        ctx.moveTo(x, bbox.top);
+        ctx.lineTo(x, bbox.top + bbox.height);
+        ctx.stroke();
+        ctx.fillText(name, x + 4, bbox.top + 14 * window.devicePixelRatio);
+      }
+    }
+    ctx.restore();
+  }
+
   private selected(plot: uPlot): void {
-    if (plot.select.width > 4) {
+    if (plot.select.width > kLeastDrag) {
       const from = plot.posToVal(plot.select.left, 'x');
       const to = plot.posToVal(plot.select.left + plot.select.width, 'x');
       plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);

@@ -55,7 +55,7 @@ export class XyPlot {
   }
 
   private frame(context: CanvasRenderingContext2D, xs: Range, ys: Range, across: (v: number) => number, up: (v: number) => number): void {
-    context.font = '12px system-ui, sans-serif';
+    context.font = `${Math.round(0.75 * parseFloat(getComputedStyle(document.documentElement).fontSize))}px system-ui, sans-serif`;
     context.fillStyle = themed('ink');
     context.strokeStyle = themed('grid');
     context.textAlign = 'center';
