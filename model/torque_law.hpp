@@ -119,19 +119,44 @@ class TorqueLaw {
   }
 
   /// One sample further. @param motion  its q1, q2 = q1, dq1, ddq1, forward and warmth are read
-  constexpr auto update(const Sample<Scalar>& motion) -> Torque<Scalar> {
+  [[gnu::flatten]] constexpr auto update(const Sample<Scalar>& motion) -> Torque<Scalar> {
     WeightedSum<Scalar> sum;
-    visit(terms_, [&](auto& term, std::size_t first) { add(term.update(motion), first, sum); });
+    visit(terms_, [&]<typename Term>(Term& term, std::size_t first) {
+      add<!stays_in_range<Term>()>(term.update(motion), first, sum);
+    });
     const Scalar torque = sum.value();
     return {torque, ScalarTraits<Scalar>::is_saturated(torque) || motion.saturated || sum.cut()};
   }
 
   /// The torque that a motion takes once it has lasted, N m, in two parts, for feedforward that passes from one
   /// direction to the other: what does not depend on motion.forward, and what does.
-  [[nodiscard]] constexpr auto either_way(const Sample<Scalar>& motion) const -> Scalar {
-    return settled<true>(motion);
+  [[nodiscard, gnu::flatten]] constexpr auto either_way(const Sample<Scalar>& motion) const -> Scalar {
+    WeightedSum<Scalar> sum;
+    visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
+      if constexpr (settles_alike<Term>()) {
+        add<false>(term.settled(motion), first, sum);
+      }
+    });
+    return sum.value();
   }
-  [[nodiscard]] constexpr auto one_way(const Sample<Scalar>& motion) const -> Scalar { return settled<false>(motion); }
+  struct EachWay {
+    Scalar backward{};
+    Scalar forward{};
+  };
+  /// Both directions at once: what a term works out of speed and angle is the same in both. motion.forward is not read.
+  [[nodiscard, gnu::flatten]] constexpr auto each_way(Sample<Scalar> motion) const -> EachWay {
+    WeightedSum<Scalar> backward;
+    WeightedSum<Scalar> forward;
+    visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
+      if constexpr (!settles_alike<Term>()) {
+        motion.forward = false;
+        add<false>(term.settled(motion), first, backward);
+        motion.forward = true;
+        add<false>(term.settled(motion), first, forward);
+      }
+    });
+    return {backward.value(), forward.value()};
+  }
 
  private:
   using Terms = typename TorqueTerms::Tuple<Scalar>;
@@ -159,27 +184,23 @@ class TorqueLaw {
   }
   /// Calls visit(term, place of its first coefficient) for every effect that is on.
   template <typename All, typename Visit>
-  constexpr void visit(All& terms, Visit&& visit) const {
+  [[gnu::always_inline]] constexpr void visit(All& terms, Visit&& visit) const {
     [&]<std::size_t... I>(std::index_sequence<I...>) {
       ((active_ >> I & 1U ? visit(std::get<I>(terms), kFirst<I>) : void()), ...);
     }
     (std::make_index_sequence<kTerms>{});
   }
-  template <std::size_t Count>
-  constexpr void add(const std::array<Scalar, Count>& regressors, std::size_t first, WeightedSum<Scalar>& sum) const {
+  template <bool Checked, std::size_t Count>
+  [[gnu::always_inline]] constexpr void add(const std::array<Scalar, Count>& regressors, std::size_t first,
+                                            WeightedSum<Scalar>& sum) const {
+#pragma GCC unroll 4
     for (std::size_t k = 0; k < Count; ++k) {
-      sum.add_checked(coefficients_[first + k], regressors[k]);
-    }
-  }
-  template <bool Alike>
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
-    WeightedSum<Scalar> sum;
-    visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (settles_alike<Term>() == Alike) {
-        add(term.settled(motion), first, sum);
+      if constexpr (Checked) {
+        sum.add_checked(coefficients_[first + k], regressors[k]);
+      } else {
+        sum.add(coefficients_[first + k], regressors[k]);
       }
-    });
-    return sum.value();
+    }
   }
 
   std::array<Scalar, TorqueTerms::kCoefficients> coefficients_;

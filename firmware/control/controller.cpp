@@ -43,7 +43,7 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
   integral_ = rest.q1 - pull_extreme_;
-  const Q24 feedforward = rt_feedforward(gains, effort, rest, rest.warmth);
+  const Q24 feedforward = rt_feedforward(gains, effort, rest);
   if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
     integral_ += (*kept_nm - feedforward) * per_stiffness_;
   }
@@ -53,19 +53,14 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   return rt_servo(gains, Q24{}, feedforward);
 }
 
-auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
-                                Q24 warmth) const -> Q24 {
+auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, Sample<Q24>& motion) const
+    -> Q24 {
   if (effort == nullptr) {
     return mix(gains.torque_backward_nm, gains.torque_forward_nm, branch_);
   }
-  Sample<Q24> taken = motion;
-  taken.q2 = taken.q1;  // the effort law's weight turns with the motor
-  taken.warmth = warmth;
-  const Q24 shared = effort->either_way(taken);
-  taken.forward = false;
-  const Q24 backward = effort->one_way(taken);
-  taken.forward = true;
-  return shared + mix(backward, effort->one_way(taken), branch_);
+  motion.q2 = motion.q1;  // the effort law's weight turns with the motor
+  const TorqueLaw<Q24>::EachWay one_way = effort->each_way(motion);
+  return effort->either_way(motion) + mix(one_way.backward, one_way.forward, branch_);
 }
 
 /// The law's own rate is filtered as the logs were that it was identified on; the servo's as its gains allow.
@@ -79,7 +74,7 @@ auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward)
          gains.damping_nms_per_rad * (rate - motor_rate_);
 }
 
-auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion) -> Q24 {
+auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion) -> Q24 {
   const Q24 shared = law.rest_either_way(q2, motion);
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
@@ -143,9 +138,10 @@ auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> 
 
 auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q1_reference,
                                  const TorqueLaw<Q24>* effort) -> Q24 {
-  const Sample<Q24>& reference = reference_.update(q1_reference, Q24{});
-  if (reference.dq1 != Q24{}) {
-    rt_cross_over(gains, reference.forward, reference.dq1);
+  Sample<Q24> motion = reference_.update(q1_reference, Q24{});
+  motion.warmth = law.sample().warmth;
+  if (motion.dq1 != Q24{}) {
+    rt_cross_over(gains, motion.forward, motion.dq1);
   }
   // What friction leaves of the way; at the joint the outer loop does that.
   const Q24 limit = gains.integral_limit_rad;
@@ -153,7 +149,7 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
   integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
   motor_reference_ = q1_reference + integral_;
   rt_follow_motor(law.sample().q1);
-  return rt_servo(gains, reference.dq1, rt_feedforward(gains, effort, reference, law.sample().warmth));
+  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion));
 }
 
 auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2,
@@ -183,7 +179,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   }
   motor_reference_ = asked + correction;
   rt_follow_motor(law.sample().q1);
-  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion, motion.warmth));
+  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion));
 }
 
 }  // namespace capstan

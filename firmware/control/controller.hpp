@@ -50,12 +50,13 @@ class Controller {
 
  private:
   /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on; branches_apart_
-  /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24> motion)
+  /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it; its
+  /// direction and torque are changed, as a copy of a sample costs as much as a term.
+  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion)
       -> Q24;
-  /// The torque that a motion takes, on the branch that the feedforward is on. @param warmth  as in a sample
-  [[nodiscard]] auto rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, const Sample<Q24>& motion,
-                                    Q24 warmth) const -> Q24;
+  /// The torque that a motion takes, on the branch that the feedforward is on. `motion`: its q2 is changed.
+  [[nodiscard]] auto rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, Sample<Q24>& motion) const
+      -> Q24;
   /// Each cycle once: where the motor is, rad, and by that its rate.
   void rt_follow_motor(Q24 q1);
   /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s, beside that of

@@ -22,19 +22,46 @@ auto step_of(Q24 acceleration_rad_s2) -> std::int64_t {
   return std::max<std::int64_t>(acceleration_rad_s2.raw(), 1);
 }
 
-auto angle_of(std::int64_t position) -> Q24 {
-  const std::int64_t shifted = position + kUnits / 2;
-  const std::int64_t quotient = shifted / kUnits;
-  return Q24::from_wide(quotient * kUnits > shifted ? quotient - 1 : quotient);
+/// Nearest angle, without the long division: a product that is too small by less than twelve, and a short division of
+/// what is left. Beyond twice the range of an angle it saturates as well.
+constexpr auto angle_of(std::int64_t position) -> Q24 {
+  static_assert(kUnits == 64 * 15'625);
+  constexpr std::int32_t kPerUnit = 1'125'899'906;  // 2^44 / 15625
+  const std::int64_t shifted = (position + kUnits / 2) >> 6;
+  const auto upper = narrow_saturating<std::int64_t, std::int32_t>(shifted >> 15);
+  const std::int64_t least = (wide_product(upper, kPerUnit) >> 29) - 4;
+  const std::uint32_t rest = static_cast<std::uint32_t>(shifted) - static_cast<std::uint32_t>(least) * 15'625U;
+  return Q24::from_wide(least + rest / 15'625U);
 }
+constexpr auto is_nearest(std::int64_t raw) -> bool {
+  const std::int64_t middle = raw * kUnits;
+  return angle_of(middle - kUnits / 2).raw() == raw && angle_of(middle).raw() == raw &&
+         angle_of(middle + kUnits / 2 - 1).raw() == raw;
+}
+static_assert(is_nearest(0) && is_nearest(1) && is_nearest(-1) && is_nearest(12'345'678) && is_nearest(-12'345'679) &&
+              is_nearest(Q24::max().raw() - 1) && is_nearest(Q24::lowest().raw() + 1));
+static_assert(angle_of(std::int64_t{1} << 61) == Q24::max() && angle_of(-(std::int64_t{1} << 61)) == Q24::lowest());
+
+constexpr std::int64_t kMostBraking = 4'000'000;  // cycles: over an hour, and n * speed below still fits
 
 /// What is still travelled while the speed falls by `step` in every cycle: speed - step, speed - 2 step, ... above
 /// zero.
 auto braking_distance(std::int64_t speed, std::int64_t step) -> std::int64_t {
   constexpr std::int64_t kForever = std::int64_t{1} << 61;
-  constexpr std::int64_t kMostCycles = 4'000'000;  // over an hour, and n * speed below still fits
   const std::int64_t n = speed / step;
-  return n > kMostCycles ? kForever : n * speed - step * (n * (n + 1) / 2);
+  return n > kMostBraking ? kForever : n * speed - step * (n * (n + 1) / 2);
+}
+
+/// Whether v + v^2 / 2a <= distance, which is further than braking takes; not told where it is close. Without the
+/// division.
+auto surely_stops_within(std::int64_t speed, std::int64_t distance, std::int64_t step) -> bool {
+  const std::int64_t upper = (speed >> 12) + 1;  // and so its square is no smaller than that of the speed
+  const std::int64_t left = (distance - speed) >> 23;
+  constexpr std::int64_t kMost = Q24::max().raw();
+  return left > 0 && upper <= kMost && speed <= step * kMostBraking &&
+         wide_product(static_cast<std::int32_t>(upper), static_cast<std::int32_t>(upper)) <=
+             wide_product(static_cast<std::int32_t>(std::min(left, kMost)),
+                          static_cast<std::int32_t>(std::min(step, kMost)));
 }
 
 /// The next speed towards a target `distance` >= 0 ahead: the fastest from which it can still be reached without
@@ -45,7 +72,8 @@ auto next_speed(std::int64_t speed, std::int64_t distance, std::int64_t limit, s
   }
   const std::int64_t faster = std::clamp(limit, speed - step, speed + step);
   const std::int64_t same = std::min(std::max<std::int64_t>(speed, 0), faster);
-  if (faster <= 0 || faster + braking_distance(faster, step) <= distance) {
+  if (faster <= 0 || surely_stops_within(faster, distance, step) ||
+      faster + braking_distance(faster, step) <= distance) {
     return faster;
   }
   // The same question again would cost the same long division.

@@ -207,13 +207,11 @@ auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised
   }
   watching_ = energised;
   if (energised) {
-    std::copy_backward(before_.begin(), before_.end() - 1, before_.end());
-    before_.front() = moved;
+    before_ = {moved, before_[0], before_[1], before_[2]};  // by words: memmove takes bytes
   } else {
     before_.fill(0);  // the operator may set the count to anything
   }
-  std::copy_backward(torques_.begin(), torques_.end() - 1, torques_.end());
-  torques_.front() = {drive_a.raw(), limited(std::int64_t{high_} - low_)};
+  torques_ = {Torque{drive_a.raw(), limited(std::int64_t{high_} - low_)}, torques_[0], torques_[1], torques_[2]};
   moved_ = moved;
   wanted_ = drive_a.raw();
   return faults;

@@ -73,10 +73,11 @@ TYPED_TEST(TorqueLawIn, SettledPartsAddUpToTheTorqueOfTheMotionAndOnlyOneKnowsTh
   TorqueLaw<TypeParam> law(one_khz<TypeParam>(), servo_law().parameters<TypeParam>());
   for (const bool forward : {false, true}) {
     const auto motion = motion_at<TypeParam>(0.7, 1.5, 0.03, forward);
-    EXPECT_NEAR(value_of(law.either_way(motion) + law.one_way(motion)), value_of(law.update(motion).torque_nm),
-                2.0 * kLsb);
-    EXPECT_EQ(value_of(law.one_way(motion)),
-              forward ? value_of(number<TypeParam>(0.3)) : -value_of(number<TypeParam>(0.3)));
+    const auto each_way = law.each_way(motion);
+    EXPECT_NEAR(value_of(law.either_way(motion) + (forward ? each_way.forward : each_way.backward)),
+                value_of(law.update(motion).torque_nm), 2.0 * kLsb);
+    EXPECT_EQ(value_of(each_way.forward), value_of(number<TypeParam>(0.3)));
+    EXPECT_EQ(value_of(each_way.backward), -value_of(number<TypeParam>(0.3)));
   }
 }
 
