@@ -28,9 +28,9 @@ constexpr double kPressGrowth = 1.25;
 constexpr double kPressPerS = 32.0;  // of the torque: an eighth of a second, in which a motor alone does not run far
 constexpr double kPressRad = 1.0 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
 constexpr double kFewCounts = 16.0, kEnoughCounts = 60.0;  // ... nor more than are needed
-constexpr double kSpringsBack = 0.06;                      // of the way; tendons on 0.1 to 0.35, off 0 to 0.02
-constexpr double kOneSided = 3.0;                          // of the ways
-constexpr double kTurnShare = 0.1;                         // of the whole way: less is no turn
+constexpr double kSpringsBack = 0.06;  // of the way; tendons on 0.1 to 0.35, off 0 to 0.059 (elbows)
+constexpr double kOneSided = 3.0;      // of the ways
+constexpr double kTurnShare = 0.1;     // of the whole way: less is no turn
 // Ways over which friction may go over to the other direction; on the elbows 1150 to 1159 they are 0.1 to 0.4 rad.
 constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
