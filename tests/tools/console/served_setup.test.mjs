@@ -66,16 +66,16 @@ test('commission goes to its end: every step, every answer Yes, gains found and 
   await one.page.fill('#commission-inertia', '0.02');
   await one.page.click('#commission-start');
   let asked = 0;
-  for (let ended = false; !ended; ended = await one.page.isHidden('#commission-time') || /^(done|ended|stopped)/.test(await one.page.textContent('#commission-answer'))) {
+  await until(one, () => !document.getElementById('commission-stop').disabled);
+  for (;;) {
     await one.page.waitForFunction(() => !document.getElementById('commission-question').hidden || document.getElementById('commission-stop').disabled, null, { timeout: 120000 });
-    if (await one.page.isVisible('#commission-question')) {
-      await one.page.click('#commission-yes');
-      ++asked;
-    }
+    if (await one.page.isHidden('#commission-question')) break;
+    await one.page.click('#commission-yes');
+    ++asked;
   }
   await commissioned(one, 'done: the joint has its gains, and its torque is off');
   console.log(`console page: ${await one.page.textContent('#commission-time')} for a commissioning, the joint's time as fast as it goes`);
-  assert.ok(asked >= 1);
+  assert.ok(asked >= 6, `${asked} questions`);
   assert.deepEqual(await one.page.$$eval('#commission-steps > li > strong', (all) => all.map((step) => step.textContent)), ['look', 'shake', 'press', 'travel', 'motor', 'tune', 'check', 'save']);
   await state(one, 'disarmed');
   const reports = one.page.locator('#commission-report iframe');
