@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What each law and term costs on this core, in one number format; tools/law_table makes the table of model/README.md
+// What each law and term costs on this core, in one number format; tools/law_table makes the table of docs/laws_measured.md
 // of it.
 #include <array>
 #include <cstdint>

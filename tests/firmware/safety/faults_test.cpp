@@ -14,8 +14,8 @@ namespace capstan {
 namespace {
 
 auto readme() -> std::string {
-  std::ifstream file(CAPSTAN_FIRMWARE_README);
-  EXPECT_TRUE(file) << CAPSTAN_FIRMWARE_README;
+  std::ifstream file(CAPSTAN_FAULTS_PAGE);
+  EXPECT_TRUE(file) << CAPSTAN_FAULTS_PAGE;
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
@@ -60,7 +60,7 @@ TEST(Faults, TheReadmeListsEveryFaultWithItsNumberAndNoOther) {
       continue;
     }
     const std::string row = "| " + std::to_string(static_cast<int>(fault.fault)) + " | `" + fault.name + "` |";
-    EXPECT_NE(text.find(row), std::string::npos) << "firmware/README.md lacks the row " << row;
+    EXPECT_NE(text.find(row), std::string::npos) << "docs/firmware.md lacks the row " << row;
     ++rows;
   }
   const std::size_t begin = text.find("## Faults");
@@ -71,7 +71,7 @@ TEST(Faults, TheReadmeListsEveryFaultWithItsNumberAndNoOther) {
   for (std::string line; std::getline(section_lines, line);) {
     listed += line.rfind("| ", 0) == 0 && std::isdigit(static_cast<unsigned char>(line[2])) != 0 ? 1U : 0U;
   }
-  EXPECT_EQ(listed, rows) << "firmware/README.md lists a fault that does not exist";
+  EXPECT_EQ(listed, rows) << "docs/firmware.md lists a fault that does not exist";
 }
 
 TEST(Faults, TheReadmeListsEveryTransition) {
