@@ -48,6 +48,7 @@ async function breakByMoving(one) {
   await one.page.click('#disarm');
   await state(one, 'disarmed');
   assert.match(await type(one, 'set joint0.motor.speed_limit 60'), /ok\n$/);
+  assert.match(await type(one, 'zero joint0'), /ok\n$/, 'after such a fault its position is not known');
 }
 
 test('the emulated motor board behind its serial line: arm, move, tune, scope, fault, disarm; reload, crash and lost line take the torque or tell', { skip: noMotorBoard }, async () => {

@@ -16,11 +16,13 @@ afterEach(() => {
 
 /** In the page: a port whose other end is the test. */
 function fakeSerial() {
+  // A page that goes calls nobody any more: what its port still takes is kept for the test.
+  window.addEventListener('pagehide', () => ([window.leaving, localStorage.leaving] = [true, '']), { capture: true });
   const port = {
     async open() {
       if (window.portTaken) throw new Error('Failed to open serial port.');
       this.readable = new ReadableStream({ start: (controller) => (window.port = controller) });
-      this.writable = new WritableStream({ write: (bytes) => console.debug(`to the board: ${[...bytes]}`) });  // a page that goes may call nobody else
+      this.writable = new WritableStream({ write: (bytes) => (window.leaving ? (localStorage.leaving += String.fromCharCode(...bytes)) : window.toBoard([...bytes])) });
     },
     async close() { window.portClosed = true; },
   };
@@ -66,10 +68,7 @@ let passes = (text) => text;
 
 async function connected(waits = true) {
   one = await rig.open({ script: fakeSerial });
-  one.page.on('console', (said) => {
-    const [, bytes] = /^to the board: (.*)$/.exec(said.text()) ?? [];
-    if (bytes !== undefined) board.receive(bytes.split(',').map(Number));
-  });
+  await one.page.exposeFunction('toBoard', (bytes) => board.receive(bytes));
   board = new SerialBoard(one.page);
   await one.page.click('#serial');
   if (waits) await message('real joints may move');
@@ -152,6 +151,7 @@ test('a page that is reloaded under torque has disarmed the board on the line, a
   await arm(one).catch(() => undefined);  // it lost the focus meanwhile, and with it the torque
   await eventually(() => board.state() === 'holding none', 'torque');
   await one.page.reload();
+  board.receive(Buffer.from(await one.page.evaluate(() => localStorage.leaving), 'latin1'));
   await eventually(() => board.state() === 'disarmed none', 'no torque after the page has gone');
   await state(one, 'disarmed');
 });

@@ -113,6 +113,7 @@ export class TimePlot {
   private drawCursors(plot: uPlot): void {
     const { ctx, bbox } = plot;
     ctx.save();
+    ctx.setLineDash([]);
     ctx.strokeStyle = ctx.fillStyle = themed('accent');
     ctx.lineWidth = 2 * window.devicePixelRatio;
     ctx.font = `bold ${14 * window.devicePixelRatio}px system-ui, sans-serif`;
