@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// What each law and term costs on this core, in one number format; tools/law_table makes the table of docs/laws_measured.md
-// of it.
+// What each law and term costs on this core, in one number format; tools/law_table makes the table of
+// docs/laws_measured.md of it.
 #include <array>
 #include <cstdint>
 #include <string_view>
