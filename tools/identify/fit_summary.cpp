@@ -95,12 +95,7 @@ auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std:
 }
 
 void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
-                    const Eigen::VectorXd& estimate, JointFile& joint) {
-  const Blocks settled = settled_rows(motor_angles(design), pieces_of(design.log_rows()));
-  const Eigen::VectorXd left = stacked(target - estimate, settled);
-  joint.fit->rmse = rms(left);
-  joint.fit->gof_percent = goodness_of_fit_percent(stacked(target, settled), stacked(estimate, settled));
-  joint.fit->samples = left.size();
+                    const Eigen::VectorXd& estimate, const Blocks& settled, JointFile& joint) {
   joint.fit->error_bar = error_bar(design.samples(), target - estimate, settled);
   const std::vector<AxisLog> free = free_logs(logs, joint);
   const bool held = free.size() < logs.size();
@@ -120,10 +115,15 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   for (std::size_t slot = 0; slot < std::min(slots_used(joint), others.size()); ++slot) {
     joint.coupled_to.push_back(others[slot].number);
   }
+  const bool angle = joint.catalogue->target() == TargetKind::kAngle;
+  const Blocks logged = pieces_of(design.log_rows());
+  const Blocks rows = angle ? settled_rows(motor_angles(design), logged) : logged;
+  const Eigen::VectorXd measured = stacked(target, rows);
+  const Eigen::VectorXd estimated = stacked(estimate, rows);
   FitSummary summary;
-  summary.rmse = rms(target - estimate);
-  summary.gof_percent = goodness_of_fit_percent(target, estimate);
-  summary.samples = target.size();
+  summary.rmse = rms(measured - estimated);
+  summary.gof_percent = goodness_of_fit_percent(measured, estimated);
+  summary.samples = measured.size();
   summary.joint_range = target.maxCoeff() - target.minCoeff();
   Interval range = {logs.front().q1_rad.minCoeff(), logs.front().q1_rad.maxCoeff()};
   for (const auto& log : logs) {
@@ -132,8 +132,8 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   }
   summary.motor_range = range;
   joint.fit = summary;
-  if (joint.catalogue->target() == TargetKind::kAngle) {
-    describe_angle(logs, design, target, estimate, joint);
+  if (angle) {
+    describe_angle(logs, design, target, estimate, rows, joint);
   }
 }
 
