@@ -22,7 +22,9 @@ function fakeSerial() {
     async open() {
       if (window.portTaken) throw new Error('Failed to open serial port.');
       this.readable = new ReadableStream({ start: (controller) => (window.port = controller) });
-      this.writable = new WritableStream({ write: (bytes) => (window.leaving ? (localStorage.leaving += String.fromCharCode(...bytes)) : window.toBoard([...bytes])) });
+      // As a port does, it takes the bytes at once: what is said last must not wait for an answer to what was said before.
+      const write = (bytes) => void (window.leaving ? (localStorage.leaving += String.fromCharCode(...bytes)) : window.toBoard([...bytes]));
+      this.writable = new WritableStream({ write });
     },
     async close() { window.portClosed = true; },
   };
@@ -154,6 +156,24 @@ test('a page that is reloaded under torque has disarmed the board on the line, a
   board.receive(Buffer.from(await one.page.evaluate(() => localStorage.leaving), 'latin1'));
   await eventually(() => board.state() === 'disarmed none', 'no torque after the page has gone');
   await state(one, 'disarmed');
+});
+
+test('a page that goes before its ARM is answered takes it back, whatever an older answer said', async () => {
+  await connected();
+  const hears = board.receive.bind(board);
+  let asked = false;
+  board.receive = (bytes) => {
+    hears(bytes);
+    if (!board.heard.endsWith('status\n')) return;
+    asked = true;
+    clearInterval(board.timer);
+  };
+  await eventually(() => asked, 'a question that is not answered yet');
+  await one.page.click('#arm');
+  await one.page.click('#arm-confirm');
+  await eventually(() => board.heard.includes('arm\n') || (board.step(), false), 'ARM, after the answer that the board is disarmed');
+  await one.page.reload();
+  assert.match(await one.page.evaluate(() => localStorage.leaving), /\x03disarm\n/);
 });
 
 test('a board of another version is told', async () => {

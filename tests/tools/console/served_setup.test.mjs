@@ -44,7 +44,7 @@ test('commission is guided: it explains, asks before the joint moves, and No end
   const one = await open(await console_(there.name));
   await beginCommissioning(one);
   assert.match(await steps(one), /look: reads encoder and current sensor.*current sensor: zero .*shake: shakes the motor/s);
-  assert.equal(await one.page.textContent('#state'), 'commissioning');
+  await state(one, 'commissioning');
   assert.ok(await one.page.isDisabled('#arm'));
   await one.page.click('#commission-no');
   await commissioned(one, 'stopped as you wished');
@@ -133,8 +133,7 @@ test('a page that is gone, or loses focus, takes its commissioning and the torqu
 test('a commissioning that can not begin says why', async () => {
   const one = await open(await console_());
   await view(one, 'setup');
-  await one.page.evaluate(() => document.getElementById('commission-joint').append(new Option('joint3')));
-  await one.page.selectOption('#commission-joint', 'joint3');
+  await one.page.evaluate(() => (document.querySelector('#commission-joint option').value = 'joint3'));
   await one.page.click('#commission-start');
   await commissioned(one, 'the board has no joint3');
   await state(one, 'disarmed');

@@ -36,6 +36,8 @@ export class Board {
   private poll = 0;
   private insist = 0;
   private asking = false;
+  /** Until the board has answered `arm`, a status that was asked before it says nothing of the torque. */
+  private arming = false;
 
   constructor(private readonly events: BoardEvents) {
     this.shell = new ShellClient((text) => this.link?.send(Uint8Array.from(text, (c) => c.charCodeAt(0))));
@@ -106,7 +108,9 @@ export class Board {
   /** Gives torque. Who calls it has seen to it that the operator means it. */
   async arm(): Promise<Answer> {
     this.mayHaveTorque = true;
+    this.arming = true;
     const answer = await this.ask('arm');
+    this.arming = false;
     await this.askStatus();
     return answer;
   }
@@ -146,11 +150,11 @@ export class Board {
     const status = parseStatus(lines);
     if (status !== undefined) {
       this.status = status;
-      this.mayHaveTorque = this.guided || !this.safeStates.has(status.state); // a program gives it again by itself
+      this.mayHaveTorque = this.guided || this.arming || !this.safeStates.has(status.state); // a program gives it again by itself
       if (!this.mayHaveTorque) {
         window.clearTimeout(this.insist);
       }
-      this.events.status(status);
+      this.events.status(this.guided && status.state === 'disarmed' ? { ...status, state: 'commissioning' } : status);
     }
   }
 
