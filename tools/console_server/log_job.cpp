@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -27,38 +28,33 @@ auto to_write(const std::string& file) -> FileDescriptor {
 
 }  // namespace
 
-auto LogJob::diagnose(std::string_view log, const std::string& target, Done done) -> bool {
-  std::vector<std::string> words = {"diagnose", folder_.file(kLog),    "--json", folder_.file("diagnosis.json"),
-                                    "--report", folder_.file(kReport), "-o",     folder_.file(kLaw)};
-  if (!target.empty()) {
-    words.push_back("--target=" + target);
-  }
-  return start(log, std::move(words), false, std::move(done));
+auto LogJob::diagnose(std::string_view log, std::string_view options, Done done) -> bool {
+  return start(log,
+               {"diagnose", folder_.file(kLog), "--json", folder_.file("diagnosis.json"), "--report",
+                folder_.file(kReport), "-o", folder_.file(kLaw)},
+               options, "--target=", false, std::move(done));
 }
 
-auto LogJob::identify(std::string_view log, const std::string& model, Done done) -> bool {
-  return start(log, {"identify", folder_.file(kLog), "--model=" + model, "-o", folder_.file(kLaw)}, false,
+auto LogJob::identify(std::string_view log, std::string_view options, Done done) -> bool {
+  return start(log, {"identify", folder_.file(kLog), "-o", folder_.file(kLaw)}, options, "--model=", false,
                std::move(done));
 }
 
-auto LogJob::tune(std::string_view log, const std::string& options, Done done) -> bool {
-  const std::size_t slash = std::min(options.find('/'), options.size());
-  std::vector<std::string> words = {"tune",
-                                    folder_.file(kLog),
-                                    "--dump",
-                                    folder_.file(kLog),
-                                    "--report",
-                                    folder_.file(kReport),
-                                    "--axis=" + options.substr(0, slash)};
-  if (slash < options.size()) {
-    words.push_back("--bandwidth=" + options.substr(slash + 1));
-  }
-  return start(log, std::move(words), true, std::move(done));
+auto LogJob::tune(std::string_view log, std::string_view options, Done done) -> bool {
+  return start(log, {"tune", folder_.file(kLog), "--dump", folder_.file(kLog), "--report", folder_.file(kReport)},
+               options, "--bandwidth=", true, std::move(done));
 }
 
-auto LogJob::start(std::string_view log, std::vector<std::string> words, bool lines_on_stdout, Done done) -> bool {
+auto LogJob::start(std::string_view log, std::vector<std::string> words, std::string_view options,
+                   const std::string& second, bool lines_on_stdout, Done done) -> bool {
   if (process_.running()) {
     return false;
+  }
+  const std::string axis(options.substr(0, options.find('/')));
+  axis_ = std::atoi(axis.c_str());  // what is no number, the command refuses
+  words.push_back("--axis=" + axis);
+  if (axis.size() + 1 < options.size()) {
+    words.push_back(second + std::string(options.substr(axis.size() + 1)));
   }
   for (const auto& old : std::filesystem::directory_iterator(folder_.path())) {
     std::filesystem::remove_all(old);
@@ -94,7 +90,7 @@ auto LogJob::answer(int status) const -> std::string {
   }
   if (std::filesystem::exists(folder_.file(kLaw))) {
     try {
-      answer["lines"] = law_lines(folder_.file(kLaw), 0, false);
+      answer["lines"] = law_lines(folder_.file(kLaw), axis_, false);
     } catch (const std::runtime_error& why) {
       answer["not_applied"] = why.what();
     }

@@ -21,24 +21,27 @@ class LogJob {
   /// Makes a folder for logs and reports, which goes with this object. Throws std::exception.
   explicit LogJob(boost::asio::io_context& io) : process_(io) {}
 
-  /// @param target  column to explain; empty: the joint's angle
+  /// @param options  "AXIS", where the joint's angle is to be explained, or "AXIS/COLUMN"
   /// False if a job is under way.
-  auto diagnose(std::string_view log, const std::string& target, Done done) -> bool;
-  /// Fits a law anew. @param model  as `capstan identify --model` names it
+  auto diagnose(std::string_view log, std::string_view options, Done done) -> bool;
+  /// Fits a law anew. @param options  "AXIS/MODEL", as `capstan identify --model` names it
   /// False if a job is under way.
-  auto identify(std::string_view log, const std::string& model, Done done) -> bool;
+  auto identify(std::string_view log, std::string_view options, Done done) -> bool;
   /// @param log  the answer to `dump`, and below it that of the experiment   @param options  "AXIS" or "AXIS/BANDWIDTH"
   /// False if a job is under way.
-  auto tune(std::string_view log, const std::string& options, Done done) -> bool;
+  auto tune(std::string_view log, std::string_view options, Done done) -> bool;
   /// The last report, a page of its own; nothing if there is none.
   [[nodiscard]] auto report() const -> std::optional<std::string>;
 
  private:
-  auto start(std::string_view log, std::vector<std::string> words, bool lines_on_stdout, Done done) -> bool;
+  /// @param second  the option that is what stands behind the axis
+  auto start(std::string_view log, std::vector<std::string> words, std::string_view options, const std::string& second,
+             bool lines_on_stdout, Done done) -> bool;
   [[nodiscard]] auto answer(int status) const -> std::string;
 
   TemporaryFolder folder_;
   SelfProcess process_;
+  int axis_ = 0;
 };
 
 }  // namespace capstan::tools

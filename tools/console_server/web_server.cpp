@@ -24,8 +24,8 @@ using Request = http::request<http::string_body>;
 constexpr std::chrono::seconds kRequestWithin{10};
 constexpr std::string_view kFoxglove = "foxglove";
 constexpr std::string_view kFoxglovePage = "https://app.foxglove.dev";
-constexpr std::string_view kDiagnose = "diagnose/";  // and the column to explain, or nothing
-constexpr std::string_view kIdentify = "identify/";  // and the model
+constexpr std::string_view kDiagnose = "diagnose/";  // and the axis, and perhaps the column to explain
+constexpr std::string_view kIdentify = "identify/";  // and the axis and the model
 constexpr std::string_view kTune = "tune/";          // and the axis, and perhaps a bandwidth
 
 auto view(beast::string_view text) -> std::string_view {
@@ -263,9 +263,10 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
       self->answer(http::status::ok, {"application/json", std::move(found)});
     };
     const std::string& log = parser_.get().body();
-    const bool begun = place.starts_with(kTune)       ? shop_->job.tune(log, place.substr(kTune.size()), done)
-                       : place.starts_with(kIdentify) ? shop_->job.identify(log, place.substr(kIdentify.size()), done)
-                                                      : shop_->job.diagnose(log, place.substr(kDiagnose.size()), done);
+    const auto behind = [&place](std::string_view job) { return std::string_view(place).substr(job.size()); };
+    const bool begun = place.starts_with(kTune)       ? shop_->job.tune(log, behind(kTune), done)
+                       : place.starts_with(kIdentify) ? shop_->job.identify(log, behind(kIdentify), done)
+                                                      : shop_->job.diagnose(log, behind(kDiagnose), done);
     if (!begun) {
       answer(http::status::conflict, {kPlain, "the host program looks at another log; wait for it\n"});
     }

@@ -159,5 +159,10 @@ test('on a screen of 3840 by 2160 pixels texts are larger and the plot fills it'
   assert.ok(size >= 20, `${size} pixels`);
   const plot = await one.page.locator('#plot canvas').boundingBox();
   assert.ok(plot.width > 3600 && plot.height > 1000, JSON.stringify(plot));
-  await one.page.screenshot({ path: join(pictures, 'wide.png') });
+  for (const name of kViews) {
+    await view(one, name);
+    const width = await one.page.evaluate(() => document.documentElement.scrollWidth);
+    assert.ok(width <= 3840, `${name} is ${width} pixels wide`);
+    await one.page.screenshot({ path: join(pictures, `wide_${name}.png`) });
+  }
 });

@@ -347,6 +347,9 @@ test('another instrument has its own joints', async () => {
   await view(one, 'move');
   await until(one, () => document.querySelectorAll('#joints .joint').length === 3);
   await one.page.screenshot({ path: join(pictures, 'move.png') });
+  await view(one, 'diagnose');
+  await one.page.selectOption('#diagnose-joint', 'joint2');
+  assert.match(await text(one, '#diagnose-command'), /--target axis2\/tau_Nm .*--axis 2 .*apply law\.toml --axis 2 /);
 });
 
 test('everything that was asked of the server is the page itself', () => {

@@ -185,7 +185,7 @@ const answer = (one, part) => until(one, (wanted) => document.getElementById('di
 async function diagnoseFile(one, csv) {
   await view(one, 'diagnose');
   await one.page.selectOption('#diagnose-source', 'file');
-  await one.page.selectOption('#diagnose-target', '');
+  await one.page.selectOption('#diagnose-target', 'q2_rad');
   await one.page.setInputFiles('#diagnose-file', { name: 'log.csv', mimeType: 'text/csv', buffer: Buffer.from(csv) });
   await one.page.click('#diagnose-run');
 }
@@ -196,9 +196,10 @@ test('a log is diagnosed beside its loop, the report is shown, and APPLY gives t
   execFileSync(process.env.CAPSTAN_PROGRAM, ['run', '--scenario', scenario, '--fast', '--plant-effect', 'play=0.03', '--log', join(folder, 'run.csv')]);
   const rows = readFileSync(join(folder, 'run.csv'), 'utf8').trim().split('\n');
   rmSync(folder, { recursive: true });
+  const csv = rows.filter((_, i) => i % 10 === 0).join('\n');
   const one = await open(await console_());
   assert.doesNotMatch(await type(one, 'model'), /play/);
-  await diagnoseFile(one, rows.filter((_, i) => i % 10 === 0).join('\n'));
+  await diagnoseFile(one, csv);
   await one.page.waitForFunction(() => /^verdict: /.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
   const [, before, after] = /verdict: effect.*\(.*play.*\); error before (\S+) rad, after (\S+) rad/.exec(await one.page.textContent('#diagnose-answer'));
   assert.ok(Number(after) < 0.2 * Number(before), `${before} ${after}`);
@@ -215,11 +216,20 @@ test('a log is diagnosed beside its loop, the report is shown, and APPLY gives t
   await one.page.click('#diagnose-run');
   await one.page.waitForFunction(() => /^kinematic: error \(RMSE\) \S+ rad/.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
   assert.match(await one.page.textContent('#diagnose-said'), /95 % interval/);
-  const changes = await one.page.$$eval('#diagnose-table tbody tr', (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  const changed = () => one.page.$$eval('#diagnose-table tbody tr', (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  const changes = await changed();
   assert.ok(changes.length > 0 && changes.every(([name, before, after]) => /^joint0\./.test(name) && before !== '' && after !== ''), JSON.stringify(changes));
   await one.page.click('#diagnose-apply');
   await answer(one, 'the board has the law now');
   assert.doesNotMatch(await type(one, 'model'), /play/);
+  await view(one, 'diagnose');
+  await one.page.setInputFiles('#diagnose-file', { name: 'log.csv', mimeType: 'text/csv', buffer: Buffer.from(csv.replaceAll('axis0/', 'axis1/')) });
+  await one.page.click('#diagnose-run');
+  await answer(one, 'axis0/q1_rad');  // which this log has not
+  await one.page.evaluate(() => (document.querySelector('#diagnose-joint option').value = 'joint1'));
+  await one.page.click('#diagnose-run');
+  await eventually(async () => (await changed()).length > 0, 'what APPLY would change');
+  assert.deepEqual((await changed()).filter(([name]) => !name.startsWith('joint1.')), []);
 });
 
 test('an experiment of the board is diagnosed; a log that is none is told in a sentence, and so is none at all', async () => {
@@ -240,7 +250,7 @@ test('an experiment of the board is diagnosed; a log that is none is told in a s
   await until(one, () => document.getElementById('experiment-answer').textContent.startsWith('done: '));
   await view(one, 'diagnose');
   await one.page.selectOption('#diagnose-source', 'experiment');
-  await one.page.selectOption('#diagnose-target', 'axis0/tau_Nm');
+  await one.page.selectOption('#diagnose-target', 'tau_Nm');
   await one.page.click('#diagnose-run');
   await one.page.waitForFunction(() => /^verdict: /.test(document.getElementById('diagnose-answer').textContent), null, { timeout: 60000 });
   assert.equal(await one.page.textContent('#state'), 'holding', 'the board is not left meanwhile');

@@ -149,7 +149,7 @@ test('Foxglove is let in with the token only, and not as a page of a stranger', 
 
 test('one diagnosis at a time; what is too large is told', async () => {
   const served = await console_();
-  const post = { path: `/${served.token}/diagnose/`, method: 'POST', origin: `http://127.0.0.1:${served.port}` };
+  const post = { path: `/${served.token}/diagnose/0`, method: 'POST', origin: `http://127.0.0.1:${served.port}` };
   const rows = Array.from({ length: 20000 }, (_, i) => `${i / 200},${Math.sin(i / 100)},${0.02 * Math.sin(i / 100 + 0.3)},${0.9 * Math.sin(i / 100)}`);
   const body = `time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad\n${rows.join('\n')}\n`;
   const first = visit(served, { ...post, body });

@@ -2,7 +2,7 @@
 // What the law of a joint lacks, or the law itself: the host program looks at a log, and the board takes what it finds. Where no host program is
 // behind the page, the log is offered with the command to run.
 import type { Board } from './board';
-import { byId, download, make } from './dom';
+import { byId, download, jointOptions, make } from './dom';
 import { valuesOf } from './knowledge';
 import type { ParameterView } from './parameter_view';
 import { XyPlot } from './xy_plot';
@@ -29,6 +29,7 @@ function columns(csv: string): Map<string, number[]> {
 export class DiagnoseView {
   private readonly source = byId<HTMLSelectElement>('diagnose-source');
   private readonly task = byId<HTMLSelectElement>('diagnose-task');
+  private readonly joint = byId<HTMLSelectElement>('diagnose-joint');
   private readonly model = byId<HTMLSelectElement>('diagnose-model');
   private readonly target = byId<HTMLSelectElement>('diagnose-target');
   private readonly words = byId('diagnose-answer');
@@ -48,10 +49,15 @@ export class DiagnoseView {
       event.preventDefault();
       void this.begin();
     });
-    for (const choice of [this.source, this.task, this.model, this.target]) {
+    for (const choice of [this.source, this.task, this.joint, this.model, this.target]) {
       choice.addEventListener('change', () => this.show());
     }
     this.apply.addEventListener('click', () => void this.give());
+    this.show();
+  }
+
+  load(): void {
+    jointOptions(this.joint, this.board.status?.joints);
     this.show();
   }
 
@@ -61,13 +67,22 @@ export class DiagnoseView {
     byId('diagnose-run').textContent = !this.served ? 'Save log' : this.identifies ? 'Identify' : 'Diagnose';
     byId('diagnose-model-label').hidden = !this.identifies;
     byId('diagnose-target-label').hidden = this.identifies;
-    const work = this.identifies ? `identify capstan_log.csv --model ${this.model.value}` : `diagnose capstan_log.csv${this.target.value === '' ? '' : ` --target ${this.target.value}`} --report report`;
-    byId('diagnose-command').textContent = this.served ? '' : `then: capstan ${work} -o law.toml, and capstan apply law.toml --port PORT`;
+    const axis = this.axis === 0 ? '' : ` --axis ${this.axis}`;
+    const work = this.identifies ? `identify capstan_log.csv --model ${this.model.value}` : `diagnose capstan_log.csv --target ${this.explained} --report report`;
+    byId('diagnose-command').textContent = this.served ? '' : `then: capstan ${work}${axis} -o law.toml, and capstan apply law.toml${axis} --port PORT`;
     this.apply.disabled = this.lines.length === 0 || this.busy;
   }
 
   private get identifies(): boolean {
     return this.task.value === 'identify';
+  }
+  /** Of the log and of the board. */
+  private get axis(): number {
+    return Number(this.joint.value.replace('joint', ''));
+  }
+  /** The column. */
+  private get explained(): string {
+    return `axis${this.axis}/${this.identifies ? 'q2_rad' : this.target.value}`;
   }
 
   private async log(): Promise<string | undefined> {
@@ -124,7 +139,7 @@ export class DiagnoseView {
   }
 
   private async ask(log: string): Promise<Answer> {
-    const response = await fetch(this.identifies ? `identify/${this.model.value}` : `diagnose/${this.target.value}`, { method: 'POST', body: log }).catch(() => {
+    const response = await fetch(this.identifies ? `identify/${this.axis}/${this.model.value}` : `diagnose/${this.axis}/${this.explained}`, { method: 'POST', body: log }).catch(() => {
       throw new Error('capstan console has gone; start it again and open the address that it prints');
     });
     if (!response.ok) {
@@ -156,9 +171,9 @@ export class DiagnoseView {
   /** The loop that is explained: over the motor's angle. */
   private draw(log: string): void {
     const all = columns(log);
-    const wanted = (this.identifies ? '' : this.target.value) || 'axis0/q2_rad';
+    const motor = `axis${this.axis}/q1_rad`;
     byId('diagnose-loop').hidden = false;
-    this.loop.show(all.get('axis0/q1_rad') ?? [], all.get(wanted) ?? [], 'axis0/q1_rad', wanted);
+    this.loop.show(all.get(motor) ?? [], all.get(this.explained) ?? [], motor, this.explained);
   }
 
   /** All of them or none; the board reads them back, and Parameters can undo them. */

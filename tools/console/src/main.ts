@@ -48,7 +48,7 @@ const served = document.querySelector('meta[name="capstan-served"]') !== null;
 const tuning = new TuneView(board, served, live, parameters);
 let socket: SocketLink | undefined;
 const commissioning = new CommissionView(board, () => (board.link === socket ? socket : undefined), served, () => live.standBack());
-new DiagnoseView(board, served, parameters, { experiment: () => experiments.csv, live: () => live.csv() });
+const diagnosing = new DiagnoseView(board, served, parameters, { experiment: () => experiments.csv, live: () => live.csv() });
 const scope = new ScopeView(board, live);
 const breaking = new BreakView(board, (effect) => startAnew(effect));
 const shell = new ShellView(board);
@@ -137,6 +137,7 @@ function viewShown(id: string): void {
     tuning.load();
     commissioning.load();
   }
+  if (id === 'diagnose') diagnosing.load();
   if (id === 'states') void states.askFaults();
 }
 connectTabs(viewShown);
