@@ -53,11 +53,9 @@ class InputStage {
     sample.saturated |= Traits::is_saturated(sample.h) | Traits::is_saturated(rate) | Traits::is_saturated(rate_error) |
                         Traits::is_saturated(sample.dh);
   }
-  /// h once a motion in the sample's direction has lasted.
-  [[nodiscard]] constexpr auto settled(Sample<Scalar> motion) const -> Scalar {
-    motion.h = motion.q1;
+  /// Makes h what it is once a motion in the sample's direction has lasted. @pre h is q1 there
+  constexpr void settle(Sample<Scalar>& motion) const {
     std::apply([&motion](const auto&... term) { ((motion.h = term.settled(motion)), ...); }, terms_);
-    return motion.h;
   }
   /// The motor angle at which h stands, once a motion in this direction has lasted.
   [[nodiscard]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {
