@@ -42,7 +42,7 @@ class InputStage {
   }
 
   /// Puts h and dh into the sample. @pre h is q1 there
-  constexpr void update(Sample<Scalar>& sample) {
+  [[gnu::always_inline]] constexpr void update(Sample<Scalar>& sample) {
     std::apply([&sample](auto&... term) { ((sample.h = term.is_on() ? term.update(sample) : sample.h), ...); }, terms_);
     const Scalar lag = sample.h - sample.q1;
     const Scalar rate = dt_.rate_of(lag - lag_);

@@ -123,9 +123,11 @@ class MotionLaw {
         conditioner_.sample();  // as a part of this, so that what is read of it once is known
     const Scalar* const pulled = pulled_by(sample);
     WeightedSum<Scalar> y;
-    for_each_active(terms_, [&]<typename Term>(Term& term, std::size_t first) {
-      add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
-    });
+    // Inlined, or the sum is kept in memory.
+    for_each_active(
+        terms_, [&]<typename Term>(Term & term, std::size_t first) __attribute__((always_inline)) {
+          add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
+        });
     q2_ = y.value();
     Estimate<Scalar> estimate{.q2 = q2_, .q2_reported = q2_};
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
