@@ -42,7 +42,7 @@ class InputStage {
   }
 
   /// Puts h and dh into the sample. @pre h is q1 there
-  constexpr void update(Sample<Scalar>& sample) {
+  [[gnu::always_inline]] constexpr void update(Sample<Scalar>& sample) {
     std::apply([&sample](auto&... term) { ((sample.h = term.is_on() ? term.update(sample) : sample.h), ...); }, terms_);
     const Scalar lag = sample.h - sample.q1;
     const Scalar rate = dt_.rate_of(lag - lag_);
@@ -53,11 +53,9 @@ class InputStage {
     sample.saturated |= Traits::is_saturated(sample.h) | Traits::is_saturated(rate) | Traits::is_saturated(rate_error) |
                         Traits::is_saturated(sample.dh);
   }
-  /// h once a motion in the sample's direction has lasted.
-  [[nodiscard]] constexpr auto settled(Sample<Scalar> motion) const -> Scalar {
-    motion.h = motion.q1;
+  /// Makes h what it is once a motion in the sample's direction has lasted. @pre h is q1 there
+  constexpr void settle(Sample<Scalar>& motion) const {
     std::apply([&motion](const auto&... term) { ((motion.h = term.settled(motion)), ...); }, terms_);
-    return motion.h;
   }
   /// The motor angle at which h stands, once a motion in this direction has lasted.
   [[nodiscard]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {

@@ -123,9 +123,11 @@ class MotionLaw {
         conditioner_.sample();  // as a part of this, so that what is read of it once is known
     const Scalar* const pulled = pulled_by(sample);
     WeightedSum<Scalar> y;
-    for_each_active(terms_, [&]<typename Term>(Term& term, std::size_t first) {
-      add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
-    });
+    // Inlined, or the sum is kept in memory.
+    for_each_active(
+        terms_, [&]<typename Term>(Term & term, std::size_t first) __attribute__((always_inline)) {
+          add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
+        });
     q2_ = y.value();
     Estimate<Scalar> estimate{.q2 = q2_, .q2_reported = q2_};
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
@@ -157,7 +159,7 @@ class MotionLaw {
   /// ratio turned round with it, then the input terms. `motion.q1` is where the motor is about to be, for what is
   /// periodic in it, for a table of it, and for the curve to be turned round from; its q2 is not read.
   /// @pre beta is not zero; if it is, the result saturates.
-  [[nodiscard]] constexpr auto invert(Scalar q2, const Sample<Scalar>& motion) const -> Scalar {
+  [[nodiscard]] constexpr auto invert(Scalar q2, Sample<Scalar> motion) const -> Scalar {
     const Scalar left = q2 - (rest_either_way(q2, motion) + rest_one_way(motion));
     return undone(through_ratio(left, motion.q1), motion.forward);
   }
@@ -171,13 +173,17 @@ class MotionLaw {
     return input_on_ ? input_.undone(h, forward) : h;
   }
   /// The two parts of the rest, for who turns the law round for both directions at once: what is the same whichever
-  /// way the motion goes and whatever torque it takes, and what is not.
-  [[nodiscard, gnu::always_inline]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar> motion) const -> Scalar {
+  /// way the motion goes and whatever torque it takes, and what is not. Of `motion` q2 and h are changed: a copy costs
+  /// as much as a term.
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar>& motion) const -> Scalar {
     motion.q2 = q2;
     return settled<true>(motion);
   }
-  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar> motion) const -> Scalar {
-    motion.h = input_on_ ? input_.settled(motion) : motion.q1;
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar>& motion) const -> Scalar {
+    motion.h = motion.q1;
+    if (input_on_) {
+      input_.settle(motion);
+    }
     return settled<false>(motion);
   }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.

@@ -143,16 +143,18 @@ class TorqueLaw {
     Scalar backward{};
     Scalar forward{};
   };
-  /// Both directions at once: what a term works out of speed and angle is the same in both. motion.forward is not read.
-  [[nodiscard, gnu::flatten]] constexpr auto each_way(Sample<Scalar> motion) const -> EachWay {
+  /// Both directions at once: what a term works out of speed and angle (`undirected`) is the same in both. Of `motion`
+  /// forward is not read, and changed.
+  [[nodiscard, gnu::flatten]] constexpr auto each_way(Sample<Scalar>& motion) const -> EachWay {
     WeightedSum<Scalar> backward;
     WeightedSum<Scalar> forward;
     visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
       if constexpr (!settles_alike<Term>()) {
+        const auto common = undirected(term, motion);
         motion.forward = false;
-        add<false>(term.settled(motion), first, backward);
+        add<false>(directed(term, motion, common), first, backward);
         motion.forward = true;
-        add<false>(term.settled(motion), first, forward);
+        add<false>(directed(term, motion, common), first, forward);
       }
     });
     return {backward.value(), forward.value()};
@@ -168,6 +170,31 @@ class TorqueLaw {
     return (std::size_t{0} + ... + kCoefficientsOf<std::tuple_element_t<I, Terms>>);
   }
   (std::make_index_sequence<Index>{});
+
+  template <typename Term>
+  static consteval auto has_undirected() -> bool {
+    return requires(const Term& term, const Sample<Scalar>& motion) {
+      term.undirected(motion);
+    };
+  }
+  template <typename Term>
+  [[gnu::always_inline]] static constexpr auto undirected(const Term& term,
+                                                          [[maybe_unused]] const Sample<Scalar>& motion) {
+    if constexpr (has_undirected<Term>()) {
+      return term.undirected(motion);
+    } else {
+      return &term;
+    }
+  }
+  template <typename Term, typename Common>
+  [[gnu::always_inline]] static constexpr auto directed(const Term& term, const Sample<Scalar>& motion,
+                                                        [[maybe_unused]] const Common& common) {
+    if constexpr (has_undirected<Term>()) {
+      return term.directed(motion, common);
+    } else {
+      return term.settled(motion);
+    }
+  }
 
   static constexpr auto active_terms(const std::array<Scalar, TorqueTerms::kCoefficients>& coefficients)
       -> std::uint32_t {

@@ -38,7 +38,7 @@ class Phase<Q24> {
     return Q24::from_raw(high_product_plus(2, p, x) >> 2);
   }
   /// Both polynomials step by step, so that each coefficient is fetched once.
-  [[nodiscard]] constexpr auto sine_and_cosine() const -> std::array<Q24, 2> {
+  [[nodiscard, gnu::always_inline]] constexpr auto sine_and_cosine() const -> std::array<Q24, 2> {
     const std::int32_t x = folded(turns_);
     const std::int32_t y = folded(turns_ + kQuarter);
     const std::int32_t u = square(Q30::from_raw(x)).raw();

@@ -48,16 +48,15 @@ class CurvedRatio {
     if (Traits::is_saturated(distance)) [[unlikely]] {
       return {distance, distance};  // so that the law says it
     }
-    const Scalar u = clamp(distance * per_span_, -kFarthest, kFarthest);
-    const Scalar inside = clamp(u, -kOne, kOne);
-    const Scalar square = Traits::part(inside, Traits::share_of(inside));
-    const Scalar cube = Traits::part(square, Traits::share_of(inside));
-    if (inside == u) {
-      return {square, cube};
+    const Scalar u = distance * per_span_;
+    if (abs(u) <= kOne) [[likely]] {
+      const Scalar square = Traits::part(u, Traits::share_of(u));
+      return {square, Traits::part(square, Traits::share_of(u))};
     }
-    const Scalar beyond = u - inside;
+    const Scalar end = u < Scalar{} ? -kOne : kOne;
+    const Scalar beyond = clamp(u, -kFarthest, kFarthest) - end;
     const Scalar twice = u < Scalar{} ? -(beyond + beyond) : beyond + beyond;
-    return {square + twice, cube + beyond + beyond + beyond};
+    return {kOne + twice, end + beyond + beyond + beyond};
   }
 
  private:

@@ -73,7 +73,8 @@ TYPED_TEST(TorqueLawIn, SettledPartsAddUpToTheTorqueOfTheMotionAndOnlyOneKnowsTh
   TorqueLaw<TypeParam> law(one_khz<TypeParam>(), servo_law().parameters<TypeParam>());
   for (const bool forward : {false, true}) {
     const auto motion = motion_at<TypeParam>(0.7, 1.5, 0.03, forward);
-    const auto each_way = law.each_way(motion);
+    auto either = motion;
+    const auto each_way = law.each_way(either);
     EXPECT_NEAR(value_of(law.either_way(motion) + (forward ? each_way.forward : each_way.backward)),
                 value_of(law.update(motion).torque_nm), 2.0 * kLsb);
     EXPECT_EQ(value_of(each_way.forward), value_of(number<TypeParam>(0.3)));

@@ -33,11 +33,22 @@ class LoadFriction {
       : rest_(shape[0]), span_(shape[1]), per_span_(shape[1]), phase_(ScalarTraits<Scalar>::from(1.0)) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 4> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 4> {
+    return directed(s, undirected(s));
+  }
+  /// Weight and spring at this angle.
+  [[nodiscard, gnu::always_inline]] constexpr auto undirected(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     constexpr Scalar kMost = ScalarTraits<Scalar>::from(4.0);  // constant: the target converts no double at run time
     const Scalar away = s.q1 - rest_;
     const Scalar weight = phase_(away).sine_and_cosine()[0];
     const Scalar spring = span_ > Scalar{} ? clamp(away * per_span_, -kMost, kMost) : Scalar{};
+    return {weight, spring};
+  }
+  /// Of these what a motion in the sample's direction shows.
+  [[nodiscard, gnu::always_inline]] constexpr auto directed(const Sample<Scalar>& s,
+                                                            const std::array<Scalar, 2>& load) const
+      -> std::array<Scalar, 4> {
     const Scalar slide = s.slide();
+    const auto [weight, spring] = load;
     return {slide * abs(weight), driven(slide, weight), slide * abs(spring), driven(slide, spring)};
   }
 

@@ -30,7 +30,13 @@ class StribeckFriction {
       : speed_(shape[0]), per_speed_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
-    const Scalar left = speed_ > Scalar{} ? bell(s.dq1 * per_speed_) : Scalar{};
+    return directed(s, undirected(s));
+  }
+  /// What is left of the excess at this speed.
+  [[nodiscard]] constexpr auto undirected(const Sample<Scalar>& s) const -> Scalar {
+    return speed_ > Scalar{} ? bell(s.dq1 * per_speed_) : Scalar{};
+  }
+  [[nodiscard]] constexpr auto directed(const Sample<Scalar>& s, Scalar left) const -> std::array<Scalar, 1> {
     return {s.slide() * left};
   }
 

@@ -41,7 +41,7 @@ void measure_torque_law(Print& out, std::string_view name, std::string_view feed
   });
   Scalar torque;
   measure(out, feedforward, step, [&] {
-    const Sample<Scalar>& motion = disturbance.motion();
+    Sample<Scalar> motion = disturbance.motion();
     const auto one_way = disturbance.law().each_way(motion);
     torque = disturbance.law().either_way(motion) + one_way.backward + one_way.forward;
     touch(torque);
