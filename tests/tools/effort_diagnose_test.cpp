@@ -7,6 +7,7 @@
 
 #include "capstan/tests/tools/synthetic_effort.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -207,6 +208,24 @@ TEST(DeliveredEffortLaw, OfNamedEffectsIsTheNamedLawInAFormThatRuns) {
     const EffortLaw read = parse_effort_file(effort_file_text(*d.effort_law), "law.toml");
     EXPECT_NEAR(error_over(read, log), error_over(*d.effort_law, log), 1e-6);
   }
+}
+
+TEST(DeliveredEffortLaw, OfNamesThatLeaveMuchIsTheGrownLaw) {
+  EffortRequest request;
+  request.truth = EffortTruth::kGravity;
+  AxisLog log = test::synthetic_effort_log(request);
+  const Diagnosis complete = diagnose({log}, {});
+  ASSERT_EQ(complete.verdict, Verdict::kEffect) << complete.reason;
+  EXPECT_EQ(complete.effort_law->status, "confirmed");
+  log.effort.array() += 0.2 * log.q1_rad.array().cube();  // the names stay as they were found, and leave this
+  Diagnosis d = complete;
+  deliver_effort_law({log}, {}, d);
+  EXPECT_EQ(d.verdict, Verdict::kEffectPlusUnlisted);
+  EXPECT_EQ(names_of(d), (std::vector<std::string>{"gravity"}));
+  EXPECT_NE(d.reason.find("The law lacks gravity; a law with more"), std::string::npos) << d.reason;
+  EXPECT_EQ(d.effort_law->status, "provisional");
+  EXPECT_EQ(d.law.terms, d.effort_law->joint.terms);
+  EXPECT_LT(error_over(*d.effort_law, log), 0.5 * error_over(runnable_law(complete.law, {log}), log));
 }
 
 TEST(DeliveredEffortLaw, WithoutMotionOrWithAFewRowsThereIsNone) {

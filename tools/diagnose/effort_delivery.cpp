@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -57,9 +59,22 @@ auto names_do_as_well(const Diagnosis& d, const EffortSelection& selection) -> b
   return !d.effects.empty() && d.after.relative_percent * selection.target_rms <= 100.0 * selection.after;
 }
 
-/// Nothing may be called complete where a law errs so much less, for certain. A tenth, as of an effect that could hide
+/// No law may be called complete where another errs so much less, for certain. A tenth, as of an effect that could hide
 /// (check_completeness); chosen on no log.
 constexpr double kClearlyLess = 0.9;
+
+/// The grown law errs clearly less on rows that it has not seen than the named one, which has seen them: through its
+/// own view, which averages noise away, and through the named law's, in which fast motion survives.
+auto clearly_beats(const EffortSelection& selection, EffortLaw named, const std::vector<AxisLog>& logs) -> bool {
+  const auto beats = [&](const EffortView& view) {
+    named.view = view;
+    const Eigen::VectorXd left = EffortDesign(logs, view).seen(stacked_target(logs)) - run_effort_law(logs, named);
+    const Eigen::VectorXd by_named = selection.measured - left;
+    return ratio_interval(selection.measured, unseen_blocks(selection), by_named, selection.by_law)[1] < kClearlyLess;
+  };
+  const EffortView own = named.view;
+  return beats(selection.law.view) && beats(own);
+}
 
 /// What the law has beside what it began with, by the names of effects.
 auto beside_start(const EffortSelection& selection) -> std::vector<std::string> {
@@ -153,20 +168,24 @@ auto has_effort_law(const std::vector<AxisLog>& logs, const Diagnosis& d) -> boo
 
 void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
   const bool of_effort = logs.front().motion_alone();
-  if (is_certain(d) && of_effort) {
-    d.effort_law = runnable_law(d.law, logs);
-    return;
-  }
   EffortSelection selection = select_effort_law(logs, d.base_model == kInertiaModel);
-  if (is_certain(d) || (of_effort && names_do_as_well(d, selection))) {
-    d.effort_law = of_effort ? runnable_law(d.law, logs) : selection.law;  // no file of this form holds a force law
+  const auto of_names = [&] {  // no file of this form holds a force law
+    return of_effort ? runnable_law(d.law, logs) : selection.law;
+  };
+  const bool more_than_named = is_certain(d) && of_effort && clearly_beats(selection, of_names(), logs);
+  if (!more_than_named && (is_certain(d) || (of_effort && names_do_as_well(d, selection)))) {
+    d.effort_law = of_names();
     return;
   }
   const Interval ratio =
       ratio_interval(selection.measured, unseen_blocks(selection), selection.by_start, selection.by_law);
   if (d.verdict == Verdict::kNothingMissing && (ratio[1] > kClearlyLess || !of_effort)) {
-    d.effort_law = of_effort ? runnable_law(d.law, logs) : selection.law;
+    d.effort_law = of_names();
     return;
+  }
+  if (more_than_named) {
+    d.verdict = Verdict::kEffectPlusUnlisted;
+    d.reason = what_the_law_lacks(d.effects) + kMoreThanNamed;
   }
   if (d.verdict == Verdict::kNothingMissing) {
     d.verdict = Verdict::kUnknown;

@@ -197,18 +197,21 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) 
   }
 }
 
+auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string {
+  std::vector<std::string> names;
+  std::transform(effects.begin(), effects.end(), std::back_inserter(names), [](const auto& one) { return one.name; });
+  return "The law lacks " + joined(names, " and ");
+}
+
 void reconcile(const Preparation& p, const Search& search, const LawChoice& choice, Diagnosis& d) {
   const bool more_than_named = choice.status == LawStatus::kProvisional;
   if (d.verdict == Verdict::kEffect && (more_than_named || d.after.rmse > kAboveFloor * d.noise_floor)) {
-    d.reason = "The law lacks " + search.effects.front().name;
-    for (std::size_t i = 1; i < search.effects.size(); ++i) {
-      d.reason += " and " + search.effects[i].name;
-    }
+    d.reason = what_the_law_lacks(search.effects);
     if (d.found && late_direction_weighs_most(p, d, estimates(p.logs, p.causal, *d.found))) {
       d.reason += "; " + std::string(kLateDirection) + ".";
     } else if (more_than_named) {
       d.verdict = Verdict::kEffectPlusUnlisted;
-      d.reason += "; a law with more than that predicts unseen rows better for certain.";
+      d.reason += kMoreThanNamed;
     } else {
       d.reason += "; no effect of the catalogue lowers the error further.";
     }
