@@ -59,21 +59,6 @@ void add_effect(AxisLog& log, Effect&& effect) {
   }
 }
 
-/// Friction that pushes would drive the joint away as a feedforward.
-TEST(EffortLaw, WhatRubsNeverPushes) {
-  AxisLog log = rigid_log(0.02);
-  add_effect(log, [](double /*q*/, double v) { return (v > 0.0 ? -0.8 : 0.8) - 0.5 * v; });
-  const EffortSelection selection = select_effort_law({log});
-  const JointFile& joint = selection.law.joint;
-  for (const auto& term : *joint.catalogue) {
-    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
-      const double value = joint.parameters.coefficients[term.first_coefficient + i];
-      EXPECT_TRUE(term.coefficients[i].sign != Sign::kNonNegative || value >= 0.0) << term.name << ' ' << value;
-      EXPECT_TRUE(term.coefficients[i].sign != Sign::kNonPositive || value <= 0.0) << term.name << ' ' << value;
-    }
-  }
-}
-
 TEST(LocalCubic, ReproducesACubicAndItsDerivativesUpToTheEnds) {
   Eigen::VectorXd signal(41);
   const auto at = [](double x) { return 1.0 - 0.3 * x + 0.02 * x * x + 0.001 * x * x * x; };

@@ -35,6 +35,10 @@ auto solve_subset(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const
   return theta;
 }
 
+auto violates(double value, Sign sign) -> bool {
+  return (sign == Sign::kNonNegative && value < 0.0) || (sign == Sign::kNonPositive && value > 0.0);
+}
+
 /// With more columns than this they are not freed one by one from none: block pivoting says which to begin with.
 constexpr Eigen::Index kMany = 150;
 
@@ -97,10 +101,6 @@ auto solve_keeping_signs(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs
 }
 
 }  // namespace
-
-auto violates(double value, Sign sign) -> bool {
-  return (sign == Sign::kNonNegative && value < 0.0) || (sign == Sign::kNonPositive && value > 0.0);
-}
 
 auto rows_in(const Blocks& blocks) -> Eigen::Index {
   Eigen::Index rows = 0;

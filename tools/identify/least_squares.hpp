@@ -20,8 +20,6 @@ auto rows_in(const Blocks& blocks) -> Eigen::Index;
 /// The blocks' rows, stacked.
 auto stacked(const Eigen::VectorXd& values, const Blocks& blocks) -> Eigen::VectorXd;
 
-auto violates(double value, Sign sign) -> bool;
-
 /// Minimises t'At - 2b't with the signs kept (active set, after Lawson and Hanson). A is positive semidefinite; a
 /// column that adds nothing (A_jj = 0) gets 0.
 auto solve_signed(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<Sign>& signs)

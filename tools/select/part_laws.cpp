@@ -6,7 +6,6 @@
 #include <map>
 #include <numeric>
 
-#include "capstan/tools/identify/least_squares.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -19,7 +18,6 @@ constexpr Eigen::Index kFolds = 6;
 /// Columns of all parts side by side, and where each begins.
 struct PartColumns {
   std::vector<Eigen::VectorXd> columns;
-  std::vector<Sign> signs;
   std::vector<std::vector<Eigen::Index>> first;
 };
 
@@ -37,7 +35,6 @@ auto columns_of_parts(const EffortDesign& design, Eigen::Index step, const Catal
       const Eigen::MatrixXd own = is_new ? design.columns(term, setting, step) : Eigen::MatrixXd();
       for (Eigen::Index i = 0; i < own.cols(); ++i) {
         all.columns.emplace_back(own.col(i));
-        all.signs.push_back(term.coefficients[static_cast<std::size_t>(i)].sign);
       }
     }
   }
@@ -53,7 +50,6 @@ PartProducts::PartProducts(const EffortDesign& design, const Eigen::VectorXd& ta
   const Eigen::Index step = std::max<Eigen::Index>(1, design.rows() / kEnoughRows);
   PartColumns all = columns_of_parts(design, step, catalogue, parts_);
   first_ = all.first;
-  signs_ = all.signs;
   Eigen::VectorXd y = design.seen(target, step);
   const auto used = static_cast<Eigen::Index>(share * static_cast<double>(y.size()));
   y.conservativeResize(used);
@@ -118,15 +114,7 @@ auto PartProducts::solved(const Eigen::MatrixXd& products, const std::vector<Eig
     -> Eigen::VectorXd {
   Eigen::MatrixXd gram = products(columns, columns);
   gram.diagonal().array() += ridge;
-  const Eigen::VectorXd with_target = products(columns, products.cols() - 1);
-  Eigen::VectorXd theta = gram.ldlt().solve(with_target);
-  std::vector<Sign> signs;
-  bool keeps_signs = true;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    signs.push_back(signs_[static_cast<std::size_t>(columns[i])]);
-    keeps_signs = keeps_signs && !violates(theta[static_cast<Eigen::Index>(i)], signs.back());
-  }
-  return keeps_signs ? theta : solve_signed(gram, with_target, signs);
+  return gram.ldlt().solve(products(columns, products.cols() - 1));
 }
 
 auto PartProducts::fold_errors(const PartLaw& law, double ridge) const -> Eigen::VectorXd {

@@ -24,7 +24,7 @@ class PartProducts {
   /// Mean squared error of each fold, fitted without it: six that leave out a sixth of the time, and three that only
   /// look forward.
   [[nodiscard]] auto fold_errors(const PartLaw& law, double ridge) const -> Eigen::VectorXd;
-  /// Coefficients from all rows, part by part, each of its effect's sign.
+  /// Coefficients from all rows, part by part.
   [[nodiscard]] auto coefficients(const PartLaw& law, double ridge) const -> Eigen::VectorXd;
 
  private:
@@ -35,7 +35,6 @@ class PartProducts {
   std::vector<LawPart> parts_;
   std::vector<std::vector<Eigen::Index>> first_;  ///< column of the first coefficient of each part's term, by setting
   Eigen::VectorXd scale_;                         ///< rms of each column
-  std::vector<Sign> signs_;
   struct Fold {
     Eigen::MatrixXd fit, check;  ///< products with the target last
     double fit_rows = 0.0, check_rows = 0.0;
