@@ -34,6 +34,13 @@ constexpr std::array<Q24, 11> kStudent = {Q24::from_double(12.706), Q24::from_do
                                           Q24::from_double(2.365),  Q24::from_double(2.306), Q24::from_double(2.262),
                                           Q24::from_double(2.228),  Q24::from_double(2.201)};
 
+// Out of line: in place they take twice the flash, and no cycle waits for them.
+
+/// a / b as Q24's own.
+[[gnu::noinline]] auto over(Q24 a, Q24 b) -> Q24 {
+  return a / b;
+}
+
 /// Straight between the table's rows, and within 0.2 % of the true one beyond its end.
 auto student(Q24 freedom) -> Q24 {
   const Q24 from_one = std::max(freedom - kOne, Q24{});
@@ -44,11 +51,11 @@ auto student(Q24 freedom) -> Q24 {
   }
   constexpr Q24 kNormal = Q24::from_double(1.96);
   constexpr Q24 kMore = Q24::from_double(2.65);
-  return kNormal + kMore / freedom;
+  return kNormal + over(kMore, freedom);
 }
 
 /// above / below; both lose the same bits where the quotient would not fit otherwise.
-auto quotient(std::int64_t above, std::int64_t below) -> Q24 {
+[[gnu::noinline]] auto quotient(std::int64_t above, std::int64_t below) -> Q24 {
   constexpr std::int64_t kFits = std::int64_t{1} << 38;
   while (above > kFits || above < -kFits) {
     above /= 2;
@@ -58,12 +65,12 @@ auto quotient(std::int64_t above, std::int64_t below) -> Q24 {
 }
 
 /// x c, exact but for the last bit. @pre it fits
-auto times(std::int64_t x, Q24 c) -> std::int64_t {
+[[gnu::noinline]] auto times(std::int64_t x, Q24 c) -> std::int64_t {
   constexpr std::int64_t kPart = (std::int64_t{1} << Q24::kFrac) - 1;
   return (x >> Q24::kFrac) * c.raw() + ((x & kPart) * c.raw() >> Q24::kFrac);
 }
 
-auto square_root(std::uint64_t square) -> std::int64_t {
+[[gnu::noinline]] auto square_root(std::uint64_t square) -> std::int64_t {
   std::uint64_t root = 0;
   for (std::uint64_t bit = std::uint64_t{1} << 31; bit != 0; bit >>= 1) {
     const std::uint64_t more = root | bit;
@@ -76,7 +83,7 @@ auto square(Q24 x) -> std::uint64_t {
   return static_cast<std::uint64_t>(std::int64_t{x.raw()} * x.raw());
 }
 
-auto hypotenuse(Q24 a, Q24 b) -> Q24 {
+[[gnu::noinline]] auto hypotenuse(Q24 a, Q24 b) -> Q24 {
   return Q24::from_wide(square_root(square(a) + square(b)));
 }
 
@@ -94,9 +101,9 @@ auto parameters_of(const ForceConfig& force) -> TensionStateParameters<Q24> {
   return {.eta_top = force.eta_top,
           .eta_bottom = force.eta_bottom,
           .pretension_nm = force.pretension_nm,
-          .compliance_top = kOne / force.stiffness_top_nm_per_rad,
-          .compliance_bottom = kOne / force.stiffness_bottom_nm_per_rad,
-          .beta = kOne / force.ratio,
+          .compliance_top = over(kOne, force.stiffness_top_nm_per_rad),
+          .compliance_bottom = over(kOne, force.stiffness_bottom_nm_per_rad),
+          .beta = over(kOne, force.ratio),
           .friction_nm = force.friction_nm};
 }
 
@@ -250,13 +257,13 @@ auto Palpation::stiffness_of(const Group& group) -> std::optional<Estimate> {
   constexpr Q24 kHalf = Q24::from_double(0.5);
   const Q24 ends = quotient(group.stretches, group.count);
   const Q24 alike = clamp(kOne - quotient(left(group.steps), residual) * kHalf - ends, Q24{}, kMostAlike);
-  const Q24 inflation = (kOne + alike) / (kOne - alike);
+  const Q24 inflation = over(kOne + alike, kOne - alike);
   const std::int32_t freedom = std::max(std::int32_t{1}, group.count - group.stretches - 1);
   const Q24 counted = quotient(std::int64_t{freedom} << Q24::kFrac, inflation.raw());
   const Q24 root_of_freedom = Q24::from_wide(square_root(static_cast<std::uint64_t>(freedom) << 40) << 4);
   const Q24 error =
-      root_of_quotient(times(residual, inflation), rows.tt) / root_of_freedom * student(counted) * kOfRows;
-  const Q24 value = kOne / compliance;
+      over(root_of_quotient(times(residual, inflation), rows.tt), root_of_freedom) * student(counted) * kOfRows;
+  const Q24 value = over(kOne, compliance);
   const Q24 half = error * value * value;
   return value.is_saturated() || half.is_saturated() ? std::nullopt : std::optional(Estimate{value, half});
 }
@@ -288,7 +295,7 @@ auto Palpation::fit() const -> std::optional<SiteStiffness> {
       return a ? a : b;
     }
     const Q24 both = hypotenuse(a->half, b->half);
-    const Q24 share = both > Q24{} ? a->half / both : Q24{};  // of b, its root
+    const Q24 share = both > Q24{} ? over(a->half, both) : Q24{};  // of b, its root
     const Q24 of_b = share * share;
     return std::optional(Estimate{(kOne - of_b) * a->value + of_b * b->value, share * b->half});
   };
