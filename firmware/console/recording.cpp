@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/recording.hpp"
 
+#include <algorithm>
+
 namespace capstan {
 namespace {
 
@@ -37,6 +39,9 @@ auto Recording::begin(Session& session) -> bool {
 }
 
 void Recording::print_row(Print& out, const SignalSample& sample) const {
+  if (sample.tick % print_every != 0) {
+    return;
+  }
   print_seconds(out, sample.tick);
   if (site >= 0) {
     out << ',' << site;
@@ -53,7 +58,7 @@ auto Recording::end(Session& session) -> std::uint32_t {
   recorder.stop(&session);
   const std::uint32_t dropped = recorder.dropped() - dropped_before_;
   if (dropped != 0) {
-    session.out() << "# " << dropped << " samples found no room; log every " << 2 * setup.every
+    session.out() << "# " << dropped << " samples found no room; log every " << 2 * std::max(setup.every, print_every)
                   << " or fewer at a time\r\n";
   }
   return dropped;

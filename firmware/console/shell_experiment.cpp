@@ -128,9 +128,10 @@ auto parse_option(std::string_view word, const RecipeInfo& recipe, ExperimentSet
          (name == "site" && parse_count(value, 0, 9999, options.site));
 }
 
-/// The stream, or nullptr if it was refused.
-auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments)
-    -> ExperimentStream* {
+/// The stream, or nullptr if it was refused. `palpating`: the stiffness will be told. It needs the mean of every cycle,
+/// not the rows that a console has time for: noise that is left shows other phases of the tendons than they are in.
+auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t axis, std::string_view arguments,
+                      bool palpating = false) -> ExperimentStream* {
   auto& stream = session.make<ExperimentStream>();
   ExperimentSetup& setup = stream.setup;
   take_usual(setup, recipe, axis);
@@ -154,7 +155,9 @@ auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t ax
   }
   stream.recording.site = options.site;
   stream.recording.choose(axis);
-  stream.recording.setup.every = static_cast<std::uint32_t>(options.every);
+  stream.palpating = palpating;
+  stream.recording.print_every = static_cast<std::uint32_t>(options.every);
+  stream.recording.setup.every = palpating ? 1 : stream.recording.print_every;
   return stream.begin(session) ? &stream : nullptr;
 }
 
@@ -269,11 +272,10 @@ void commands::palpate(Session& session, std::string_view arguments) {
     if (problem != nullptr) {  // before the log, which is one from its header on
       session.out() << "# no stiffness will be told: " << problem << "\r\n";
     }
-    ExperimentStream* const stream = begin_experiment(session, kPalpation, axis, arguments);
-    if (problem == nullptr && stream != nullptr) {
-      stream->palpating = true;
-      session.machine().palpation().begin(force, std::max<std::int32_t>(stream->recording.site, 0),
-                                          static_cast<std::int32_t>(stream->recording.setup.every));
+    ExperimentStream* const stream = begin_experiment(session, kPalpation, axis, arguments, problem == nullptr);
+    if (stream != nullptr && stream->palpating) {
+      session.machine().palpation().begin(
+          force, {.site = std::max<std::int32_t>(stream->recording.site, 0), .amplitude_nm = stream->setup.amplitude});
     }
   }
 }

@@ -45,7 +45,7 @@ TEST_F(Expect, ForceControlWithoutALaw) {
 
 TEST_F(Expect, PalpationWithoutATensionLaw) {
   Palpation palpation;
-  EXPECT_EXIT(palpation.begin(ForceConfig{}, 0, 1), trapped, "");
+  EXPECT_EXIT(palpation.begin(ForceConfig{}, {}), trapped, "");
 }
 
 TEST_F(Expect, CapturesThatDoNotFit) {

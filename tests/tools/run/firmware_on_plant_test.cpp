@@ -3,6 +3,7 @@
 // palpation that tells stiffness at the prompt. Truth is the plant's.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <sstream>
@@ -181,6 +182,8 @@ TEST(PalpationOnBoard, TellsStiffnessWithItsIntervalAtThePromptAndKeepsAMap) {
     std::printf("plant %.3f N m/rad, board %.4f +- %.4f\n", stiffness, value, half);
     EXPECT_NEAR(value, stiffness, half);
     EXPECT_LT(half, 0.06 * stiffness);
+    // Two swings of 16 s, a row every 10 ms, though every cycle counts.
+    EXPECT_NEAR(static_cast<double>(std::count(answer.begin(), answer.end(), '\n')), 3200.0, 20.0);
     EXPECT_GT(value, last);
     last = value;
     EXPECT_NE(rig.say("palpate map").find("# site 4 stiffness "), std::string::npos);
