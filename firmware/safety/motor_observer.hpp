@@ -16,7 +16,9 @@ namespace capstan {
 ///   last kTrailCycles explains, gain * range + kQuantisation. Two cycles are judged against the two before
 ///   them as well: their sums are quantised no more than single cycles are, and the range is that of before. A stuck,
 ///   late, scaled or reversed encoder says more in the first cycles in which it matters; a tip that hits something does
-///   not, for its tendons are soft (K v a ms, not J v / 1 ms).
+///   not, for its tendons are soft (K v a ms, not J v / 1 ms). A motor that winds its tendons up takes ever more torque
+///   at a steady speed, so its range says nothing; there three cycles are judged against three by how much the speed
+///   has changed of late.
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
@@ -90,15 +92,18 @@ class MotorObserver {
     std::int32_t turn = 0;      // A, twice the motor's own friction
     std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;    // counts/256, two cycles against the two before
+    std::int32_t winding = 0;   // counts/256, three cycles against the three before
   };
   auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
   auto rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) -> bool;
+  auto rt_slows_while_winding(std::int32_t moved, std::int32_t wanted) -> bool;
   auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   auto rt_runs_away(std::int32_t moved, std::int64_t against) -> bool;
   void rt_trail(std::int32_t wanted);
   void rt_listen(std::int32_t moved);
+  void rt_remember(std::int32_t moved, std::int32_t wanted);
 
   Scales scales_;
   std::int64_t counts_ = 0;
@@ -112,22 +117,28 @@ class MotorObserver {
   std::int32_t unanswered_ = 0;      // A cycles
   std::int32_t strayed_ = 0;         // A cycles
   std::int32_t look_ = kLookCycles;
-  std::array<std::int32_t, 4> before_{};  // what it moved in the last cycles, the latest first, counts
-  std::int32_t slow_ = 0;                 // speed where the torque last went with the motion, counts in a cycle
-  std::int32_t springing_ = 0;            // cycles in which what a torque of before has stretched may move the motor
-  /// The torque of a cycle, and the range of before it, A.
-  struct Torque {
-    std::int32_t wanted = 0;
-    std::int32_t range = 0;
+  std::int32_t slow_ = 0;       // speed where the torque last went with the motion, counts in a cycle
+  std::int32_t springing_ = 0;  // cycles in which what a torque of before has stretched may move the motor
+  struct Cycle {
+    std::int32_t moved = 0;   // counts
+    std::int32_t way = 0;     // in it and the two before, counts
+    std::int32_t wanted = 0;  // A
+    std::int32_t range = 0;   // of the wanted torque, A
+    std::int32_t lately = 0;  // counts/256, what three cycles against three changed by
   };
-  std::array<Torque, 4> torques_{};  // of the last cycles, the latest first
-  std::int32_t stretched_ = 0;       // torque that the way has answered for, A
-  std::int32_t given_ = 0;           // counts/256, two cycles against two, that a load gave it of late
-  std::int32_t slewed_ = 0;          // the wanted torque at its rate, A
-  std::int32_t turned_ = 0;          // its size where the motor began to turn round, A
-  std::int32_t looking_ = 0;         // cycles in which a look's torque is still in the tendons
-  std::int32_t silent_ = 0;          // cycles since the last count
-  std::int32_t interval_ = 0;        // between the two last ones
+  static constexpr std::uint32_t kPast = 8;
+  /// So many cycles ago; 1: the last one.
+  [[nodiscard]] auto past(std::uint32_t cycles) const -> const Cycle& { return past_[(now_ + 1 - cycles) % kPast]; }
+  std::array<Cycle, kPast> past_{};
+  std::uint32_t now_ = 0;
+  std::int32_t lately_ = 0;
+  std::int32_t stretched_ = 0;  // torque that the way has answered for, A
+  std::int32_t given_ = 0;      // counts/256, two cycles against two, that a load gave it of late
+  std::int32_t slewed_ = 0;     // the wanted torque at its rate, A
+  std::int32_t turned_ = 0;     // its size where the motor began to turn round, A
+  std::int32_t looking_ = 0;    // cycles in which a look's torque is still in the tendons
+  std::int32_t silent_ = 0;     // cycles since the last count
+  std::int32_t interval_ = 0;   // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

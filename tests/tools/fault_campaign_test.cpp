@@ -120,6 +120,19 @@ TEST(FaultCampaign, ADriftingCountIsFoundWhereItRunsAgainstTheMotionOrTheTorque)
   }
 }
 
+// In these phases the motor winds its tendons up before the joint follows, with ever more torque at a steady speed.
+TEST(FaultCampaign, HalfOfTheCountsAndALagAreFoundWhileTheMotorWindsItsTendonsUp) {
+  for (const auto& [situation, phase] : {std::pair{Situation::kFast, 2}, std::pair{Situation::kFast, 12},
+                                         std::pair{Situation::kFollowing, 9}, std::pair{Situation::kMoving, 12}}) {
+    for (const Mode mode : {Mode::kHalf, Mode::kSlow}) {
+      const auto [run, hazard] = hazard_of({Joint::kForceps, situation, phase}, {Input::kEncoder, mode});
+      EXPECT_EQ(run.end, State::kFaulted) << name(situation) << ' ' << phase << ' ' << name(mode);
+      EXPECT_LE(run.detected_ms, 5) << name(situation) << ' ' << phase << ' ' << name(mode);
+      EXPECT_LE(hazard.severity(limits()), 1.0) << name(situation) << ' ' << phase << ' ' << name(mode);
+    }
+  }
+}
+
 TEST(FaultCampaign, WhatIsUnsafeNeedsSomethingThatTheFirmwareIsNot) {
   EXPECT_STREQ(remedy({Input::kEncoder, Mode::kHalf}), "a second position sensor");
   EXPECT_STREQ(remedy({Input::kEncoder, Mode::kStuck}), "a finer encoder");

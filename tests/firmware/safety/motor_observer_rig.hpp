@@ -46,6 +46,14 @@ struct Rig {
     }
     return faults;
   }
+  /// As a motor does whose torque rises no more: by a count a cycle.
+  auto slow_down(int from, int to, double wanted_a) -> FaultSet {
+    FaultSet faults = 0;
+    for (int v = from - 1; v > to; --v) {
+      faults |= step(v, wanted_a);
+    }
+    return faults;
+  }
   /// Gets to a steady speed with little torque, so that the envelope of the torque is narrow again.
   void run_at(int counts_per_cycle) {
     for (int v = 0; v <= counts_per_cycle; ++v) {

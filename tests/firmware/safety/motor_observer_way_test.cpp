@@ -26,7 +26,7 @@ auto turned_round(double moved, const AxisConfig& config = stretching_config()) 
   for (int i = 0; i <= 90; ++i) {
     EXPECT_EQ(rig.step(std::min(1 + i / 11, 5), 0.01 * i), 0U) << i;
   }
-  EXPECT_EQ(rig.steps(100, 1, 0.9), 0U);
+  EXPECT_EQ(rig.slow_down(5, 1, 0.9) | rig.steps(100, 1, 0.9), 0U);
   FaultSet faults = 0;
   double shown = 0.0;
   for (int i = 0; i < 180 && faults == 0; ++i) {
@@ -70,7 +70,7 @@ TEST(MotorObserver, WhatAMotorPressedWithCountsUntilItHasTurnedRound) {
   for (int i = 0; i <= 400; ++i) {
     ASSERT_EQ(rig.step(std::min(1 + i / 11, 4), 0.005 * i), 0U) << i;
   }
-  ASSERT_EQ(rig.steps(100, 1, 2.0), 0U);
+  ASSERT_EQ(rig.slow_down(4, 1, 2.0) | rig.steps(100, 1, 2.0), 0U);
   // A count a cycle answers for a fifth of 10 mA, and then five for all of it: 0.64 A stay, a third of what it pressed
   // with.
   FaultSet faults = 0;
@@ -88,7 +88,7 @@ TEST(MotorObserver, HalfOfWhatAMotorPressedWithMayGoBeforeItTurns) {
     for (int i = 0; i <= 400; ++i) {
       ASSERT_EQ(rig.step(std::min(1 + i / 11, 4), 0.005 * i), 0U) << i;
     }
-    ASSERT_EQ(rig.steps(100, 1, 2.0), 0U);
+    ASSERT_EQ(rig.slow_down(4, 1, 2.0) | rig.steps(100, 1, 2.0), 0U);
     FaultSet faults = 0;
     for (int i = 1; i <= static_cast<int>(100.0 * left_a); ++i) {
       faults |= rig.step(i % 10 == 0 ? -1 : 0, 2.0 - 0.01 * i);
@@ -128,7 +128,7 @@ TEST(MotorObserver, AStepOfTorqueMayBeAnsweredAtTheRateOfTorque) {
     for (int i = 0; i <= 200; ++i) {
       ASSERT_EQ(rig.step(std::min(1 + i / 11, 4), 0.005 * i), 0U) << i;
     }
-    ASSERT_EQ(rig.steps(100, 1, 1.0), 0U);
+    ASSERT_EQ(rig.slow_down(4, 1, 1.0) | rig.steps(100, 1, 1.0), 0U);
     const FaultSet faults = rig.steps(20, answered ? -20 : -1, 0.3);
     EXPECT_EQ(faults, answered ? 0U : bit(Fault::kEncoderMotion));
   }

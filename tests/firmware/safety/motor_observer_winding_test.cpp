@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+
+#include "capstan/tests/firmware/safety/motor_observer_rig.hpp"
+
+namespace capstan {
+namespace {
+
+using observer_rig::Rig;
+
+/// A motor at 5 counts a cycle, 0.77 rad/s, that winds its tendons up by 10 mA a cycle.
+struct Winding {
+  explicit Winding(int direction) : way(direction) {
+    for (int v = 0; v < 5; ++v) {
+      EXPECT_EQ(step(v, 0.01), 0U);
+    }
+    for (int i = 0; i < 60; ++i) {
+      EXPECT_EQ(step(5, 0.01), 0U) << i;
+    }
+  }
+  auto step(int moved, double rise_a) -> FaultSet {
+    torque_a += rise_a;
+    return rig.step(way * moved, way * torque_a);
+  }
+  auto steps(std::initializer_list<int> counts, double rise_a) -> FaultSet {
+    FaultSet faults = 0;
+    for (const int moved : counts) {
+      faults |= step(moved, rise_a);
+    }
+    return faults;
+  }
+  int way;
+  Rig rig;
+  double torque_a = 0.0;
+};
+
+// 0.3 A within the last 32 cycles would explain 9 counts in one cycle.
+TEST(MotorObserver, HalfOfTheCountsShowsInThreeCyclesWhileTheMotorWindsItsTendonsUp) {
+  for (const int way : {1, -1}) {
+    Winding healthy(way);
+    EXPECT_EQ(healthy.steps({5, 5, 4, 5, 5, 6, 5, 5}, 0.01), 0U) << "a steady speed is quantised";
+    Winding half(way);
+    EXPECT_EQ(half.step(2, 0.01), 0U) << "one cycle alone is not enough";
+    EXPECT_EQ(half.steps({3, 2}, 0.015), bit(Fault::kEncoderMotion)) << "the servo pushes";
+    Winding stuck(way);
+    EXPECT_NE(stuck.steps({0, 0}, 0.015), 0U);
+  }
+}
+
+TEST(MotorObserver, AMotorWhoseTorqueMeetsItsLimitIsStoppedByItsTendons) {
+  Winding limited(1);
+  EXPECT_EQ(limited.steps({5, 4, 3, 2, 1, 0}, 0.0), 0U);
+  Winding helped(1);
+  EXPECT_EQ(helped.steps({5, 4, 2, 2, 1}, -0.01), 0U) << "torque that falls is no winding up";
+}
+
+TEST(MotorObserver, AMotorThatSlowsDownBitByBitGoesOnSlowingDownWhileItWinds) {
+  Winding winding(1);
+  EXPECT_EQ(winding.steps({5, 4, 5, 4, 4, 4, 3, 4, 3, 3, 2, 3, 2, 2, 1, 2, 1, 1, 0}, 0.01), 0U);
+}
+
+TEST(MotorObserver, AJointThatSwingsWhileItWindsMaySlowDownAsItDidOfLate) {
+  Winding winding(1);
+  for (int i = 0; i < 6; ++i) {
+    // its speed goes up and down by ever more counts
+    EXPECT_EQ(winding.steps({5, 6, 6, 6, 5, 4, 4, 4}, 0.01), 0U) << i;
+  }
+  for (int i = 0; i < 6; ++i) {
+    EXPECT_EQ(winding.steps({5, 6, 7, 7, 6, 5, 4, 3, 3, 4}, 0.01), 0U) << i;
+  }
+}
+
+}  // namespace
+}  // namespace capstan
