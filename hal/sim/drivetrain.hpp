@@ -41,6 +41,8 @@ class Drivetrain {
 
   /// Moves the tip along the surface of a layered environment.
   void set_site(double site_m) { parameters_.environment.site_m = site_m; }
+  /// Moves what the tip touches: its rest angle, or where the contact begins.
+  void set_environment_angle(double angle_rad) { parameters_.environment.angle_rad = angle_rad; }
 
   /// How often Newton had to be replaced by relaxation.
   [[nodiscard]] std::uint64_t relaxations() const { return relaxations_; }

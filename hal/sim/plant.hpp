@@ -52,6 +52,7 @@ class Periphery {
 
   void schedule(const Fault& fault) { faults_.add(fault); }
   [[nodiscard]] double site_m() const;
+  void set_environment_angle(double angle_rad) { parameters_.environment.angle_rad = angle_rad; }
   [[nodiscard]] const PlantParameters& parameters() const { return parameters_; }
   [[nodiscard]] const Readings& readings() const { return readings_; }
   [[nodiscard]] const Truth& truth() const { return truth_; }
@@ -132,6 +133,13 @@ class Plant {
 
   /// One millisecond with the input pulley moved to `q1_rad` by hand, as on a test bench; the motor takes no part.
   void step_kinematic(double q1_rad);
+
+  /// Moves what the tip touches from now on, its rest angle or where the contact begins, as another jaw does that holds
+  /// the same thing.
+  void move_environment(double angle_rad) {
+    periphery_.set_environment_angle(angle_rad);
+    drivetrain_.set_environment_angle(angle_rad);
+  }
 
   /// What the board sees now, sensor faults included.
   [[nodiscard]] const Readings& readings(std::size_t = 0) const { return periphery_.readings(); }

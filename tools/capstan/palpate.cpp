@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
@@ -16,11 +17,21 @@ struct PalpateOptions {
   LogOptions logs;
   std::string model;
   double period_s = 0.0;
+  int against = -1;  ///< the other jaw's axis
+  std::string against_model;
   std::string output;
 };
 
+auto law_of(const std::string& file) -> TensionStateParameters<double> {
+  return tension_state_of(read_pull_push(read_text_file(file), file));
+}
+
 auto run_palpate(const PalpateOptions& options) -> int {
-  const auto parameters = tension_state_of(read_pull_push(read_text_file(options.model), options.model));
+  const PalpatingAxis jaw = {options.logs.axis, law_of(options.model)};
+  std::optional<PalpatingAxis> other;
+  if (options.against >= 0) {
+    other = {options.against, law_of(options.against_model)};
+  }
   const auto mappings = parse_mappings(options.logs.maps);
   std::vector<MapRow> rows;
   for (const auto& file : options.logs.files) {
@@ -28,7 +39,8 @@ auto run_palpate(const PalpateOptions& options) -> int {
     for (const auto& warning : log.warnings()) {
       std::cerr << "warning: " << warning << "\n";
     }
-    const auto more = map_sites(log, options.logs.axis, options.period_s, parameters);
+    const auto more = other ? map_grip(log, jaw, *other, options.period_s)
+                            : map_sites(log, jaw.axis, options.period_s, jaw.parameters);
     rows.insert(rows.end(), more.begin(), more.end());
   }
   std::cout << map_text(rows);
@@ -54,6 +66,14 @@ void add_palpate(CLI::App& app, int& exit_status) {
       ->required();
   command->add_option("--period", options->period_s, "seconds at each site, in a log without a column 'site'")
       ->check(CLI::Range(0.1, 1e4));
+  auto* against = command
+                      ->add_option("--against", options->against,
+                                   "axis of the other jaw, for what both hold between them while both motors close "
+                                   "and open: its stiffness by the angle between the jaws")
+                      ->check(CLI::Range(0, 15));
+  auto* model = command->add_option("--against-model", options->against_model, "joint.toml of that axis");
+  against->needs(model);
+  model->needs(against);
   command->add_option("-o,--output", options->output, "CSV of the map to write");
   command->callback([options, &exit_status] { exit_status = run_palpate(*options); });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -44,6 +45,7 @@ struct Seen {
   ForcePhase phase;
   bool forward, known;
   double joint_torque;
+  double q2;
 };
 
 auto see(const ForceLog& log, const TensionStateParameters<double>& parameters) -> std::vector<Seen> {
@@ -53,16 +55,45 @@ auto see(const ForceLog& log, const TensionStateParameters<double>& parameters) 
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const bool forward = conditioner.update(log.q1_rad[i], log.tau_nm[i]).forward;
     const auto estimate = state.update(log.q1_rad[i], log.tau_nm[i], forward);
-    seen.push_back({estimate.phase, forward, estimate.known, estimate.joint_torque});
+    seen.push_back({estimate.phase, forward, estimate.known, estimate.joint_torque, estimate.q2});
   }
   return seen;
 }
+
+/// What a slope of angle over torque says about what is pressed.
+struct Meaning {
+  double stiffness;    ///< N m/rad
+  double per_slope;    ///< change of the stiffness by one of the slope, its size
+  double joint_moves;  ///< of the angle's way, that of the joint, 1
+};
+
+/// A log as far as strokes are concerned: what is regressed on what, and when.
+struct Pressed {
+  const Eigen::VectorXd& time_s;
+  const Eigen::VectorXd& torque;
+  const Eigen::VectorXd& angle;
+  const std::vector<Seen>& seen;
+  std::function<Meaning(ForcePhase, bool forward, double slope)> meaning;
+};
 
 /// Motor-side numbers make a pair of tendons on an input pulley of radius one.
 auto pair_of(const TensionStateParameters<double>& p, bool forward) -> TendonPair {
   const Tendon top = {p.eta_top, 1.0 / p.compliance_top};
   const Tendon bottom = {p.eta_bottom, 1.0 / p.compliance_bottom};
   return {forward ? top : bottom, forward ? bottom : top, 1.0, 1.0 / p.beta};
+}
+
+/// One joint: the motor's angle over its torque, (3.22).
+auto one_joint(const ForceLog& log, const std::vector<Seen>& seen, const TensionStateParameters<double>& parameters)
+    -> Pressed {
+  return {log.time_s, log.tau_nm, log.q1_rad, seen, [&parameters](ForcePhase phase, bool forward, double slope) {
+            const TendonPair pair = pair_of(parameters, forward);
+            const PhaseStiffness own = phase_stiffness(pair, phase);
+            const double value = environment_stiffness(pair, own, slope);
+            // What the joint moves of the motor's way: all but what the tendons stretch.
+            return Meaning{value, value * value / (pair.r2 / pair.r1 * own.gain),
+                           parameters.beta * (1.0 - 1.0 / (own.stiffness * slope))};
+          }};
 }
 
 /// A stroke of the tip against what it touches: on this side, into it or out of it.
@@ -105,13 +136,12 @@ auto slope_error(const Eigen::VectorXd& x, const Eigen::VectorXd& residual, cons
 
 /// Compliance over all stretches of one phase and stroke, each about its own mean, for the motor's friction and the
 /// angle where the contact begins are nobody's business here.
-auto stiffness_in(const ForceLog& log, const std::vector<Seen>& seen, const TensionStateParameters<double>& parameters,
-                  const SiteSpan& site, ForcePhase phase, const Stroke& stroke, double least_torque)
+auto stiffness_in(const Pressed& log, const SiteSpan& site, ForcePhase phase, const Stroke& stroke, double least_torque)
     -> std::optional<StrokeStiffness> {
   constexpr Eigen::Index kFewest = 6;
   constexpr std::ptrdiff_t kEdge = 3;
   constexpr Eigen::Index kMostGap = 2;  // noise of the torque now and then shows another phase
-  std::vector<double> tau, q1;
+  std::vector<double> torque, angle;
   std::vector<Eigen::Index> ends;  // of stretches
   double travel = 0.0;
   double seconds = 0.0;
@@ -122,26 +152,26 @@ auto stiffness_in(const ForceLog& log, const std::vector<Seen>& seen, const Tens
     stretch.erase(stretch.end() - edge, stretch.end());
     stretch.erase(stretch.begin(), stretch.begin() + edge);
     if (static_cast<Eigen::Index>(stretch.size()) >= kFewest) {
-      const double mean_tau = log.tau_nm(stretch).mean();
-      const double mean_q1 = log.q1_rad(stretch).mean();
+      const double mean_torque = log.torque(stretch).mean();
+      const double mean_angle = log.angle(stretch).mean();
       for (const Eigen::Index i : stretch) {
-        tau.push_back(log.tau_nm[i] - mean_tau);
-        q1.push_back(log.q1_rad[i] - mean_q1);
+        torque.push_back(log.torque[i] - mean_torque);
+        angle.push_back(log.angle[i] - mean_angle);
       }
-      ends.push_back(static_cast<Eigen::Index>(tau.size()));
-      travel += std::abs(log.q1_rad[stretch.back()] - log.q1_rad[stretch.front()]);
+      ends.push_back(static_cast<Eigen::Index>(torque.size()));
+      travel += std::abs(log.angle[stretch.back()] - log.angle[stretch.front()]);
       seconds += log.time_s[stretch.back()] - log.time_s[stretch.front()];
     }
     stretch.clear();
   };
-  for (Eigen::Index i = 0; i < log.samples(); ++i) {
+  for (Eigen::Index i = 0; i < log.time_s.size(); ++i) {
     if (log.time_s[i] < site.begin_s || log.time_s[i] >= site.end_s) {
       continue;
     }
     if (!stretch.empty() && i - stretch.back() > kMostGap) {
       close();
     }
-    if (counts(seen[static_cast<std::size_t>(i)], phase, stroke, least_torque)) {
+    if (counts(log.seen[static_cast<std::size_t>(i)], phase, stroke, least_torque)) {
       stretch.push_back(i);
     }
   }
@@ -149,21 +179,17 @@ auto stiffness_in(const ForceLog& log, const std::vector<Seen>& seen, const Tens
   if (ends.empty()) {
     return std::nullopt;
   }
-  const auto rows = static_cast<Eigen::Index>(tau.size());
-  const auto x = Eigen::Map<const Eigen::VectorXd>(tau.data(), rows);
-  const auto y = Eigen::Map<const Eigen::VectorXd>(q1.data(), rows);
-  const double compliance = x.dot(y) / x.squaredNorm();
-  const TendonPair pair = pair_of(parameters, stroke.forward());
-  const PhaseStiffness own = phase_stiffness(pair, phase);
-  const double value = environment_stiffness(pair, own, compliance);
-  if (!(value > 0.0) || !std::isfinite(value)) {
+  const auto rows = static_cast<Eigen::Index>(torque.size());
+  const auto x = Eigen::Map<const Eigen::VectorXd>(torque.data(), rows);
+  const auto y = Eigen::Map<const Eigen::VectorXd>(angle.data(), rows);
+  const double slope = x.dot(y) / x.squaredNorm();
+  const Meaning meaning = log.meaning(phase, stroke.forward(), slope);
+  if (!(meaning.stiffness > 0.0) || !std::isfinite(meaning.stiffness)) {
     return std::nullopt;  // as stiff as the instrument itself, or stiffer: nothing can be said
   }
-  const double error = slope_error(x, y - compliance * x, ends);
-  // What the joint moves of the motor's way: all but what the tendons stretch.
-  const double moved = parameters.beta * (1.0 - 1.0 / (own.stiffness * compliance));
-  return StrokeStiffness{{value, value * value / (pair.r2 / pair.r1 * own.gain) * error},
-                         moved * travel / std::max(seconds, 1e-9)};
+  const double error = slope_error(x, y - slope * x, ends);
+  return StrokeStiffness{{meaning.stiffness, meaning.per_slope * error},
+                         meaning.joint_moves * travel / std::max(seconds, 1e-9)};
 }
 
 /// What two strokes of one kind of contact say about it at rest: tissue that resists speed is stiffer by a share of the
@@ -194,6 +220,111 @@ auto combine(const std::optional<Stiffness>& a, const std::optional<Stiffness>& 
   return Stiffness{(wa * a->value + wb * b->value) / (wa + wb), 1.0 / std::sqrt(wa + wb)};
 }
 
+void require_palpable(const ForceLog& log, const TensionStateParameters<double>& parameters) {
+  if (const auto fault = check(parameters); fault != TensionStateFault::kNone) {
+    throw BadInput(describe(fault));
+  }
+  if (log.samples() < 2) {
+    throw BadInput(log.name + ": nothing was recorded; press and release each site at least once");
+  }
+}
+
+auto stiffness_of(const Pressed& log, const std::vector<SiteSpan>& sites, double from_share)
+    -> std::vector<SiteStiffness> {
+  double largest = 0.0;
+  for (const auto& s : log.seen) {
+    largest = std::max(largest, s.known ? std::abs(s.joint_torque) : 0.0);
+  }
+  std::vector<SiteStiffness> result;
+  for (const auto& site : sites) {
+    SiteStiffness stiffness;
+    stiffness.begin_s = site.begin_s;
+    stiffness.end_s = site.end_s;
+    const auto in = [&](ForcePhase phase) {
+      const auto side = [&](bool forward) {
+        const auto stroke = [&](bool pressing) {
+          return stiffness_in(log, site, phase, {forward, pressing},
+                              (pressing ? from_share : kReleasedShare * from_share) * largest);
+        };
+        return at_rest(stroke(true), stroke(false));
+      };
+      return combine(side(true), side(false));
+    };
+    stiffness.both_active = in(ForcePhase::kBothActive);
+    stiffness.one_slack = in(ForcePhase::kOneSlack);
+    stiffness.combined = combine(stiffness.both_active, stiffness.one_slack);
+    if (stiffness.combined) {
+      double& half = stiffness.combined->half_interval;
+      half = std::hypot(half, kModelShare * stiffness.combined->value);
+      if (half >= stiffness.combined->value) {
+        stiffness.combined.reset();  // it may be next to nothing, or twice as much
+      }
+    }
+    result.push_back(stiffness);
+  }
+  return result;
+}
+
+/// Two jaws with something between them, as one joint that opens: what lies between them has no weight, so they press
+/// it equally, and its length is the difference of their angles, as in (3.27).
+class Grip {
+ public:
+  Grip(const std::vector<Seen>& first, const std::vector<Seen>& second, const std::string& name)
+      : torque_(static_cast<Eigen::Index>(first.size())), opening_(torque_.size()) {
+    double together = 0.0;
+    double all = 0.0;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const bool known = first[i].known && second[i].known;
+      const double torques = first[i].joint_torque * second[i].joint_torque;
+      together += known ? torques : 0.0;
+      all += known ? std::abs(torques) : 0.0;
+    }
+    if (std::abs(together) < kMostlyAgree * all) {
+      throw BadInput(name +
+                     ": the two joints do not press against each other, their torques do not go together; grip " +
+                     "the object between the jaws, and name the axes of both");
+    }
+    const double sign = together < 0.0 ? -1.0 : 1.0;  // of the second joint's angles, for the first one's torque
+    SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
+    for (std::size_t i = 0; i < first.size(); ++i) {
+      const Seen& a = first[i];
+      const Seen& b = second[i];
+      const auto row = static_cast<Eigen::Index>(i);
+      torque_[row] = 0.5 * (a.joint_torque + sign * b.joint_torque);
+      opening_[row] = a.q2 + sign * b.q2;
+      const bool agree = std::abs(a.joint_torque - sign * b.joint_torque) < kMostApart * std::abs(torque_[row]);
+      const bool slide = slides(a) && slides(b) && presses(a) == presses(b) && agree;
+      const bool slack = a.phase == ForcePhase::kOneSlack || b.phase == ForcePhase::kOneSlack;
+      seen_.push_back({!slide  ? ForcePhase::kPulledActive
+                       : slack ? ForcePhase::kOneSlack
+                               : ForcePhase::kBothActive,
+                       conditioner.update(opening_[row], torque_[row]).forward, a.known && b.known, torque_[row],
+                       opening_[row]});
+    }
+  }
+
+  [[nodiscard]] auto pressed(const Eigen::VectorXd& time_s) const -> Pressed {
+    return {time_s, torque_, opening_, seen_, [](ForcePhase, bool, double slope) {
+              return Meaning{1.0 / slope, 1.0 / (slope * slope), 1.0};
+            }};
+  }
+
+ private:
+  /// Of the sum of the sizes of products of both torques, what their sum has to come to. Rows of a grip have one sign.
+  static constexpr double kMostlyAgree = 0.8;
+  /// Of the torque, what both jaws' may differ by: more than friction of the joints and errors of the laws make of it.
+  static constexpr double kMostApart = 0.3;
+  static auto slides(const Seen& s) -> bool {
+    return s.phase == ForcePhase::kBothActive || s.phase == ForcePhase::kOneSlack;
+  }
+
+  /// A jaw that the other one drives back does the contrary, and what its tendons pass on is then not known.
+  static auto presses(const Seen& s) -> bool { return s.forward == (s.joint_torque > 0.0); }
+
+  Eigen::VectorXd torque_, opening_;
+  std::vector<Seen> seen_;
+};
+
 }  // namespace
 
 auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double> {
@@ -216,43 +347,24 @@ auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double> 
 
 auto palpate(const ForceLog& full_log, const TensionStateParameters<double>& parameters,
              const std::vector<SiteSpan>& sites, double from_share) -> std::vector<SiteStiffness> {
-  if (const auto fault = check(parameters); fault != TensionStateFault::kNone) {
-    throw BadInput(describe(fault));
-  }
-  if (full_log.samples() < 2) {
-    throw BadInput(full_log.name + ": nothing was recorded; press and release each site at least once");
-  }
+  require_palpable(full_log, parameters);
   const ForceLog log = averaged(full_log);
   const auto seen = see(log, parameters);
-  double largest = 0.0;
-  for (const auto& s : seen) {
-    largest = std::max(largest, s.known ? std::abs(s.joint_torque) : 0.0);
+  return stiffness_of(one_joint(log, seen, parameters), sites, from_share);
+}
+
+auto palpate_between(const Jaw& first, const Jaw& second, const std::vector<SiteSpan>& sites, double from_share)
+    -> std::vector<SiteStiffness> {
+  for (const Jaw* jaw : {&first, &second}) {
+    require_palpable(jaw->log, jaw->parameters);
   }
-  std::vector<SiteStiffness> result;
-  for (const auto& site : sites) {
-    SiteStiffness stiffness;
-    stiffness.begin_s = site.begin_s;
-    stiffness.end_s = site.end_s;
-    const auto in = [&](ForcePhase phase) {
-      const auto side = [&](bool forward) {
-        const auto stroke = [&](bool pressing) {
-          return stiffness_in(log, seen, parameters, site, phase, {forward, pressing},
-                              (pressing ? from_share : kReleasedShare * from_share) * largest);
-        };
-        return at_rest(stroke(true), stroke(false));
-      };
-      return combine(side(true), side(false));
-    };
-    stiffness.both_active = in(ForcePhase::kBothActive);
-    stiffness.one_slack = in(ForcePhase::kOneSlack);
-    stiffness.combined = combine(stiffness.both_active, stiffness.one_slack);
-    if (stiffness.combined) {
-      double& half = stiffness.combined->half_interval;
-      half = std::hypot(half, kModelShare * stiffness.combined->value);
-    }
-    result.push_back(stiffness);
+  if (first.log.samples() != second.log.samples()) {
+    throw BadInput(first.log.name + ": the jaws have " + std::to_string(first.log.samples()) + " and " +
+                   std::to_string(second.log.samples()) + " samples; give both from one log");
   }
-  return result;
+  const ForceLog log = averaged(first.log);
+  const Grip grip(see(log, first.parameters), see(averaged(second.log), second.parameters), first.log.name);
+  return stiffness_of(grip.pressed(log.time_s), sites, from_share);
 }
 
 auto stiff_sites(const std::vector<SiteStiffness>& sites, double factor) -> std::vector<std::size_t> {

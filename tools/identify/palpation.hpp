@@ -38,6 +38,21 @@ auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double>;
 auto palpate(const ForceLog& log, const TensionStateParameters<double>& parameters, const std::vector<SiteSpan>& sites,
              double from_share = 0.3) -> std::vector<SiteStiffness>;
 
+/// One of two jaws of a gripper: its motor's side of the log, and its law.
+struct Jaw {
+  const ForceLog& log;
+  const TensionStateParameters<double>& parameters;
+};
+
+/// The same of what two jaws hold between them, each on its own two tendons and motor (thesis 3.6): both press it with
+/// one torque, and it is as long as the difference of their angles, (3.27), tendons' stretch and friction taken out by
+/// each jaw's tension state. N m/rad of that difference. It does not matter which way each axis counts. Both motors
+/// have to close and open, as servos: of a jaw that stands still, or that the other one drives back, the tendons do not
+/// tell what they pass on, and such rows do not count. Throws BadInput if the torques do not go together, for then the
+/// jaws do not hold one thing.
+auto palpate_between(const Jaw& first, const Jaw& second, const std::vector<SiteSpan>& sites, double from_share = 0.3)
+    -> std::vector<SiteStiffness>;
+
 /// Sites that are stiffer than the rest: above the median by this factor, their whole interval.
 auto stiff_sites(const std::vector<SiteStiffness>& sites, double factor = 1.5) -> std::vector<std::size_t>;
 

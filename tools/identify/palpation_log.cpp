@@ -110,6 +110,27 @@ auto map_sites(const CsvLog& csv, int axis, double period_s, const TensionStateP
   return rows;
 }
 
+auto map_grip(const CsvLog& csv, const PalpatingAxis& first, const PalpatingAxis& second, double period_s)
+    -> std::vector<MapRow> {
+  if (first.axis == second.axis) {
+    throw BadInput(csv.name() + ": both jaws are axis " + std::to_string(first.axis) +
+                   "; give the other jaw's axis with --against");
+  }
+  const ForceLog one = read_palpation_log(csv, first.axis);
+  const ForceLog other = read_palpation_log(csv, second.axis);
+  std::vector<MapRow> rows;
+  for (const NumberedSite& site : sites_of(csv, period_s)) {
+    const ForceLog part = rows_within(one, site.span);
+    const ForceLog other_part = rows_within(other, site.span);
+    SiteStiffness stiffness;
+    if (part.samples() >= 2) {
+      stiffness = palpate_between({part, first.parameters}, {other_part, second.parameters}, {site.span}).front();
+    }
+    rows.push_back({csv.name(), site.number, stiffness});
+  }
+  return rows;
+}
+
 auto map_text(const std::vector<MapRow>& rows) -> std::string {
   std::vector<SiteStiffness> sites;
   double largest = 0.0;

@@ -29,6 +29,17 @@ struct MapRow {
 auto map_sites(const CsvLog& log, int axis, double period_s, const TensionStateParameters<double>& parameters)
     -> std::vector<MapRow>;
 
+/// One axis of a log, and the law of its joint.
+struct PalpatingAxis {
+  int axis = 0;
+  TensionStateParameters<double> parameters;
+};
+
+/// The same of what two jaws, each an axis of the log, hold between them: `palpate_between`. Throws BadInput if both
+/// are the same axis.
+auto map_grip(const CsvLog& log, const PalpatingAxis& first, const PalpatingAxis& second, double period_s)
+    -> std::vector<MapRow>;
+
 /// Table and picture for people: stiffness with its 95 % interval, and '*' where a site is stiffer than the rest.
 auto map_text(const std::vector<MapRow>& rows) -> std::string;
 /// The same as CSV; empty cells where nothing can be said.
