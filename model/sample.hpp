@@ -46,7 +46,6 @@ struct Sample {
   Scalar h{};
   Scalar dh{};            ///< its rate, filtered as dq1 is, rad/s
   Scalar ddq1{};          ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
-  Scalar tau_late{};      ///< torque through the acceleration's filters, N m: as late as `ddq1`. By delay_torque()
   Scalar q1_reversal{};   ///< motor angle where the present direction began (at first: where it all began), rad
   Scalar tau_reversal{};  ///< torque there, N m
   Scalar q2{};            ///< joint angle of the last cycle, rad
@@ -103,7 +102,6 @@ class SampleConditioner {
       started_ = true;
       extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
       torque_at_extreme_ = sample_.tau_reversal = now.tau;
-      filtered_torque_ = sample_.tau_late = now.tau;
     }
     const Scalar rate = dt_.rate_of(now.q1 - sample_.q1);
     const Scalar rate_error = rate - sample_.dq1;
@@ -120,12 +118,6 @@ class SampleConditioner {
     sample_.others = now.others;
     sample_.warmth = Traits::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
     return sample_;
-  }
-
-  /// Brings the last sample's `tau_late` up to date, once after each update; only tendons ask for it.
-  [[gnu::always_inline]] constexpr void delay_torque() {
-    filtered_torque_ = Traits::between(filtered_torque_, sample_.tau, gain_);
-    sample_.tau_late = Traits::between(sample_.tau_late, filtered_torque_, acceleration_gain_);
   }
 
   /// Lets what lies between the motor and the ratio act on the last sample.
@@ -168,7 +160,6 @@ class SampleConditioner {
   typename ScalarTraits<Scalar>::Gain acceleration_gain_;
   Scalar extreme_{};
   Scalar torque_at_extreme_{};
-  Scalar filtered_torque_{};  ///< by the rate's filter alone
   Sample<Scalar> sample_{};
   bool started_ = false;
 };

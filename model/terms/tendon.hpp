@@ -11,9 +11,8 @@ namespace capstan {
 ///   -C (s Int T_t dphi - s T_t0),  s = c_t / (c_t + c_b),  C = beta (c_t + c_b),
 /// the tensions those of TensionBalance under the torque that the motor gives to its pulley,
 ///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where
-///   it was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
-/// The torque is as late as q1'' is (Sample::tau_late): friction keeps what a peak did to the tension, and a peak that
-/// the motor's mass took must not get there.
+///   it
+/// was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
 /// Weight, inertia and drag of the joint need no terms of their own: they are in that torque, and the tendon that
 /// carries them is the one that stretches.
 /// @tparam Nodes  places along each tendon
@@ -60,7 +59,7 @@ class TendonsOf {
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
-    const Scalar given = given_torque(s, s.tau_late);
+    const Scalar given = given_torque(s);
     if (s.advances) {
       torque_ = s.forward ? given - friction_ : given + friction_;
     } else {
@@ -72,7 +71,7 @@ class TendonsOf {
     return {tendons_.pull(torque_)};
   }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
-    const Scalar given = given_torque(s, s.tau);
+    const Scalar given = given_torque(s);
     return {tendons_.settled(clamp(s.forward ? given - friction_ : given + friction_, -kMost, kMost), s.forward)};
   }
 
@@ -95,8 +94,8 @@ class TendonsOf {
             ScalarTraits<Scalar>::from(1.0) - top};
   }
   /// What the motor gives but for its Coulomb friction.
-  [[nodiscard]] constexpr auto given_torque(const Sample<Scalar>& s, Scalar tau) const -> Scalar {
-    return tau - viscous_ * s.dq1 - inertia_ * s.ddq1;
+  [[nodiscard]] constexpr auto given_torque(const Sample<Scalar>& s) const -> Scalar {
+    return s.tau - viscous_ * s.dq1 - inertia_ * s.ddq1;
   }
 
   Scalar friction_;

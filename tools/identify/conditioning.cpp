@@ -123,9 +123,7 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
   Samples samples;
   samples.reserve(static_cast<std::size_t>(log.samples()));
   for (const Measured<double>& now : measured_series(log)) {
-    conditioner.update(now);
-    conditioner.delay_torque();
-    samples.push_back(conditioner.sample());
+    samples.push_back(conditioner.update(now));
   }
   if (log.q2_rad.size() > 0) {
     const Eigen::VectorXd joint = joint_by_motor(log, samples);

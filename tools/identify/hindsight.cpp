@@ -199,7 +199,6 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     const auto row = static_cast<Eigen::Index>(i);
     set_motion(result.samples[i], angle[row], rate[row]);
     result.samples[i].ddq1 = kKiloRadPerRad * acceleration[row];
-    result.samples[i].tau_late = result.samples[i].tau;  // neither is late
   }
   const double visible = noise.step_rad > 0.0 ? 1.01 * noise.step_rad : 3.0 * noise.white_rad;
   Eigen::Index stroke_begin = 0;

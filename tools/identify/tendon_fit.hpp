@@ -10,11 +10,6 @@ namespace capstan::tools {
 /// The base law whose tendons have friction, pretension and stiffness of their own.
 inline constexpr const char* kTendonModel = "tendon";
 
-/// Time constant of the rate's filter that such laws are looked for with, s. Its acceleration and torque come five
-/// times that late. Of 0.25, 0.5, 1 and 2 ms the best on most of 8 joints of the independent plant (8001, 8004, 6106,
-/// 6108, 6115, 6116, 6120, 6122: 40960 counts a turn); a coarser encoder takes a slower one (choose_tendon_filter).
-inline constexpr double kTendonRateFilterS = 0.0005;
-
 /// Half the distance between the torques forward and backward on these rows, the faster the more weight: the friction
 /// of everything while the joint is free. 0 where the motor moves one way only.
 /// @param counts  which samples count

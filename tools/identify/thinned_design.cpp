@@ -8,7 +8,7 @@ namespace {
 
 auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -> Sample<double> {
   Sample<double> mean = samples[begin + count - 1];
-  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = mean.tau_late = 0.0;
+  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = 0.0;
   const double share = 1.0 / static_cast<double>(count);
   for (std::size_t i = begin; i < begin + count; ++i) {
     mean.q1 += share * samples[i].q1;
@@ -17,7 +17,6 @@ auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -
     mean.dh += share * samples[i].dh;
     mean.ddq1 += share * samples[i].ddq1;
     mean.tau += share * samples[i].tau;
-    mean.tau_late += share * samples[i].tau_late;
     mean.advances = mean.advances || samples[i].advances;
   }
   return mean;
