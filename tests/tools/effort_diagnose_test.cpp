@@ -220,6 +220,9 @@ TEST(DeliveredEffortLaw, OfNamesThatLeaveMuchIsTheGrownLaw) {
   log.effort.array() += 0.2 * log.q1_rad.array().cube();  // the names stay as they were found, and leave this
   Diagnosis d = complete;
   deliver_effort_law({log}, {}, d);
+  EXPECT_EQ(d.effort_law->status, "confirmed");  // what it left was noise, it said
+  d.after.rmse = 2.0 * d.noise_floor;
+  deliver_effort_law({log}, {}, d);
   EXPECT_EQ(d.verdict, Verdict::kEffectPlusUnlisted);
   EXPECT_EQ(names_of(d), (std::vector<std::string>{"gravity"}));
   EXPECT_NE(d.reason.find("The law lacks gravity; a law with more"), std::string::npos) << d.reason;

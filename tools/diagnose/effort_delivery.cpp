@@ -8,6 +8,7 @@
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -172,7 +173,8 @@ void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions&
   const auto of_names = [&] {  // no file of this form holds a force law
     return of_effort ? runnable_law(d.law, logs) : selection.law;
   };
-  const bool more_than_named = is_certain(d) && of_effort && clearly_beats(selection, of_names(), logs);
+  const bool leaves_much = d.after.rmse > kAboveFloor * d.noise_floor;
+  const bool more_than_named = is_certain(d) && of_effort && leaves_much && clearly_beats(selection, of_names(), logs);
   if (!more_than_named && (is_certain(d) || (of_effort && names_do_as_well(d, selection)))) {
     d.effort_law = of_names();
     return;
