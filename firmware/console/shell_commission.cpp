@@ -22,12 +22,6 @@ constexpr Shares kCautiousShares = {Q24::from_double(0.06), Q24::from_double(0.1
 constexpr Shares kShares = {Q24::from_double(0.12), Q24::from_double(0.48), Q24::from_double(0.96)};
 constexpr std::int32_t kDitherLegs = 4;  // there and back
 constexpr std::int32_t kFastCycles = 4;
-/// Looks at rest, of which the middle answer is kept, and how long they are waited for: they come every 20 to 50
-/// cycles.
-constexpr std::size_t kLooks = 8;
-constexpr std::uint32_t kLooksCycles = 2000;
-/// Without torque before, so that the motor presses with none when it comes back.
-constexpr std::uint32_t kRelaxCycles = 300;
 
 /// About where the joint stands.
 constexpr ExperimentSetup kUsual{
@@ -53,8 +47,7 @@ auto parse_option(std::string_view word, ExperimentSetup& setup) -> bool {
           setup.dither_nm > Q24{});
 }
 
-/// Moves, dither and fast moves, one experiment after the other, and what was found; then, with the observer at work,
-/// the answers of its looks.
+/// Moves, dither and fast moves, one experiment after the other, and what was found.
 struct CommissionStream final : Stream {
   MotorCommissioning found;
   ExperimentSetup setup;
@@ -65,45 +58,15 @@ struct CommissionStream final : Stream {
   void cancel(Session& /*session*/) override { cancelled_ = true; }
 
  private:
-  enum class Step : std::uint8_t {
-    kMoves,
-    kDither,
-    kResting,
-    kRising,
-    kFastMoves,
-    kTaking,
-    kRelaxing,
-    kWaking,
-    kLooking
-  };
+  enum class Step : std::uint8_t { kMoves, kDither, kResting, kRising, kFastMoves, kTaking };
   auto begin_step(Session& session, Step step) -> bool;
   void add_samples(Session& session);
   void next_step(Session& session);
   void take(Session& session);
-  void look(Session& session, const MachineTelemetry& now);
-  void wait_for_torque(Session& session, const MachineTelemetry& now);
-  void follow_motion(Session& session, const MachineTelemetry& now);
-  void print_values(Session& session);
 
-  std::array<Q24, kLooks> answers_{};  // of looks, rad/A
-  std::size_t looked_ = 0;
-  std::uint32_t looks_ = 0;  // as telemetry counts them
-  std::uint32_t since_ = 0;  // tick
-  bool lost_ = false;        // torque went while it looked
-  bool over_ = false;        // all is found
   Step step_ = Step::kMoves;
   bool cancelled_ = false;
 };
-
-/// rad/A of its last look; 0 where it was answered by too few counts.
-auto answer_of(const MotorConfig& motor, const AxisTelemetry& joint) -> Q24 {
-  if (joint.look_counts < LookAnswer::kLeastCounts) {
-    return {};
-  }
-  constexpr std::int64_t kTwoPi = Q24::from_double(6.283185307179586).raw();
-  const std::int64_t angle = joint.look_counts * kTwoPi / motor.encoder_counts_per_turn;
-  return Q24::from_wide((angle << 24) / std::max<std::int64_t>(joint.look_a.raw(), 1));
-}
 
 void refuse(Session& session, const char* problem) {
   session.out() << "error not_identified: nothing was changed, because " << problem << "\r\n";
@@ -147,38 +110,30 @@ void CommissionStream::step(Session& session) {
     return;
   }
   const MachineTelemetry now = session.machine().telemetry();
-  if (step_ == Step::kTaking) {
-    take(session);
-  } else if (step_ == Step::kRelaxing && !cancelled_) {
-    if (now.tick - since_ > kRelaxCycles) {
-      step_ = Step::kWaking;
+  switch (step_) {
+    case Step::kTaking:
+      take(session);
+      return;
+    case Step::kResting:  // torque is off: from here on the joint may be as fast as it will be
+      if (cancelled_) {
+        refuse_cancelled(session);
+        return;
+      }
+      step_ = Step::kRising;
       static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
-    }
-  } else if (step_ >= Step::kRelaxing) {
-    look(session, now);
-  } else if (step_ == Step::kResting || step_ == Step::kRising) {
-    wait_for_torque(session, now);
-  } else {
-    follow_motion(session, now);
+      return;
+    case Step::kRising:
+      if (now.state == State::kHolding && cancelled_) {
+        refuse_cancelled(session);
+      } else if (now.state == State::kHolding) {
+        static_cast<void>(begin_step(session, Step::kFastMoves));
+      } else if (!energised(now.state)) {
+        refuse(session, "torque did not come back for the fast moves; read 'faults'");
+      }
+      return;
+    default:
+      break;
   }
-}
-
-/// Torque is off after the dither: from here on the joint may be as fast as it will be.
-void CommissionStream::wait_for_torque(Session& session, const MachineTelemetry& now) {
-  const bool rising = step_ == Step::kRising;
-  if (cancelled_ && (!rising || now.state == State::kHolding)) {
-    refuse_cancelled(session);
-  } else if (!rising) {
-    step_ = Step::kRising;
-    static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
-  } else if (now.state == State::kHolding) {
-    static_cast<void>(begin_step(session, Step::kFastMoves));
-  } else if (!energised(now.state)) {
-    refuse(session, "torque did not come back for the fast moves; read 'faults'");
-  }
-}
-
-void CommissionStream::follow_motion(Session& session, const MachineTelemetry& now) {
   add_samples(session);
   if (cancelled_ && now.state == State::kExperiment && !session.disarming()) {  // somebody wants it to end
     static_cast<void>(session.machine().post({.kind = Request::Kind::kStop, .axis = setup.axis}));
@@ -223,64 +178,28 @@ void CommissionStream::next_step(Session& session) {
   static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
 }
 
-/// The observer is at work, the joint stands, and looks come by themselves.
-void CommissionStream::look(Session& session, const MachineTelemetry& now) {
-  const AxisTelemetry& joint = session.machine().axis_telemetry(setup.axis);
-  if (step_ == Step::kWaking && now.state == State::kHolding) {
-    step_ = Step::kLooking;
-    looks_ = joint.looks;
-    since_ = now.tick;
-  } else if (joint.looks != looks_ && step_ == Step::kLooking) {
-    looks_ = joint.looks;
-    answers_[looked_++] = answer_of(session.machine().config()[setup.axis].motor, joint);
-  }
-  lost_ = cancelled_ || !energised(now.state);
-  over_ = lost_ || looked_ == kLooks || (step_ == Step::kLooking && now.tick - since_ > kLooksCycles);
-  if (over_) {
-    step_ = Step::kTaking;
-    static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
-  }
-}
-
-void CommissionStream::print_values(Session& session) {
-  for (const ParameterInfo& parameter : parameters()) {
-    if (parameter.group == std::string_view("observer")) {
-      session.out() << "joint" << static_cast<std::uint32_t>(setup.axis) << ".observer." << parameter.name << ' ';
-      print_value(session.out(), parameter, raw_value(session.staged()[setup.axis], parameter));
-      session.out() << "\r\n";
-    }
-  }
-}
-
-/// Without torque, for these are safety limits: once for the looks, and once with what they found.
+/// Without torque, for these are safety limits.
 void CommissionStream::take(Session& session) {
   if (!session.take_staging_room()) {
     return;
   }
   ObserverConfig& observer = session.staged()[setup.axis].observer;
-  observer = lost_ ? ObserverConfig{} : found.result().values;
-  if (looked_ == kLooks) {
-    std::sort(answers_.begin(), answers_.end());
-    observer.answer_rad_per_a = answers_[kLooks / 2 - 1];
-  }
+  observer = found.result().values;
   const SetAnswer answer = session.machine().configure(session.staged(), Rights::kMaintenance);
-  if (answer.taken() && over_ && !lost_) {
-    print_values(session);
+  for (const ParameterInfo& parameter : parameters()) {
+    if (answer.taken() && parameter.group == std::string_view("observer")) {
+      session.out() << "joint" << static_cast<std::uint32_t>(setup.axis) << ".observer." << parameter.name << ' ';
+      print_value(session.out(), parameter, raw_value(session.staged()[setup.axis], parameter));
+      session.out() << "\r\n";
+    }
   }
   session.abandon();
   if (!answer.taken()) {
     print_refusal(session, answer);
-  } else if (lost_ && cancelled_) {
-    refuse_cancelled(session);
-  } else if (lost_) {
-    refuse(session, "torque went or did not come while the motor was looked at; read 'faults'");
-  } else if (over_) {
-    session.out() << "# torque is off; 'save' keeps these values\r\n";
-    session.answer_when_settled();
-  } else {
-    step_ = Step::kRelaxing;
-    since_ = session.machine().telemetry().tick;
+    return;
   }
+  session.out() << "# torque is off; 'save' keeps these values\r\n";
+  session.answer_when_settled();
 }
 
 /// A template, so that a board that can not commission has no room for the stream.
