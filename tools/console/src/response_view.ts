@@ -48,6 +48,7 @@ export class ResponseView {
   private trace: StepTrace | undefined;
   private running = false;
   private gains: HTMLInputElement[] = [];
+  private listed = ''; // names of these
   private changes: string[] = [];
   private before: string[] = [];
   private base: number | undefined;
@@ -120,12 +121,22 @@ export class ResponseView {
   private async listGains(): Promise<void> {
     const joint = this.joint.value;
     const gains = await this.readGains();
+    const listed = gains.map((gain) => `${joint}.${gain.name}`).join();
+    if (listed === this.listed) {
+      this.put(gains);
+      return;
+    }
+    this.listed = listed;
     this.gains = gains.map((gain) => {
       const name = gain.name.slice('control.'.length);
       const input: HTMLInputElement = make('input', {
         type: 'text', inputmode: 'decimal', size: '7', value: gain.value, 'data-gain': gain.name, title: gain.meaning, 'aria-label': `${joint} ${name}${gain.unit === '' ? '' : `, ${gain.unit}`}`,
-        change: () => void this.change(`${joint}.${gain.name}`, input.value.trim()),
+        change: () => {
+          input.defaultValue = input.value; // it is typed
+          void this.change(`${joint}.${gain.name}`, input.value.trim());
+        },
       });
+      input.defaultValue = gain.value;
       return input;
     });
     const undo = make('button', { type: 'button', id: 'response-undo', click: () => void this.undo() }, 'Undo last commit');
@@ -150,9 +161,16 @@ export class ResponseView {
     this.changes.push(what);
   }
   private async showGains(): Promise<void> {
-    const values = new Map((await this.readGains()).map((one) => [one.name, one.value]));
+    this.put(await this.readGains());
+  }
+  /** What the board has, but where somebody is typing: that stays as it is typed. */
+  private put(gains: Parameter[]): void {
+    const values = new Map(gains.map((one) => [one.name, one.value]));
     for (const input of this.gains) {
-      input.value = values.get(input.dataset['gain']!) ?? input.value;
+      const typed = input.value;
+      const begun = typed !== input.defaultValue;
+      input.defaultValue = values.get(input.dataset['gain']!) ?? input.defaultValue;
+      input.value = begun ? typed : input.defaultValue;
     }
   }
 
