@@ -169,12 +169,16 @@ auto has_effort_law(const std::vector<AxisLog>& logs, const Diagnosis& d) -> boo
 
 void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
   const bool of_effort = logs.front().motion_alone();
+  const bool leaves_much = d.after.rmse > kAboveFloor * d.noise_floor;
+  if (is_certain(d) && of_effort && !leaves_much) {
+    d.effort_law = runnable_law(d.law, logs);  // without growing another
+    return;
+  }
   EffortSelection selection = select_effort_law(logs, d.base_model == kInertiaModel);
   const auto of_names = [&] {  // no file of this form holds a force law
     return of_effort ? runnable_law(d.law, logs) : selection.law;
   };
-  const bool leaves_much = d.after.rmse > kAboveFloor * d.noise_floor;
-  const bool more_than_named = is_certain(d) && of_effort && leaves_much && clearly_beats(selection, of_names(), logs);
+  const bool more_than_named = is_certain(d) && of_effort && clearly_beats(selection, of_names(), logs);
   if (!more_than_named && (is_certain(d) || (of_effort && names_do_as_well(d, selection)))) {
     d.effort_law = of_names();
     return;
