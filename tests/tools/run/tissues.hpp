@@ -14,55 +14,53 @@ namespace capstan::tools::test {
 
 inline constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// What a stiff servo on the motor angle records with real sensors: a triangle about an offset.
-inline auto servo_log(const sim::PlantParameters& p, double seconds, double amplitude_rad, double offset_rad,
-                      double frequency_hz, std::uint64_t seed) -> ForceLog {
+/// What a driven plant shows of itself, at 1 kHz. @param drive  the current, A, at a time and a motor angle
+template <typename Drive>
+auto recorded(const sim::PlantParameters& p, const char* name, double seconds, std::uint64_t seed, Drive&& drive)
+    -> ForceLog {
   sim::Plant plant(p, seed);
   const auto rows = static_cast<Eigen::Index>(seconds * 1000.0);
   ForceLog log;
-  log.name = "servo";
+  log.name = name;
   for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
     values->resize(rows);
   }
-  double integral = 0.0;
-  double last = 0.0;
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const double t = 0.001 * static_cast<double>(i);
-    const double q1 = kTurn / p.encoder_counts_per_turn * plant.readings().encoder_counts;
-    const double wanted = offset_rad * std::min(1.0, 2.0 * t) +
-                          amplitude_rad * 2.0 / std::numbers::pi * std::asin(std::sin(kTurn * frequency_hz * t));
-    const double error = wanted - q1;
-    integral += 0.001 * error;
-    log.time_s[i] = t;
-    log.q1_rad[i] = q1;
+    log.time_s[i] = 0.001 * static_cast<double>(i);
+    log.q1_rad[i] = kTurn / p.encoder_counts_per_turn * plant.readings().encoder_counts;
     log.tau_nm[i] = p.torque_constant_nm_per_a * plant.readings().current_a;
     log.tau_out_nm[i] = plant.truth().tip_torque_nm;
-    plant.step(20.0 * error + 0.05 * (error - last) / 0.001 + 40.0 * integral, true);
-    last = error;
+    plant.step(drive(log.time_s[i], log.q1_rad[i]), true);
   }
   return log;
+}
+
+/// A triangle from -1 to 1.
+inline auto triangle(double frequency_hz, double t) -> double {
+  return 2.0 / std::numbers::pi * std::asin(std::sin(kTurn * frequency_hz * t));
+}
+
+/// What a stiff servo on the motor angle records with real sensors: a triangle about an offset.
+inline auto servo_log(const sim::PlantParameters& p, double seconds, double amplitude_rad, double offset_rad,
+                      double frequency_hz, std::uint64_t seed) -> ForceLog {
+  double integral = 0.0;
+  double last = 0.0;
+  return recorded(p, "servo", seconds, seed, [&](double t, double q1) {
+    const double wanted = offset_rad * std::min(1.0, 2.0 * t) + amplitude_rad * triangle(frequency_hz, t);
+    const double error = wanted - q1;
+    integral += 0.001 * error;
+    const double rate = (error - last) / 0.001;
+    last = error;
+    return 20.0 * error + 0.05 * rate + 40.0 * integral;
+  });
 }
 
 /// What the board's own palpation records with real sensors: triangles of torque, to and fro.
 inline auto torque_log(const sim::PlantParameters& p, double seconds, double amplitude_nm, double frequency_hz,
                        std::uint64_t seed) -> ForceLog {
-  sim::Plant plant(p, seed);
-  const auto rows = static_cast<Eigen::Index>(seconds * 1000.0);
-  ForceLog log;
-  log.name = "torque triangles";
-  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
-    values->resize(rows);
-  }
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    const double t = 0.001 * static_cast<double>(i);
-    log.time_s[i] = t;
-    log.q1_rad[i] = kTurn / p.encoder_counts_per_turn * plant.readings().encoder_counts;
-    log.tau_nm[i] = p.torque_constant_nm_per_a * plant.readings().current_a;
-    log.tau_out_nm[i] = plant.truth().tip_torque_nm;
-    const double wanted = amplitude_nm * 2.0 / std::numbers::pi * std::asin(std::sin(kTurn * frequency_hz * t));
-    plant.step(wanted / p.torque_constant_nm_per_a, true);
-  }
-  return log;
+  return recorded(p, "torque triangles", seconds, seed, [&](double t, double /*q1*/) {
+    return amplitude_nm * triangle(frequency_hz, t) / p.torque_constant_nm_per_a;
+  });
 }
 
 inline auto calibrated(std::uint64_t seed) -> TensionStateParameters<double> {
