@@ -22,6 +22,7 @@ install(FILES ${PROJECT_BINARY_DIR}/capstan_stm32f405.dbc DESTINATION ${CMAKE_IN
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/schema DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 
 set(CAPSTAN_PAGE ${PROJECT_SOURCE_DIR}/build/browser/site CACHE PATH "where the preset browser has put the console page")
 if(EXISTS ${CAPSTAN_PAGE}/served.html)

@@ -11,6 +11,7 @@
 #include "capstan/firmware/safety/faults.hpp"
 #include "capstan/firmware/safety/warnings.hpp"
 #include "capstan/firmware/telemetry/signals.hpp"
+#include "capstan/tests/docs/json_text.hpp"
 #include "capstan/tests/firmware/support.hpp"
 #include "capstan/tools/dbc/dbc.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
@@ -187,6 +188,15 @@ void print_terms(const char* title, const char* text, const tools::Catalogue& ca
   }
 }
 
+void print_json() {
+  heading("JSON",
+          "What the tools write for programs. The schemas are in `docs/schema/` and, installed, in "
+          "`share/capstan/schema`; a test holds what the tools write against them.");
+  for (const char* name : {"diagnosis", "comparison", "routing"}) {
+    std::cout << json_table(std::string(CAPSTAN_SOURCE_DIR "/docs/schema/") + name + ".schema.json");
+  }
+}
+
 void print_reference() {
   std::cout
       << "# Reference\n\nMade by `tools/reference --write` from the tables that the programs work with, and compared "
@@ -206,6 +216,7 @@ void print_reference() {
       "Of a rotary axis; a linear one has N and m for Nm and rad. Sections of the file that `diagnose -o` writes "
       "of an effort.",
       tools::effort_catalogue(tools::AxisKind::kRotary));
+  print_json();
 }
 
 }  // namespace
