@@ -13,13 +13,13 @@
 /// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
 /// endian.
 ///
-///   input:  "CRP3", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
+///   input:  "CRP4", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
 ///   bytes output: records of kOutputSize bytes, one for each input record
 namespace capstan::stm32f405 {
 
-inline constexpr std::uint32_t kReplayMagic = 0x33505243;  // "CRP3"
+inline constexpr std::uint32_t kReplayMagic = 0x34505243;  // "CRP4"
 template <std::size_t Axes>
-inline constexpr std::size_t kInputSize = 5 + 34 * Axes;
+inline constexpr std::size_t kInputSize = 5 + 38 * Axes;
 template <std::size_t Axes>
 inline constexpr std::size_t kOutputSize = 6 + 43 * Axes;
 
@@ -87,7 +87,7 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
         static_cast<std::uint8_t>(static_cast<unsigned>(sensed.encoder) | static_cast<unsigned>(sensed.current) << 4U));
     out.u8(static_cast<std::uint8_t>(command.kind));
     for (const Q24 value : {command.position_rad, command.speed_rad_s, command.torque_nm, command.joint_torque_nm,
-                            command.torque_rate_nm_s, command.dither_nm}) {
+                            command.torque_rate_nm_s, command.corridor_rad, command.dither_nm}) {
       out.q24(value);
     }
   }
@@ -114,7 +114,7 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
     sensed.current = static_cast<Quality>(qualities >> 4U);
     command.kind = static_cast<Request::Kind>(in.u8());
     for (Q24* const value : {&command.position_rad, &command.speed_rad_s, &command.torque_nm, &command.joint_torque_nm,
-                             &command.torque_rate_nm_s, &command.dither_nm}) {
+                             &command.torque_rate_nm_s, &command.corridor_rad, &command.dither_nm}) {
       *value = in.q24();
     }
   }

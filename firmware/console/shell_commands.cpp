@@ -37,8 +37,11 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", commands::disarm},
     ShellCommand{
-        "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R]", kAnyNumber,
-        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law",
+        "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R] [corridor=ANGLE]",
+        kAnyNumber,
+        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law, within "
+        "a "
+        "corridor about where it stands",
         commands::move, true},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", commands::hold, true},
     ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,

@@ -91,7 +91,22 @@ void move_motor(Session& session, std::size_t axis, std::string_view target) {
   session.post<MoveStream>(request);
 }
 
-/// "force=TORQUE [rate=R]"
+struct ForceWord {
+  std::string_view name;
+  std::string_view unit;
+  Q24 Request::*value;
+};
+constexpr std::array<ForceWord, 3> kForceWords = {{{"force", "Nm", &Request::joint_torque_nm},
+                                                   {"rate", "Nm/s", &Request::torque_rate_nm_s},
+                                                   {"corridor", "rad", &Request::corridor_rad}}};
+
+auto parse_force_word(std::string_view name, std::string_view value, Request& request) -> bool {
+  const auto* const word =
+      std::find_if(kForceWords.begin(), kForceWords.end(), [&](const ForceWord& w) { return w.name == name; });
+  return word != kForceWords.end() && parse_quantity(value, word->unit, request.*word->value) == ValueError::kNone;
+}
+
+/// "force=TORQUE [rate=R] [corridor=ANGLE]"
 void move_force(Session& session, std::size_t axis, std::string_view arguments) {
   const AxisConfig& config = session.machine().config()[axis];
   Request request{.kind = Request::Kind::kForce,
@@ -102,12 +117,10 @@ void move_force(Session& session, std::size_t axis, std::string_view arguments) 
     const std::string_view name(word.data(), sign);
     std::string_view value(word.data() + std::min(sign + 1, word.size()),
                            word.size() - std::min(sign + 1, word.size()));
-    const bool force = name == "force";
-    if ((!force && name != "rate") ||
-        parse_quantity(value, force ? "Nm" : "Nm/s", force ? request.joint_torque_nm : request.torque_rate_nm_s) !=
-            ValueError::kNone) {
-      session.error("not_a_torque", "the target is not a joint torque with an optional rate, and nothing was done",
-                    "write 'move joint0 force=0.05Nm rate=0.02Nm/s'");
+    if (!parse_force_word(name, value, request)) {
+      session.error("not_a_torque",
+                    "the target is not a joint torque with an optional rate and corridor, and nothing was done",
+                    "write 'move joint0 force=0.05Nm rate=0.02Nm/s corridor=5deg'");
       return;
     }
   }
@@ -115,6 +128,10 @@ void move_force(Session& session, std::size_t axis, std::string_view arguments) 
     session.out() << "error range: the joint's torque goes up to limits.joint_torque " << config.limits.joint_torque_nm
                   << " Nm at a rate above 0, and nothing was done; give a target in that range\r\n";
     session.refused();
+    return;
+  }
+  if (request.corridor_rad < Q24{}) {
+    session.error("range", "a corridor is an angle to either side, and nothing was done", "give one above 0, or none");
     return;
   }
   if (config.force.law == 0) {

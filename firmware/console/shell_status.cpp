@@ -5,12 +5,13 @@
 namespace capstan {
 namespace {
 
-constexpr std::array<const char*, 6> kLimitNames = {"limits.current",
+constexpr std::array<const char*, 7> kLimitNames = {"limits.current",
                                                     "limits.continuous_current",
                                                     "limits.current_rate",
                                                     "limits.motor_min/motor_max",
                                                     "limits.joint_min/joint_max/joint_speed",
-                                                    "limits.joint_torque or the reach of the force law"};
+                                                    "limits.joint_torque or the reach of the force law",
+                                                    "the corridor of force control"};
 
 /// How far the force law may be off while its past is unknown: half of the widest that its loop gets.
 auto widest(const ForceConfig::Law::Grid::Table& grid) -> Q24 {

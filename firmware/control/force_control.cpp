@@ -28,7 +28,7 @@ void ForceControl::rt_observe(Q24 motor_nm) {
 }
 
 void ForceControl::rt_start(Q24 motor_nm) {
-  goal_ = wanted_ = extreme_ = estimate_.force;
+  wanted_ = extreme_ = estimate_.force;
   aim_ = motor_nm;
   rest_ = Q24{};
   jumps_ = true;

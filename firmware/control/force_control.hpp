@@ -28,7 +28,8 @@ class ForceControl {
   /// What the law makes of it. `known`: its past no longer matters; until then it is taken as demagnetised.
   [[nodiscard]] auto estimate() const -> const ForceEstimate<Q24>& { return estimate_; }
 
-  /// Takes over at the motor's present torque: what is wanted begins where the law says that the joint's torque is.
+  /// Takes over at the motor's present torque: what is wanted begins where the law says that the joint's torque is, and
+  /// goes on to the goal, the last one until rt_aim gives another.
   void rt_start(Q24 motor_nm);
   /// From now on the joint's torque goes to `goal_nm` at `rate_nm_per_s` at most.
   void rt_aim(Q24 goal_nm, Q24 rate_nm_per_s);
@@ -36,6 +37,7 @@ class ForceControl {
   auto rt_update(const ForceConfig& config) -> Q24;
 
   [[nodiscard]] auto wanted() const -> Q24 { return wanted_; }
+  [[nodiscard]] auto goal() const -> Q24 { return goal_; }
   [[nodiscard]] auto arrived() const -> bool { return wanted_ == goal_; }
   /// The wanted torque is beyond what the law reaches.
   [[nodiscard]] auto out_of_reach() const -> bool { return out_of_reach_; }

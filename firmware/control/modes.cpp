@@ -7,6 +7,14 @@ namespace {
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
 // A reference may have waited for one cycle before it was used, and torque goes within one: 100 ms in all.
 constexpr std::int32_t kLinkTimeoutCycles = 98;
+// The joint's speed in torque control: by how far a low-pass lags, because a rate from counts is mostly noise.
+constexpr Q24 kTrailS = Q24::from_double(0.02);
+// An edge of a corridor lets go where the joint presses by this share of limits.joint_torque more than wanted: beyond
+// what the servo's own ripple shows of it.
+constexpr Q24 kPressedBack = Q24::from_double(1.0 / 32.0);
+// Of limits.joint_acceleration, what a servo brakes a joint with that force control set in motion: with the whole of it
+// a free tip went 0.034 rad beyond its corridor (microforceps, 0.03 N m, 0.15 rad to either side; 24 November 2026).
+constexpr Q24 kBrakes = Q24::from_double(0.25);
 
 auto out_of_range(const JointView& joint) -> bool {
   const LimitConfig& limits = joint.config.limits;
@@ -37,6 +45,15 @@ void Modes::rt_observe(Q24 drive_nm, bool estimate_valid) {
 }
 
 auto Modes::rt_command(const JointView& joint, const Request& request) -> bool {
+  const bool taken = rt_take(joint, request);
+  const bool of_force = request.kind == Request::Kind::kForce || request.kind == Request::Kind::kFollowForce;
+  if ((taken || request.kind == Request::Kind::kFollow) && request.kind != Request::Kind::kNone && !of_force) {
+    corridor_.rt_lift();
+  }
+  return taken;
+}
+
+auto Modes::rt_take(const JointView& joint, const Request& request) -> bool {
   switch (request.kind) {
     case Request::Kind::kNone:
       return true;
@@ -138,7 +155,8 @@ auto Modes::rt_take_torque(const JointView& joint, const Request& request) -> bo
 }
 
 auto Modes::rt_take_force(const JointView& joint, const Request& request) -> bool {
-  if (!force_.has_law() || request.torque_rate_nm_s <= Q24{} || (!in_force() && in_motion())) {
+  if (!force_.has_law() || request.torque_rate_nm_s <= Q24{} || request.corridor_rad < Q24{} ||
+      (!in_force() && in_motion())) {
     return false;
   }
   const Q24 most = joint.config.limits.joint_torque_nm;
@@ -150,16 +168,25 @@ auto Modes::rt_take_force(const JointView& joint, const Request& request) -> boo
   if (!inside) {
     rt_flag(Limit::kJointTorque);
   }
-  if (!in_force()) {
-    trailing_q2_ = joint.estimate.q2_rad;
-    reference_.mode = ControlMode::kForce;
-    force_.rt_start(joint.drive_nm);
+  if (request.corridor_rad == Q24{} || !corridor_.is_there()) {  // about where the joint is now
+    corridor_.rt_lay(joint.estimate.q2_rad, request.corridor_rad);
+  } else {
+    corridor_.rt_resize(request.corridor_rad);
+  }
+  if (!in_force() && !corridor_.holds()) {
+    rt_control_force(joint);
   }
   force_.rt_aim(clamp(request.joint_torque_nm, -most, most), request.torque_rate_nm_s);
   following_ = streamed;
   braking_ = false;
   cycles_since_reference_ = 0;
   return inside;
+}
+
+void Modes::rt_control_force(const JointView& joint) {
+  trailing_q2_ = joint.estimate.q2_rad;
+  reference_.mode = ControlMode::kForce;
+  force_.rt_start(joint.drive_nm);
 }
 
 void Modes::rt_hold_here(const JointEstimate& estimate, Start start) {
@@ -180,6 +207,7 @@ auto Modes::rt_take_over(const JointView& joint) -> Q24 {
 
 void Modes::rt_rest() {
   following_ = false;
+  corridor_.rt_lift();
   reference_.mode = ControlMode::kPosition;
   reference_.begins = true;
 }
@@ -194,17 +222,47 @@ auto Modes::rt_took_begin() -> bool {
   return began;
 }
 
-/// Too far, or faster than moves may be. By how far a low-pass lags, because a rate from counts is mostly noise.
+/// Too far, or faster than moves may be.
 auto Modes::rt_runs_away(const JointView& joint) -> bool {
-  constexpr Q24 kTrailS = Q24::from_double(0.02);
   constexpr Q30 kTrailGain = kPeriod.filter_gain(kTrailS);
   const Q24 q2 = joint.estimate.q2_rad;
   trailing_q2_ += (q2 - trailing_q2_) * kTrailGain;
   return out_of_range(joint) || abs(q2 - trailing_q2_) > joint.config.limits.joint_speed_rad_s * kTrailS;
 }
 
+/// Torque that drives the joint outward is not kept, but that of a steady motion taken; torque that withstands is kept.
+void Modes::rt_go_to_edge(const JointView& joint) {
+  const LimitConfig& limits = joint.config.limits;
+  const bool streamed = following_;
+  const bool outward = (force_.wanted() > Q24{}) == corridor_.at_high();
+  rt_hold_here(joint.estimate, outward ? Start::kSteady : Start::kKeepsTorque);
+  trajectory_.rt_start(clamp(corridor_.edge_rad(), limits.joint_min_rad, limits.joint_max_rad),
+                       limits.joint_speed_rad_s);
+  following_ = streamed;
+}
+
+/// From force control to an edge of its corridor, and back.
+void Modes::rt_guard_corridor(const JointView& joint) {
+  constexpr Q24 kPerTrail = Q24::from_double(50.0);
+  static_assert(kPerTrail * kTrailS - Q24::from_int(1) < Q24::from_double(1e-5));
+  const LimitConfig& limits = joint.config.limits;
+  const Q24 q2 = joint.estimate.q2_rad;
+  if (in_force()) {
+    if (corridor_.rt_met(q2, (q2 - trailing_q2_) * kPerTrail, limits.joint_acceleration_rad_s2 * kBrakes)) {
+      rt_go_to_edge(joint);
+    }
+  } else if (corridor_.holds() && start_ == Start::kNone &&
+             corridor_.pressed_back(force_.estimate().force, force_.goal(), limits.joint_torque_nm * kPressedBack)) {
+    corridor_.rt_let_go(q2);
+    rt_control_force(joint);
+  }
+  if (corridor_.holds()) {
+    rt_flag(Limit::kCorridor);
+  }
+}
+
 auto Modes::rt_next_position(const LimitConfig& limits) -> Q24 {
-  if (!following_) {
+  if (!following_ || corridor_.holds()) {  // of a stream of torques nothing is asked of the position
     return trajectory_.rt_step(limits.joint_acceleration_rad_s2);
   }
   const Q24 next = trajectory_.rt_follow(limits);
@@ -217,8 +275,15 @@ auto Modes::rt_next_position(const LimitConfig& limits) -> Q24 {
 auto Modes::rt_torque(const JointView& joint) -> Q24 {
   if (in_torque() ? rt_runs_away(joint) : in_motor() && out_of_range(joint)) {
     rt_flag(Limit::kReference);
-    rt_hold_here(joint.estimate, Start::kSteady);
+    if (corridor_.is_there() && !out_of_range(joint)) {
+      corridor_.rt_take(joint.estimate.q2_rad > trailing_q2_);
+      rt_go_to_edge(joint);
+    } else {
+      rt_hold_here(joint.estimate, Start::kSteady);
+      corridor_.rt_lift();
+    }
   }
+  rt_guard_corridor(joint);
   if (in_torque()) {
     reference_.q2_rad = joint.estimate.q2_rad;  // nothing is asked of the position
     return in_force() ? rt_force(joint.config.force) : torque_target_nm_;

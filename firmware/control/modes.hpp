@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capstan/firmware/control/controller.hpp"
+#include "capstan/firmware/control/corridor.hpp"
 #include "capstan/firmware/control/force_control.hpp"
 #include "capstan/firmware/control/request.hpp"
 #include "capstan/firmware/control/trajectory.hpp"
@@ -18,6 +19,7 @@ enum class Limit : std::uint8_t {
   kMotorTravel = 8,   ///< limits.motor_min, limits.motor_max
   kReference = 16,    ///< limits.joint_min, joint_max, joint_speed
   kJointTorque = 32,  ///< limits.joint_torque, or the end of what the force law reaches
+  kCorridor = 64,     ///< of force control: the joint is held at its edge
 };
 using LimitSet = std::uint8_t;
 constexpr auto bit(Limit limit) -> LimitSet {
@@ -65,7 +67,8 @@ class Modes {
   /// The first call of a cycle: the force law learns what the motor was told in the last one.
   void rt_observe(Q24 drive_nm, bool estimate_valid);
   /// Takes a request. Only while energised. A move outside the limits or without speed is refused, and so is force
-  /// control without a law, without a rate or of a joint that moves: false, and nothing changes. A streamed reference
+  /// control without a law, without a rate, with a negative corridor or of a joint that moves: false, and nothing
+  /// changes. A streamed reference
   /// outside the limits is cut to them: false, and followed.
   auto rt_command(const JointView& joint, const Request& request) -> bool;
   /// Without torque nothing is wanted.
@@ -100,22 +103,27 @@ class Modes {
   /// that the motor has. A move or a stream that makes it take over begins in the next cycle.
   enum class Start : std::uint8_t { kNone, kSteady, kKeepsTorque };
   void rt_hold_here(const JointEstimate& estimate, Start start);
+  auto rt_take(const JointView& joint, const Request& request) -> bool;
   auto rt_take_over(const JointView& joint) -> Q24;
   auto rt_take_move(const JointView& joint, const Request& request) -> bool;
   auto rt_take_stream(const JointView& joint, const Request& request) -> bool;
   auto rt_take_motor(const JointView& joint, const Request& request) -> bool;
   auto rt_take_torque(const JointView& joint, const Request& request) -> bool;
   auto rt_take_force(const JointView& joint, const Request& request) -> bool;
+  void rt_control_force(const JointView& joint);
   auto rt_torque(const JointView& joint) -> Q24;
   auto rt_force(const ForceConfig& config) -> Q24;
   auto rt_next_position(const LimitConfig& limits) -> Q24;
   auto rt_runs_away(const JointView& joint) -> bool;
+  void rt_guard_corridor(const JointView& joint);
+  void rt_go_to_edge(const JointView& joint);
   [[nodiscard]] auto rt_motor_moves() const -> bool { return in_motor() && in_motion(); }
   void rt_flag(Limit limit) { reference_.limits = static_cast<LimitSet>(reference_.limits | bit(limit)); }
 
   Controller controller_;
   Trajectory trajectory_;
   ForceControl force_;
+  Corridor corridor_;  // of force control, in force and where its edge holds the joint
   JointReference reference_;
   bool following_ = false;  // a stream, of positions or torques
   bool braking_ = false;

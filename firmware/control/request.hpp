@@ -19,7 +19,8 @@ struct Request {
     kTorque,  ///< streamed too: motor-side torque_nm instead of a position. A joint that gets faster than its moves may
               ///< or leaves its range is held where it then is
     kForce,  ///< force control: the joint's torque to joint_torque_nm at torque_rate_nm_s, and there from then on; from
-             ///< rest only. Watched as kTorque is
+             ///< rest only. Watched as kTorque is. With corridor_rad the joint goes no further than that to either
+             ///< side of where force control began: there it is held, until it is pressed back harder than wanted
     kFollowForce,  ///< the same as a stream, the next one within 100 ms
     kMoveMotor,    ///< motor position control: the motor to position_rad, so that the joint gets no faster than
                    ///< speed_rad_s makes it and accelerates no more; from rest only. A joint that leaves its range is
@@ -35,7 +36,8 @@ struct Request {
   Q24 torque_nm{};
   Q24 joint_torque_nm{};
   Q24 torque_rate_nm_s{};
-  Q24 dither_nm{};  ///< added to the motor's torque in this cycle, whatever else it does
+  Q24 corridor_rad{};  ///< of kForce, kFollowForce: half of its width; 0: none
+  Q24 dither_nm{};     ///< added to the motor's torque in this cycle, whatever else it does
 };
 
 }  // namespace capstan

@@ -22,13 +22,14 @@ struct Named {
   std::string comment;
 };
 
-constexpr std::array<std::pair<Limit, const char*>, 6> kLimitNames = {{
+constexpr std::array<std::pair<Limit, const char*>, 7> kLimitNames = {{
     {Limit::kCurrent, "current"},
     {Limit::kThermal, "continuous_current"},
     {Limit::kRate, "current_rate"},
     {Limit::kMotorTravel, "motor_travel"},
     {Limit::kReference, "reference"},
     {Limit::kJointTorque, "joint_torque"},
+    {Limit::kCorridor, "corridor"},
 }};
 
 /// The bits of a field that is a set, by number; none for every other field.

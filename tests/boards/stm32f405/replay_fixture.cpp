@@ -92,7 +92,8 @@ class Story {
     if (second % 4 == 0 && within == 900) {  // from rest too; a joint that nobody holds runs away, and is held
       return {.kind = Request::Kind::kForce,
               .joint_torque_nm = Q24::from_double(axis % 2 == 0 ? 0.03 : -0.03),
-              .torque_rate_nm_s = Q24::from_double(0.5)};
+              .torque_rate_nm_s = Q24::from_double(0.5),
+              .corridor_rad = Q24::from_double(axis < 2 ? 0.03 : 0.0)};
     }
     if (within == 700 || (second % 4 == 0 && within == 980) || (second % 4 == 2 && within == 980)) {
       return {.kind = Request::Kind::kStop};

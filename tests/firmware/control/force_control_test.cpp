@@ -140,6 +140,8 @@ TEST(ForceControlShell, RefusesWithoutLawWithoutTorqueWhileMovingAndOutOfRangeAn
   EXPECT_TRUE(has_line(bench.say("move joint0 force=much"), "error not_a_torque: "));
   EXPECT_TRUE(has_line(bench.say("move joint0 force=0.01 speed=1"), "error not_a_torque: "));
   EXPECT_TRUE(has_line(bench.say("move joint0 force=0.01 deg"), "error not_a_torque: "));
+  EXPECT_TRUE(has_line(bench.say("move joint0 force=0.01 corridor=0.1Nm"), "error not_a_torque: "));
+  EXPECT_TRUE(has_line(bench.say("move joint0 force=0.01 corridor=-5deg"), "error range: "));
   EXPECT_EQ(bench.joint().mode, ControlMode::kPosition);
   EXPECT_EQ(bench.joint().drive_a, before);
   bench.io.blocked = false;

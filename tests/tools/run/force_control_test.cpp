@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "capstan/hal/sim/sim_io.hpp"
-#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/tools/run/force_rig.hpp"
 #include "capstan/tests/tools/run/recipe_log.hpp"
 #include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/identify/force_section.hpp"
@@ -16,7 +15,8 @@
 namespace capstan::tools {
 namespace {
 
-using Lines = std::vector<std::string>;
+using test::Lines;
+using Rig = test::ForceRig;
 constexpr double kPeakNm = 0.05;
 
 auto section_lines(const std::string& section) -> Lines {
@@ -41,45 +41,6 @@ auto wanted_at(double t) -> double {
   const double loops = std::sin(2.0 * std::numbers::pi * 0.37 * t);
   return kPeakNm * std::clamp(0.8 * swing + 0.35 * loops, -1.0, 1.0);
 }
-
-struct Rig {
-  Rig(const sim::Environment& environment, const Lines& law) : plant(with(environment), 7), io(plant) {
-    application.rt_tick();
-    say("begin");
-    for (const std::string& line : law) {
-      say(line);
-    }
-    say("commit");
-    say("arm");
-    EXPECT_EQ(application.telemetry().state, State::kHolding);
-  }
-  static auto with(const sim::Environment& environment) -> sim::PlantParameters {
-    sim::PlantParameters parameters;
-    parameters.environment = environment;
-    return parameters;
-  }
-  auto say(const std::string& line) -> std::string {
-    for (const char c : line + "\n") {
-      shell.receive(c);
-    }
-    for (int i = 0; i < 100 && shell.busy(); ++i) {
-      application.rt_tick();
-      shell.poll();
-    }
-    const std::string answer = sink.take();
-    EXPECT_EQ(answer.find("error "), std::string::npos) << line << ": " << answer;
-    return answer;
-  }
-  [[nodiscard]] auto joint() const -> AxisTelemetry { return application.axis_telemetry(0); }
-
-  sim::Plant plant;
-  SimIo io;
-  capstan::test::FlashBanks banks;
-  Application<SimIo> application{io, banks};
-  capstan::test::StringSink sink;
-  capstan::test::FakeBoard board;
-  Shell shell{application, sink, board, false};
-};
 
 /// Root mean square of what the tip feels minus what was wanted, over the peak, after the first swing.
 template <typename Ask>
