@@ -70,6 +70,16 @@ TEST(GrownAngleLaws, MoveAPlayOfAStartToANeighbour) {
   EXPECT_TRUE(plays == std::vector<double>{0.25} || plays == std::vector<double>{0.3} || plays.size() == 2u);
 }
 
+TEST(GrownAngleLaws, ThePlaysAtTheEndsOfTheGridHaveOneNeighbour) {
+  const Eigen::VectorXd q1 = two_sines(kRows);
+  for (const double width : {0.1, 0.4}) {
+    SmallSelection small(q1, 0.6 * q1 + 0.2 * play_of(q1, width) + kNoise * normals(kRows, 1, 7));
+    Vocabulary words = vocabulary();
+    words.starts = {law_of({{"motor_angle", {}}, {"joint_offset", {}}}, {width})};
+    EXPECT_EQ(grown(small, words).law.plays, std::vector<double>{width});
+  }
+}
+
 TEST(GrownAngleLaws, HaveNoMorePlaysThanTheInputStage) {
   const Eigen::VectorXd q1 = two_sines(kRows);
   DecidingNumbers numbers = test::few_parts();

@@ -83,6 +83,30 @@ TEST(EffectName, LeavesOutPlaceAndAxisOnly) {
   EXPECT_EQ(effect_name("offset"), "offset");
 }
 
+TEST(EffortLaw, IsChosenWhereThereIsEnoughToChooseBy) {
+  const AxisLog log = rigid_log(0.01);
+  const auto cut = [&log](Eigen::Index rows) {
+    AxisLog part = log;
+    for (auto* signal : {&part.time_s, &part.q1_rad, &part.effort, &part.tau_nm}) {
+      signal->conservativeResize(rows);
+    }
+    return part;
+  };
+  EXPECT_TRUE(can_select_effort_law({log}));
+  EXPECT_TRUE(can_select_effort_law({cut(240)}));
+  EXPECT_FALSE(can_select_effort_law({cut(239)}));
+  EXPECT_TRUE(can_select_effort_law({cut(120), cut(120)}));
+  EXPECT_FALSE(can_select_effort_law({log, cut(19)}));  // a window hardly fits into the second
+  AxisLog still = log;
+  still.q1_rad.setConstant(0.3);
+  EXPECT_FALSE(can_select_effort_law({still}));
+  EXPECT_TRUE(can_select_effort_law({still, log}));
+  AxisLog idle = log;
+  idle.effort.setConstant(0.3);
+  EXPECT_FALSE(can_select_effort_law({idle}));
+  EXPECT_TRUE(can_select_effort_law({idle, log}));
+}
+
 TEST(EffortLaw, OfARigidAxisIsPredictedToWithinItsNoise) {
   constexpr double kNoise = 0.02;
   const EffortSelection found = select_effort_law({rigid_log(kNoise)});

@@ -132,6 +132,14 @@ TEST(ForwardScore, APlayWhoseWeightNoInputStageHoldsIsNoLaw) {
   EXPECT_TRUE(std::isfinite(small.forward.score(kRatio)));
 }
 
+TEST(ForwardScore, PlaysBehindARatioOfNothingAreNoLaw) {
+  // The joint stands: whatever the plays do has no weight against the ratio.
+  SmallSelection small(two_sines(kRows), Eigen::VectorXd::Zero(kRows));
+  const LawCandidate law = law_of({{"motor_angle", {}}, {"curved_ratio", {0.0, 1.0}}}, {0.3});
+  EXPECT_EQ(small.forward.score(law), std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(small.forward.fitted(law).valid);
+}
+
 TEST(ForwardScore, ALimitHoldsUnlessTheBaseLawIsBeyondIt) {
   const Eigen::VectorXd q1 = two_sines(kRows);
   const LawCandidate curved = law_of({{"motor_angle", {}}, {"curved_ratio", {0.0, 1.0}}});

@@ -71,6 +71,21 @@ TEST(SelectLaw, ALawThatIsNoneKeepsItsPlaceAndIsNotJudged) {
   EXPECT_TRUE(selection.laws[1].in_set);
 }
 
+TEST(SelectLaw, AGrownLawThatIsNoneIsLeftOut) {
+  // A curve of 300 rad is in no joint file.
+  const Eigen::VectorXd q1 = two_sines(kRows);
+  SmallSelection small(q1, q1 + 300.0 * (q1.cwiseAbs2().array() - q1.cwiseAbs2().mean()).matrix());
+  small.forward.limit_as(law_of({{"joint_offset", {}}}));
+  Vocabulary from_it = words();
+  from_it.plays.clear();
+  from_it.start = law_of({{"motor_angle", {}}, {"curved_ratio", {0.0, 1.0}}});
+  from_it.starts = {from_it.start};
+  const LawCandidate offset = law_of({{"joint_offset", {}}});
+  const Selection selection = select_law(small.forward, {offset}, from_it);
+  ASSERT_EQ(selection.laws.size(), 1u);
+  EXPECT_EQ(selection.laws[0].law, offset);
+}
+
 TEST(SelectLaw, WhereNoLawIsOneNothingIsJudged) {
   SmallSelection small(two_sines(kRows), sheath());
   ForwardScore nowhere(small.data, {});
