@@ -102,6 +102,17 @@ TEST(Sieve, AnOutputTermsDrawsStandBesideTheLaw) {
   EXPECT_GT(output.run().family_p[0], kDecides);
 }
 
+TEST(Sieve, WhatHoldsInEachHalfForItselfPredictsNothingAcrossThem) {
+  Case turning(0.0, 81);
+  Eigen::VectorXd error = normals(kRows, 1, 82);
+  for (Eigen::Index i = 0; i < kRows; ++i) {  // the halves are every other block
+    error[i] += (i / kSize % 2 == 0 ? 0.8 : -0.8) * turning.own(i, 0);
+  }
+  turning.evidence =
+      evidence_of({Eigen::MatrixXd::Ones(kRows, 1), error, {family_of("turning", turning.own.col(0))}}, turning.split);
+  EXPECT_GT(turning.run().family_p[0], 0.5);
+}
+
 TEST(Sieve, AResidualOfNothingIsNoDetection) {
   Case nothing(0.0, 71, normals(kRows, 1, 72));
   nothing.evidence = evidence_of({Eigen::MatrixXd::Ones(kRows, 1),

@@ -144,6 +144,14 @@ TEST(Confusable, OverwhelminglyLessLikelyRulesOutWhateverTheEnergy) {
   EXPECT_FALSE(rivals.are_confusable());
 }
 
+TEST(Confusable, LikelihoodThatOneBlockDecidesCountsWhereTheEnergyAgrees) {
+  Rivals rivals;
+  rivals.other().likelihoods -= values({40, -0.4, -0.5, -0.6, -0.5, -0.4});  // far less likely, by one block
+  EXPECT_TRUE(rivals.are_confusable());
+  rivals.leaves_more(0.25);  // in every block
+  EXPECT_FALSE(rivals.are_confusable());
+}
+
 TEST(Confusable, OneWithMoreParametersHasNoDoubtInItsFavour) {
   Rivals rivals;
   rivals.less_likely(1.2);

@@ -125,6 +125,14 @@ TEST(GrownAngleLaws, ATermThatBuildsOnAnotherComesBehindItAndKeepsIt) {
   const LawCandidate law = grown(small, words).law;
   EXPECT_TRUE(law.has("tendon_elongation"));
   EXPECT_TRUE(law.has("stiffness_hardening"));
+  // Though it alone would explain all there is.
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    const double tau = samples[static_cast<std::size_t>(i)].tau;
+    y[i] = 0.8 * q1[i] + 0.1 * tau * std::abs(tau);
+  }
+  SmallSelection alone(samples, y);
+  words.terms.pop_back();
+  EXPECT_FALSE(grown(alone, words).law.has("stiffness_hardening"));
 }
 
 TEST(GrownAngleLaws, ATermThatSeesWhatIsBehindThePlaysStandsWithoutThem) {

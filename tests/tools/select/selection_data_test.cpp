@@ -54,6 +54,12 @@ TEST(SelectionData, ACoarseRowIsTheMeanOfItsSamplesAndTheDirectionOfMost) {
   // The ratio without memory, at given angles.
   const Eigen::MatrixXd columns = data.columns_at({"motor_angle", {}}, Eigen::Vector2d(7.0, 8.0));
   EXPECT_NEAR(columns(1, 0), 8.0, 1e-12);
+  // Elongation by direction: the first row goes backward with a torque of 2, the second forward with 8.
+  const Eigen::MatrixXd by_direction = data.columns_at({"tendon_elongation", {}}, Eigen::Vector2d(7.0, 8.0));
+  EXPECT_NEAR(by_direction(0, 0), 0.0, 1e-12);
+  EXPECT_NEAR(by_direction(0, 1), 2.0, 1e-12);
+  EXPECT_NEAR(by_direction(1, 0), 8.0, 1e-12);
+  EXPECT_NEAR(by_direction(1, 1), 0.0, 1e-12);
 }
 
 TEST(SelectionData, RangesOfTheTimeAndWaySinceAReversal) {
