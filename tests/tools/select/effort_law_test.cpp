@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -105,6 +106,21 @@ TEST(EffortLaw, IsChosenWhereThereIsEnoughToChooseBy) {
   idle.effort.setConstant(0.3);
   EXPECT_FALSE(can_select_effort_law({idle}));
   EXPECT_TRUE(can_select_effort_law({idle, log}));
+}
+
+TEST(EffortLaw, OfASlideFromInertiaAloneIsInNewtonsAndTellsWhatCameBeside) {
+  AxisLog log = rigid_log(0.02);
+  for (auto* signal : {&log.time_s, &log.q1_rad, &log.effort, &log.tau_nm}) {
+    signal->conservativeResize(1500);
+  }
+  log.linear = true;
+  const EffortSelection found = select_effort_law({log}, true);
+  EXPECT_EQ(found.law.joint.catalogue->target_unit(), "N");
+  EXPECT_EQ(found.start.joint.terms, std::vector<std::string>{"inertia"});
+  for (const char* effect : {"viscous_friction", "coulomb_friction"}) {
+    EXPECT_NE(std::find(found.effects.begin(), found.effects.end(), effect), found.effects.end()) << effect;
+  }
+  EXPECT_LT(found.after, 0.2 * found.before);
 }
 
 TEST(EffortLaw, OfARigidAxisIsPredictedToWithinItsNoise) {
