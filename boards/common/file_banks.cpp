@@ -22,9 +22,11 @@ auto position(int bank, std::size_t offset) -> off_t {
   return static_cast<off_t>(static_cast<std::size_t>(bank) * FileBanks::kBankBytes + offset);
 }
 
-auto write_all(int fd, std::span<const std::uint8_t> bytes, off_t at) -> bool {
+/// pwrite() or pread() until all bytes have gone, whatever interrupts it.
+template <typename Byte, typename Call>
+auto transfer_all(Call&& call, int fd, std::span<Byte> bytes, off_t at) -> bool {
   while (!bytes.empty()) {
-    const auto count = pwrite(fd, bytes.data(), bytes.size(), at);
+    const auto count = call(fd, bytes.data(), bytes.size(), at);
     if (count < 0 && errno == EINTR) {
       continue;
     }
@@ -37,19 +39,12 @@ auto write_all(int fd, std::span<const std::uint8_t> bytes, off_t at) -> bool {
   return true;
 }
 
+auto write_all(int fd, std::span<const std::uint8_t> bytes, off_t at) -> bool {
+  return transfer_all(pwrite, fd, bytes, at);
+}
+
 auto read_all(int fd, std::span<std::uint8_t> bytes, off_t at) -> bool {
-  while (!bytes.empty()) {
-    const auto count = pread(fd, bytes.data(), bytes.size(), at);
-    if (count < 0 && errno == EINTR) {
-      continue;
-    }
-    if (count <= 0) {
-      return false;
-    }
-    bytes = bytes.subspan(static_cast<std::size_t>(count));
-    at += count;
-  }
-  return true;
+  return transfer_all(pread, fd, bytes, at);
 }
 
 }  // namespace

@@ -87,29 +87,13 @@ void rt_release_outputs() {
   }
 }
 
-void rt_systick_isr() {
-  tick.rt_isr();
-  stm32f4::pend_cycle(stm32f4::scb_registers());
-}
-
-void rt_cycle_isr() {
-  runtime.rt_cycle();
-}
-void rt_usart1_isr() {
-  console.rt_isr();
-}
 void rt_usart2_isr() {
   plant.rt_isr();
 }
 
-void rt_can_receive0_isr() {
-  runtime.rt_can_isr(0);
-}
-void rt_can_receive1_isr() {
-  runtime.rt_can_isr(1);
-}
-
 }  // extern "C"
+
+#include "capstan/boards/stm32f405/board_isrs.inc"
 
 int main() {
   using namespace capstan;

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
@@ -13,6 +12,7 @@
 #include "capstan/tools/campaign/commissioned.hpp"
 #include "capstan/tools/campaign/hazard.hpp"
 #include "capstan/tools/campaign/rig.hpp"
+#include "capstan/tools/campaign/side_by_side.hpp"
 #include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
@@ -167,14 +167,7 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads, Gains gains
       lasted_s[i] = session.time_s();
     }
   };
-  std::vector<std::thread> workers;
-  for (int i = 1; i < threads; ++i) {
-    workers.emplace_back(work);
-  }
-  work();
-  for (std::thread& worker : workers) {
-    worker.join();
-  }
+  run_side_by_side(threads, work);
   FalseAlarms alarms;
   alarms.plants = static_cast<int>(runs);
   for (std::size_t i = 0; i < runs; ++i) {

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <thread>
+
+#include "capstan/tools/campaign/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -174,14 +175,7 @@ auto run_fault_campaign(Extent extent, int threads) -> Campaign {
       done[i] = run_job(jobs[i]);
     }
   };
-  std::vector<std::thread> workers;
-  for (int i = 1; i < threads; ++i) {
-    workers.emplace_back(work);
-  }
-  work();
-  for (std::thread& worker : workers) {
-    worker.join();
-  }
+  run_side_by_side(threads, work);
   Campaign campaign;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     auto& rows = jobs[i].pairs ? campaign.pairs : campaign.single;

@@ -47,8 +47,8 @@ void test_repetition(const Preparation& p, const Evidence& evidence, Adequacy& r
   double mean = 0.0;
   double difference = 0.0;
   energies(evidence.white_error, evidence.white_sensing.col(0), mean, difference);
-  const double z = (mean / difference - 1.0) / std::sqrt(2.0 / rows + 2.0 / (rows * (count - 1.0)));
-  result.lack_of_fit_p = normal_tail(z);
+  const double spread = difference * std::sqrt(2.0 / rows + 2.0 / (rows * (count - 1.0)));
+  result.lack_of_fit_p = spread > 0.0 ? normal_tail((mean - difference) / spread) : (mean > 0.0 ? 0.0 : 1.0);
   energies(evidence.error, evidence.sensing.col(0), mean, difference);
   mean = std::max(mean, 0.0);  // what the encoder hides is one draw, and may be more than there is
   result.reducible_share = std::max(result.reducible_share, (mean - difference) / (mean + (count - 1.0) * difference));
@@ -117,7 +117,8 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
                                      flexible_ceiling(evidence.white(), evidence.learned) -
                                      hidden_energy(p, evidence.white_sensing);
   result.ceiling_t = t_statistic(white_gain);
-  result.reducible_share = 1.0 - result.ceiling_energy.sum() / result.law_energy.sum();
+  const double left = result.law_energy.sum();
+  result.reducible_share = left > 0.0 ? 1.0 - result.ceiling_energy.sum() / left : 0.0;
   result.ceiling_p = sieve.ceiling_p;
   const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
   const Eigen::VectorXd reducible = result.law_energy - result.ceiling_energy;
@@ -128,8 +129,9 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
     test_repetition(p, evidence, result);
   }
   // Nobody does worse than the law alone, and what repeats can be explained by somebody.
-  result.ceiling_energy *=
-      (1.0 - std::max(result.reducible_share, 0.0)) * result.law_energy.sum() / result.ceiling_energy.sum();
+  if (const double ceiling = result.ceiling_energy.sum(); ceiling > 0.0) {
+    result.ceiling_energy *= (1.0 - std::max(result.reducible_share, 0.0)) * left / ceiling;
+  }
   const bool repeats_itself = result.lack_of_fit_p < kRepeatsItself && result.reducible_share > kMatters;
   result.lacks_something = above_ceiling || repeats_itself;
   return result;

@@ -23,8 +23,9 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round;
 /// What a law leaves over, in hindsight, its coefficients fitted to the rows that may be learned from.
 auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual;
 
-/// Of those that pass, that leave no more than twice the energy of the one that leaves least, and that no evidence puts
-/// behind the most likely of these: the one that explains most in the measured quantity. nullptr if none passes.
+/// Of those that pass, that leave no more than half as much energy again as the one that leaves least, and that no
+/// evidence puts behind the most likely of these: the one that explains most in the measured quantity. nullptr if none
+/// passes.
 auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*;
 /// The trial of a family by name; nullptr if it does not take part.
 auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial*;

@@ -177,7 +177,8 @@ auto ceiling_statistics(const std::array<Half, 2>& halves, const Layout& layout,
             2.0 * (theta.cwiseProduct(other.products(columns, Eigen::all))).colwise().sum().transpose() +
             theta.cwiseProduct(predicted).colwise().sum().transpose();
   }
-  return -(left.array().max(1e-12 * law.array()) / law.array()).log();
+  const Eigen::ArrayXd alone = law.array().max(1e-300);  // a residual of nothing is no luck
+  return -(left.array().max(1e-12 * alone) / alone).log();
 }
 
 auto tail_p(const Eigen::VectorXd& draws, double observed) -> double {

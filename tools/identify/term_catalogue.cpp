@@ -6,28 +6,14 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "capstan/tools/identify/term_words.hpp"
+
 namespace capstan::tools {
 namespace {
 
 template <typename Term>
-auto make_term(double period_s, const Shapes& shapes) -> Term {
-  std::array<double, kShapesOf<Term>> shape{};
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    shape[i] = shapes.at(i);
-  }
-  return Term(SamplePeriod<double>(period_s), shape);
-}
-
-template <typename Term>
 auto describe() -> CatalogueTerm {
-  CatalogueTerm term;
-  term.name = Term::kInfo.name;
-  term.equation = Term::kInfo.equation;
-  term.source = Term::kInfo.source;
-  term.confusable_with = Term::kInfo.confusable_with;
-  term.exciting_motion = Term::kInfo.exciting_motion;
-  term.coefficients.assign(Term::kInfo.coefficients.begin(), Term::kInfo.coefficients.end());
-  term.shapes.assign(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end());
+  CatalogueTerm term = words_of_term<Term>();
   term.reads_input = reads_input<Term>();
   const TermRelations& relations = Term::kInfo.relations;
   term.doubles.assign(relations.doubles.begin(), relations.doubles.end());

@@ -3,14 +3,14 @@
 
 #include <map>
 
+#include "capstan/tools/identify/term_words.hpp"
+
 namespace capstan::tools {
 namespace {
 
 template <typename Term>
 auto columns_of(const Samples& samples, double period_s, const Shapes& shapes) -> Eigen::MatrixXd {
-  std::array<double, kShapesOf<Term>> shape{};
-  std::copy_n(shapes.begin(), shape.size(), shape.begin());
-  Term term(SamplePeriod<double>(period_s), shape);
+  Term term = make_term<Term>(period_s, shapes);
   constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
@@ -24,14 +24,7 @@ auto columns_of(const Samples& samples, double period_s, const Shapes& shapes) -
 
 template <typename Term>
 auto term_of() -> CatalogueTerm {
-  CatalogueTerm term;
-  term.name = Term::kInfo.name;
-  term.equation = Term::kInfo.equation;
-  term.source = Term::kInfo.source;
-  term.confusable_with = Term::kInfo.confusable_with;
-  term.exciting_motion = Term::kInfo.exciting_motion;
-  term.coefficients.assign(Term::kInfo.coefficients.begin(), Term::kInfo.coefficients.end());
-  term.shapes.assign(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end());
+  CatalogueTerm term = words_of_term<Term>();
   term.columns = columns_of<Term>;
   return term;
 }

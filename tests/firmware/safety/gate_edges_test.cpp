@@ -2,6 +2,9 @@
 // What mutants of gate and monitors (tools/mutants) survived: edges, single signs, and which limit is named.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "capstan/firmware/safety/gate.hpp"
 #include "capstan/firmware/safety/monitors.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
@@ -32,6 +35,24 @@ TEST(Gate, ExactlyAtTheEndOfTheTravelThereIsNoTorqueOutwards) {
   EXPECT_EQ(gate.rt_step(config.limits, motor_at(config.limits.motor_max_rad), torque, true).current_a, Q24{});
   EXPECT_EQ(gate.rt_step(config.limits, motor_at(config.limits.motor_min_rad), -torque, true).current_a, Q24{});
   EXPECT_GT(gate.rt_step(config.limits, motor_at(config.limits.motor_min_rad), torque, true).current_a, Q24{});
+}
+
+// The servo's own torque keeps to the rate before the dither is added, so only a dither shows the limit of the sum.
+TEST(Gate, AnExperimentsDitherKeepsToTheRateInBothDirections) {
+  const AxisConfig config;
+  const double rate = config.limits.current_rate_a_per_cycle.to_double();
+  Gate gate(config);
+  double last = 0.0;
+  for (const double wanted : {4.0, -4.0, 4.0}) {  // rates
+    const Q24 dither = q(wanted * rate) * config.motor.torque_per_current_nm_per_a;
+    for (int i = 0; i < 10; ++i) {
+      const double drive = gate.rt_step(config.limits, motor_at(Q24{}), Q24{}, true, dither).current_a.to_double();
+      const double expected = last + std::clamp(wanted * rate - last, -rate, rate);
+      EXPECT_NEAR(drive, expected, 1e-4) << wanted << ", cycle " << i;
+      EXPECT_EQ(has(gate.limits(), Limit::kRate), std::abs(wanted * rate - last) > rate + 1e-4);
+      last = drive;
+    }
+  }
 }
 
 TEST(Gate, AtThePeakTheCurrentIsNamedInBothDirectionsAndTheRateIsNot) {

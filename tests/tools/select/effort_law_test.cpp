@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -81,6 +82,45 @@ TEST(EffectName, LeavesOutPlaceAndAxisOnly) {
   EXPECT_EQ(effect_name("axis_coupling_axis5"), "axis_coupling");
   EXPECT_EQ(effect_name("play_friction"), "play_friction");
   EXPECT_EQ(effect_name("offset"), "offset");
+}
+
+TEST(EffortLaw, IsChosenWhereThereIsEnoughToChooseBy) {
+  const AxisLog log = rigid_log(0.01);
+  const auto cut = [&log](Eigen::Index rows) {
+    AxisLog part = log;
+    for (auto* signal : {&part.time_s, &part.q1_rad, &part.effort, &part.tau_nm}) {
+      signal->conservativeResize(rows);
+    }
+    return part;
+  };
+  EXPECT_TRUE(can_select_effort_law({log}));
+  EXPECT_TRUE(can_select_effort_law({cut(240)}));
+  EXPECT_FALSE(can_select_effort_law({cut(239)}));
+  EXPECT_TRUE(can_select_effort_law({cut(120), cut(120)}));
+  EXPECT_FALSE(can_select_effort_law({log, cut(19)}));  // a window hardly fits into the second
+  AxisLog still = log;
+  still.q1_rad.setConstant(0.3);
+  EXPECT_FALSE(can_select_effort_law({still}));
+  EXPECT_TRUE(can_select_effort_law({still, log}));
+  AxisLog idle = log;
+  idle.effort.setConstant(0.3);
+  EXPECT_FALSE(can_select_effort_law({idle}));
+  EXPECT_TRUE(can_select_effort_law({idle, log}));
+}
+
+TEST(EffortLaw, OfASlideFromInertiaAloneIsInNewtonsAndTellsWhatCameBeside) {
+  AxisLog log = rigid_log(0.02);
+  for (auto* signal : {&log.time_s, &log.q1_rad, &log.effort, &log.tau_nm}) {
+    signal->conservativeResize(1500);
+  }
+  log.linear = true;
+  const EffortSelection found = select_effort_law({log}, true);
+  EXPECT_EQ(found.law.joint.catalogue->target_unit(), "N");
+  EXPECT_EQ(found.start.joint.terms, std::vector<std::string>{"inertia"});
+  for (const char* effect : {"viscous_friction", "coulomb_friction"}) {
+    EXPECT_NE(std::find(found.effects.begin(), found.effects.end(), effect), found.effects.end()) << effect;
+  }
+  EXPECT_LT(found.after, 0.2 * found.before);
 }
 
 TEST(EffortLaw, OfARigidAxisIsPredictedToWithinItsNoise) {

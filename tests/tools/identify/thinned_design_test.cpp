@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/thinned_design.hpp"
+
+#include <gtest/gtest.h>
+
+namespace capstan::tools {
+namespace {
+
+/// A ramp: sample i is at i rad with a torque of 10 i Nm.
+auto ramp(std::size_t count) -> Samples {
+  Samples samples(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    samples[i].q1 = samples[i].h = static_cast<double>(i);
+    samples[i].tau = 10.0 * static_cast<double>(i);
+    samples[i].forward = i % 4 > 1;
+    samples[i].advances = i == 4;
+  }
+  return samples;
+}
+
+TEST(Thinned, IsMeansOverAsManySamplesAsLeaveTheRowsWanted) {
+  const LawDesign design({ramp(9)}, {0.5});
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(9, 0.0, 8.0);
+  const Thinned few = thinned(design, target, {{0, 9}}, 4);  // 9 / 4: two at a time, and one left over
+  ASSERT_EQ(few.design.rows(), 4);
+  EXPECT_EQ(few.design.period_s(0), 1.0);
+  const Samples& means = few.design.samples()[0];
+  EXPECT_NEAR(means[1].q1, 2.5, 1e-12);
+  EXPECT_NEAR(means[1].tau, 25.0, 1e-12);
+  EXPECT_NEAR(few.target[1], 2.5, 1e-12);
+  EXPECT_TRUE(means[1].forward);   // as the last of them has it
+  EXPECT_TRUE(means[2].advances);  // as any of them does
+  EXPECT_FALSE(means[3].advances);
+}
+
+TEST(Thinned, NeverMakesMoreOfALog) {
+  const LawDesign design({ramp(9)}, {0.5});
+  const Thinned same = thinned(design, Eigen::VectorXd::LinSpaced(9, 0.0, 8.0), {{0, 9}}, 1000);
+  ASSERT_EQ(same.design.rows(), 9);
+  EXPECT_EQ(same.design.period_s(0), 0.5);
+}
+
+TEST(Thinned, TakesEachLogByItself) {
+  const LawDesign design({ramp(5), ramp(4)}, {0.5, 0.5});
+  Eigen::VectorXd target(9);
+  target << 0, 1, 2, 3, 4, 100, 101, 102, 103;
+  const Thinned few = thinned(design, target, {{0, 9}}, 4);
+  ASSERT_EQ(few.design.rows(), 4);
+  EXPECT_NEAR(few.target[1], 2.5, 1e-12);
+  EXPECT_NEAR(few.target[2], 100.5, 1e-12);  // not 52
+}
+
+TEST(Thinned, BlocksAreThoseOfTheMeansThatTheyBeginAndEndIn) {
+  const LawDesign design({ramp(20)}, {0.5});
+  const Eigen::VectorXd target = Eigen::VectorXd::LinSpaced(20, 0.0, 19.0);
+  const Thinned few = thinned(design, target, {{4, 9}, {10, 16}}, 5);  // 11 rows: two at a time
+  ASSERT_EQ(few.design.rows(), 10);
+  ASSERT_EQ(few.rows.size(), 2u);
+  EXPECT_EQ(few.rows[0].begin, 2);
+  EXPECT_EQ(few.rows[0].end, 4);  // the mean of rows 8 and 9 has one of another block in it
+  EXPECT_EQ(few.rows[1].begin, 5);
+  EXPECT_EQ(few.rows[1].end, 7);
+  EXPECT_TRUE(thinned(design, target, {{4, 5}, {8, 9}}, 1).rows.empty());  // none holds a mean
+}
+
+}  // namespace
+}  // namespace capstan::tools
