@@ -19,8 +19,10 @@ auto hertz(double frequency) -> std::string {
 
 auto thesis_figures() -> std::vector<ThesisFigure> {
   std::vector<ThesisFigure> all = force_figures();
-  for (ThesisFigure& figure : motion_figures()) {
-    all.push_back(std::move(figure));
+  for (auto more : {motion_figures, study_figures}) {
+    for (ThesisFigure& figure : more()) {
+      all.push_back(std::move(figure));
+    }
   }
   return all;
 }

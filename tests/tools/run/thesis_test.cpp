@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "capstan/tools/thesis/chapter4.hpp"
+#include "capstan/tools/thesis/figures.hpp"
 #include "capstan/tools/thesis/laws.hpp"
 #include "capstan/tools/thesis/page.hpp"
 #include "capstan/tools/thesis/rig.hpp"
@@ -156,6 +157,45 @@ TEST(Thesis, Table71And72AreAsPrintedForTheSlowSignals) {
   expect_near_share(value(table, 2, "simulated", "gof_pm"), 92.0, 0.05, "III");
 }
 
+TEST(ThesisPulleys, StopAndGoOverIdlersKeepsTheClosedFormWhileTheyMoveAndMostOfTheLossWhileTheyStand) {
+  const ThesisTable table = table_8_2_3();
+  ASSERT_EQ(table.rows.size(), 4U);
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    expect_near_share(value(table, i, "plant", "ratio"), value(table, i, "closed form", "ratio"), 0.002,
+                      table.rows[i].name);
+    EXPECT_LT(std::fabs(value(table, i, "plant", "missing")), 0.1) << table.rows[i].name;
+  }
+  EXPECT_NEAR(value(table, 1, "closed form", "ratio"), std::pow(value(table, 0, "closed form", "ratio"), 2.0), 1e-12);
+  EXPECT_NEAR(value(table, 1, "closed form", "ratio"), value(table, 2, "closed form", "ratio"), 1e-9) << "same loss";
+  for (const std::size_t light : {0U, 1U, 2U}) {
+    EXPECT_GT(value(table, light, "plant", "kept"), 80.0);
+    EXPECT_LT(value(table, light, "plant", "start"), 3.0);
+  }
+  EXPECT_LT(value(table, 1, "plant", "slip"), 1.0) << "idlers lose in their bearings";
+  EXPECT_NEAR(value(table, 2, "plant", "slip"), 100.0, 1e-9) << "surfaces on their surface";
+  EXPECT_GT(value(table, 3, "plant", "start"), 5.0 * value(table, 1, "plant", "start")) << "inertia";
+  EXPECT_GT(value(table, 1, "plant", "reversal"), 1.5 * value(table, 0, "plant", "reversal"));
+}
+
+TEST(ThesisPulleys, StudyShowsTheSlipFrontOnAHeldPulleyAsTheClosedFormHasItAndWhatInertiaCosts) {
+  const auto figures = study_figures();
+  ASSERT_EQ(figures.size(), 4U);
+  const auto& held = figures[2].plots[0].series;
+  ASSERT_EQ(held.size(), 6U);
+  for (std::size_t i = 0; i < held.size(); i += 2) {
+    EXPECT_LT((held[i].y - held[i + 1].y).cwiseAbs().maxCoeff(), 0.02 * held[i].y.maxCoeff()) << held[i].label;
+  }
+  // Let back: the highest tension lies inside, where the front is, for the drum's side has already yielded.
+  const Eigen::VectorXd& back = held[2].y;
+  Eigen::Index front = 0;
+  EXPECT_GT(back.maxCoeff(&front), back[0] + 0.05);
+  EXPECT_GT(front, 0);
+  EXPECT_LT(front, back.size() - 1);
+  for (const Series& s : figures[3].plots[0].series) {
+    EXPECT_GT(s.y[s.y.size() - 1], s.y[0]) << s.label << " errs more the faster it starts";
+  }
+}
+
 TEST(ThesisStudy, AmplitudesAndAdjustedR2FollowFromThePrintedFootnotes) {
   // Table 5.2 prints both GoF and adjusted R-squared: one follows from the other if SST is that of the estimate.
   EXPECT_NEAR(1.0 - std::pow(1.0 - 0.889, 2.0), 0.9877, 2e-4);
@@ -234,8 +274,9 @@ TEST(ThesisFigures, EveryFigureIsThereAndShowsWhatThePrintShows) {
     ADD_FAILURE() << number;
     return figures.front();
   };
-  for (const char* number : {"2.9",  "2.10", "3.9", "3.10", "3.11", "3.12", "4.7", "4.8", "4.9", "4.10",
-                             "4.11", "4.12", "5.4", "5.6",  "6.9",  "6.11", "7.6", "7.7", "7.8", "7.11"}) {
+  for (const char* number : {"2.9", "2.10", "3.9",  "3.10", "3.11",      "3.12",      "4.7",       "4.8",
+                             "4.9", "4.10", "4.11", "4.12", "5.4",       "5.6",       "6.9",       "6.11",
+                             "7.6", "7.7",  "7.8",  "7.11", "8.2.3 (a)", "8.2.3 (b)", "8.2.3 (c)", "8.2.3 (d)"}) {
     const ThesisFigure& figure = find(number);
     EXPECT_FALSE(figure.plots.empty()) << number;
     for (const Plot& plot : figure.plots) {
@@ -251,6 +292,16 @@ TEST(ThesisFigures, EveryFigureIsThereAndShowsWhatThePrintShows) {
   const Eigen::Index pressed = 700;
   EXPECT_GT(samples[0].y[pressed], 1.5 * samples[1].y[pressed]);
   EXPECT_GT(samples[1].y[pressed], 1.5 * samples[2].y[pressed]);
+  // 3.9: the compliance that is measured is that foretold, with both tendons active and with one slack.
+  const auto& felt = find("3.9").plots[1].series;
+  ASSERT_EQ(felt.size(), 6U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const Eigen::Index at : {1, 2}) {
+      const double time_s = felt[i + 3].x[at] - (at == 1 ? 1.0 : 0.0);  // the estimate looks a second ahead
+      const auto row = std::lower_bound(felt[i].x.begin(), felt[i].x.end(), time_s) - felt[i].x.begin();
+      EXPECT_NEAR(felt[i].y[row], felt[i + 3].y[at], 0.05 * felt[i + 3].y[at]) << felt[i].label;
+    }
+  }
   for (const Series& map : find("3.12").plots[0].series) {
     Eigen::Index least = 0;
     map.y.minCoeff(&least);
