@@ -12,6 +12,7 @@
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/thesis/detection.hpp"
 #include "capstan/tools/thesis/page.hpp"
 
 namespace capstan::tools {
@@ -37,7 +38,9 @@ auto makers() -> std::vector<Maker> {
           {{"6.2"}, table_6_2},
           {{"7.1"}, table_7_1},
           {{"7.2"}, table_7_2},
-          {{"8.2.3"}, table_8_2_3}};
+          {{"8.2.3"}, table_8_2_3},
+          {{"palpation"}, table_coverage},
+          {{"detection"}, table_detection}};
 }
 
 auto wanted(const Maker& maker, const std::vector<std::string>& tables) -> bool {
@@ -92,7 +95,8 @@ void add_thesis(CLI::App& app, int& exit_status) {
   CLI::App* command =
       app.add_subcommand("thesis", "the reference thesis's tables on the simulated instruments, beside the printed");
   command->add_option("--table", options->tables, "only this one (repeatable)")
-      ->check(CLI::IsMember({"2.1", "2.2", "4.1", "4.1 laws", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2", "8.2.3"}));
+      ->check(CLI::IsMember({"2.1", "2.2", "4.1", "4.1 laws", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2", "8.2.3",
+                             "palpation", "detection"}));
   command->add_option("--json", options->json, "file for the same as JSON (schema capstan.thesis/2)");
   command->add_option("--html", options->html, "file for the same as a page, with the figures");
   command->footer(

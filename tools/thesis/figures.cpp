@@ -2,6 +2,7 @@
 #include "capstan/tools/thesis/figures.hpp"
 
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/thesis/detection.hpp"
 
 namespace capstan::tools {
 
@@ -24,6 +25,7 @@ auto thesis_figures() -> std::vector<ThesisFigure> {
       all.push_back(std::move(figure));
     }
   }
+  all.push_back(detection_figure());
   return all;
 }
 
