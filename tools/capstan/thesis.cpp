@@ -109,7 +109,7 @@ void add_thesis(CLI::App& app, int& exit_status) {
       "fitted to the print; all others are foretold. Below a table stands every difference over 10 %, with the reason\n"
       "and the experiment that tested it: what is blamed changed, and the value that came of it. Amplitudes follow "
       "from the\n"
-      "printed RMSE / (1 - GoF). Takes two minutes; exit status 0 done, 2 bad input.");
+      "printed RMSE / (1 - GoF). Takes three minutes; exit status 0 done, 2 bad input.");
   command->callback([options, &exit_status] { exit_status = thesis(*options); });
 }
 
