@@ -7,6 +7,7 @@
 #include "capstan/tools/capstan/options.hpp"
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/identify/palpation_log.hpp"
+#include "capstan/tools/report/palpation_map.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -19,7 +20,7 @@ struct PalpateOptions {
   double period_s = 0.0;
   int against = -1;  ///< the other jaw's axis
   std::string against_model;
-  std::string output;
+  std::string output, svg;
 };
 
 auto law_of(const std::string& file) -> TensionStateParameters<double> {
@@ -48,6 +49,10 @@ auto run_palpate(const PalpateOptions& options) -> int {
     write_text_file(options.output, map_csv(rows));
     std::cerr << "wrote " << options.output << "\n";
   }
+  if (!options.svg.empty()) {
+    write_text_file(options.svg, svg_of(palpation_map(rows)));
+    std::cerr << "wrote " << options.svg << "\n";
+  }
   if (std::none_of(rows.begin(), rows.end(), [](const MapRow& row) { return row.stiffness.combined.has_value(); })) {
     throw Refusal("no site was pressed far enough for its stiffness; press with more torque, or record more often");
   }
@@ -75,6 +80,11 @@ void add_palpate(CLI::App& app, int& exit_status) {
   against->needs(model);
   model->needs(against);
   command->add_option("-o,--output", options->output, "CSV of the map to write");
+  command->add_option("--svg", options->svg, "picture of the map to write: a bar for each site with its interval");
+  command->footer(
+      "A site stands out ('*', another colour) from 1.5 times the median on, its whole interval. What that finds, by "
+      "the\n"
+      "depth and stiffness of an inclusion, and what a lower factor would: capstan thesis --table detection.");
   command->callback([options, &exit_status] { exit_status = run_palpate(*options); });
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 
+#include "capstan/hal/sim/parameters.hpp"
 #include "capstan/tools/identify/force_fit.hpp"
 
 namespace capstan::tools {
@@ -16,6 +17,13 @@ using ForceSurface = PreisachTable;
 inline constexpr double kTorquePerVolt = 0.06228 / 2.0;
 inline constexpr double kSaturationV = 5.0;
 
+/// What chapter 4 does not print of its forceps; by default what chapter 2 measured of the grasper.
+struct ForcepsNumbers {
+  double friction = 1.0;  ///< eta over the grasper's
+  double pretension_n = sim::PlantParameters{}.pretension_n;
+  double saturates_at_v = 1e3;  ///< its drive
+};
+
 /// A motion of the input voltage on the forceps with a locked tip, from the lower saturation on, every 10 ms.
 struct ForceRun {
   Eigen::VectorXd time_s, input_v, torque_nm;  ///< torque_nm: of the joint, as its force sensor shows
@@ -23,10 +31,10 @@ struct ForceRun {
 };
 
 /// u1, u2, u3 of chapter 4.
-auto run_of_chapter_4(std::size_t signal) -> ForceRun;
+auto run_of_chapter_4(std::size_t signal, const ForcepsNumbers& forceps = {}) -> ForceRun;
 /// First-order reversal values measured as chapter 4 does: one peak per level, read at every level on the way down.
 /// @param levels  2 to kMostLevels over +-5 V
-auto measured_surface(std::size_t levels) -> ForceSurface;
+auto measured_surface(std::size_t levels, const ForcepsNumbers& forceps = {}) -> ForceSurface;
 /// Up to every level in turn, the highest first, and down to the lower saturation each time.
 auto reversal_run(std::size_t levels) -> ForceRun;
 /// The surface that `capstan identify` finds in such a run, in volts.

@@ -2,6 +2,7 @@
 #include "capstan/tools/thesis/figures.hpp"
 
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/thesis/detection.hpp"
 
 namespace capstan::tools {
 
@@ -19,9 +20,12 @@ auto hertz(double frequency) -> std::string {
 
 auto thesis_figures() -> std::vector<ThesisFigure> {
   std::vector<ThesisFigure> all = force_figures();
-  for (ThesisFigure& figure : motion_figures()) {
-    all.push_back(std::move(figure));
+  for (auto more : {motion_figures, study_figures}) {
+    for (ThesisFigure& figure : more()) {
+      all.push_back(std::move(figure));
+    }
   }
+  all.push_back(detection_figure());
   return all;
 }
 

@@ -21,5 +21,7 @@ auto hertz(double frequency) -> std::string;
 auto force_figures() -> std::vector<ThesisFigure>;
 /// The figures of chapters 5 to 7: motion.
 auto motion_figures() -> std::vector<ThesisFigure>;
+/// The study that section 8.2.3 asks for: one and two idlers, stop and go.
+auto study_figures() -> std::vector<ThesisFigure>;
 
 }  // namespace capstan::tools

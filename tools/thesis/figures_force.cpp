@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/hal/sim/plant.hpp"
+#include "capstan/model/stiffness.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 #include "capstan/tools/thesis/chapter4.hpp"
@@ -199,6 +200,23 @@ auto compliance_plot(const std::string& title, const std::vector<std::pair<std::
   return plot;
 }
 
+/// What (3.24) and (3.26) foretell of a spring in the second press: both tendons active from 43.5 to 47 s, one slack at
+/// 49 s.
+auto foretold(double stiffness) -> Series {
+  const sim::PlantParameters p;
+  const TendonPair pair{{p.eta_top, p.stiffness_top_n_per_m},
+                        {p.eta_bottom, p.stiffness_bottom_n_per_m},
+                        p.input_radius_m,
+                        p.output_radius_m};
+  const auto felt = [&](ForcePhase phase) {
+    return combined_compliance(pair, phase_stiffness(pair, phase), stiffness);
+  };
+  Series line{"", kColours[7], Eigen::VectorXd(3), Eigen::VectorXd(3)};
+  line.x << 43.5, 47.0, 49.0;
+  line.y << felt(ForcePhase::kBothActive), felt(ForcePhase::kBothActive), felt(ForcePhase::kOneSlack);
+  return line;
+}
+
 auto inclusion(double depth_rad, double site_m) -> sim::Environment {
   sim::Environment e;
   e.kind = sim::EnvironmentKind::kLayered;
@@ -219,8 +237,12 @@ auto chapter_3() -> std::vector<ThesisFigure> {
     const Pressing c = compliance(press(spring(value)));
     stiffness.series.push_back({name, kColours[k++], c.time_s, c.q1_rad.cwiseInverse().cwiseMin(1.0).cwiseMax(0.0)});
   }
-  const Plot soft = compliance_plot(
-      "Combined compliance", {{"compliant", spring(0.05)}, {"semi-compliant", spring(0.2)}, {"rigid", spring(2.0)}});
+  Plot soft = compliance_plot("Combined compliance",
+                              {{"compliant", spring(0.05)}, {"semi-compliant", spring(0.2)}, {"rigid", spring(2.0)}});
+  for (const double value : {0.05, 0.2, 2.0}) {
+    soft.series.push_back(foretold(value));
+  }
+  soft.series.back().label = "foretold";
   const Plot tumour = compliance_plot("Combined compliance over tissue", {{"no tumour", inclusion(0.0, 0.05)},
                                                                           {"in the middle", inclusion(0.08, 0.0)},
                                                                           {"at the surface", inclusion(0.0, 0.0)}});
@@ -236,7 +258,8 @@ auto chapter_3() -> std::vector<ThesisFigure> {
   return {{"3.9",
            "Palpation of three samples",
            "Printed: stiffness falls from large values in phases I and II to "
-           "plateaus that rank the samples; compliance tells them apart while the torque is high.",
+           "plateaus that rank the samples; compliance tells them apart while the torque is high. Grey: by "
+           "(3.24) and (3.26), the sample seen through pulleys and friction.",
            {stiffness, soft}},
           {"3.10, 3.11",
            "Tissue with an inclusion: a layer of 0.15 N m/rad, 0.3 more over the inclusion",

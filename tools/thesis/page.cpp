@@ -28,6 +28,9 @@ auto summary(const std::vector<ThesisTable>& tables) -> std::string {
   std::string rows;
   for (const ThesisTable& table : tables) {
     const auto all = differences_of(table);
+    if (all.empty()) {
+      continue;  // nothing is printed of it
+    }
     const auto count = [&](auto&& is) { return std::to_string(std::count_if(all.begin(), all.end(), is)); };
     rows += "<tr><td>" + escaped(table.number) + "</td><td class=\"n\">" + std::to_string(all.size()) +
             "</td><td class=\"n\">" + count([](const auto& d) { return d.fitted; }) + "</td><td class=\"n\">" +

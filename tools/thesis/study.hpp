@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,9 @@ auto built_in(const char* name) -> Instrument;
 auto wrist_of_chapter_6() -> Instrument;
 auto elbow_of_chapter_7() -> Instrument;
 
-/// How well an estimate fits, as the thesis counts it (footnotes 4 and 5 of ch. 5).
+/// How well an estimate fits, as the thesis counts it. Footnotes 4 and 5 of ch. 5 divide by the estimate's spread, but
+/// RMSE / (1 - GoF) of KM and of PM agree to three digits in every printed row, and their estimates have not the same
+/// spread: what was divided by is the measurement's.
 struct FitQuality {
   double rmse_deg = 0.0;
   double gof_percent = 0.0;
@@ -35,9 +38,11 @@ struct Signal {
   std::string name;
   sim::Motion motion;
   FitQuality km, pm;
+  /// The motor's motion by a factor, where the printed row says how far the joint went but not the motor.
+  std::function<sim::Motion(double)> scaled = {};
 };
 
-/// The root mean square of the estimate beta q1 that a printed row implies: RMSE / (1 - GoF).
+/// The root mean square of the measured joint angle that a printed row implies: RMSE / (1 - GoF).
 auto implied_rms_deg(const FitQuality& printed) -> double;
 
 /// One instrument, or a variant of it, under the signals of a table.
@@ -45,11 +50,13 @@ struct Study {
   Instrument instrument;
   std::size_t axis = 0;
   std::vector<sim::Motion> identification;
-  bool drag = false;  ///< PM is (6.21)
+  std::vector<Signal> identification_signals = {};  ///< after these
+  bool drag = false;                                ///< PM is (6.21)
   std::vector<std::string> extra_terms = {};
-  double late_s = 0.0;       ///< the joint's camera, by the time stamps of its pictures
-  bool rigid_ratio = false;  ///< KM with r1 / r2 instead of a ratio fitted to the logs
-  bool gravity_out = false;  ///< the plant's gravity is taken out of the torque before laws see it
+  double late_s = 0.0;                 ///< the joint's camera, by the time stamps of its pictures
+  bool rigid_ratio = false;            ///< KM with r1 / r2 instead of a ratio fitted to the logs
+  double pretension_of_signals = 1.0;  ///< over that under which the laws are identified
+  bool gravity_out = false;            ///< the plant's gravity is taken out of the torque before laws see it
 };
 
 struct SignalErrors {
@@ -70,6 +77,7 @@ auto run_study(const Study& study, const std::vector<Signal>& signals) -> StudyE
 struct StudyTrial {
   ThesisTable::Trial trial;
   Study study;
+  std::vector<std::size_t> only = {};  ///< the signals that it is tried on; empty: all
 };
 
 /// Columns km, pm, less, gof_km, gof_pm and, if printed, r2_km and r2_pm for the print, the simulator and every trial;
@@ -82,7 +90,7 @@ auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Stud
 
 /// What the motor has to turn so that r1 / r2 of it is this much at the joint.
 auto motor_deg(double joint_deg, const sim::PlantParameters& plant) -> double;
-/// A signal whose amplitude follows from the printed RMSE and GoF of the kinematic model.
+/// A signal under which the joint goes as far as the printed RMSE and GoF of the kinematic model say.
 auto sine_signal(std::string name, double frequency_hz, double duration_s, const FitQuality& km, const FitQuality& pm,
                  const sim::PlantParameters& plant) -> Signal;
 auto multisine_signal(std::string name, const std::vector<double>& frequencies_hz, double duration_s,

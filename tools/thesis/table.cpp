@@ -323,7 +323,7 @@ auto table_html(const ThesisTable& table) -> std::string {
   }
   const std::string large = html_differences(table);
   if (large.empty()) {
-    return html + "<p>No difference is over 10 %.</p>\n";
+    return differences_of(table).empty() ? html : html + "<p>No difference is over 10 %.</p>\n";
   }
   return html +
          "<details open><summary>Differences over 10 %, and what was changed to explain them</summary>"

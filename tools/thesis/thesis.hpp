@@ -27,6 +27,8 @@ auto table_6_2() -> ThesisTable;
 /// RAVEN II elbow.
 auto table_7_1() -> ThesisTable;
 auto table_7_2() -> ThesisTable;
+/// Stop and go over rotating idlers, the study that section 8.2.3 asks for.
+auto table_8_2_3() -> ThesisTable;
 
 /// The control error of a row of table 5.3 by the torque per ampere: what it is fitted by.
 /// @param own  with the micro-forceps' own tendons and late pictures

@@ -9,39 +9,23 @@
 #include <optional>
 
 #include "capstan/tests/tools/run/tissues.hpp"
+#include "capstan/tools/thesis/detection.hpp"
 
 namespace capstan::tools {
 namespace {
 
-using test::between;
 using test::calibrated;
 using test::felt_by_board;
 using test::servo_log;
 using test::tissue;
 using test::torque_log;
 
-/// How many intervals hold the truth, whoever says them.
-struct Coverage {
-  int asked = 0, inside = 0, answered = 0;
-  double error = 0.0, half = 0.0;  // sums of shares
+using Coverage = CoverageCount;
 
-  void count(double truth, const std::optional<Stiffness>& said) {
-    ++asked;
-    if (said) {
-      ++answered;
-      inside += std::abs(said->value - truth) < said->half_interval ? 1 : 0;
-      error += said->value / truth - 1.0;
-      half += said->half_interval / truth;
-    }
-  }
-  [[nodiscard]] auto percent() const -> double { return 100.0 * inside / std::max(answered, 1); }
-  [[nodiscard]] auto mean_error() const -> double { return error / std::max(answered, 1); }
-  [[nodiscard]] auto mean_half() const -> double { return half / std::max(answered, 1); }
-  void print(const char* who) const {
-    std::printf("  %s: %d of %d answered, %d inside (%.1f %%), mean error %+.2f %%, mean half interval %.2f %%\n", who,
-                answered, asked, inside, percent(), 100.0 * mean_error(), 100.0 * mean_half());
-  }
-};
+void print(const Coverage& c, const char* who) {
+  std::printf("  %s: %d of %d answered, %d inside (%.1f %%), mean error %+.2f %%, mean half interval %.2f %%\n", who,
+              c.answered, c.asked, c.inside, c.percent(), 100.0 * c.mean_error(), 100.0 * c.mean_half());
+}
 
 /// Tissues that are pressed, how, and from which seed on they are drawn.
 struct Survey {
@@ -85,8 +69,8 @@ auto survey(const Survey& s) -> Both {
     both.board.count(truth, felt_by_board(log, parameters));
   }
   std::printf("%s, %.2f Hz, seeds %llu on\n", s.name, s.frequency_hz, static_cast<unsigned long long>(s.first_seed));
-  both.host.print("host");
-  both.board.print("board");
+  print(both.host, "host");
+  print(both.board, "board");
   return both;
 }
 
@@ -122,7 +106,7 @@ TEST(PalpationCoverage, IntervalsHoldTheStiffnessOf93To97OfAHundredTissuesDamped
   all.inside += still.board.inside;
   all.error += still.board.error;
   all.half += still.board.half;
-  all.print("board, damped and not");
+  print(all, "board, damped and not");
   expect_true_intervals(all);
 }
 
@@ -143,54 +127,20 @@ TEST(PalpationCoverage, TrianglesOfTorqueAsTheBoardPressesThem) {
   EXPECT_GE(pressed.board.percent(), 93.0);
 }
 
-constexpr std::array<double, 4> kFactors = {1.05, 1.1, 1.2, 1.5};
-
-/// Hits and false alarms of maps of nine sites with an inclusion under the fifth, by the factor that calls a site
-/// stiff.
-struct Found {
-  std::array<int, kFactors.size()> hits{}, alarms{};
-};
-auto search(double inclusion_nm, double depth_rad, std::uint64_t first_seed,
-            const TensionStateParameters<double>& parameters) -> Found {
-  Found found;
-  for (int m = 0; m < maps_asked(); ++m) {
-    std::vector<SiteStiffness> sites;
-    for (int s = 0; s < 9; ++s) {
-      const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(100 * m + s);
-      Random random(static_cast<std::uint32_t>(seed));
-      sim::PlantParameters p;
-      p.environment = tissue(first_seed + static_cast<std::uint64_t>(m));
-      p.environment.deep_stiffness = 0.06 * between(random, 0.9, 1.1);  // tissue differs from site to site
-      p.environment.stiffness = 0.03;
-      p.environment.layer_depth_rad = 0.08;
-      p.environment.inclusion_stiffness = inclusion_nm;
-      p.environment.inclusion_depth_rad = depth_rad;
-      p.environment.inclusion_width_m = 0.004;
-      p.environment.site_m = 0.005 * (s - 4);
-      sites.push_back(palpate(servo_log(p, 10.0, 0.2, 0.15, 0.2, seed), parameters, {{0.0, 10.0}})[0]);
-    }
-    for (std::size_t f = 0; f < kFactors.size(); ++f) {
-      for (const std::size_t site : stiff_sites(sites, kFactors[f])) {
-        found.hits[f] += site == 4 ? 1 : 0;
-        found.alarms[f] += site < 3 || site > 5 ? 1 : 0;  // the neighbours lie on the inclusion's edge
-      }
-    }
-  }
-  return found;
-}
+const std::vector<double> kFactors = {1.05, 1.1, 1.2, 1.5};
 
 TEST(PalpationDetection, HitsOverFalseAlarmsByDepthAndStiffness) {
   const auto parameters = calibrated(900000);
   constexpr std::array<double, 3> kStiffness = {0.02, 0.04, 0.08};
   constexpr std::array<double, 3> kDepth = {0.04, 0.12, 0.18};
   std::uint64_t seed = 910000;
-  std::array<std::array<Found, 3>, 3> found;
+  std::array<std::array<Detection, 3>, 3> found;
   const int maps = maps_asked();
   std::printf("inclusion N m/rad, depth rad: hits of %d, false alarms of %d at factors 1.05, 1.1, 1.2, 1.5\n", maps,
               6 * maps);
   for (std::size_t k = 0; k < 3; ++k) {
     for (std::size_t d = 0; d < 3; ++d) {
-      const Found f = found[k][d] = search(kStiffness[k], kDepth[d], seed, parameters);
+      const Detection f = found[k][d] = detect({kStiffness[k], kDepth[d]}, maps, seed, kFactors, parameters);
       seed += 10000;
       std::printf("  %.2f, %.2f:", kStiffness[k], kDepth[d]);
       for (std::size_t i = 0; i < kFactors.size(); ++i) {
@@ -204,6 +154,18 @@ TEST(PalpationDetection, HitsOverFalseAlarmsByDepthAndStiffness) {
   EXPECT_GE(found[2][0].hits[3], maps - 1) << "stiff and shallow";
   EXPECT_LE(found[0][0].hits[3], 1) << "a third more than the rest is below the factor of 1.5";
   EXPECT_LE(found[2][2].hits[3], 1) << "the tip does not press so deep";
+}
+
+TEST(PalpationDetection, CurveOfHitsOverFalseAlarmsRisesFromNothingToEverySite) {
+  const Detection found{10, 60, {0.8, 1.1, 1.5}, {10, 9, 4}, {57, 6, 0}};
+  const Series curve = detection_series(found, "", "");
+  ASSERT_EQ(curve.x.size(), 5);
+  const std::array<double, 5> alarms = {0.0, 0.0, 0.1, 0.95, 1.0};
+  const std::array<double, 5> hits = {0.0, 0.4, 0.9, 1.0, 1.0};
+  for (Eigen::Index i = 0; i < 5; ++i) {
+    EXPECT_NEAR(curve.x[i], alarms[static_cast<std::size_t>(i)], 1e-12);
+    EXPECT_NEAR(curve.y[i], hits[static_cast<std::size_t>(i)], 1e-12);
+  }
 }
 
 }  // namespace

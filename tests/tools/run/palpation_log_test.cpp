@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Palpation from the firmware's command to the map: the board presses, its log goes through the host's command.
 #include "capstan/tools/identify/palpation_log.hpp"
+#include "capstan/tools/report/palpation_map.hpp"
 
 #include <gtest/gtest.h>
 
@@ -126,6 +127,30 @@ TEST(PalpationLog, TheMapShowsValuesIntervalsAndWhatStandsOut) {
   EXPECT_NE(text.find("not pressed far enough"), std::string::npos) << text;
   EXPECT_EQ(map_csv(rows).substr(0, map_csv(rows).find('\n')), "site,stiffness_Nm_per_rad,ci95_half_Nm_per_rad");
   EXPECT_TRUE(map_csv(rows).ends_with("5,,\n"));
+}
+
+TEST(PalpationLog, ThePictureOfTheMapHasABarForEachSiteAndMarksWhatStandsOut) {
+  std::vector<MapRow> rows;
+  for (const double value : {0.05, 0.06, 0.15, 0.05, 0.055}) {
+    SiteStiffness site;
+    site.combined = Stiffness{value, 0.002};
+    rows.push_back({"log", 2 * static_cast<int>(rows.size()) + 1, site});
+  }
+  rows.push_back({"log", 11, {}});
+  Plot plot = palpation_map(rows);
+  ASSERT_EQ(plot.series.size(), 6U) << "five bars, and the limit; nothing where nothing was felt";
+  EXPECT_NEAR(plot.series[1].x.mean(), 3.0, 0.1) << "by the sites' numbers";
+  EXPECT_EQ(plot.series[0].y.minCoeff(), 0.0);
+  EXPECT_NEAR(plot.series[0].y.maxCoeff(), 0.052, 1e-12);
+  EXPECT_EQ(plot.series[0].colour, plot.series[3].colour);
+  EXPECT_NE(plot.series[0].colour, plot.series[2].colour);
+  EXPECT_EQ(plot.series[2].label, "stiffer than the rest");
+  EXPECT_NEAR(plot.series[5].y[0], 1.5 * 0.055, 1e-12);
+  EXPECT_NE(svg_of(plot).find("<svg"), std::string::npos);
+  rows[1].site = 1;
+  plot = palpation_map(rows);
+  EXPECT_NEAR(plot.series[1].x.mean(), 2.0, 0.1) << "numbers repeat: by order";
+  EXPECT_TRUE(palpation_map({}).series.empty());
 }
 
 TEST(PalpationLog, TheForceSectionReadsBackAndWhatIsMissingIsSaid) {
