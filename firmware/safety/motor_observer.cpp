@@ -41,12 +41,10 @@ constexpr std::int32_t kLoadShare8 = 4;
 constexpr std::int32_t kUnloadShare8 = 1;
 // Three cycles against three while the motor winds its tendons up: kQuantisation, or a share of the speed, sixteenths,
 // and twice what the speed changed by of late, for a change that has begun goes on growing. Chosen in November 2026 on
-// the campaign's joints and 160 drawn ones, five minutes each (seeds 420000 to 420079, 421000 to 421079): no healthy
-// motion came further than 0.83 of it; with 3/16 and 2.75 counts nine more cases of the campaign are found, and one of
-// those joints would stop.
+// the campaign's joints and 160 drawn ones, five minutes each (seeds 420000 to 420079, 421000 to 421079): none came
+// further than 0.83 of it; with 3/16 and 2.75 counts nine more cases are found, and one of those joints stops.
 constexpr std::int32_t kWindingShare16 = 5;
 constexpr std::int32_t kLately = 2;
-constexpr std::int32_t kMostChange = 1 << 20;  // counts
 // After a look, in which a healthy motor springs back from it.
 constexpr std::int32_t kLookFades = 20;
 // The envelope of the wanted current forgets with this shift: about 32 cycles.
@@ -89,7 +87,6 @@ constexpr int kGainErrorShift = 4;
 
 // Two and a half of the longest half swings of a motor on its tendons (RAVEN's elbow: 20 ms).
 constexpr std::int32_t kSpringingCycles = 50;
-
 // Longest time in which a torque that rises as fast as it may goes unjudged.
 constexpr std::int64_t kBlindCycles = 10;
 
@@ -149,6 +146,9 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
   sudden = std::max(kSudden, limited(std::int64_t{own.slack_counts.raw()} * kSuddenSlack8 >> (24 - 8 + 3)));
   winding = std::max(kQuantisation, sudden);
+  answer = own.answer_gains != LookAnswer::mark(config.control)
+               ? 0
+               : limited((per_turn * 1000 >> 24) * own.answer_rad_per_a.raw() / 100 * LookAnswer::kLeastPercent >> 24);
   // counts/256 = 256 cpr / (2 pi) v / 1000
   fast = limited((per_turn >> 24) * config.limits.joint_speed_rad_s.raw() >> 24);
 }
@@ -179,9 +179,9 @@ auto MotorObserver::check(const AxisConfig& config) -> const char* {
 }
 
 void MotorObserver::rt_arm() {
+  answer_.rt_rest();
   confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = given_ = 0;
-  unanswered_ = 0;
-  look_ = 0;
+  unanswered_ = look_ = 0;
   springing_ = moved_ == 0 ? 0 : kSpringingCycles;
   silent_ = kMostSilentCycles;
   interval_ = 0;
@@ -212,6 +212,12 @@ auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised
     const FaultSet of_motion = rt_watch_speed(moved, drive_a.raw()) | rt_watch_stretch(moved, drive_a.raw()) |
                                rt_watch_answer(moved, drive_a.raw());
     faults |= springing_ == 0 ? of_motion : of_motion & ~bit(Fault::kEncoderMotion);
+    if (look_ == 1) {
+      answer_.rt_begin(wanted_, springing_ == 0 && std::abs(wanted_) <= scales_.frozen / 2);
+    }
+    faults |= answer_.rt_step(moved, drive_a.raw(), scales_.frozen / 16 * LookAnswer::kDead16, scales_.answer)
+                  ? bit(Fault::kEncoderMotion)
+                  : 0;
     springing_ = std::max<std::int32_t>(springing_ - 1, 0);
   }
   if (watching_ && !energised) {
@@ -295,7 +301,7 @@ auto MotorObserver::rt_slows_while_winding(std::int32_t moved, std::int32_t want
   const std::int32_t before = past(3).way;
   const std::int32_t after = moved + past(1).moved + past(2).moved;
   const std::int32_t slower = before >= 0 ? before - after : after - before;
-  lately_ = std::max(lately_ - (lately_ >> kTrailShift), (std::min(std::abs(slower), kMostChange) - 1) * 256);
+  lately_ = std::max(lately_ - (lately_ >> kTrailShift), (std::min<std::int32_t>(std::abs(slower), 1 << 20) - 1) * 256);
   const std::int32_t allowed =
       std::max(scales_.winding, std::abs(before) * (kWindingShare16 * 256 / 16)) + kLately * past(3).lately;
   if (before == 0 || slower * 256 <= allowed || looking_ > 0 || springing_ > 0) {

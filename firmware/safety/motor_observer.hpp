@@ -4,6 +4,7 @@
 #include <array>
 
 #include "capstan/firmware/estimate/motor_sensing.hpp"
+#include "capstan/firmware/safety/look_answer.hpp"
 
 namespace capstan {
 
@@ -31,6 +32,7 @@ namespace capstan {
 ///   too small, or one that goes on by itself: half, drift, lag. A motor that goes on while its torque falls is helped
 ///   by its load, and each count of that answers for kHelpedShare8 of it. Friction along a tendon is a share of its
 ///   tension, so what a motor pressed with where it turned round counts until it has turned.
+/// - **A look without its answer.** A look moves a motor at rest by counts of its own: LookAnswer.
 /// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
 /// what
 ///   is beyond, up to the charge that makes the motor dv' faster.
@@ -54,6 +56,8 @@ class MotorObserver {
   /// The first is that of rt_arm; another one whenever the encoder falls silent. It takes torque away, for a joint that
   /// is about to break away would go with one that adds some.
   auto rt_look() -> Q24;
+  /// How the motor answered the last looks.
+  [[nodiscard]] auto look_answer() const -> const LookAnswer& { return answer_; }
   /// Something moved the motor that torque did not, and faster: a blow from outside, or the transmission let go.
   [[nodiscard]] auto blow() const -> bool { return blow_; }
 
@@ -92,6 +96,7 @@ class MotorObserver {
     std::int32_t turn = 0;      // A, twice the motor's own friction
     std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;    // counts/256, two cycles against the two before
+    std::int32_t answer = 0;    // counts/256, for each A of a look at least; 0: not judged
     std::int32_t winding = 0;   // counts/256, three cycles against the three before
   };
   auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
@@ -117,6 +122,7 @@ class MotorObserver {
   std::int32_t unanswered_ = 0;      // A cycles
   std::int32_t strayed_ = 0;         // A cycles
   std::int32_t look_ = kLookCycles;
+  LookAnswer answer_;
   std::int32_t slow_ = 0;       // speed where the torque last went with the motion, counts in a cycle
   std::int32_t springing_ = 0;  // cycles in which what a torque of before has stretched may move the motor
   struct Cycle {

@@ -81,6 +81,9 @@ auto commissioned(const sim::PlantParameters& plant, const AxisConfig& config, s
   operate.say("arm");
   operate.wait(300);
   operate.say("commission joint0");
+  operate.say("arm");
+  operate.wait(300);
+  operate.say("commission joint0 looks");
   return operate.observer();
 }
 
