@@ -52,6 +52,8 @@ class LookAnswer {
       high_ = low_ = wanted_a;
     }
   }
+  /// Whether a look or its springing back is under way.
+  [[nodiscard]] auto waits() const -> bool { return left_ > 0; }
   /// One cycle. @param dead_a  range of torque that friction takes, raw
   /// @param least  counts/256 for each A beyond; 0: nothing is too little
   /// @returns true where too many answers in a row were less than that
@@ -59,14 +61,18 @@ class LookAnswer {
     if (left_ == 0) {
       return false;
     }
-    place_ = std::clamp(place_ + moved, -kFar, kFar);
+    if (!judged_) {
+      --left_;
+      return false;
+    }
+    place_ += moved;  // of kCycles, which a cycle's largest motion lets fit
     furthest_ = std::max(furthest_, place_);
     nearest_ = std::min(nearest_, place_);
     if (left_ > kCycles - kTorqueCycles) {
       high_ = std::max(high_, wanted_a);
       low_ = std::min(low_, wanted_a);
     }
-    if (--left_ > 0 || !judged_) {
+    if (--left_ > 0) {
       return false;
     }
     const std::int64_t beyond = std::int64_t{high_} - low_ - dead_a;
@@ -85,7 +91,6 @@ class LookAnswer {
   [[nodiscard]] auto number() const -> std::uint32_t { return number_; }
 
  private:
-  static constexpr std::int32_t kFar = 1 << 24;
   std::int32_t left_ = 0;
   std::int32_t place_ = 0;
   std::int32_t furthest_ = 0;
