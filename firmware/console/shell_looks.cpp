@@ -4,6 +4,7 @@
 
 #include "capstan/firmware/console/shell_commands.hpp"
 #include "capstan/firmware/parameters/parameters.hpp"
+#include "capstan/firmware/safety/motor_commissioning.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
 
 namespace capstan {
@@ -36,7 +37,7 @@ struct LooksStream final : Stream {
     static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
     session.begin(*this);
   }
-  void step(Session& session) override;
+  [[maybe_unused]] void step(Session& session) override;  // not on a board that can not commission
   void cancel(Session& /*session*/) override { lost_ = true; }
 
  private:
@@ -123,6 +124,14 @@ void LooksStream::take(Session& session) {
   session.answer_when_settled();
 }
 
+/// A template, so that a board that can not commission has no room for the stream.
+template <typename Answer>
+void begin_looks(Session& session, std::size_t axis) {
+  auto& stream = session.make<Answer>();
+  stream.axis = axis;
+  stream.begin(session);
+}
+
 }  // namespace
 
 void commands::commission_looks(Session& session, std::size_t axis) {
@@ -140,9 +149,12 @@ void commands::commission_looks(Session& session, std::size_t axis) {
     session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
                   "'frames off' if they are on, and send the line again");
   } else {
-    auto& stream = session.make<LooksStream>();
-    stream.axis = axis;
-    stream.begin(session);
+    if constexpr (MotorCommissioning::kAvailable) {
+      begin_looks<LooksStream>(session, axis);
+    } else {
+      session.error("not_here", "this board can not commission, and nothing moved",
+                    "commission such a joint on Linux and set observer.* here");
+    }
   }
 }
 
