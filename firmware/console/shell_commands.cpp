@@ -57,9 +57,11 @@ constexpr std::array<ShellCommand, 31> kCommands = {
         "moves a joint as a law needs it to be identified, within its limits, and prints the log; with 'on=' it "
         "shakes the joint for 'capstan tune' to read its frequency response from the log",
         commands::experiment, true},
-    ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE]", kAnyNumber,
+    ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE] | jointN looks", kAnyNumber,
                  "moves a joint to and fro about where it stands and shakes its motor a little, to find what the motor "
-                 "observer needs; takes the torque away and sets observer.* (in maintenance only)",
+                 "observer needs; takes the torque away and sets observer.* (in maintenance only); 'looks' finds "
+                 "observer.answer "
+                 "anew, as after every change of gains",
                  commands::commission, true},
     ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
                  kAnyNumber,

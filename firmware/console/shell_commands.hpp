@@ -44,6 +44,8 @@ void zero(Session& session, std::string_view arguments);
 void log(Session& session, std::string_view arguments);
 void experiment(Session& session, std::string_view arguments);
 void commission(Session& session, std::string_view arguments);
+/// What a motor at rest answers looks by, of a joint whose other values are known.
+void commission_looks(Session& session, std::size_t axis);
 void palpate(Session& session, std::string_view arguments);
 void frames(Session& session, std::string_view arguments);
 void watch(Session& session, std::string_view arguments);

@@ -250,6 +250,11 @@ void commands::commission(Session& session, std::string_view arguments) {
     session.error("unknown_joint", "there is no such joint", "write 'commission joint0'");
     return;
   }
+  std::string_view rest = arguments;
+  if (next_word(rest) == "looks" && rest.empty()) {
+    commission_looks(session, axis);
+    return;
+  }
   if constexpr (MotorCommissioning::kAvailable) {
     begin_commissioning<CommissionStream>(session, axis, arguments);
   } else {

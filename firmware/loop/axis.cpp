@@ -205,6 +205,9 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, con
   telemetry_.law_torque_nm = effort_.estimate().law_nm;
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;
+  telemetry_.look_counts = observer_.look_answer().counts();
+  telemetry_.look_a = observer_.look_answer().beyond_a();
+  telemetry_.looks = observer_.look_answer().number();
   telemetry_.misfit = estimator_.monitor().level();
   telemetry_.warnings = static_cast<WarningSet>(estimator_.monitor().warnings() | limit_cycle_.warnings());
   telemetry_.tension = estimator_.monitor().tendons().tension();

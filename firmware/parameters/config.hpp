@@ -144,6 +144,11 @@ struct ObserverConfig {
   /// not watched.
   Q24 stiffness_nm_per_rad{};
   Q24 excess_nm{};  ///< largest torque of a healthy motor beyond what that answered for
+  /// Angle for each A of a look by which it moves the motor at rest without a load; 0: not judged.
+  Q24 answer_rad_per_a{};
+  /// LookAnswer::mark of the gains with which it was found: the servo answers a look too. With others it is not
+  /// judged.
+  std::int32_t answer_gains = 0;
 };
 
 /// The motor torque that a motion takes: what `capstan diagnose --target axis0/tau_Nm` finds. Without coefficients

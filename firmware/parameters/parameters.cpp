@@ -194,6 +194,12 @@ constexpr std::array kFixedParameters = {
          kObserver + offsetof(ObserverConfig, stiffness_nm_per_rad), 0.0, 100.0, kSafety),
     real("observer", "excess", "Nm", "largest torque of a healthy motor beyond what that answered for",
          kObserver + offsetof(ObserverConfig, excess_nm), 0.0, 100.0, kSafety),
+    real("observer", "answer", "rad/A",
+         "angle for each A by which a look moves the motor at rest without a load; 0: not judged",
+         kObserver + offsetof(ObserverConfig, answer_rad_per_a), 0.0, 100.0, kSafety),
+    integer("observer", "answer_gains", "1",
+            "mark of the gains with which it was found; with others of control.* it is not judged",
+            kObserver + offsetof(ObserverConfig, answer_gains), 0, (1 << 24) - 1, kSafety),
 };
 
 constexpr std::size_t kLawAt = kFixedParameters.size() + kPreisachTable.size();

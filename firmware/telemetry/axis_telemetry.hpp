@@ -40,7 +40,10 @@ struct AxisTelemetry {
   WarningSet warnings = 0;
   TendonHealth tendons = TendonHealth::kNothing;
   ControlMode mode = ControlMode::kPosition;
-  bool moving = false;  ///< its reference is, or comes as a stream
+  bool moving = false;           ///< its reference is, or comes as a stream
+  std::int32_t look_counts = 0;  ///< of the last look at rest without a load, LookAnswer
+  Q24 look_a;                    ///< torque that made it
+  std::uint32_t looks = 0;       ///< how many there were; wraps
 };
 
 }  // namespace capstan

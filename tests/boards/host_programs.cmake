@@ -8,7 +8,8 @@ foreach(name drivetrain faults fields plant sensors tendon)
 endforeach()
 set(cycle_sources)
 foreach(name loop/axis control/controller control/force_control control/modes control/trajectory estimate/effort_stage estimate/estimator estimate/law_monitor
-    estimate/motor_sensing estimate/tendon_health parameters/parameters safety/gate safety/limit_cycle safety/monitors safety/motor_observer safety/supervisor)
+    estimate/motor_sensing estimate/tendon_health parameters/parameters safety/gate safety/limit_cycle safety/monitors safety/motor_observer
+    safety/motor_observer_scales safety/supervisor)
   list(APPEND cycle_sources ${PROJECT_SOURCE_DIR}/firmware/${name}.cpp)
 endforeach()
 

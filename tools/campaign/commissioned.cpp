@@ -81,6 +81,10 @@ auto commissioned(const sim::PlantParameters& plant, const AxisConfig& config, s
   operate.say("arm");
   operate.wait(300);
   operate.say("commission joint0");
+  operate.wait(300);  // nobody arms in the cycle in which torque went
+  operate.say("arm");
+  operate.wait(300);
+  operate.say("commission joint0 looks");
   return operate.observer();
 }
 

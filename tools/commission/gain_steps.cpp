@@ -154,6 +154,25 @@ void CommissionSteps::check(CommissionSteps& steps) {
   steps.find("a sine is followed within " + rounded(1e3 * *after, 3) + " mrad rms of the estimate" +
              (before ? ", " + rounded(1e3 * *before, 3) + " before" : std::string(", and not at all before")) +
              "; after a step nothing swings");
+  steps.find_answer();
+}
+
+void CommissionSteps::find_answer() {
+  if (joint_.value("observer.inertia") <= 0.0) {
+    return;  // nobody looks
+  }
+  joint_.arm();
+  try {
+    decide_observer(joint_.ask("commission " + joint_.name() + " looks"));
+  } catch (const Refusal& refusal) {
+    if (std::string(refusal.what()).find("not_here") == std::string::npos) {
+      throw;
+    }
+  }
+  const bool judged = joint_.value("observer.answer") > 0.0;
+  find(judged ? "its looks at rest are answered by " + joint_.text("observer.answer") + ", which is watched"
+              : "how far its motor answers a look at rest is not watched: it pulls, its encoder is too coarse, or "
+                "this board can not find it");
 }
 
 void CommissionSteps::together(CommissionSteps& steps) {

@@ -282,6 +282,16 @@ void CommissionSteps::travel(CommissionSteps& steps) {
              " rad of the motor");
 }
 
+void CommissionSteps::decide_observer(const std::vector<std::string>& answer) {
+  const std::string prefix = joint_.name() + ".";
+  for (const std::string& line : answer) {
+    if (line.starts_with(prefix + "observer.")) {
+      const std::size_t blank = line.find(' ');
+      decide(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
+    }
+  }
+}
+
 void CommissionSteps::motor(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.keep_to_corridor();
@@ -295,13 +305,7 @@ void CommissionSteps::motor(CommissionSteps& steps) {
   const std::string order = "commission " + joint.name() + " amplitude=" + rounded(reach) + "rad" +
                             (louder ? " dither=" + rounded(kLouderDither * steps.continuous_nm(), 4) + "Nm" : "");
   try {
-    for (const std::string& line : joint.ask(order)) {
-      const std::string prefix = joint.name() + ".observer.";
-      if (line.starts_with(prefix)) {
-        const std::size_t blank = line.find(' ');
-        steps.decide(line.substr(joint.name().size() + 1, blank - joint.name().size() - 1), line.substr(blank + 1));
-      }
-    }
+    steps.decide_observer(joint.ask(order));
     steps.require_no_lighter(1e-3 * joint.value("observer.inertia"));
     steps.find("the motor observer watches: inertia " + joint.text("observer.inertia"));
   } catch (const Refusal& refusal) {

@@ -27,6 +27,10 @@ class CommissionSteps {
   void find(const std::string& sentence);
   /// A parameter that stays.
   void decide(const std::string& name, const std::string& value);
+  /// What the board's own commissioning printed.
+  void decide_observer(const std::vector<std::string>& answer);
+  /// By how much the motor answers a look, with the gains as they are.
+  void find_answer();
   /// Joint limits about where it stood at first.
   void keep_to_corridor();
   /// Gains that suit the motor's inertia alone, until there are better ones.

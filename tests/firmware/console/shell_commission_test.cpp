@@ -61,6 +61,10 @@ TEST(ShellCommission, IsRefusedWithTheCureWhereItCanNotBegin) {
     bench.say(line);
   }
   EXPECT_EQ(verdict(bench.say("commission joint0")).rfind("error commissioned: ", 0), 0U);
+  EXPECT_EQ(verdict(bench.say("commission joint0 looks")).rfind("error not_holding: ", 0), 0U);
+  EXPECT_EQ(verdict(bench.say("commission joint1 looks")).rfind("error not_commissioned: ", 0), 0U);
+  bench.say("maintenance close");
+  EXPECT_EQ(verdict(bench.say("commission joint0 looks")).rfind("error maintenance: ", 0), 0U);
   EXPECT_EQ(bench.state(), State::kDisarmed);
 }
 

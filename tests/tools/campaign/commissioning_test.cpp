@@ -6,6 +6,10 @@
 #include <cmath>
 #include <string>
 
+#include "capstan/boards/common/file_banks.hpp"
+#include "capstan/firmware/console/shell.hpp"
+#include "capstan/firmware/loop/application.hpp"
+#include "capstan/hal/sim/sim_io.hpp"
 #include "capstan/tools/campaign/rig.hpp"
 
 namespace capstan::tools {
@@ -67,6 +71,61 @@ TEST(Commissioning, AForcepsOfLittleInertiaAndFrictionIsNotSetSwinging) {
   plant.joint_coulomb_nm = 0.00211137;
   const ObserverConfig found = commissioned(plant, {}, 690);
   EXPECT_NEAR(found.inertia_gm2.to_double(), 0.0105, 0.0035);
+}
+
+// By ten counts and more, which the elbow's coarse encoder does not show.
+TEST(Commissioning, FindsHowFarALookMovesAMotorAtRest) {
+  for (const Joint joint : {Joint::kForceps, Joint::kStiff, Joint::kContact, Joint::kFinger}) {
+    EXPECT_GT(setup_of(joint).config.observer.answer_rad_per_a, Q24{}) << name(joint);
+  }
+  EXPECT_EQ(setup_of(Joint::kElbow).config.observer.answer_rad_per_a, Q24{});
+}
+
+struct Words final : TextSink {
+  std::string text;
+
+ private:
+  void do_write(std::string_view more) override { text.append(more); }
+};
+struct SilentBoard final : Board {
+  [[nodiscard]] auto name() const -> const char* override { return "test"; }
+  void print_timing(Print& /*out*/) const override {}
+  void reboot() override {}
+};
+
+TEST(Commissioning, AFaultWhileTheObserverLooksEndsItAndNothingIsChanged) {
+  sim::Plant plant({}, 5);
+  SimIo io(plant);
+  FileBanks banks = FileBanks::temporary();
+  Application<SimIo> application(io, banks);
+  AxisConfig config = setup_of(Joint::kForceps).config;
+  config.limits.supply_min_v = Q24{};
+  config.observer.answer_rad_per_a = Q24{};
+  static_cast<void>(application.configure({&config, 1}, Rights::kMaintenance));
+  Words words;
+  SilentBoard board;
+  Shell shell(application, words, board, false);
+  const auto ticks = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      application.rt_tick();
+      shell.poll();
+    }
+  };
+  for (const std::string line : {"maintenance open\n", "arm\n", "commission joint0 looks\n"}) {
+    for (const char c : line) {
+      shell.receive(c);
+    }
+    ticks(300);
+  }
+  for (int i = 0; i < 1000 && application.telemetry().state != State::kHolding; ++i) {
+    ticks(1);
+  }
+  ASSERT_TRUE(shell.busy()) << words.text;
+  application.set_board_faults(bit(Fault::kBoardClock));
+  ticks(20);
+  EXPECT_FALSE(shell.busy());
+  EXPECT_NE(words.text.find("error aborted: torque went"), std::string::npos) << words.text;
+  EXPECT_EQ(application.config()[0].observer.answer_rad_per_a, Q24{});
 }
 
 TEST(Commissioning, AnEncoderThatCountsAgainstTheTorqueIsNotCommissioned) {

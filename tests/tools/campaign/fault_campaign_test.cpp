@@ -133,6 +133,20 @@ TEST(FaultCampaign, HalfOfTheCountsAndALagAreFoundWhileTheMotorWindsItsTendonsUp
   }
 }
 
+TEST(FaultCampaign, HalfOfTheCountsAreFoundByLooksAtRestBeforeTheJointMoves) {
+  for (const Joint joint : {Joint::kForceps, Joint::kStiff, Joint::kContact, Joint::kFinger}) {
+    EXPECT_GT(setup_of(joint).config.observer.answer_rad_per_a, Q24{}) << name(joint);
+    const auto [run, hazard] = hazard_of({joint, Situation::kHolding, 0}, {Input::kEncoder, Mode::kHalf});
+    EXPECT_EQ(run.fault, Fault::kEncoderMotion) << name(joint);
+    EXPECT_LE(hazard.severity(limits()), 1.0) << name(joint);
+  }
+  for (const Situation situation : {Situation::kDisarmed, Situation::kStarting}) {
+    const auto [run, hazard] = hazard_of({Joint::kForceps, situation, 0}, {Input::kEncoder, Mode::kHalf});
+    EXPECT_LE(run.detected_ms, 400) << "armed after 100 ms, asked to move 300 ms later";
+    EXPECT_LE(hazard.severity(limits()), 0.1) << name(situation);
+  }
+}
+
 TEST(FaultCampaign, WhatIsUnsafeNeedsSomethingThatTheFirmwareIsNot) {
   EXPECT_STREQ(remedy({Input::kEncoder, Mode::kHalf}), "a second position sensor");
   EXPECT_STREQ(remedy({Input::kEncoder, Mode::kStuck}), "a finer encoder");

@@ -63,6 +63,9 @@ TEST(CommissionTogether, CoupledJointsKeepTheirMarginsAndAreSavedAtOnceOrGetTheG
       return sentence.starts_with("with the other joints under control");
     });
     ASSERT_NE(told, progress.found.end());
+    EXPECT_TRUE(std::any_of(progress.found.begin(), progress.found.end(), [](const std::string& sentence) {
+      return sentence.starts_with("its looks at rest are answered by ");
+    })) << "while the others are shaken it is judged by them";
     std::printf("  %s\n", told->c_str());
   }
   EXPECT_EQ(all.progress().back().found.back(), "saved");

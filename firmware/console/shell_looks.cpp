@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+// The shell's command that finds by how much a motor at rest answers a look.
+#include <algorithm>
+
+#include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/parameters/parameters.hpp"
+#include "capstan/firmware/safety/motor_commissioning.hpp"
+#include "capstan/firmware/safety/motor_observer.hpp"
+
+namespace capstan {
+namespace {
+
+/// Looks at rest without a load, of which the middle answer is kept. They come every 20 to 50 cycles, and some joints
+/// press on themselves within 200 of them, so torque is taken away and given back.
+constexpr std::size_t kLooks = 8;
+constexpr std::uint32_t kLooksCycles = 500;
+constexpr int kArmings = 4;
+/// Without torque before, so that the motor presses with none when it comes back.
+constexpr std::uint32_t kRelaxCycles = 300;
+
+/// rad/A of the joint's last look; 0 where it was answered by too few counts.
+auto answer_of(const MotorConfig& motor, const AxisTelemetry& joint) -> Q24 {
+  if (joint.look_counts < LookAnswer::kLeastCounts) {
+    return {};
+  }
+  constexpr std::int64_t kTwoPi = Q24::from_double(6.283185307179586).raw();
+  const std::int64_t angle = joint.look_counts * kTwoPi / motor.encoder_counts_per_turn;
+  return Q24::from_wide((angle << 24) / std::max<std::int64_t>(joint.look_a.raw(), 1));
+}
+
+/// The joint rests, stands under torque, and looks come by themselves; then torque is off.
+struct LooksStream final : Stream {
+  std::size_t axis = 0;
+
+  void begin(Session& session) {
+    since_ = session.machine().telemetry().tick;
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
+    session.begin(*this);
+  }
+  [[maybe_unused]] void step(Session& session) override;  // not on a board that can not commission
+  void cancel(Session& /*session*/) override { lost_ = true; }
+
+ private:
+  enum class Step : std::uint8_t { kRelaxing, kWaking, kLooking, kTaking };
+  void look(Session& session, const MachineTelemetry& now);
+  void take(Session& session);
+
+  std::array<Q24, kLooks> answers_{};  // rad/A
+  std::size_t looked_ = 0;
+  std::uint32_t looks_ = 0;  // as telemetry counts them
+  std::uint32_t since_ = 0;  // tick
+  int armings_ = 0;
+  Step step_ = Step::kRelaxing;
+  bool lost_ = false;
+};
+
+void LooksStream::step(Session& session) {
+  if (!session.machine().settled()) {
+    return;
+  }
+  const MachineTelemetry now = session.machine().telemetry();
+  if (step_ == Step::kTaking) {
+    take(session);
+  } else if (step_ != Step::kRelaxing || lost_) {
+    look(session, now);
+  } else if (now.tick - since_ > kRelaxCycles) {
+    step_ = Step::kWaking;
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
+  }
+}
+
+void LooksStream::look(Session& session, const MachineTelemetry& now) {
+  const AxisTelemetry& joint = session.machine().axis_telemetry(axis);
+  if (step_ == Step::kWaking && now.state == State::kHolding) {
+    step_ = Step::kLooking;
+    looks_ = joint.looks;
+    since_ = now.tick;
+  } else if (joint.looks != looks_ && step_ == Step::kLooking) {
+    looks_ = joint.looks;
+    answers_[looked_++] = answer_of(session.machine().config()[axis].motor, joint);
+  }
+  lost_ = lost_ || !energised(now.state);
+  const bool waited = step_ == Step::kLooking && now.tick - since_ > kLooksCycles;
+  if (lost_ || looked_ == kLooks || waited) {
+    ++armings_;
+    step_ = lost_ || looked_ == kLooks || armings_ == kArmings ? Step::kTaking : Step::kRelaxing;
+    since_ = now.tick;
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
+  }
+}
+
+/// Without torque, for it is a safety limit.
+void LooksStream::take(Session& session) {
+  if (lost_) {
+    session.error("aborted", "torque went or did not come while the motor was looked at, and nothing was changed",
+                  "read 'faults', and begin it again");
+    return;
+  }
+  if (!session.take_staging_room()) {
+    return;
+  }
+  std::sort(answers_.begin(), answers_.end());
+  ObserverConfig& observer = session.staged()[axis].observer;
+  observer.answer_rad_per_a = looked_ == kLooks ? answers_[kLooks / 2 - 1] : Q24{};
+  observer.answer_gains = LookAnswer::mark(session.staged()[axis].control);
+  const SetAnswer answer = session.machine().configure(session.staged(), Rights::kMaintenance);
+  for (const ParameterInfo& parameter : parameters()) {
+    if (answer.taken() && parameter.group == std::string_view("observer") &&
+        std::string_view(parameter.name).starts_with("answer")) {
+      session.out() << "joint" << static_cast<std::uint32_t>(axis) << ".observer." << parameter.name << ' ';
+      print_value(session.out(), parameter, raw_value(session.staged()[axis], parameter));
+      session.out() << "\r\n";
+    }
+  }
+  session.abandon();
+  if (!answer.taken()) {
+    print_refusal(session, answer);
+    return;
+  }
+  session.out() << (looked_ == kLooks
+                        ? "# torque is off; 'save' keeps these values\r\n"
+                        : "# the joint pulls or does not come to rest, so the answers of its looks are not judged; "
+                          "torque is off\r\n");
+  session.answer_when_settled();
+}
+
+/// A template, so that a board that can not commission has no room for the stream.
+template <typename Answer>
+void begin_looks(Session& session, std::size_t axis) {
+  auto& stream = session.make<Answer>();
+  stream.axis = axis;
+  stream.begin(session);
+}
+
+}  // namespace
+
+void commands::commission_looks(Session& session, std::size_t axis) {
+  const MachineTelemetry now = session.machine().telemetry();
+  if (!session.maintenance().is_open(now.tick)) {
+    session.error("maintenance", "what is found is a safety limit, and nothing moved",
+                  "'maintenance open' first, with the key if one is set");
+  } else if (!MotorObserver::commissioned(session.machine().config()[axis].observer)) {
+    session.error("not_commissioned", "a joint looks only with the observer's other values, and nothing moved",
+                  "'commission' it first");
+  } else if (now.state != State::kHolding) {
+    session.error("not_holding", "looks need torque and every joint at rest",
+                  "'arm' first, or wait until the joints stand");
+  } else if (session.has_beside() || !session.machine().settled()) {
+    session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
+                  "'frames off' if they are on, and send the line again");
+  } else {
+    if constexpr (MotorCommissioning::kAvailable) {
+      begin_looks<LooksStream>(session, axis);
+    } else {
+      session.error("not_here", "this board can not commission, and nothing moved",
+                    "commission such a joint on Linux and set observer.* here");
+    }
+  }
+}
+
+}  // namespace capstan
