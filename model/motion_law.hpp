@@ -116,6 +116,9 @@ class MotionLaw {
       q2_ = beta() * now.q1 + coefficients_[kOffset];
     }
     conditioner_.update(now, q2_);
+    if (has_tendons()) {
+      conditioner_.delay_torque();
+    }
     if (input_on_) {
       conditioner_.pass_through(input_);
     }

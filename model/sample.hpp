@@ -46,6 +46,8 @@ struct Sample {
   Scalar h{};
   Scalar dh{};            ///< its rate, filtered as dq1 is, rad/s
   Scalar ddq1{};          ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
+  Scalar tau_late{};      ///< torque through the acceleration's filters, N m: as late as `ddq1`. By delay_torque()
+  Scalar course_late{};   ///< the direction switch, 1 forward and -1 backward, through the same. By delay_torque()
   Scalar q1_reversal{};   ///< motor angle where the present direction began (at first: where it all began), rad
   Scalar tau_reversal{};  ///< torque there, N m
   Scalar q2{};            ///< joint angle of the last cycle, rad
@@ -54,6 +56,8 @@ struct Sample {
   /// Share of the dry friction that still acts, 0 to 1: 1 while the motor moves; at rest it may let go
   /// (RestingFriction).
   Scalar grip = kWhole;
+  /// Gain of the acceleration's filter, for whoever makes up for how late `tau_late` is; 0: it is not late.
+  typename ScalarTraits<Scalar>::Gain late_gain{};
 
   static constexpr Scalar kWhole = ScalarTraits<Scalar>::from(1.0);  // the target converts no double at run time
   /// Direction of the dry friction, -1 to 1.
@@ -78,11 +82,14 @@ class SampleConditioner {
       : dt_(dt),
         threshold_(shape.direction_threshold_rad),
         gain_(dt.filter_gain(shape.rate_time_constant_s)),
-        acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)) {}
+        acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)) {
+    sample_.late_gain = acceleration_gain_;
+  }
 
   /// As newly made: the next sample is the first.
   constexpr void restart() {
     sample_ = {};
+    sample_.late_gain = acceleration_gain_;
     started_ = false;
   }
 
@@ -102,6 +109,8 @@ class SampleConditioner {
       started_ = true;
       extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
       torque_at_extreme_ = sample_.tau_reversal = now.tau;
+      filtered_torque_ = sample_.tau_late = now.tau;
+      filtered_course_ = sample_.course_late = kWhole;
     }
     const Scalar rate = dt_.rate_of(now.q1 - sample_.q1);
     const Scalar rate_error = rate - sample_.dq1;
@@ -120,6 +129,15 @@ class SampleConditioner {
     return sample_;
   }
 
+  /// Brings the last sample's `tau_late` and `course_late` up to date, once after each update; only tendons ask for
+  /// them.
+  [[gnu::always_inline]] constexpr void delay_torque() {
+    filtered_torque_ = Traits::between(filtered_torque_, sample_.tau, gain_);
+    sample_.tau_late = Traits::between(sample_.tau_late, filtered_torque_, acceleration_gain_);
+    filtered_course_ = Traits::between(filtered_course_, sample_.forward ? kWhole : -kWhole, gain_);
+    sample_.course_late = Traits::between(sample_.course_late, filtered_course_, acceleration_gain_);
+  }
+
   /// Lets what lies between the motor and the ratio act on the last sample.
   template <typename Stage>
   [[gnu::always_inline]] constexpr void pass_through(Stage& stage) {
@@ -134,6 +152,7 @@ class SampleConditioner {
   /// The acceleration's filter has this many times the time constant of the rate's. One count of a 40960-count encoder
   /// then shows as 6 rad/s2 with the default 2 ms, and 8 ms more of delay are 3 degrees of phase at 1 Hz.
   static constexpr Scalar kAccelerationFilter = Traits::from(4.0);
+  static constexpr Scalar kWhole = Sample<Scalar>::kWhole;
   static constexpr Scalar kReferenceTemperature = Traits::from(25.0);
 
   /// A play operator on q1: the switch changes only after a return of more than the threshold from the last extreme, so
@@ -160,6 +179,8 @@ class SampleConditioner {
   typename ScalarTraits<Scalar>::Gain acceleration_gain_;
   Scalar extreme_{};
   Scalar torque_at_extreme_{};
+  Scalar filtered_torque_{};  ///< by the rate's filter alone
+  Scalar filtered_course_{};
   Sample<Scalar> sample_{};
   bool started_ = false;
 };

@@ -11,8 +11,11 @@ namespace capstan {
 ///   -C (s Int T_t dphi - s T_t0),  s = c_t / (c_t + c_b),  C = beta (c_t + c_b),
 /// the tensions those of TensionBalance under the torque that the motor gives to its pulley,
 ///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where
-///   it
-/// was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
+///   it was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
+/// Torque and friction are as late as q1'' is (Sample::tau_late, course_late), by both filters' time constants, 5 T:
+/// friction along the tendons keeps what a peak did to the tension, and a peak that the motor's mass took must not get
+/// there. What comes out has no memory any more and is brought ahead by as much, s + 5 T s', with the rate s' through
+/// the filter of 4 T.
 /// Weight, inertia and drag of the joint need no terms of their own: they are in that torque, and the tendon that
 /// carries them is the one that stretches.
 /// @tparam Nodes  places along each tendon
@@ -55,23 +58,21 @@ class TendonsOf {
         tendons_(parameters_of(shape), clamp(shape[2], Scalar{}, kMost) * kTolerance) {}
   constexpr void restart() {
     tendons_.restart();
-    torque_ = {};
+    torque_ = smooth_ = {};
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
-    const Scalar given = given_torque(s);
-    if (s.advances) {
-      torque_ = s.forward ? given - friction_ : given + friction_;
-    } else {
-      torque_ = clamp(torque_, given - friction_, given + friction_);
-    }
+    const Scalar given = given_torque(s, s.tau_late);
+    const Scalar friction = friction_ * s.course_late;
+    torque_ = clamp(torque_, s.advances && !s.forward ? given - friction : given - friction_,
+                    s.advances && s.forward ? given - friction : given + friction_);
     if (kMost < abs(torque_)) [[unlikely]] {
       return {kOutOfRange};
     }
-    return {tendons_.pull(torque_)};
+    return {brought_ahead(tendons_.pull(torque_), s.late_gain)};
   }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
-    const Scalar given = given_torque(s);
+    const Scalar given = given_torque(s, s.tau);
     return {tendons_.settled(clamp(s.forward ? given - friction_ : given + friction_, -kMost, kMost), s.forward)};
   }
 
@@ -93,9 +94,18 @@ class TendonsOf {
     return {within(shape[0], 0.0, 3.0), within(shape[1], 0.0, 3.0), clamp(shape[2], Scalar{}, kMost), top,
             ScalarTraits<Scalar>::from(1.0) - top};
   }
+  /// s + 5 T s' of a stretch that is late by 5 T: s less itself through a filter of 4 T is 4 T s'.
+  constexpr auto brought_ahead(Scalar stretch, typename ScalarTraits<Scalar>::Gain gain) -> Scalar {
+    if (gain == typename ScalarTraits<Scalar>::Gain{}) {
+      return stretch;
+    }
+    smooth_ = ScalarTraits<Scalar>::between(smooth_, stretch, gain);
+    const Scalar way = stretch - smooth_;
+    return stretch + way + ScalarTraits<Scalar>::template shifted_down<2>(way);
+  }
   /// What the motor gives but for its Coulomb friction.
-  [[nodiscard]] constexpr auto given_torque(const Sample<Scalar>& s) const -> Scalar {
-    return s.tau - viscous_ * s.dq1 - inertia_ * s.ddq1;
+  [[nodiscard]] constexpr auto given_torque(const Sample<Scalar>& s, Scalar tau) const -> Scalar {
+    return tau - viscous_ * s.dq1 - inertia_ * s.ddq1;
   }
 
   Scalar friction_;
@@ -103,6 +113,7 @@ class TendonsOf {
   Scalar inertia_;
   TensionBalance<Scalar, Nodes> tendons_;
   Scalar torque_{};  ///< x
+  Scalar smooth_{};  ///< the stretch through a filter
 };
 
 /// On the board. A front between two places is not seen, so friction and pretension have to be looked for with more of

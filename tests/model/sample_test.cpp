@@ -133,6 +133,52 @@ TEST(ConditionerRate, TendsToTheAnalogFirstOrderLagOfTheRate) {
   }
 }
 
+// Both go through the same two filters, so torque that a mass takes and the mass's acceleration stay each other's.
+TYPED_TEST(Conditioner, LateTorqueOfAMassIsThatOfItsFilteredAcceleration) {
+  constexpr double kMass = 0.05;  // g m2, so that krad/s2 give N m
+  SampleConditioner<TypeParam> conditioner = this->make(kThreshold, 0.003);
+  const auto angle = [](int i) { return i <= 0 ? 0.0 : 0.02 * std::sin(0.11 * i) * std::min(1.0, 0.02 * i); };
+  double most = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const double acceleration = 1e3 * (angle(i) - 2.0 * angle(i - 1) + angle(i - 2));  // krad/s2
+    const auto& s = conditioner.update(number<TypeParam>(angle(i)), number<TypeParam>(kMass * acceleration));
+    conditioner.delay_torque();
+    EXPECT_NEAR(value_of(s.tau_late), kMass * value_of(s.ddq1), 2e-5) << i;  // a step of q1 is 0.06 rad/s2
+    most = std::max(most, std::fabs(value_of(s.tau_late)));
+  }
+  EXPECT_GT(most, 2e-3);
+}
+
+TYPED_TEST(Conditioner, LateTorqueBeginsWhereTheTorqueIsAndSettlesThere) {
+  SampleConditioner<TypeParam> conditioner = this->make();
+  conditioner.update(TypeParam{}, number<TypeParam>(0.25));
+  conditioner.delay_torque();
+  EXPECT_EQ(conditioner.sample().tau_late, number<TypeParam>(0.25));
+  for (int i = 0; i < 1000; ++i) {
+    conditioner.update(TypeParam{}, number<TypeParam>(-0.5));
+    conditioner.delay_torque();
+  }
+  EXPECT_NEAR(value_of(conditioner.sample().tau_late), -0.5, 1e-6);
+}
+
+TYPED_TEST(Conditioner, LateDirectionTurnsOverAsATorqueThatTurnsOverWithIt) {
+  SampleConditioner<TypeParam> conditioner = this->make(kThreshold, 0.003);
+  bool between = false;
+  for (int i = 0; i < 300; ++i) {
+    const bool forward = i <= 150;
+    const double angle = 0.01 * (forward ? i : 300 - i);  // steps beyond the threshold: it turns with the motor
+    const auto& s = conditioner.update(number<TypeParam>(angle), number<TypeParam>(forward ? 0.5 : -0.5));
+    conditioner.delay_torque();
+    EXPECT_NEAR(value_of(s.course_late), 2.0 * value_of(s.tau_late), 1e-5) << i;
+    between = between || std::fabs(value_of(s.course_late)) < 0.9;
+  }
+  EXPECT_TRUE(between);
+  EXPECT_NEAR(value_of(conditioner.sample().course_late), -1.0, 1e-4);
+  const auto gain = conditioner.sample().late_gain;
+  conditioner.restart();
+  EXPECT_EQ(conditioner.sample().late_gain, gain) << "a new start is as late";
+}
+
 TEST(ConditionerSaturation, IsFlaggedForAngleTorqueAndRateAndGoesWithItsCause) {
   SampleConditioner<Q24> conditioner(SamplePeriod<Q24>(1000), {});
   const Q24 zero;

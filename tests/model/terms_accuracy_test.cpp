@@ -65,7 +65,9 @@ class Law {
   }
   auto update(Measured<Scalar> now) -> Scalar {
     now.q2 = q2_;
-    const auto phi = term_.update(conditioner_.update(now));
+    conditioner_.update(now);
+    conditioner_.delay_torque();
+    const auto phi = term_.update(conditioner_.sample());
     Scalar effect{};
     for (std::size_t i = 0; i < kCoefficients; ++i) {
       saturated_ |= ScalarTraits<Scalar>::is_saturated(phi[i]);

@@ -11,10 +11,16 @@
 namespace capstan::tools {
 namespace {
 
-/// Tendons that are not known yet, fitted to the rows to learn from; their compliance is tied to what it is there.
-auto fitted_tendons(const Preparation& p, const LawForm& start) -> LawForm {
+/// Tendons that are not known yet, fitted to the rows to learn from, with the rate's filter that serves them; their
+/// compliance is tied to what it is there.
+auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
   const Blocks learned = refined(p.split, p.factor).learned();
   LawForm law = fit_tendon(p.causal, p.target, learned, start);
+  const auto conditioner = choose_tendon_filter(p.logs, p.target, learned, law, p.conditioner);
+  if (conditioner.rate_time_constant_s != p.conditioner.rate_time_constant_s) {
+    p = with_rate_filter(std::move(p), conditioner.rate_time_constant_s);
+    law = refine_tendon(p.causal, p.target, learned, std::move(law));
+  }
   return base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
 }
 
@@ -56,7 +62,7 @@ auto may_be_tendons(const Search& search) -> bool {
   });
 }
 
-auto settled_base(const Preparation& p, LawForm base) -> LawForm {
+auto settled_base(Preparation& p, LawForm base) -> LawForm {
   if (!base.has(kTendonModel)) {
     return base;
   }
@@ -78,13 +84,15 @@ auto better_base(const Preparation& p, const LawForm& usual, const Search& searc
   }
   LawForm tendons;
   tendons.terms = terms_of_model(kTendonModel);
-  tendons = settled_base(p, tendons);
-  const double left = left_to_choose(p, tendons);
+  Preparation theirs = with_rate_filter(p, kTendonRateFilterS);
+  tendons = settled_base(theirs, tendons);
+  const double left = left_to_choose(theirs, tendons);
   const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
   const double form_error = tendons_likely ? kTendonForm * loop_size(p, search.law) : 0.0;
   const bool as_good = tendons_likely && left <= std::hypot(kAsGoodABase * found, form_error);
-  return complete || as_good || left <= kWorthABase * found ? std::optional(BaseChoice{tendons, form_error})
-                                                            : std::nullopt;
+  return complete || as_good || left <= kWorthABase * found
+             ? std::optional(BaseChoice{tendons, form_error, theirs.conditioner.rate_time_constant_s})
+             : std::nullopt;
 }
 
 auto without_form_error(const Preparation& p, const BaseChoice& base, Search search) -> Search {

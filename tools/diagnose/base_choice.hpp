@@ -10,13 +10,15 @@ namespace capstan::tools {
 /// Whether a search named what the friction along tendons looks like where nobody asks the torque.
 auto may_be_tendons(const Search& search) -> bool;
 
-/// A base law as the search begins with it: tendons whose numbers are known keep them, others are fitted.
-auto settled_base(const Preparation& p, LawForm base) -> LawForm;
+/// A base law as the search begins with it: tendons whose numbers are known keep them, others are fitted, with the
+/// rate's filter that serves them.
+auto settled_base(Preparation& p, LawForm base) -> LawForm;
 
 /// A base law, and what it may leave beside noise because tendons are never quite what it says, in the target's unit.
 struct BaseChoice {
   LawForm law;
   double form_error = 0.0;
+  double rate_filter_s = 0.0;  ///< of the motor's rate, where the law is one of tendons
 };
 
 /// The law of two tendons, fitted to the rows to learn from, where it does on the rows to choose by what the usual law

@@ -296,13 +296,14 @@ void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool
 
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
 /// predicts better than that with its effects.
-void examine(const Preparation& p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
+void examine(Preparation p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
   const auto by_its_loop = options.base_law ? by_loop(p, *options.base_law, base, options.progress) : std::nullopt;
   Search search = by_its_loop ? *by_its_loop : search_effects(p, base, options.progress);
   double form_error = 0.0;
   if (d.base_model == kDefaultModel && options.base_model.empty() && !options.base_law) {
     options.progress("trying the law of two tendons");
     if (const auto tendons = better_base(p, base, search)) {
+      p = with_rate_filter(std::move(p), tendons->rate_filter_s);
       base = tendons->law;
       form_error = tendons->form_error;
       d.base_model = kTendonModel;
@@ -356,7 +357,10 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
   if (!base) {
     return d;
   }
-  const Preparation p = prepare(std::move(logs), *base);
+  Preparation p = prepare(std::move(logs), *base);
+  if (options.base_law && base->has(kTendonModel)) {  // they are known with their own
+    p = with_rate_filter(std::move(p), options.base_law->parameters.conditioner.rate_time_constant_s);
+  }
   const LawForm law = settled_base(p, *base);
   d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
   d.repeats = p.repeats ? p.repeats->count : 1;
@@ -366,7 +370,7 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
     d.next_experiment = kEverything;
     return d;
   }
-  examine(p, law, options, d);
+  examine(std::move(p), law, options, d);
   return d;
 }
 

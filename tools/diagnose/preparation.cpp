@@ -145,7 +145,9 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
         auto& sample = all.coarse_angle.back()[i];
         set_motion(sample, sample.q1 + hindsight.hidden_rad[row], sample.dq1 + hindsight.hidden_rate[row]);
         sample.ddq1 += hindsight.hidden_acceleration[row];
-        all.noisy_torque.back()[i].tau += torque_noise * random.normal();
+        auto& noisy = all.noisy_torque.back()[i];
+        noisy.tau += torque_noise * random.normal();
+        noisy.tau_late = noisy.tau;
       }
     }
     all.samples.push_back(std::move(hindsight.samples));
@@ -334,6 +336,14 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   p.repeats = find_repeats(p.signals.q1, noise.white_rad);
   const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));
   p.split = split_rows({p.coarse_logs, p.repeats, gap});
+  return p;
+}
+
+auto with_rate_filter(Preparation p, double time_constant_s) -> Preparation {
+  if (p.conditioner.rate_time_constant_s != time_constant_s) {
+    p.conditioner.rate_time_constant_s = time_constant_s;
+    p.causal = LawDesign(p.logs, p.conditioner);
+  }
   return p;
 }
 

@@ -53,4 +53,7 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;
 /// @pre reason_unfit() is empty; every log has the target
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation;
 
+/// The same with the motor's rate through another filter.
+auto with_rate_filter(Preparation p, double time_constant_s) -> Preparation;
+
 }  // namespace capstan::tools

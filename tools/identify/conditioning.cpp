@@ -123,7 +123,9 @@ auto causal_samples(const AxisLog& log, const ConditionerShape<double>& shape) -
   Samples samples;
   samples.reserve(static_cast<std::size_t>(log.samples()));
   for (const Measured<double>& now : measured_series(log)) {
-    samples.push_back(conditioner.update(now));
+    conditioner.update(now);
+    conditioner.delay_torque();
+    samples.push_back(conditioner.sample());
   }
   if (log.q2_rad.size() > 0) {
     const Eigen::VectorXd joint = joint_by_motor(log, samples);

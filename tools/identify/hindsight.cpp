@@ -199,6 +199,7 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
     const auto row = static_cast<Eigen::Index>(i);
     set_motion(result.samples[i], angle[row], rate[row]);
     result.samples[i].ddq1 = kKiloRadPerRad * acceleration[row];
+    result.samples[i].tau_late = result.samples[i].tau;  // nothing is late
   }
   const double visible = noise.step_rad > 0.0 ? 1.01 * noise.step_rad : 3.0 * noise.white_rad;
   Eigen::Index stroke_begin = 0;
@@ -213,6 +214,10 @@ auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& condi
       result.uncertain.push_back(turn.uncertain);
     }
     stroke_begin = noticed;
+  }
+  for (auto& sample : result.samples) {
+    sample.course_late = sample.forward ? 1.0 : -1.0;
+    sample.late_gain = 0.0;
   }
   remember_reversals(log, result.samples);
   result.hidden_rad = between_counts(counted_again(angle, noise.step_rad), noise.step_rad) - angle;

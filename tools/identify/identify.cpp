@@ -185,6 +185,9 @@ auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::V
 auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, std::vector<std::string>& notes)
     -> ConditionerShape<double> {
   ConditionerShape<double> shape;
+  if (form.has(kTendonModel)) {
+    shape.rate_time_constant_s = kTendonRateFilterS;
+  }
   const AngleNoise noise = motor_angle_noise(logs);
   const auto thresholds = direction_thresholds(logs, noise);
   shape.direction_threshold_rad = thresholds.front();
@@ -211,11 +214,19 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
                         const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double> {
   const bool has_rates = form.has("transmission_viscous") || form.has("load_inertia");
-  if (form.catalogue->target() != TargetKind::kAngle || !has_rates) {
+  if (form.catalogue->target() != TargetKind::kAngle || !has_rates || form.has(kTendonModel)) {
     return conditioner;
   }
   return with_best(&ConditionerShape<double>::rate_time_constant_s, {0.002, 0.004, 0.008, 0.016, 0.032}, logs, target,
                    blocks, form, conditioner);
+}
+
+auto choose_tendon_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                          const LawForm& form, const ConditionerShape<double>& conditioner)
+    -> ConditionerShape<double> {
+  return with_best(&ConditionerShape<double>::rate_time_constant_s,
+                   {0.5 * kTendonRateFilterS, kTendonRateFilterS, 2.0 * kTendonRateFilterS, 4.0 * kTendonRateFilterS},
+                   logs, target, blocks, form, conditioner);
 }
 
 auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks {
@@ -294,8 +305,16 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
   const Eigen::VectorXd target = first_design.smoothed(stacked_target(logs));
   const Blocks halves = even_blocks(first_design.log_rows(), 2);
   conditioner = choose_rate_filter(logs, target, halves, start, conditioner);
-  const LawDesign design = design_for(logs, start, conditioner);
-  const LawForm form = with_best_shapes(design, target, halves, start);
+  LawDesign design = design_for(logs, start, conditioner);
+  LawForm form = with_best_shapes(design, target, halves, start);
+  if (form.has(kTendonModel)) {
+    const double tried = conditioner.rate_time_constant_s;
+    conditioner = choose_tendon_filter(logs, target, halves, form, conditioner);
+    if (conditioner.rate_time_constant_s != tried) {
+      design = design_for(logs, form, conditioner);
+      form = refine_tendon(design, target, halves, std::move(form));
+    }
+  }
   const Eigen::MatrixXd columns = law_columns(design, form);
   const auto signs = law_signs(form);
   const LinearFit first = fit_columns(columns, target, halves, signs);

@@ -45,6 +45,11 @@ auto choose_direction_threshold(const std::vector<AxisLog>& logs, const Eigen::V
 auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
                         const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double>;
 
+/// The same of a law whose tendons are fitted already: they take the torque through the same filters. Slow ones let the
+/// motor ring out first, fast ones tremble with the encoder, and tendons keep what a peak does to their tension.
+auto choose_tendon_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
+                          const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double>;
+
 /// Blocks for intervals: longer than what the residual of all rows remembers on the pieces, as many as that allows (8
 /// to 60, and one a piece).
 auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks;

@@ -6,9 +6,45 @@
 namespace capstan::tools {
 namespace {
 
+/// The two filters that a causal sample's torque and acceleration went through (SampleConditioner): the second one's
+/// gain is in the sample, and its time constant is four times the first one's.
+class Lateness {
+ public:
+  Lateness(double late_gain, double period_s) : second_(late_gain > 0.0 ? late_gain : 1.0) {
+    first_ = SamplePeriod<double>(period_s).filter_gain(0.25 * period_s * (1.0 / second_ - 1.0));
+  }
+  /// Through both.
+  [[nodiscard]] auto of(const Eigen::VectorXd& signal) const -> Eigen::VectorXd {
+    return filtered(filtered(signal, first_), second_);
+  }
+  void delay(Samples& samples) const {
+    const auto through_both = [&](double Sample<double>::*member) {
+      Eigen::VectorXd signal(static_cast<Eigen::Index>(samples.size()));
+      std::transform(samples.begin(), samples.end(), signal.begin(), [&](const auto& s) { return s.*member; });
+      signal = of(signal);
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i].*member = signal[static_cast<Eigen::Index>(i)];
+      }
+    };
+    through_both(&Sample<double>::q1);
+    through_both(&Sample<double>::h);
+  }
+
+ private:
+  static auto filtered(Eigen::VectorXd signal, double gain) -> Eigen::VectorXd {
+    for (Eigen::Index i = 1; i < signal.size(); ++i) {
+      signal[i] = signal[i - 1] + gain * (signal[i] - signal[i - 1]);
+    }
+    return signal;
+  }
+  double first_ = 1.0;
+  double second_;
+};
+
 auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -> Sample<double> {
   Sample<double> mean = samples[begin + count - 1];
-  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = 0.0;
+  mean.late_gain = 0.0;
+  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = mean.tau_late = mean.course_late = 0.0;
   const double share = 1.0 / static_cast<double>(count);
   for (std::size_t i = begin; i < begin + count; ++i) {
     mean.q1 += share * samples[i].q1;
@@ -17,6 +53,8 @@ auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -
     mean.dh += share * samples[i].dh;
     mean.ddq1 += share * samples[i].ddq1;
     mean.tau += share * samples[i].tau;
+    mean.tau_late += share * samples[i].tau_late;
+    mean.course_late += share * samples[i].course_late;
     mean.advances = mean.advances || samples[i].advances;
   }
   return mean;
@@ -33,7 +71,10 @@ auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Block
   std::vector<double> means;
   Eigen::Index begin = 0;
   for (std::size_t log = 0; log < design.samples().size(); ++log) {
-    const Samples& all = design.samples()[log];
+    Samples all = design.samples()[log];
+    const Lateness late(all.empty() ? 0.0 : all.front().late_gain, design.period_s(log));
+    late.delay(all);
+    const Eigen::VectorXd seen = late.of(target.segment(begin, static_cast<Eigen::Index>(all.size())));
     const auto count = static_cast<Eigen::Index>(all.size()) / factor;
     Samples own;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(all.size()); ++i) {
@@ -42,7 +83,7 @@ auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Block
     }
     for (Eigen::Index i = 0; i < count; ++i) {
       own.push_back(mean_sample(all, static_cast<std::size_t>(i * factor), static_cast<std::size_t>(factor)));
-      means.push_back(target.segment(begin + i * factor, factor).mean());
+      means.push_back(seen.segment(i * factor, factor).mean());
     }
     begin += static_cast<Eigen::Index>(all.size());
     samples.push_back(std::move(own));

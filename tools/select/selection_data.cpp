@@ -19,6 +19,8 @@ auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> 
     sum.dq1 += first[i].dq1;
     sum.ddq1 += first[i].ddq1;
     sum.tau += first[i].tau;
+    sum.tau_late += first[i].tau_late;
+    sum.course_late += first[i].course_late;
     sum.warmth += first[i].warmth;
     for (std::size_t other = 0; other < kMostOthers; ++other) {
       sum.others[other].q1 += first[i].others[other].q1;
@@ -31,6 +33,8 @@ auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> 
   mean.dq1 = mean.dh = share * sum.dq1;
   mean.ddq1 = share * sum.ddq1;
   mean.tau = share * sum.tau;
+  mean.tau_late = share * sum.tau_late;
+  mean.course_late = share * sum.course_late;
   mean.warmth = share * sum.warmth;
   mean.forward = 2 * forward >= count;
   for (std::size_t other = 0; other < kMostOthers; ++other) {

@@ -138,6 +138,7 @@ void measure_terms(Print& out) {
         [&](int i) {
           walk.step(i);
           conditioner.update(walk.q1, walk.tau);
+          conditioner.delay_torque();
         },
         [&] {
           auto regressors = term.update(conditioner.sample());

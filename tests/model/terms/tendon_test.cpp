@@ -33,7 +33,7 @@ auto make(const Joint& j) -> Tendons<Scalar> {
 }
 template <typename Scalar>
 auto stretch(Tendons<Scalar>& term, double tau) -> double {
-  return value_of(term.update({.tau = number<Scalar>(tau)})[0]);
+  return value_of(term.update({.tau_late = number<Scalar>(tau)})[0]);
 }
 
 /// One tendon as many short pieces, each of which holds its tension while its neighbour's on the input side stays
@@ -154,21 +154,108 @@ TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {
   const Joint with{.friction = 0.01, .viscous = 0.002, .inertia = 0.02};
   Tendons<double> term = make<double>(with);
   Tendons<double> other = make<double>(bare);
-  const Sample<double> sample{.dq1 = 3.0, .tau = 0.09, .forward = true, .advances = true, .ddq1 = 0.1};
+  const Sample<double> sample{
+      .dq1 = 3.0, .forward = true, .advances = true, .ddq1 = 0.1, .tau_late = 0.09, .course_late = 1.0};
   EXPECT_DOUBLE_EQ(term.update(sample)[0], stretch(other, 0.09 - 0.01 - 0.006 - 0.002));
-  const Sample<double> back{.dq1 = -3.0, .tau = -0.09, .forward = false, .advances = true, .ddq1 = 0.1};
+  const Sample<double> back{
+      .dq1 = -3.0, .forward = false, .advances = true, .ddq1 = 0.1, .tau_late = -0.09, .course_late = -1.0};
   EXPECT_DOUBLE_EQ(term.update(back)[0], stretch(other, -0.09 + 0.01 + 0.006 - 0.002));
 }
 
 // At a reversal the torque falls by twice the friction before the motor moves, and the tendons feel nothing of it.
 TEST(Tendon, FrictionHoldsTheTensionWhileTheMotorStands) {
   Tendons<double> term = make<double>(Joint{.friction = 0.01});
-  const double moving = term.update({.tau = 0.06, .forward = true, .advances = true})[0];
+  const double moving = term.update({.forward = true, .advances = true, .tau_late = 0.06, .course_late = 1.0})[0];
   EXPECT_GT(moving, 0.0);
   for (const double tau : {0.055, 0.05, 0.0401}) {
-    EXPECT_DOUBLE_EQ(term.update({.tau = tau, .forward = true})[0], moving) << tau;
+    EXPECT_DOUBLE_EQ(term.update({.forward = true, .tau_late = tau})[0], moving) << tau;
   }
-  EXPECT_LT(term.update({.tau = 0.03, .forward = true})[0], moving);
+  EXPECT_LT(term.update({.forward = true, .tau_late = 0.03})[0], moving);
+}
+
+// After a quick turn the motor rings against its servo, here at 20 Hz: its own mass takes the torque's peaks, and
+// friction would keep what they did to the tension. With the torque of now and a late acceleration it does.
+TEST(Tendon, PeaksThatTheMotorsMassTakesLeaveNothingBehind) {
+  constexpr double kInertia = 3e-5;  // kg m2
+  constexpr double kSteady = 0.06;   // Nm
+  const auto angle = [](double t) { return t <= 0.0 ? 0.0 : 15e-3 * std::exp(-t / 0.05) * std::sin(125.7 * t); };
+  Tendons<double> term = make<double>(Joint{.inertia = 1e3 * kInertia});
+  Tendons<double> of_now = term;
+  Tendons<double> calm = make<double>(Joint{});
+  SampleConditioner<double> conditioner(one_khz<double>(), {.rate_time_constant_s = 0.0005});
+  double left = 0.0;
+  double left_of_now = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = 1e-3 * i;
+    const double acceleration = 1e6 * (angle(t) - 2.0 * angle(t - 1e-3) + angle(t - 2e-3));  // rad/s2
+    const double steady = std::min(1.0, t / 0.01) * kSteady;
+    conditioner.update(angle(t), steady + kInertia * acceleration);
+    conditioner.delay_torque();
+    Sample<double> s = conditioner.sample();
+    const double wanted = stretch(calm, steady);
+    left = std::fabs(term.update(s)[0] - wanted);
+    s.tau_late = s.tau;
+    left_of_now = std::fabs(of_now.update(s)[0] - wanted);
+  }
+  EXPECT_GT(left_of_now, 0.02 * stretch(calm, kSteady));
+  EXPECT_LT(left, 0.1 * left_of_now);
+}
+
+/// A motor that turns back at once, 1 rad/s either way, and rubs: what reaches its tendons stays as it is.
+template <typename Change>
+auto most_beside_after_a_turn(Change&& change) -> double {
+  constexpr double kFriction = 0.01;
+  constexpr double kSteady = 0.05;
+  constexpr int kTurn = 500;
+  Tendons<double> term = make<double>(Joint{.friction = kFriction});
+  SampleConditioner<double> conditioner(one_khz<double>(),
+                                        {.direction_threshold_rad = 1e-4, .rate_time_constant_s = 0.001});
+  double wanted = 0.0;
+  double most = 0.0;
+  for (int i = 0; i < 2 * kTurn; ++i) {
+    const bool forward = i <= kTurn;
+    conditioner.update(1e-3 * (forward ? i : 2 * kTurn - i), kSteady + (forward ? kFriction : -kFriction));
+    conditioner.delay_torque();
+    Sample<double> s = conditioner.sample();
+    change(s);
+    const double now = term.update(s)[0];
+    wanted = i == kTurn ? now : wanted;
+    most = std::max(most, i > kTurn ? std::fabs(now - wanted) : 0.0);
+  }
+  return most / wanted;
+}
+
+TEST(Tendon, FrictionOfTheMotorTurnsOverAsLateAsTheTorqueIsSeen) {
+  EXPECT_LT(most_beside_after_a_turn([](auto&) {}), 1e-3);
+  EXPECT_GT(most_beside_after_a_turn([](auto& s) { s.course_late = s.forward ? 1.0 : -1.0; }), 0.05);
+}
+
+// Without friction the stretch is a share of the torque, and of a torque that grows evenly nothing is left late.
+template <typename Scalar>
+class TendonLateness : public testing::Test {};
+using Formats = testing::Types<double, Q24>;
+TYPED_TEST_SUITE(TendonLateness, Formats);
+
+TYPED_TEST(TendonLateness, IsMadeUpForBehindTheTendons) {
+  const Joint joint{.eta_top = 0.0, .eta_bottom = 0.0};
+  Tendons<TypeParam> term = make<TypeParam>(joint);
+  Tendons<TypeParam> of_now = make<TypeParam>(joint);
+  SampleConditioner<TypeParam> conditioner(one_khz<TypeParam>(), {.rate_time_constant_s = number<TypeParam>(0.001)});
+  constexpr double kPerMs = 0.0003;  // Nm
+  double late = 0.0;
+  double left = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    conditioner.update(TypeParam{}, number<TypeParam>(kPerMs * i));
+    conditioner.delay_torque();
+    Sample<TypeParam> s = conditioner.sample();
+    const double ahead = value_of(term.update(s)[0]);
+    const double behind = stretch(of_now, value_of(s.tau_late));
+    const double wanted = stretch(of_now, kPerMs * i);
+    late = wanted - behind;
+    left = wanted - ahead;
+  }
+  EXPECT_GT(late, 4.0 * kPerMs * joint.top_share * (1.0 - joint.top_share)) << "five milliseconds";
+  EXPECT_LT(std::fabs(left), 0.05 * late);
 }
 
 RC_GTEST_PROP(TendonProperties, FixedPointFollowsDoubleAndStartsAnewAsNewlyMade, ()) {
@@ -199,6 +286,9 @@ TEST(Tendon, OutOfRangeTorqueIsNoEstimate) {
   MotionLaw<Q24> motion =
       test::LawBuilder().coefficient("motor_angle", "beta", 1.0).coefficient("tendon", "compliance", -3.0).law<Q24>();
   EXPECT_FALSE(motion.update(number<Q24>(0.1), number<Q24>(7.9)).saturated);
+  for (int i = 0; i < 100; ++i) {  // until the tendons see it
+    motion.update(number<Q24>(0.1), number<Q24>(8.1));
+  }
   EXPECT_TRUE(motion.update(number<Q24>(0.1), number<Q24>(8.1)).saturated);
 }
 

@@ -11,6 +11,8 @@
 
 #include "capstan/tests/tools/plant/independent_joint.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::plant {
 namespace {
@@ -86,6 +88,36 @@ TEST(IndependentPlant, AHealthyJointLacksNothingAndAGapAndALeaningWeightAreNamed
   ASSERT_TRUE(weight.effects.front().size);
   EXPECT_NEAR(weight.effects.front().size->value, 0.05 * std::cos(0.5), 0.1 * 0.05);
   EXPECT_TRUE(asked(&independent::Effects::sticky_nm, 0.02).effects.empty());
+}
+
+/// The law of tendons from the joint's drawn experiment.
+auto tendons_of(const independent::Parameters& joint, std::uint64_t seed) -> JointFile {
+  LawForm form;
+  form.terms = terms_of_model("tendon");
+  return identify({log_of(joint, drawn_experiment(seed))}, form).joint;
+}
+
+// After each quick turn of the triangles the motor rings; sines, which the law is from, never ring. Peaks of torque
+// that the motor's mass took must not stay in the tendons' tension.
+TEST(IndependentPlant, ALawFromSinesHoldsWhereTheMotorRings) {
+  constexpr std::uint64_t kJoint = 8004;
+  const independent::Parameters joint = independent_joint(kJoint);
+  const JointFile law = tendons_of(joint, kJoint);
+  LabExperiment other = drawn_experiment(kJoint);
+  ASSERT_EQ(other.motion, LabMotion::kSines);
+  other.motion = LabMotion::kTriangles;
+  const AxisLog log = log_of(joint, other);
+  const Eigen::VectorXd error = log.q2_rad - simulate({log}, motion_parameters(law));
+  EXPECT_LT(rms((error.array() - error.mean()).matrix()), 1.1 * joint.camera_noise_rad);
+}
+
+// A count of such an encoder is an acceleration of its own; tendons keep every peak of it.
+TEST(IndependentPlant, ACoarseEncoderTakesASlowerFilterOfTheMotorsRate) {
+  constexpr std::uint64_t kJoint = 8004;
+  independent::Parameters joint = independent_joint(kJoint);
+  const double fine = tendons_of(joint, kJoint).parameters.conditioner.rate_time_constant_s;
+  joint.counts_per_turn = 2048.0;
+  EXPECT_GT(tendons_of(joint, kJoint).parameters.conditioner.rate_time_constant_s, fine);
 }
 
 }  // namespace
