@@ -62,7 +62,8 @@ auto law_of(const std::vector<std::string>& terms) -> LawForm {
 }
 
 TEST(SettledBase, ALawWithoutTendonsStaysAsItIs) {
-  const LawForm law = settled_base(preparation_of(1, {}), law_of({"motor_angle", "joint_offset"}));
+  Preparation p = preparation_of(1, {});
+  const LawForm law = settled_base(p, law_of({"motor_angle", "joint_offset"}));
   EXPECT_EQ(law.terms, (std::vector<std::string>{"motor_angle", "joint_offset"}));
   EXPECT_TRUE(law.held.empty());
 }
@@ -70,7 +71,8 @@ TEST(SettledBase, ALawWithoutTendonsStaysAsItIs) {
 TEST(SettledBase, TendonsWhoseNumbersAreKnownKeepThem) {
   LawForm known = law_of({"motor_angle", "joint_offset", kTendonModel});
   known.shapes[known.catalogue->term(kTendonModel).first_shape] = 0.77;
-  const LawForm law = settled_base(preparation_of(1, {}), known);
+  Preparation p = preparation_of(1, {});
+  const LawForm law = settled_base(p, known);
   EXPECT_EQ(law.shapes, known.shapes);
   EXPECT_EQ(law.held, std::vector<std::string>{kTendonModel});
 }
