@@ -108,7 +108,9 @@ TEST(SelectionData, APlayIsTriedWhereTheMotionTurnsItRound) {
 TEST(SelectionData, ALawThatReadsTheJointSeesTheEstimateOfTheCycleBefore) {
   const Eigen::VectorXd q1 = two_sines(50);
   const Eigen::VectorXd estimate = Eigen::VectorXd::LinSpaced(100, 0.5, 1.5);
-  Preparation p = test::preparation_of(samples_of(q1), Eigen::VectorXd::Zero(100), {});
+  Samples both = samples_of(q1);
+  both.resize(100);  // the second log is as long; its samples come below
+  Preparation p = test::preparation_of(both, Eigen::VectorXd::Zero(100), {});
   p.logs.front().time_s.conservativeResize(50);
   p.logs.push_back(p.logs.front());
   p.causal = LawDesign(p.logs, {samples_of(q1), samples_of(q1)});
