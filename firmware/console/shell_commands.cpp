@@ -39,9 +39,8 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{
         "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R] [corridor=ANGLE]",
         kAnyNumber,
-        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law, within "
-        "a "
-        "corridor about where it stands",
+        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law, "
+        "within a corridor about where it stands",
         commands::move, true},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", commands::hold, true},
     ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,
@@ -60,8 +59,7 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE] | jointN looks", kAnyNumber,
                  "moves a joint to and fro about where it stands and shakes its motor a little, to find what the motor "
                  "observer needs; takes the torque away and sets observer.* (in maintenance only); 'looks' finds "
-                 "observer.answer "
-                 "anew, as after every change of gains",
+                 "observer.answer anew, as after every change of gains",
                  commands::commission, true},
     ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
                  kAnyNumber,
