@@ -156,7 +156,7 @@ auto Modes::rt_take_torque(const JointView& joint, const Request& request) -> bo
 
 auto Modes::rt_take_force(const JointView& joint, const Request& request) -> bool {
   if (!force_.has_law() || request.torque_rate_nm_s <= Q24{} || request.corridor_rad < Q24{} ||
-      (!in_force() && in_motion())) {
+      (!in_force() && !corridor_.holds() && in_motion())) {
     return false;
   }
   const Q24 most = joint.config.limits.joint_torque_nm;

@@ -276,5 +276,34 @@ TEST(ForceControlStream, EndsWithItsLinkAndIsCutToTheLimit) {
   EXPECT_EQ(rig.application.telemetry().first_fault, Fault::kLinkLost);
 }
 
+// At the edge of a corridor position control holds the joint; the stream of torques goes on and is still its link.
+TEST(ForceControlStream, GoesOnWhileAnEdgeOfTheCorridorHoldsTheJoint) {
+  Axes rig;
+  std::array<AxisConfig, 1> config;
+  config[0].force.law = static_cast<std::int32_t>(ForceLawKind::kPull);
+  config[0].force.eta_top = config[0].force.eta_bottom = Q24::from_double(0.5);
+  ASSERT_TRUE(rig.application.configure(config, Rights::kMaintenance).taken());
+  rig.application.rt_tick();
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  rig.application.rt_tick();
+  Application<test::FakeIo<1>>::Streamed streamed{};
+  streamed[0] = {.kind = Request::Kind::kFollowForce,
+                 .joint_torque_nm = Q24::from_double(0.15),
+                 .torque_rate_nm_s = Q24::from_int(1),
+                 .corridor_rad = Q24::from_double(0.1)};
+  for (int i = 0; i < 1500; ++i) {
+    rig.application.rt_tick(streamed);
+    ASSERT_TRUE(energised(rig.application.telemetry().state)) << i;
+  }
+  EXPECT_NE(rig.application.axis_telemetry(0).limits & bit(Limit::kCorridor), 0);
+  int cycles = 0;
+  while (energised(rig.application.telemetry().state) && cycles < 500) {
+    rig.application.rt_tick();
+    ++cycles;
+  }
+  EXPECT_LE(cycles, 102);
+  EXPECT_EQ(rig.application.telemetry().first_fault, Fault::kLinkLost);
+}
+
 }  // namespace
 }  // namespace capstan
