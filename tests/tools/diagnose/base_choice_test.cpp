@@ -5,8 +5,8 @@
 
 #include <cmath>
 
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
-#include "small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

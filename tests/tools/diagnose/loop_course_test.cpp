@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
-#include "small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

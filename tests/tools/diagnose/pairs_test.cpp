@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

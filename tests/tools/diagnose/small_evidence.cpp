@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 
 #include <random>
 

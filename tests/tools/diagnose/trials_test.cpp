@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 
 namespace capstan::tools {
 namespace {

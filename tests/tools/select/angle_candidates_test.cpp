@@ -6,8 +6,8 @@
 #include <set>
 
 #include "capstan/model/terms/table.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 #include "capstan/tools/select/vocabulary.hpp"
-#include "small_selection.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -21,7 +21,7 @@ constexpr double kNoise = 0.01;
 
 auto vocabulary() -> Vocabulary {
   Vocabulary words;
-  words.start = law_of({{"motor_angle", {}}, {"joint_offset", {}}});
+  words.start = test::ratio_law();
   words.starts = {words.start};
   words.plays = {0.1, 0.2, 0.3, 0.4};
   return words;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "capstan/model/terms/table.hpp"
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -20,7 +20,7 @@ using test::two_sines;
 
 constexpr Eigen::Index kRows = 400;
 
-const LawCandidate kRatio = law_of({{"motor_angle", {}}, {"joint_offset", {}}});
+const LawCandidate kRatio = test::ratio_law();
 
 /// What a least squares fit of the columns to some rows leaves of others.
 auto left_of(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const std::vector<Eigen::Index>& fit,

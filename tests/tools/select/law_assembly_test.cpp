@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {

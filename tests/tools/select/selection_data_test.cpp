@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "small_selection.hpp"
+#include "capstan/tests/tools/select/small_selection.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -17,7 +17,7 @@ using test::SmallSelection;
 using test::two_sines;
 
 constexpr Eigen::Index kRows = 400;
-const LawCandidate kRatio = law_of({{"motor_angle", {}}, {"joint_offset", {}}});
+const LawCandidate kRatio = test::ratio_law();
 
 auto words() -> Vocabulary {
   Vocabulary words;

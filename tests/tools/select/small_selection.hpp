@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "../diagnose/small_evidence.hpp"
+#include "capstan/tests/tools/diagnose/small_evidence.hpp"
 #include "capstan/tools/select/forward_score.hpp"
 
 namespace capstan::tools::test {
@@ -69,6 +69,11 @@ inline auto law_of(const std::vector<TermChoice>& terms, const std::vector<doubl
   }
   law.plays = plays;
   return law;
+}
+
+/// What every law begins with.
+inline auto ratio_law() -> LawCandidate {
+  return law_of({{"motor_angle", {}}, {"joint_offset", {}}});
 }
 
 }  // namespace capstan::tools::test
