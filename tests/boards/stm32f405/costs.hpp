@@ -312,20 +312,3 @@ void measure_axis(Print& out) {
 }
 
 }  // namespace capstan::costs
-
-extern "C" {
-
-void rt_release_outputs() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-void rt_systick_isr() {
-  capstan::costs::tick.rt_isr();
-}
-void rt_cycle_isr() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-void rt_usart1_isr() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-
-}  // extern "C"

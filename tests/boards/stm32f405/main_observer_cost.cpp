@@ -91,20 +91,3 @@ int main() {
   measure_observer(out, "observer_fast", 40);
   semihosting::exit(0);
 }
-
-extern "C" {
-
-void rt_release_outputs() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-void rt_systick_isr() {
-  capstan::costs::tick.rt_isr();
-}
-void rt_cycle_isr() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-void rt_usart1_isr() {
-  capstan::stm32f4::semihosting::exit(20);
-}
-
-}  // extern "C"
