@@ -162,14 +162,8 @@ void CommissionSteps::find_answer() {
     return;  // nobody looks
   }
   joint_.arm();
-  try {
-    decide_observer(joint_.ask("commission " + joint_.name() + " looks"));
-  } catch (const Refusal& refusal) {
-    if (std::string(refusal.what()).find("not_here") == std::string::npos) {
-      throw;
-    }
-  }
-  const bool judged = joint_.value("observer.answer") > 0.0;
+  const bool found = commission_by_board("commission " + joint_.name() + " looks");
+  const bool judged = found && joint_.value("observer.answer") > 0.0;
   find(judged ? "its looks at rest are answered by " + joint_.text("observer.answer") + ", which is watched"
               : "how far its motor answers a look at rest is not watched: it pulls, its encoder is too coarse, or "
                 "this board can not find it");

@@ -282,14 +282,22 @@ void CommissionSteps::travel(CommissionSteps& steps) {
              " rad of the motor");
 }
 
-void CommissionSteps::decide_observer(const std::vector<std::string>& answer) {
+auto CommissionSteps::commission_by_board(const std::string& order) -> bool {
   const std::string prefix = joint_.name() + ".";
-  for (const std::string& line : answer) {
-    if (line.starts_with(prefix + "observer.")) {
-      const std::size_t blank = line.find(' ');
-      decide(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
+  try {
+    for (const std::string& line : joint_.ask(order)) {
+      if (line.starts_with(prefix + "observer.")) {
+        const std::size_t blank = line.find(' ');
+        decide(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
+      }
     }
+  } catch (const Refusal& refusal) {
+    if (std::string(refusal.what()).find("not_here") == std::string::npos) {
+      throw;
+    }
+    return false;
   }
+  return true;
 }
 
 void CommissionSteps::motor(CommissionSteps& steps) {
@@ -304,17 +312,13 @@ void CommissionSteps::motor(CommissionSteps& steps) {
   const double reach = std::min(louder ? 0.4 : 0.3, 0.8 * steps.options_.corridor_rad);
   const std::string order = "commission " + joint.name() + " amplitude=" + rounded(reach) + "rad" +
                             (louder ? " dither=" + rounded(kLouderDither * steps.continuous_nm(), 4) + "Nm" : "");
-  try {
-    steps.decide_observer(joint.ask(order));
-    steps.require_no_lighter(1e-3 * joint.value("observer.inertia"));
-    steps.find("the motor observer watches: inertia " + joint.text("observer.inertia"));
-  } catch (const Refusal& refusal) {
-    if (std::string(refusal.what()).find("not_here") == std::string::npos) {
-      throw;
-    }
+  if (!steps.commission_by_board(order)) {
     steps.find(
         "this board can not find the motor observer's values; commission the joint on Linux and set observer.* here");
+    return;
   }
+  steps.require_no_lighter(1e-3 * joint.value("observer.inertia"));
+  steps.find("the motor observer watches: inertia " + joint.text("observer.inertia"));
 }
 
 }  // namespace capstan::tools

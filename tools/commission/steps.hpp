@@ -27,8 +27,8 @@ class CommissionSteps {
   void find(const std::string& sentence);
   /// A parameter that stays.
   void decide(const std::string& name, const std::string& value);
-  /// What the board's own commissioning printed.
-  void decide_observer(const std::vector<std::string>& answer);
+  /// Lets the board commission by itself, and decides what it prints. @returns false: this board can not
+  auto commission_by_board(const std::string& order) -> bool;
   /// By how much the motor answers a look, with the gains as they are.
   void find_answer();
   /// Joint limits about where it stood at first.
