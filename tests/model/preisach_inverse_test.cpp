@@ -29,7 +29,8 @@ void check_there_and_back() {
   const Scalar before = preisach.update(present).force;
   const double low = value_of(table.force(0, 0));
   const double high = value_of(table.force(last, last));
-  const Scalar wanted = number<Scalar>(low + (high - low) * 0.001 * *rc::gen::inRange(0, 1001));
+  // A share by division: 0.001 times 1000 times a range may lie one place beyond its end.
+  const Scalar wanted = number<Scalar>(low + (high - low) * (*rc::gen::inRange(0, 1001) / 1000.0));
   const auto command = preisach.input_for(wanted);
   RC_ASSERT(command.reachable);
   // One unit of the input's last place is this much force where the table is steepest.
