@@ -140,6 +140,7 @@ class CommissionTalk::Job final : public Guest {
       board_->send(bytes);
     }
   }
+  [[nodiscard]] auto behind() const -> bool override { return board_ && board_->behind(); }
   void say(std::string_view words) override {
     if (words.starts_with("lost ")) {
       stop(Clock::now());

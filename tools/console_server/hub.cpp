@@ -29,7 +29,8 @@ void Hub::open_line() {
                      overhear(bytes);
                    }
                  },
-                 [this](const std::string& why) { lost(why); }});
+                 [this](const std::string& why) { lost(why); },
+                 [this] { return std::ranges::any_of(guests_, [](const Guest* guest) { return guest->behind(); }); }});
 }
 
 void Hub::everyone(std::string_view words) {

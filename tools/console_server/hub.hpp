@@ -44,6 +44,8 @@ class Guest {
   /// What the server itself has to say: "command EVERY_MS", "look EVERY_MS" (and " anew" where the board can be started
   /// so), "anew SENTENCE" (why it was not; nothing if it was), "cancel", "remark TEXT", "lost SENTENCE".
   virtual void say(std::string_view words) = 0;
+  /// True while so much of what the board said still waits that the board had better be heard later.
+  [[nodiscard]] virtual auto behind() const -> bool { return false; }
 };
 
 /// What a WebSocket talks with.
@@ -69,6 +71,7 @@ class Hub final : public Talk {
   struct Listener {
     std::function<void(std::string_view)> bytes;
     std::function<void(std::string)> lost;  ///< with a sentence
+    std::function<bool()> behind;           ///< somebody who listens does not keep up
   };
   /// Opens the board's line. Throws std::exception with a sentence.
   using Open = std::function<std::unique_ptr<BoardLine>(Listener)>;

@@ -8,6 +8,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <cmath>
 
 #include "capstan/boards/browser/browser_board.hpp"
@@ -20,6 +21,7 @@ namespace {
 
 namespace asio = boost::asio;
 using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
 
 /// Ctrl-C ends what streams and forgets the lines that wait.
 constexpr std::string_view kDisarm =
@@ -30,7 +32,7 @@ constexpr std::string_view kDisarm =
 class Port : public std::enable_shared_from_this<Port> {
  public:
   Port(asio::io_context& io, int descriptor, std::string name, Hub::Listener listener)
-      : line_(io, descriptor), name_(std::move(name)), listener_(std::move(listener)) {}
+      : line_(io, descriptor), pause_(io), name_(std::move(name)), listener_(std::move(listener)) {}
 
   void read() {
     line_.async_read_some(asio::buffer(in_), [self = shared_from_this()](const error_code& error, std::size_t count) {
@@ -42,7 +44,7 @@ class Port : public std::enable_shared_from_this<Port> {
         return;
       }
       self->listener_.bytes({self->in_.data(), count});
-      self->read();
+      self->read_on(Clock::now());
     });
   }
   void send(std::string_view bytes) {
@@ -70,11 +72,31 @@ class Port : public std::enable_shared_from_this<Port> {
       }
       sent += static_cast<std::size_t>(count);
     }
+    pause_.cancel();
     error_code ignored;
     line_.close(ignored);
   }
 
  private:
+  /// A board that sends faster than its listeners take is read later; one that hangs does not stop the others for long.
+  void read_on(Clock::time_point since) {
+    constexpr std::chrono::milliseconds kPause{5};
+    constexpr std::chrono::seconds kPatience{1};
+    if (!listener_.behind()) {
+      patient_ = true;
+    } else if (patient_ && Clock::now() - since < kPatience) {
+      pause_.expires_after(kPause);
+      pause_.async_wait([self = shared_from_this(), since](const error_code&) {
+        if (!self->closed_) {
+          self->read_on(since);
+        }
+      });
+      return;
+    } else {
+      patient_ = false;
+    }
+    read();
+  }
   void write() {
     if (!going_.empty() || closed_) {
       return;
@@ -113,6 +135,8 @@ class Port : public std::enable_shared_from_this<Port> {
   }
 
   asio::posix::stream_descriptor line_;
+  asio::steady_timer pause_;
+  bool patient_ = true;
   std::string name_;
   Hub::Listener listener_;
   std::array<char, 4096> in_{};
@@ -179,7 +203,6 @@ class SimulatedLine final : public BoardLine {
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
   void wait() {
     timer_.expires_after(std::chrono::milliseconds(5));
     timer_.async_wait([this, alive = std::weak_ptr<int>(alive_)](const error_code& error) {

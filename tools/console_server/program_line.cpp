@@ -28,7 +28,6 @@ void ProgramLine::read() {
 }
 
 void ProgramLine::send(std::string_view bytes) {
-  constexpr std::size_t kMostWaiting = std::size_t{1} << 20U;  // some 15 s of a log of every cycle
   if (waiting_.size() + bytes.size() <= kMostWaiting && line_.is_open()) {
     waiting_ += bytes;
     write();

@@ -19,10 +19,14 @@ class ProgramLine : public std::enable_shared_from_this<ProgramLine> {
 
   void read();
   void send(std::string_view bytes);
+  /// True while much of what was sent waits.
+  [[nodiscard]] auto behind() const -> bool { return waiting_.size() > kMostWaiting / 8; }
   /// Nobody is told anything any more.
   void close();
 
  private:
+  static constexpr std::size_t kMostWaiting = std::size_t{8} << 20U;  // some two minutes of a log of every cycle
+
   void write();
 
   boost::asio::posix::stream_descriptor line_;

@@ -104,8 +104,10 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
   }
   void bytes(std::string_view bytes) override { queue(std::string(bytes), false); }
   void say(std::string_view words) override { queue(std::string(words), true); }
+  [[nodiscard]] auto behind() const -> bool override { return waiting_bytes_ > kMostWaiting / 8; }
 
  private:
+  static constexpr std::size_t kMostWaiting = std::size_t{8} * 1024 * 1024;  // two minutes of eight signals at 1 kHz
   struct Message {
     std::string body;
     bool text = false;
@@ -127,7 +129,6 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
     });
   }
   void queue(std::string body, bool text) {
-    constexpr std::size_t kMostWaiting = std::size_t{8} * 1024 * 1024;  // two minutes of eight signals at 1 kHz
     if (waiting_bytes_ > kMostWaiting) {
       beast::get_lowest_layer(socket_).cancel();  // a page that takes nothing any more; read() ends with it
       return;

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A board by TCP that sends faster than who listens takes it.
+#include "capstan/tools/console_server/lines.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <chrono>
+#include <memory>
+#include <string>
+
+namespace capstan::tools {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::ip::tcp;
+
+/// The board's end of the line, and what was heard at the other one.
+class FastBoard : public testing::Test {
+ protected:
+  static constexpr std::size_t kBytes = std::size_t{24} << 20U;  // more than the system keeps for a connection
+
+  void SetUp() override {
+    line = open_port_line(io, "tcp:" + std::to_string(acceptor.local_endpoint().port()),
+                          {[this](std::string_view bytes) { heard += bytes.size(); }, [](const std::string&) {},
+                           [this] { return behind; }});
+    acceptor.accept(board);
+    boost::asio::async_write(board, boost::asio::buffer(said), [](const boost::system::error_code&, std::size_t) {});
+  }
+
+  boost::asio::io_context io;
+  tcp::acceptor acceptor{io, tcp::endpoint(boost::asio::ip::address_v4::loopback(), 0)};
+  tcp::socket board{io};
+  const std::string said = std::string(kBytes, '.');
+  std::size_t heard = 0;
+  bool behind = false;
+  std::unique_ptr<BoardLine> line;
+};
+
+TEST_F(FastBoard, WaitsForWhoIsBehindAndLosesNothing) {
+  behind = true;
+  io.run_for(300ms);
+  EXPECT_LE(heard, 4096U);
+  behind = false;
+  for (int i = 0; i < 100 && heard < kBytes; ++i) {
+    io.run_for(100ms);
+  }
+  EXPECT_EQ(heard, kBytes);
+}
+
+TEST_F(FastBoard, IsHeardByTheOthersWhenOneHangs) {
+  behind = true;
+  for (int i = 0; i < 100 && heard < kBytes; ++i) {
+    io.run_for(100ms);
+  }
+  EXPECT_EQ(heard, kBytes);
+}
+
+}  // namespace
+}  // namespace capstan::tools
