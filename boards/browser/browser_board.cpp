@@ -40,7 +40,7 @@ void BrowserBoard::tick() {
   if (board_->reboot_wanted()) {
     start();
     board_->tick();
-    greet();
+    print_banner();
   }
 }
 

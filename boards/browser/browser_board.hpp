@@ -27,7 +27,7 @@ class BrowserBoard {
   void tick();
   /// Whoever was at the console has gone: the torque goes, and what he staged or opened.
   void peer_left();
-  void greet() { board_->shell().greet(); }
+  void print_banner() { board_->shell().print_banner(); }
   /// What the shell said, text and frames. Whoever takes it clears it.
   [[nodiscard]] auto output() -> std::string& { return sink_.text; }
 

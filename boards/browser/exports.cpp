@@ -80,7 +80,7 @@ CAPSTAN_EXPORT auto capstan_take() -> std::int32_t {
 
 CAPSTAN_EXPORT void capstan_greet() {
   if (board) {
-    board->greet();
+    board->print_banner();
   }
 }
 CAPSTAN_EXPORT void capstan_peer_left() {

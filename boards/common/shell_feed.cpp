@@ -24,7 +24,7 @@ void ShellFeed::take() {
 auto ShellFeed::poll() -> bool {
   take();
   if (!met_ && console_.attached() && console_.is_terminal()) {
-    shell_.greet();
+    shell_.print_banner();
   }
   met_ = console_.attached();
   bool lost = false;

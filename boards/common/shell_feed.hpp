@@ -10,7 +10,7 @@ namespace capstan {
 
 /// Carries characters from a console to the shell by the rules of ShellInput. What finds no room there waits in the
 /// operating system, so a host that sends everything at once loses nothing; but for the lines behind a log or an
-/// experiment under torque, which are read at once because one of them may stop it. A person who comes is greeted.
+/// experiment under torque, which are read at once because one of them may stop it. A banner is printed on connect.
 class ShellFeed {
  public:
   /// Both outlive this object.

@@ -114,7 +114,7 @@ class Runtime final : public Board {
                                   (starved ? bit(Fault::kWatchdog) : 0));
     Print out(sink_);
     print_start(out, report);
-    shell_.greet();
+    shell_.print_banner();
     bool timing_printed = false;
     for (;;) {
       feed_.poll();

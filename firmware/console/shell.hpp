@@ -15,7 +15,7 @@ class Shell final : public Session {
   /// Feeds one received character.
   void receive(char c);
   /// Somebody has come: says what this is, how it stands and what to type, in lines that begin with '#', then prompts.
-  void greet();
+  void print_banner();
   /// Lets long answers go on; call it in the background loop.
   void poll();
   /// True while an answer is still under way: a line sent now would be refused. A `watch` takes one, and ends with it.

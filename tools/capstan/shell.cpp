@@ -45,7 +45,7 @@ auto carry(int from, int to, FrameRecorder* recorder) -> std::optional<std::size
 }
 
 /// Which board this is, how it stands and what to type next.
-void greet(ShellClient& shell, const std::string& port) {
+void print_banner(ShellClient& shell, const std::string& port) {
   std::cerr << "connected to " << port << "; Ctrl-C leaves, 'help' lists the commands, 'disarm' takes torque away\n";
   try {
     for (const char* line : {"version", "status"}) {
@@ -63,7 +63,7 @@ auto talk(const std::string& port, FrameRecorder* recorder) -> int {
   ShellClient shell(port);
   const CharacterMode character_mode;
   if (character_mode.active()) {
-    greet(shell, port);
+    print_banner(shell, port);
   }
   if (recorder != nullptr) {
     static_cast<void>(std::signal(SIGINT, leave));  // or the last rows would not reach the log

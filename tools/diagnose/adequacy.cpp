@@ -11,8 +11,8 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kCertain = 0.005;
-constexpr double kRepeatsItself = 0.001;  // stricter: small errors of the hindsight direction repeat as well
-constexpr double kCeilingWhite = 2.7;     // t over some 40 blocks at kCertain
+constexpr double kRepeatsItself = 0.001;  // stricter: small errors of the noncausal direction repeat as well
+constexpr double kFlexibleWhite = 2.7;    // t over some 40 blocks at kCertain
 constexpr double kCeilingRaw = 2.0;
 
 /// Energy per learned block of what the sensors hide. A flexible model may find that, since torque says where between
@@ -112,16 +112,16 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   result.law_energy = cross_validated(evidence.raw(), evidence.learned, law);
   const Eigen::VectorXd hidden = hidden_energy(p, evidence.sensing);
   result.hidden_energy = hidden.sum();
-  result.ceiling_energy = flexible_ceiling(evidence.raw(), evidence.learned) + hidden;
+  result.flexible_energy = flexible_model(evidence.raw(), evidence.learned) + hidden;
   const Eigen::VectorXd white_gain = cross_validated(evidence.white(), evidence.learned, law) -
-                                     flexible_ceiling(evidence.white(), evidence.learned) -
+                                     flexible_model(evidence.white(), evidence.learned) -
                                      hidden_energy(p, evidence.white_sensing);
-  result.ceiling_t = t_statistic(white_gain);
+  result.flexible_t = t_statistic(white_gain);
   const double left = result.law_energy.sum();
-  result.reducible_share = left > 0.0 ? 1.0 - result.ceiling_energy.sum() / left : 0.0;
-  result.ceiling_p = sieve.ceiling_p;
-  const bool certain = result.ceiling_t > kCeilingWhite || result.ceiling_p < kCertain;
-  const Eigen::VectorXd reducible = result.law_energy - result.ceiling_energy;
+  result.reducible_share = left > 0.0 ? 1.0 - result.flexible_energy.sum() / left : 0.0;
+  result.flexible_p = sieve.flexible_p;
+  const bool certain = result.flexible_t > kFlexibleWhite || result.flexible_p < kCertain;
+  const Eigen::VectorXd reducible = result.law_energy - result.flexible_energy;
   // A few blocks with much motion may hold most of the energy, and make the mean uncertain.
   const double reducible_t = std::max(t_statistic(reducible), signed_rank_score(reducible));
   const bool above_ceiling = result.reducible_share > kMatters && certain && reducible_t > kCeilingRaw;
@@ -129,15 +129,15 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
     test_repetition(p, evidence, result);
   }
   // Nobody does worse than the law alone, and what repeats can be explained by somebody.
-  if (const double ceiling = result.ceiling_energy.sum(); ceiling > 0.0) {
-    result.ceiling_energy *= (1.0 - std::max(result.reducible_share, 0.0)) * left / ceiling;
+  if (const double flexible = result.flexible_energy.sum(); flexible > 0.0) {
+    result.flexible_energy *= (1.0 - std::max(result.reducible_share, 0.0)) * left / flexible;
   }
   const bool repeats_itself = result.lack_of_fit_p < kRepeatsItself && result.reducible_share > kMatters;
   result.lacks_something = above_ceiling || repeats_itself;
   return result;
 }
 
-auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& ceiling)
+auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after, const Eigen::VectorXd& flexible)
     -> ExplainedShare {
   constexpr int kResamplings = 400;
   auto share_of = [](double e0, double e1, double floor) {
@@ -155,11 +155,11 @@ auto explained_share(const Eigen::VectorXd& before, const Eigen::VectorXd& after
       const auto at = std::min(n - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(n)));
       e0 += before[at];
       e1 += after[at];
-      floor += ceiling[at];
+      floor += flexible[at];
     }
     share = share_of(e0, e1, floor);
   }
-  return {share_of(before.sum(), after.sum(), ceiling.sum()), quantile(shares, 0.05)};
+  return {share_of(before.sum(), after.sum(), flexible.sum()), quantile(shares, 0.05)};
 }
 
 }  // namespace capstan::tools

@@ -43,17 +43,17 @@ auto law_model(const Layout& layout) -> ColumnModel {
   return model;
 }
 
-auto model_of(const Layout& layout, const Family& family, std::size_t variant) -> ColumnModel {
+auto model_of(const Layout& layout, const Candidate& candidate, std::size_t variant) -> ColumnModel {
   ColumnModel model = law_model(layout);
-  const Eigen::Index first = family.variants[variant].first;
-  if (family.acts_on_output) {
+  const Eigen::Index first = candidate.variants[variant].first;
+  if (candidate.acts_on_output) {
     model.fixed = first;
     std::iota(model.free.begin(), model.free.end(), first + 1);
     return model;
   }
-  for (std::size_t i = 0; i < family.signs.size(); ++i) {
+  for (std::size_t i = 0; i < candidate.signs.size(); ++i) {
     model.free.push_back(first + static_cast<Eigen::Index>(i));
-    model.signs.push_back(family.signs[i]);
+    model.signs.push_back(candidate.signs[i]);
   }
   return model;
 }
@@ -96,7 +96,7 @@ auto cross_validated(const BlockGrams& grams, const BlockList& blocks, const Col
   return energies;
 }
 
-auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd {
+auto flexible_model(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd {
   constexpr std::array<double, 4> kRidges = {1e-6, 1e-4, 1e-2, 1.0};
   ColumnList columns = law_model(grams.layout()).free;
   const auto first_penalised = static_cast<Eigen::Index>(columns.size());

@@ -19,8 +19,8 @@ struct ColumnModel {
 
 /// The law alone.
 auto law_model(const Layout& layout) -> ColumnModel;
-/// The law refitted beside a family's variant. For an output term's exact variant, the law through the term.
-auto model_of(const Layout& layout, const Family& family, std::size_t variant) -> ColumnModel;
+/// The law refitted beside a candidate's variant. For an output term's exact variant, the law through the term.
+auto model_of(const Layout& layout, const Candidate& candidate, std::size_t variant) -> ColumnModel;
 
 /// A model's columns with their coefficients, the fixed one included.
 struct FittedModel {
@@ -35,9 +35,9 @@ auto block_energies(const BlockGrams& grams, const BlockList& blocks, const Fitt
 /// Out-of-fold residual energy per block: the model refitted without the block's fold.
 auto cross_validated(const BlockGrams& grams, const BlockList& blocks, const ColumnModel& model) -> Eigen::VectorXd;
 
-/// The flexible ceiling: the law, and everything else there is by ridge regression, its strength chosen by the same
+/// The flexible model: the law, and everything else there is by ridge regression, its strength chosen by the same
 /// cross-validation. Energy per block, out of fold.
-auto flexible_ceiling(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd;
+auto flexible_model(const BlockGrams& grams, const BlockList& blocks) -> Eigen::VectorXd;
 
 /// Student's t of the mean.
 auto t_statistic(const Eigen::VectorXd& values) -> double;

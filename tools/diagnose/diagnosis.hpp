@@ -46,7 +46,7 @@ struct RoundSummary {
   bool lacks_something = false;
   double reducible_share = 0.0;  ///< share of the residual's energy that is no noise
   double lack_of_fit_p = 1.0;    ///< against repeated cycles
-  double ceiling_p = 1.0;        ///< against a flexible model
+  double flexible_p = 1.0;       ///< against a flexible model
   std::vector<RankedEffect> ranking;
 };
 

@@ -16,13 +16,13 @@ auto sign_allows(double value, Sign sign) -> bool {
   return sign == Sign::kAny || (sign == Sign::kNonNegative ? value >= 0.0 : value <= 0.0);
 }
 
-/// Lays the columns of all parts side by side; the families' variants learn where theirs begin.
-auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Family>& families,
+/// Lays the columns of all parts side by side; the candidates' variants learn where theirs begin.
+auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Candidate>& candidates,
              Layout& layout) -> Eigen::MatrixXd {
   layout.law = residual.base.cols();
   layout.flexible = layout.first_variant();
-  for (const auto& family : families) {
-    for (const auto& variant : family.variants) {
+  for (const auto& candidate : candidates) {
+    for (const auto& variant : candidate.variants) {
       layout.flexible += variant.columns.cols();
     }
   }
@@ -31,8 +31,8 @@ auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::
   columns.leftCols(layout.law) = residual.base;
   columns.col(layout.error()) = residual.error;
   Eigen::Index next = layout.first_variant();
-  for (auto& family : families) {
-    for (auto& variant : family.variants) {
+  for (auto& candidate : candidates) {
+    for (auto& variant : candidate.variants) {
       variant.first = next;
       columns.middleCols(next, variant.columns.cols()) = variant.columns;
       next += variant.columns.cols();
@@ -163,36 +163,36 @@ auto BlockGrams::energy(std::size_t block, const std::vector<Eigen::Index>& colu
   return std::max(energy, 0.0);
 }
 
-auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant)
-    -> FamilyFit {
+auto fit_variant(const Projected& projected, const Layout& layout, const Candidate& candidate, std::size_t variant)
+    -> CandidateFit {
   const auto& gram = projected.gram;
-  const Eigen::Index first = family.variants[variant].first - layout.law;
-  const auto n = static_cast<Eigen::Index>(family.signs.size());
-  FamilyFit fit{variant, Eigen::VectorXd::Zero(n), 0.0};
-  if (family.acts_on_output) {
+  const Eigen::Index first = candidate.variants[variant].first - layout.law;
+  const auto n = static_cast<Eigen::Index>(candidate.signs.size());
+  CandidateFit fit{variant, Eigen::VectorXd::Zero(n), 0.0};
+  if (candidate.acts_on_output) {
     fit.theta[0] = 1.0;
     fit.gain = std::max(0.0, 2.0 * gram(first, 0) - gram(first, first));
     return fit;
   }
   if (n == 1) {
     const double theta = gram(first, first) > 0.0 ? gram(first, 0) / gram(first, first) : 0.0;
-    if (sign_allows(theta, family.signs[0])) {
+    if (sign_allows(theta, candidate.signs[0])) {
       fit.theta[0] = theta;
       fit.gain = theta * gram(first, 0);
     }
     return fit;
   }
   const Eigen::VectorXd rhs = gram.col(0).segment(first, n);
-  fit.theta = solve_signed(gram.block(first, first, n, n), rhs, family.signs);
+  fit.theta = solve_signed(gram.block(first, first, n, n), rhs, candidate.signs);
   fit.gain = fit.theta.dot(rhs);
   return fit;
 }
 
-auto fit_family(const Projected& projected, const Layout& layout, const Family& family) -> FamilyFit {
-  const std::size_t first = family.acts_on_output ? 1 : 0;  // the exact variant is no linear one
-  FamilyFit best = fit_variant(projected, layout, family, first);
-  for (std::size_t i = first + 1; i < family.variants.size(); ++i) {
-    const FamilyFit fit = fit_variant(projected, layout, family, i);
+auto fit_candidate(const Projected& projected, const Layout& layout, const Candidate& candidate) -> CandidateFit {
+  const std::size_t first = candidate.acts_on_output ? 1 : 0;  // the exact variant is no linear one
+  CandidateFit best = fit_variant(projected, layout, candidate, first);
+  for (std::size_t i = first + 1; i < candidate.variants.size(); ++i) {
+    const CandidateFit fit = fit_variant(projected, layout, candidate, i);
     if (fit.gain > best.gain) {
       best = fit;
     }
@@ -204,14 +204,14 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   Evidence evidence;
   evidence.error = residual.error;
   evidence.by_energy = law.catalogue->target() != TargetKind::kAngle;
-  evidence.families = catalogue_families(p, law, residual);
-  for (auto& family : probe_families(p, *law.catalogue, residual)) {
-    if (!law.catalogue->has(family.name)) {
-      evidence.families.push_back(std::move(family));
+  evidence.candidates = catalogue_candidates(p, law, residual);
+  for (auto& candidate : probe_candidates(p, *law.catalogue, residual)) {
+    if (!law.catalogue->has(candidate.name)) {
+      evidence.candidates.push_back(std::move(candidate));
     }
   }
-  evidence.columns = lay_out(residual, p.bridged(flexible_features(p.signals, law.catalogue->target())),
-                             evidence.families, evidence.layout);
+  evidence.columns = lay_out(residual, p.interpolated(flexible_features(p.signals, law.catalogue->target())),
+                             evidence.candidates, evidence.layout);
   if (residual.adapted.cols() > 0) {
     project_out(residual.adapted, p.split.learned(),
                 evidence.columns.rightCols(evidence.layout.total - evidence.layout.first_variant()));

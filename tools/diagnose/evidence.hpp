@@ -4,12 +4,12 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/diagnose/candidate.hpp"
 #include "capstan/tools/diagnose/noise_model.hpp"
 
 namespace capstan::tools {
 
-/// Columns of one round laid side by side: [law | error | variants of all families | flexible features].
+/// Columns of one round laid side by side: [law | error | variants of all candidates | flexible features].
 struct Layout {
   Eigen::Index law = 0;       ///< number of the law's columns, from 0
   Eigen::Index flexible = 0;  ///< first flexible feature
@@ -50,21 +50,21 @@ class BlockGrams {
   std::vector<double> rows_;
 };
 
-/// A family's best variant on some rows, by the projected products alone.
-struct FamilyFit {
+/// A candidate's best variant on some rows, by the projected products alone.
+struct CandidateFit {
   std::size_t variant = 0;
   Eigen::VectorXd theta;
   double gain = 0.0;  ///< residual energy taken away; 0 if physics forbids the sign that the data ask for
 };
 
-/// Best coefficients of one variant under its family's signs.
-auto fit_variant(const Projected& projected, const Layout& layout, const Family& family, std::size_t variant)
-    -> FamilyFit;
-auto fit_family(const Projected& projected, const Layout& layout, const Family& family) -> FamilyFit;
+/// Best coefficients of one variant under its candidate's signs.
+auto fit_variant(const Projected& projected, const Layout& layout, const Candidate& candidate, std::size_t variant)
+    -> CandidateFit;
+auto fit_candidate(const Projected& projected, const Layout& layout, const Candidate& candidate) -> CandidateFit;
 
 /// One round's evidence. `raw` is in the measured quantity, `white` is whitened by the noise model.
 struct Evidence {
-  std::vector<Family> families;
+  std::vector<Candidate> candidates;
   Layout layout;
   AutoregressiveNoise noise;
   bool noise_from_repeats = false;

@@ -37,12 +37,12 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
 
 namespace {
 
-/// rms over the rows set aside where the running direction switch agrees with hindsight.
+/// rms over the rows set aside where the running direction switch agrees with the noncausal one.
 auto rms_of_known_direction(const Preparation& p, const Eigen::VectorXd& error) -> double {
   std::vector<bool> known;
   for (std::size_t log = 0; log < p.logs.size(); ++log) {
     const Samples& running = p.causal.samples()[log];
-    std::transform(running.begin(), running.end(), p.hindsight.samples()[log].begin(), std::back_inserter(known),
+    std::transform(running.begin(), running.end(), p.noncausal.samples()[log].begin(), std::back_inserter(known),
                    [](const auto& now, const auto& later) { return now.forward == later.forward; });
   }
   double squares = 0.0;
@@ -67,7 +67,7 @@ auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estim
 auto noise_of_running(const Preparation& p, const LawForm& form) -> double {
   const Eigen::MatrixXd running = law_columns(p.causal, form);
   const LinearFit fit = fit_columns(running, p.target, refined(p.split, p.factor).learned(), law_signs(form));
-  return rms_of_known_direction(p, (running - law_columns(p.hindsight, form)) * fit.theta);
+  return rms_of_known_direction(p, (running - law_columns(p.noncausal, form)) * fit.theta);
 }
 
 auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
@@ -103,7 +103,7 @@ auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const E
 auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool {
   const Eigen::VectorXd target = p.coarse(p.target);
   auto estimate = [&](const LawForm& form) -> Eigen::VectorXd {
-    const Eigen::MatrixXd columns = p.coarse(law_columns(p.hindsight, form));
+    const Eigen::MatrixXd columns = p.coarse(law_columns(p.noncausal, form));
     return columns * fit_columns(columns, target, p.split.learned(), law_signs(form)).theta;
   };
   return ratio_interval(target, p.split.of(Role::kReport), estimate(base), estimate(law))[1] < 1.0;

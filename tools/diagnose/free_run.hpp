@@ -13,16 +13,16 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
 /// Free-running error of an estimate on the rows set aside.
 auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary;
 
-/// rms error of an estimate on the rows set aside where the running direction switch agrees with hindsight: without
-/// what is owed to an encoder that shows a turn late. In the target's unit.
+/// rms error of an estimate on the rows set aside where the running direction switch agrees with the noncausal one:
+/// without what is owed to an encoder that shows a turn late. In the target's unit.
 auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double;
 
 /// What the noise of torque and rate brings into a running estimate of a law, rms on the same rows, in the target's
-/// unit: its distance from the estimate in hindsight, where these are smoothed. No other law of these sensors knows
+/// unit: its distance from the estimate noncausally, where these are smoothed. No other law of these sensors knows
 /// better.
 auto noise_of_running(const Preparation& p, const LawForm& form) -> double;
 
-/// Whether a law errs less than the base for certain on the rows set aside, on the coarse grid and in hindsight, where
+/// Whether a law errs less than the base for certain on the rows set aside, on the coarse grid and noncausally, where
 /// decisions are taken. A running estimate errs most where the motor has turned and its encoder does not show it yet,
 /// and no effect mends that.
 auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool;

@@ -26,8 +26,8 @@ auto share_of(const Blocks& blocks, Eigen::Index begin, Eigen::Index end) -> Blo
 }
 
 auto loop_in(const Preparation& p, const LawForm& loop, const Blocks& rows) -> Loop {
-  const LawForm now = refine_shapes(p.hindsight, p.target, rows, loop);
-  return {half_width_of(now), friction_torque(p.hindsight, rows)};
+  const LawForm now = refine_shapes(p.noncausal, p.target, rows, loop);
+  return {half_width_of(now), friction_torque(p.noncausal, rows)};
 }
 
 }  // namespace

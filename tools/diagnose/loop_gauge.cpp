@@ -81,7 +81,7 @@ class LoopSearch {
         healthy_(healthy),
         before_(before),
         tendons_(tendons),
-        loop_(fit_loop(p.hindsight, p.target, p.certain(), before)),
+        loop_(fit_loop(p.noncausal, p.target, p.certain(), before)),
         search_(search_effects(p, loop_, progress)),
         left_(left_to_choose(p, tendons)),
         left_by_loop_(left_to_choose(p, loop_)),
@@ -90,7 +90,7 @@ class LoopSearch {
     compare_width(search_.law);
     const double width_rad = half_width_of(gauge_);
     const auto sliding =
-        healthy.fit && healthy.fit->loop_torque ? loop_torque(p.hindsight, p.certain(), width_rad) : std::nullopt;
+        healthy.fit && healthy.fit->loop_torque ? loop_torque(p.noncausal, p.certain(), width_rad) : std::nullopt;
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
     force_ = now.torque_nm / before.torque_nm;
     search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
@@ -300,7 +300,7 @@ class LoopSearch {
     if (!term.shapes.empty()) {
       law.set_shapes(term, {p_.coarse_period_s});
     }
-    return refine_shapes(p_.hindsight, p_.target, p_.certain(), law);
+    return refine_shapes(p_.noncausal, p_.target, p_.certain(), law);
   }
   [[nodiscard]] auto named(const std::string& name) const -> AddedEffect {
     AddedEffect effect;

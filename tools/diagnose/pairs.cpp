@@ -9,10 +9,10 @@ namespace {
 
 /// Both models' columns beside the law. An output term's columns replace the law's; the other effect is then taken as
 /// it is.
-auto together(const Layout& layout, const Family& a, std::size_t variant_a, const Family& b, std::size_t variant_b)
-    -> ColumnModel {
+auto together(const Layout& layout, const Candidate& a, std::size_t variant_a, const Candidate& b,
+              std::size_t variant_b) -> ColumnModel {
   ColumnModel model = model_of(layout, a.acts_on_output ? a : b, a.acts_on_output ? variant_a : variant_b);
-  const Family& added = a.acts_on_output ? b : a;
+  const Candidate& added = a.acts_on_output ? b : a;
   const ColumnModel other = model_of(layout, added, a.acts_on_output ? variant_b : variant_a);
   model.free.insert(model.free.end(), other.free.begin() + layout.law, other.free.end());
   model.signs.insert(model.signs.end(), other.signs.begin() + layout.law, other.signs.end());
@@ -20,8 +20,8 @@ auto together(const Layout& layout, const Family& a, std::size_t variant_a, cons
 }
 
 /// Variants to be tried in a pair: an output term has one exact variant.
-auto variants_of(const Family& family) -> std::size_t {
-  return family.acts_on_output ? 1 : family.variants.size();
+auto variants_of(const Candidate& candidate) -> std::size_t {
+  return candidate.acts_on_output ? 1 : candidate.variants.size();
 }
 
 /// Energy left on a sum of products by the best fit of a model; infinite if a sign forbids a part of it.
@@ -39,8 +39,8 @@ auto energy_left(const Eigen::MatrixXd& gram, const Layout& layout, const Column
 
 auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std::size_t a, std::size_t b)
     -> EffectPair {
-  const Family& first = evidence.families[a];
-  const Family& second = evidence.families[b];
+  const Candidate& first = evidence.candidates[a];
+  const Candidate& second = evidence.candidates[b];
   EffectPair pair{{a, b}, {0, 0}, {}};
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < variants_of(first); ++i) {
@@ -58,8 +58,8 @@ auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std
   return pair;
 }
 
-auto contains(const EffectPair& pair, std::size_t family) -> bool {
-  return pair.family[0] == family || pair.family[1] == family;
+auto contains(const EffectPair& pair, std::size_t candidate) -> bool {
+  return pair.candidate[0] == candidate || pair.candidate[1] == candidate;
 }
 
 auto names_as_double(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
@@ -68,8 +68,8 @@ auto names_as_double(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
 
 /// Effects that pass for each other alone bend, as a pair, into almost anything of their kind; and one that waits comes
 /// with what it waits for or not at all.
-auto may_pair(const Catalogue& catalogue, const Family& a, const Family& b) -> bool {
-  const auto stands = [](const Family& one, const Family& other) {
+auto may_pair(const Catalogue& catalogue, const Candidate& a, const Candidate& b) -> bool {
+  const auto stands = [](const Candidate& one, const Candidate& other) {
     return !one.waits || std::find(one.builds_on.begin(), one.builds_on.end(), other.name) != one.builds_on.end();
   };
   if (!a.in_catalogue || !b.in_catalogue || (a.acts_on_output && b.acts_on_output) || !stands(a, b) || !stands(b, a)) {
@@ -84,8 +84,8 @@ auto may_pair(const Catalogue& catalogue, const Family& a, const Family& b) -> b
 
 auto pair_of(const Evidence& evidence, const std::vector<std::string>& names) -> std::optional<EffectPair> {
   std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < evidence.families.size(); ++i) {
-    if (std::find(names.begin(), names.end(), evidence.families[i].name) != names.end()) {
+  for (std::size_t i = 0; i < evidence.candidates.size(); ++i) {
+    if (std::find(names.begin(), names.end(), evidence.candidates[i].name) != names.end()) {
       found.push_back(i);
     }
   }
@@ -96,9 +96,9 @@ auto pair_of(const Evidence& evidence, const std::vector<std::string>& names) ->
 auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair> {
   const Eigen::MatrixXd fit_products = evidence.raw().sum(evidence.fit);
   std::vector<EffectPair> pairs;
-  for (std::size_t a = 0; a < evidence.families.size(); ++a) {
-    for (std::size_t b = a + 1; b < evidence.families.size(); ++b) {
-      if (may_pair(catalogue, evidence.families[a], evidence.families[b])) {
+  for (std::size_t a = 0; a < evidence.candidates.size(); ++a) {
+    for (std::size_t b = a + 1; b < evidence.candidates.size(); ++b) {
+      if (may_pair(catalogue, evidence.candidates[a], evidence.candidates[b])) {
         pairs.push_back(fit_pair(evidence, fit_products, a, b));
       }
     }
@@ -109,7 +109,7 @@ auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::opt
     return std::nullopt;
   }
   for (const auto& other : pairs) {
-    const bool rival = !contains(other, best->family[0]) || !contains(other, best->family[1]);
+    const bool rival = !contains(other, best->candidate[0]) || !contains(other, best->candidate[1]);
     if (rival && !clearly_positive(other.energies - best->energies)) {
       return std::nullopt;
     }

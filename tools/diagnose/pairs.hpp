@@ -9,7 +9,7 @@ namespace capstan::tools {
 
 /// Two effects of the catalogue that together explain what neither explains alone.
 struct EffectPair {
-  std::size_t family[2] = {};
+  std::size_t candidate[2] = {};
   std::size_t variant[2] = {};
   Eigen::VectorXd energies;  ///< out of fold per learned block, in the measured quantity
 };
@@ -19,7 +19,7 @@ struct EffectPair {
 /// Effects that the catalogue calls confusable with each other are no pair.
 auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair>;
 
-/// Two effects by their names, at their best variants; nothing unless both are among the families.
+/// Two effects by their names, at their best variants; nothing unless both are among the candidates.
 auto pair_of(const Evidence& evidence, const std::vector<std::string>& names) -> std::optional<EffectPair>;
 
 }  // namespace capstan::tools

@@ -93,16 +93,16 @@ auto signal_columns(const AxisLog& log, const Samples& samples, double start_s) 
 }
 
 auto coarse_signals(const Preparation& p) -> CoarseSignals {
-  Eigen::MatrixXd all(p.hindsight.rows(), 8);
+  Eigen::MatrixXd all(p.noncausal.rows(), 8);
   Eigen::Index row = 0;
   double start_s = 0.0;
   for (std::size_t i = 0; i < p.logs.size(); ++i) {
     const auto& log = p.logs[i];
-    all.middleRows(row, log.samples()) = signal_columns(log, p.hindsight.samples()[i], start_s);
+    all.middleRows(row, log.samples()) = signal_columns(log, p.noncausal.samples()[i], start_s);
     row += log.samples();
     start_s += static_cast<double>(log.samples()) * log.period_s;
   }
-  const Eigen::MatrixXd coarse = decimated(moving_mean(all, p.hindsight.log_rows(), p.smoothing), p.factor);
+  const Eigen::MatrixXd coarse = decimated(moving_mean(all, p.noncausal.log_rows(), p.smoothing), p.factor);
   CoarseSignals s{coarse.col(7), coarse.col(0), coarse.col(1),
                   coarse.col(2), coarse.col(3), coarse.col(4),
                   coarse.col(5), coarse.col(6), {}};
@@ -114,43 +114,44 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
   return s;
 }
 
-/// Samples in hindsight of all logs, and copies with what q1's resolution and, unless an effort is the target, the
+/// Noncausal samples of all logs, and copies with what q1's resolution and, unless an effort is the target, the
 /// torque's noise may hide.
-struct HindsightOfLogs {
+struct NoncausalLogs {
   std::vector<Samples> samples, coarse_angle, noisy_torque;
   Blocks uncertain;  ///< coarse rows touched by uncertain samples
 };
 
-auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner,
-                  const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing) -> HindsightOfLogs {
-  HindsightOfLogs all;
+auto noncausal_of(const std::vector<AxisLog>& logs, const ConditionerShape<double>& conditioner,
+                  const AngleNoise& noise, Eigen::Index factor, Eigen::Index smoothing) -> NoncausalLogs {
+  NoncausalLogs all;
   Random random(0x70C0);
   Eigen::Index begin = 0;
   for (const auto& log : logs) {
     const bool effort = log.motion_alone();
-    Hindsight hindsight = effort ? given_motion(log, conditioner, noise) : hindsight_samples(log, conditioner, noise);
-    for (const auto& rows : hindsight.uncertain) {
+    NoncausalSamples noncausal =
+        effort ? given_motion(log, conditioner, noise) : noncausal_samples(log, conditioner, noise);
+    for (const auto& rows : noncausal.uncertain) {
       const Eigen::Index first = std::max<Eigen::Index>(0, rows.begin - smoothing);
       const Eigen::Index last = std::min(rows.end - 1 + smoothing, log.samples() - 1);
       all.uncertain.push_back({begin + first / factor, begin + last / factor + 1});
     }
     if (effort) {
-      all.coarse_angle.push_back(motion_seen_again(log, hindsight, noise));
+      all.coarse_angle.push_back(motion_seen_again(log, noncausal, noise));
     } else {
-      all.coarse_angle.push_back(hindsight.samples);
-      all.noisy_torque.push_back(hindsight.samples);
+      all.coarse_angle.push_back(noncausal.samples);
+      all.noisy_torque.push_back(noncausal.samples);
       const double torque_noise = white_noise_level(log.tau_nm);
-      for (std::size_t i = 0; i < hindsight.samples.size(); ++i) {
+      for (std::size_t i = 0; i < noncausal.samples.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         auto& sample = all.coarse_angle.back()[i];
-        set_motion(sample, sample.q1 + hindsight.hidden_rad[row], sample.dq1 + hindsight.hidden_rate[row]);
-        sample.ddq1 += hindsight.hidden_acceleration[row];
+        set_motion(sample, sample.q1 + noncausal.hidden_rad[row], sample.dq1 + noncausal.hidden_rate[row]);
+        sample.ddq1 += noncausal.hidden_acceleration[row];
         auto& noisy = all.noisy_torque.back()[i];
         noisy.tau += torque_noise * random.normal();
         noisy.tau_late = noisy.tau;
       }
     }
-    all.samples.push_back(std::move(hindsight.samples));
+    all.samples.push_back(std::move(noncausal.samples));
     begin += log.samples() / factor;
   }
   return all;
@@ -160,7 +161,7 @@ auto hindsight_of(const std::vector<AxisLog>& logs, const ConditionerShape<doubl
 auto rows_of_logs(const Preparation& p, TargetKind target, Eigen::Index edge) -> Blocks {
   Blocks blocks;
   Eigen::Index row = 0;
-  for (const auto& samples : p.hindsight.samples()) {
+  for (const auto& samples : p.noncausal.samples()) {
     const Eigen::Index rows = static_cast<Eigen::Index>(samples.size()) / p.factor;
     blocks.push_back({row + std::max(edge, warm_up(samples, target) / p.factor), row + rows - edge});
     row += rows;
@@ -174,12 +175,12 @@ auto left_out_note(const Preparation& p) -> std::string {
   for (const auto& rows : p.coarse_logs) {
     kept += rows.size();
   }
-  const double total_s = static_cast<double>(p.hindsight.rows() / p.factor) * p.coarse_period_s;
+  const double total_s = static_cast<double>(p.noncausal.rows() / p.factor) * p.coarse_period_s;
   const double left_out_s = total_s - static_cast<double>(kept) * p.coarse_period_s;
   const double uncertain_s = static_cast<double>(rows_in(p.uncertain)) * p.coarse_period_s;
   return "decided on means over " + std::to_string(p.factor) + " samples, without the first " + rounded(left_out_s, 2) +
          " s, whose past was not logged; within " + rounded(uncertain_s, 2) +
-         " s around reversals, whose direction the encoder does not show, law and target are bridged alike";
+         " s around reversals, whose direction the encoder does not show, law and target are interpolated alike";
 }
 
 /// Strokes of the motor there and back: how often it turns by more than a tenth of its range.
@@ -204,7 +205,7 @@ auto strokes(const std::vector<AxisLog>& logs) -> int {
 
 }  // namespace
 
-auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
+auto Preparation::interpolated(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
   for (const auto& rows : uncertain) {
     const Eigen::Index before = rows.begin - 1;
     const Eigen::Index after = rows.end;
@@ -221,7 +222,7 @@ auto Preparation::bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
 }
 
 auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd {
-  return bridged(decimated(moving_mean(columns, hindsight.log_rows(), smoothing), factor));
+  return interpolated(decimated(moving_mean(columns, noncausal.log_rows(), smoothing), factor));
 }
 
 auto Preparation::certain() const -> Blocks {
@@ -302,18 +303,18 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
   const Eigen::Index smoothing = effort ? 0 : choose_smoothing(logs);
-  HindsightOfLogs seen = hindsight_of(logs, conditioner, noise, factor, smoothing + 2 * before);
-  const LawDesign hindsight(logs, std::move(seen.samples), before);
+  NoncausalLogs seen = noncausal_of(logs, conditioner, noise, factor, smoothing + 2 * before);
+  const LawDesign noncausal(logs, std::move(seen.samples), before);
   if (effort) {
-    notes.push_back(averaging_note(hindsight));
+    notes.push_back(averaging_note(noncausal));
   }
   Preparation p{logs,
                 conditioner,
                 noise,
-                effort ? hindsight : LawDesign(logs, conditioner),
-                hindsight,
+                effort ? noncausal : LawDesign(logs, conditioner),
+                noncausal,
                 {},
-                hindsight.smoothed(stacked_target(logs)),
+                noncausal.smoothed(stacked_target(logs)),
                 factor,
                 smoothing,
                 static_cast<double>(factor) * logs.front().period_s,

@@ -22,9 +22,9 @@ struct Preparation {
   std::vector<AxisLog> logs;
   ConditionerShape<double> conditioner;
   AngleNoise noise;
-  LawDesign causal, hindsight;  ///< of an effort both are the given motion's
-  /// Hindsight with what its sensors may have hidden added, one draw each: resolution of q1 and, where it is an input,
-  /// noise of the torque. What a law makes of that is neither noise of the target nor an effect.
+  LawDesign causal, noncausal;  ///< of an effort both are the given motion's
+  /// Noncausal samples with what its sensors may have hidden added, one draw each: resolution of q1 and, where it is an
+  /// input, noise of the torque. What a law makes of that is neither noise of the target nor an effect.
   std::vector<LawDesign> disturbed;
   Eigen::VectorXd target;      ///< q2 or the effort, every sample
   Eigen::Index factor = 1;     ///< samples per coarse row
@@ -37,11 +37,11 @@ struct Preparation {
   Blocks uncertain;  ///< coarse rows whose direction is not known, in order
   std::vector<std::string> notes;
 
-  /// Columns of every sample on the coarse grid: moving mean, mean of each row's samples, bridged.
+  /// Columns of every sample on the coarse grid: moving mean, mean of each row's samples, interpolated.
   [[nodiscard]] auto coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd;
   /// Coarse columns with the uncertain rows replaced by straight lines. The same is done to every column and to the
   /// target, so a law that holds on the other rows holds on these.
-  [[nodiscard]] auto bridged(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
+  [[nodiscard]] auto interpolated(Eigen::MatrixXd columns) const -> Eigen::MatrixXd;
   /// Samples to learn from, at full rate, without those whose direction is not known: a few of them, with a jump of the
   /// law on the wrong side, would weigh more than all the others.
   [[nodiscard]] auto certain() const -> Blocks;

@@ -10,18 +10,18 @@
 namespace capstan::tools {
 namespace {
 
-auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial* chosen,
+auto outcome_of(const Round& round, const CandidateTrial& trial, const CandidateTrial* chosen,
                 const std::vector<std::size_t>& confusable) -> std::string {
   if (&trial == chosen) {
     return "explains the residual best";
   }
-  if (round.evidence.families[trial.family].waits) {
-    return "waits for " + joined(round.evidence.families[trial.family].builds_on, " or ");
+  if (round.evidence.candidates[trial.candidate].waits) {
+    return "waits for " + joined(round.evidence.candidates[trial.candidate].builds_on, " or ");
   }
   if (!trial.possible) {
     return "ruled out: the data ask for a sign that physics forbids";
   }
-  if (chosen != nullptr && std::find(confusable.begin(), confusable.end(), trial.family) != confusable.end()) {
+  if (chosen != nullptr && std::find(confusable.begin(), confusable.end(), trial.candidate) != confusable.end()) {
     return "this log can not tell it from the best";
   }
   if (!passes(trial, round.evidence) && trial.absorbed > 0.99) {
@@ -36,12 +36,12 @@ auto outcome_of(const Round& round, const FamilyTrial& trial, const FamilyTrial*
 }  // namespace
 
 auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
-  const Eigen::MatrixXd columns = law_columns(p.hindsight, law);
+  const Eigen::MatrixXd columns = law_columns(p.noncausal, law);
   const LinearFit fit = fit_columns(columns, p.target, p.certain(), law_signs(law));
   LawResidual residual;
   residual.fitted = columns * fit.theta;
   residual.error = p.coarse(p.target - residual.fitted);
-  Eigen::MatrixXd base = with_sensitivities(p.hindsight, law, fit.theta, columns);
+  Eigen::MatrixXd base = with_sensitivities(p.noncausal, law, fit.theta, columns);
   if (law.has("preisach")) {
     // Relays that a stretch of the motion alone has switched would be anything when that stretch is held out.
     residual.adapted = p.coarse(columns);
@@ -56,7 +56,7 @@ auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual {
                ? Eigen::VectorXd::Zero(residual.error.size())
                : Eigen::VectorXd(p.coarse(law_columns(p.disturbed[which], law) * fit.theta - residual.fitted));
   };
-  residual.resolution = brought(0) + p.coarse(hidden_by_grid(p.hindsight, law, residual.fitted));
+  residual.resolution = brought(0) + p.coarse(hidden_by_grid(p.noncausal, law, residual.fitted));
   residual.torque_noise = brought(1);
   residual.base = p.coarse(base);
   residual.full_base = std::move(base);
@@ -69,16 +69,16 @@ auto hold_round(const Preparation& p, const LawForm& law) -> Round {
   round.evidence = gather_evidence(p, law, round.residual);
   const SieveResult luck = sieve(p, round.evidence);
   round.adequacy = judge_adequacy(p, round.evidence, luck);
-  round.trials = try_families(p, round.evidence, luck);
+  round.trials = try_candidates(p, round.evidence, luck);
   return round;
 }
 
-auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial* {
+auto best_passing(const Round& round, bool catalogue_only) -> const CandidateTrial* {
   constexpr double kFarMore = 1.5;  // energy, of the least that any leaves
-  std::vector<const FamilyTrial*> eligible;
+  std::vector<const CandidateTrial*> eligible;
   double least_left = std::numeric_limits<double>::infinity();
   for (const auto& trial : round.trials) {
-    const bool listed = !catalogue_only || round.evidence.families[trial.family].in_catalogue;
+    const bool listed = !catalogue_only || round.evidence.candidates[trial.candidate].in_catalogue;
     if (listed && passes(trial, round.evidence)) {
       eligible.push_back(&trial);
       least_left = std::min(least_left, trial.energies.sum());
@@ -92,7 +92,7 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   for (const auto* trial : eligible) {
     likeliest = std::max(likeliest, trial->log_likelihood);
   }
-  const FamilyTrial* best = nullptr;
+  const CandidateTrial* best = nullptr;
   for (const auto* trial : eligible) {
     const bool as_likely =
         round.evidence.by_energy || trial->log_likelihood > likeliest - evidence_needed(round.evidence);
@@ -103,16 +103,16 @@ auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*
   return best;
 }
 
-auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
+auto summary_of(const Round& round, const CandidateTrial* chosen, const std::vector<std::size_t>& confusable)
     -> RoundSummary {
   RoundSummary summary;
   summary.reducible_share = round.adequacy.reducible_share;
   summary.lack_of_fit_p = round.adequacy.lack_of_fit_p;
-  summary.ceiling_p = round.adequacy.ceiling_p;
+  summary.flexible_p = round.adequacy.flexible_p;
   summary.lacks_something = round.adequacy.lacks_something;
   for (const auto& trial : round.trials) {
-    const auto& family = round.evidence.families[trial.family];
-    summary.ranking.push_back({family.name, family.in_catalogue,
+    const auto& candidate = round.evidence.candidates[trial.candidate];
+    summary.ranking.push_back({candidate.name, candidate.in_catalogue,
                                std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_evidence,
                                trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
   }
@@ -121,17 +121,17 @@ auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector
   return summary;
 }
 
-auto names_of(const Round& round, const std::vector<std::size_t>& families) -> std::vector<std::string> {
+auto names_of(const Round& round, const std::vector<std::size_t>& candidates) -> std::vector<std::string> {
   std::vector<std::string> names;
-  for (const std::size_t family : families) {
-    names.push_back(round.evidence.families[family].name);
+  for (const std::size_t candidate : candidates) {
+    names.push_back(round.evidence.candidates[candidate].name);
   }
   return names;
 }
 
-auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial* {
+auto trial_of(const Round& round, const std::string& name) -> const CandidateTrial* {
   for (const auto& trial : round.trials) {
-    if (round.evidence.families[trial.family].name == name) {
+    if (round.evidence.candidates[trial.candidate].name == name) {
       return &trial;
     }
   }

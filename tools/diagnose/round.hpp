@@ -10,29 +10,29 @@
 
 namespace capstan::tools {
 
-/// The law so far, what it leaves, and how every family does on that.
+/// The law so far, what it leaves, and how every candidate does on that.
 struct Round {
   LawResidual residual;
   Evidence evidence;
   Adequacy adequacy;
-  std::vector<FamilyTrial> trials;
+  std::vector<CandidateTrial> trials;
 };
 
 auto hold_round(const Preparation& p, const LawForm& law) -> Round;
 
-/// What a law leaves over, in hindsight, its coefficients fitted to the rows that may be learned from.
+/// What a law leaves over, noncausally, its coefficients fitted to the rows that may be learned from.
 auto residual_of(const Preparation& p, const LawForm& law) -> LawResidual;
 
 /// Of those that pass, that leave no more than half as much energy again as the one that leaves least, and that no
 /// evidence puts behind the most likely of these: the one that explains most in the measured quantity. nullptr if none
 /// passes.
-auto best_passing(const Round& round, bool catalogue_only) -> const FamilyTrial*;
-/// The trial of a family by name; nullptr if it does not take part.
-auto trial_of(const Round& round, const std::string& name) -> const FamilyTrial*;
+auto best_passing(const Round& round, bool catalogue_only) -> const CandidateTrial*;
+/// The trial of a candidate by name; nullptr if it does not take part.
+auto trial_of(const Round& round, const std::string& name) -> const CandidateTrial*;
 
 /// The round for the report. `chosen` is the trial that won, or nullptr.
-auto summary_of(const Round& round, const FamilyTrial* chosen, const std::vector<std::size_t>& confusable)
+auto summary_of(const Round& round, const CandidateTrial* chosen, const std::vector<std::size_t>& confusable)
     -> RoundSummary;
-auto names_of(const Round& round, const std::vector<std::size_t>& families) -> std::vector<std::string>;
+auto names_of(const Round& round, const std::vector<std::size_t>& candidates) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

@@ -22,14 +22,14 @@ struct Proposal {
   Shapes shapes;
 };
 
-auto proposal(const Round& round, std::size_t family, std::size_t variant) -> Proposal {
-  return {round.evidence.families[family].name, round.evidence.families[family].variants[variant].shapes};
+auto proposal(const Round& round, std::size_t candidate, std::size_t variant) -> Proposal {
+  return {round.evidence.candidates[candidate].name, round.evidence.candidates[candidate].variants[variant].shapes};
 }
 
 /// Whether every term of the law has a coefficient other than zero in the joint fit.
 auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned, const std::vector<Proposal>& added)
     -> bool {
-  const LinearFit fit = fit_law(p.hindsight, p.target, learned, law);
+  const LinearFit fit = fit_law(p.noncausal, p.target, learned, law);
   Eigen::Index column = 0;
   for (const auto& term : *law.catalogue) {
     if (!law.has(term.name)) {
@@ -55,8 +55,8 @@ auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& ad
     law.terms.push_back(one.name);
     law.set_shapes(law.catalogue->term(one.name), one.shapes);
   }
-  law = refine_shapes(p.hindsight, p.target, learned, law);
-  return shapes_at_limits(p.hindsight, law).empty() && all_present(p, law, learned, added) ? std::optional(law)
+  law = refine_shapes(p.noncausal, p.target, learned, law);
+  return shapes_at_limits(p.noncausal, law).empty() && all_present(p, law, learned, added) ? std::optional(law)
                                                                                            : std::nullopt;
 }
 
@@ -65,9 +65,9 @@ auto law_without(LawForm law, const std::string& name) -> LawForm {
   return law;
 }
 
-auto added_effect(const Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable)
+auto added_effect(const Round& round, const CandidateTrial& trial, const std::vector<std::size_t>& confusable)
     -> AddedEffect {
-  return {round.evidence.families[trial.family].name,
+  return {round.evidence.candidates[trial.candidate].name,
           names_of(round, confusable),
           std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)),
           trial.log_evidence,
@@ -98,32 +98,32 @@ class Searcher {
   }
 
  private:
-  static auto confusable(const Round& round, const FamilyTrial& trial) -> std::vector<std::size_t> {
+  static auto confusable(const Round& round, const CandidateTrial& trial) -> std::vector<std::size_t> {
     if (!round.evidence.by_energy) {
-      return confusable_with(round.evidence, round.trials, trial.family, round.adequacy.ceiling_energy.sum());
+      return confusable_with(round.evidence, round.trials, trial.candidate, round.adequacy.flexible_energy.sum());
     }
-    std::vector<std::size_t> families;
+    std::vector<std::size_t> candidates;
     for (const auto& other : round.trials) {
-      if (other.family != trial.family && other.possible && !clearly_positive(other.energies - trial.energies)) {
-        families.push_back(other.family);
+      if (other.candidate != trial.candidate && other.possible && !clearly_positive(other.energies - trial.energies)) {
+        candidates.push_back(other.candidate);
       }
     }
-    return families;
+    return candidates;
   }
 
   /// The trial itself, or the special case of it that this log can not tell from it, or that leaves no more on rows it
   /// was not fitted to, whatever a noise model judged from the residual makes of the steps at reversals. Beside another
   /// effect that was found what the other left blurs the comparison, and half as much energy again is no difference.
-  auto simplest(const Round& round, const FamilyTrial* best, bool beside_another) const -> const FamilyTrial* {
+  auto simplest(const Round& round, const CandidateTrial* best, bool beside_another) const -> const CandidateTrial* {
     constexpr double kBlurred = 1.5;
     if (best == nullptr) {
       return best;
     }
-    const bool listed = round.evidence.families[best->family].in_catalogue;
+    const bool listed = round.evidence.candidates[best->candidate].in_catalogue;
     const double allowed = best->energies.sum() * (beside_another ? kBlurred : listed ? 1.0 : 0.0);
     const auto names = names_of(round, confusable(round, *best));
-    for (const auto& special : round.evidence.families[best->family].special_cases) {
-      const FamilyTrial* trial = trial_of(round, special);
+    for (const auto& special : round.evidence.candidates[best->candidate].special_cases) {
+      const CandidateTrial* trial = trial_of(round, special);
       if (trial == nullptr || !passes(*trial, round.evidence)) {
         continue;
       }
@@ -135,37 +135,37 @@ class Searcher {
   }
 
   /// Those that this log can not tell from the trial, without those that contain it: these never are told apart.
-  auto rivals(const Round& round, const FamilyTrial& trial) const -> std::vector<std::size_t> {
-    const std::string& name = round.evidence.families[trial.family].name;
-    auto families = confusable(round, trial);
-    families.erase(std::remove_if(families.begin(), families.end(),
-                                  [&](std::size_t family) {
-                                    const auto& special = round.evidence.families[family].special_cases;
-                                    return std::find(special.begin(), special.end(), name) != special.end();
-                                  }),
-                   families.end());
-    return families;
+  auto rivals(const Round& round, const CandidateTrial& trial) const -> std::vector<std::size_t> {
+    const std::string& name = round.evidence.candidates[trial.candidate].name;
+    auto candidates = confusable(round, trial);
+    candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
+                                    [&](std::size_t candidate) {
+                                      const auto& special = round.evidence.candidates[candidate].special_cases;
+                                      return std::find(special.begin(), special.end(), name) != special.end();
+                                    }),
+                     candidates.end());
+    return candidates;
   }
 
   /// The two effects that a probe has within itself, where this log can not tell them together from it.
-  static auto parts_of(const Round& round, const FamilyTrial& probe) -> std::optional<EffectPair> {
-    const Family& family = round.evidence.families[probe.family];
-    auto pair = family.in_catalogue ? std::nullopt : pair_of(round.evidence, family.special_cases);
+  static auto parts_of(const Round& round, const CandidateTrial& probe) -> std::optional<EffectPair> {
+    const Candidate& candidate = round.evidence.candidates[probe.candidate];
+    auto pair = candidate.in_catalogue ? std::nullopt : pair_of(round.evidence, candidate.special_cases);
     return pair && !clearly_positive(pair->energies - probe.energies) ? pair : std::nullopt;
   }
 
   /// Whether one effect explains most, and is a probe.
-  static auto stands_in_for_most(const Round& round, const FamilyTrial* best) -> bool {
+  static auto stands_in_for_most(const Round& round, const CandidateTrial* best) -> bool {
     return best != nullptr && best->explained >= kShareAlone * round.adequacy.reducible_share &&
-           !round.evidence.families[best->family].in_catalogue;
+           !round.evidence.candidates[best->candidate].in_catalogue;
   }
 
   /// The best pair where one effect explains too little; or where a probe explains most, or as much as the best, but
   /// two that are listed more.
-  auto better_pair(const Round& round, const FamilyTrial* best) const -> std::optional<EffectPair> {
+  auto better_pair(const Round& round, const CandidateTrial* best) const -> std::optional<EffectPair> {
     const bool too_little = best == nullptr || best->explained < kShareAlone * round.adequacy.reducible_share;
     const bool clear =
-        best != nullptr && round.evidence.families[best->family].in_catalogue && rivals(round, *best).empty();
+        best != nullptr && round.evidence.candidates[best->candidate].in_catalogue && rivals(round, *best).empty();
     if (!too_little && clear) {
       return std::nullopt;
     }
@@ -175,7 +175,7 @@ class Searcher {
 
   /// What sensors or a grid hide is not noise to the trials. No effect is named that is not larger than that; beside a
   /// grid, none where nothing is known to be missing.
-  static auto may_be_hidden(const Round& round, const FamilyTrial& trial) -> bool {
+  static auto may_be_hidden(const Round& round, const CandidateTrial& trial) -> bool {
     const bool grid = round.residual.adapted.cols() > 0;
     const double explained = trial.explained * round.adequacy.law_energy.sum();
     return explained < round.adequacy.hidden_energy || (grid && !round.adequacy.lacks_something);
@@ -183,13 +183,13 @@ class Searcher {
 
   /// Beside an effect that was found stands what its own term does not get quite right, certain in a long log and
   /// small: where nothing that matters is missing, what explains less than what matters has no name.
-  auto hardly_matters(const Round& round, const FamilyTrial& trial) const -> bool {
+  auto hardly_matters(const Round& round, const CandidateTrial& trial) const -> bool {
     return !search_.effects.empty() && !round.adequacy.lacks_something && trial.explained < kMatters;
   }
 
   /// Adds what a round finds and holds the next one. False when nothing further is to be added.
   auto take_step(Round& round) -> bool {
-    const FamilyTrial* best = simplest(round, best_passing(round, false), !search_.effects.empty());
+    const CandidateTrial* best = simplest(round, best_passing(round, false), !search_.effects.empty());
     if (best != nullptr && (may_be_hidden(round, *best) || hardly_matters(round, *best))) {
       best = nullptr;
     }
@@ -203,30 +203,30 @@ class Searcher {
       return false;
     }
     auto confusable = rivals(round, *best);
-    const FamilyTrial* chosen = best;
-    if (!round.evidence.families[best->family].in_catalogue) {
+    const CandidateTrial* chosen = best;
+    if (!round.evidence.candidates[best->candidate].in_catalogue) {
       chosen = best_passing(round, true);
       const auto at =
-          chosen == nullptr ? confusable.end() : std::find(confusable.begin(), confusable.end(), chosen->family);
+          chosen == nullptr ? confusable.end() : std::find(confusable.begin(), confusable.end(), chosen->candidate);
       if (at == confusable.end()) {
         search_.rounds.push_back(summary_of(round, best, confusable));
-        search_.unlisted = round.evidence.families[best->family].name;
+        search_.unlisted = round.evidence.candidates[best->candidate].name;
         search_.lacks_something = search_.effects.empty() && best->explained > kMatters;
         return false;
       }
       confusable.erase(at);
-      confusable.insert(confusable.begin(), best->family);
+      confusable.insert(confusable.begin(), best->candidate);
     }
     search_.rounds.push_back(summary_of(round, chosen, confusable));
     return add(round, *chosen, confusable);
   }
 
-  auto add(Round& round, const FamilyTrial& trial, const std::vector<std::size_t>& confusable) -> bool {
+  auto add(Round& round, const CandidateTrial& trial, const std::vector<std::size_t>& confusable) -> bool {
     const bool further = !search_.effects.empty();
     if (further && !confusable.empty()) {
       return false;  // what remains is not one thing: it stays unlisted
     }
-    const Proposal one = proposal(round, trial.family, trial.variant);
+    const Proposal one = proposal(round, trial.candidate, trial.variant);
     const auto law = law_with(p_, search_.law, {one});
     if (!law) {
       refuse(one.name, "refused: its shape runs to the end of its range, or its sign is impossible");
@@ -235,7 +235,7 @@ class Searcher {
     progress_("trying " + one.name);
     Round next = hold_round(p_, *law);
     const auto share =
-        explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.ceiling_energy);
+        explained_share(round.adequacy.law_energy, next.adequacy.law_energy, next.adequacy.flexible_energy);
     if (further && share.lower < kShareOfRest) {
       refuse(one.name, "refused: it explains less than half of what is left to explain");
       return false;
@@ -249,12 +249,12 @@ class Searcher {
   /// Two effects at once, each of which has to be the best where the other is already in the law, unless that builds on
   /// it. They may have to suffice: to leave nothing but noise.
   auto add_pair(Round& round, const std::optional<EffectPair>& pair, bool must_suffice = false) -> bool {
-    if (!pair ||
-        explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.ceiling_energy).lower < kShareAlone) {
+    if (!pair || explained_share(round.adequacy.law_energy, pair->energies, round.adequacy.flexible_energy).lower <
+                     kShareAlone) {
       return false;
     }
-    Proposal both[2] = {proposal(round, pair->family[0], pair->variant[0]),
-                        proposal(round, pair->family[1], pair->variant[1])};
+    Proposal both[2] = {proposal(round, pair->candidate[0], pair->variant[0]),
+                        proposal(round, pair->candidate[1], pair->variant[1])};
     auto law = law_with(p_, search_.law, {both[0], both[1]});
     std::vector<AddedEffect> effects;
     std::vector<RoundSummary> summaries = {summary_of(round, nullptr, {})};
@@ -265,15 +265,15 @@ class Searcher {
       }
       progress_("trying " + both[0].name + " and " + both[1].name);
       const Round without = hold_round(p_, law_without(*law, both[k].name));
-      const FamilyTrial* best = simplest(without, best_passing(without, false), true);
-      if (best == nullptr || !without.evidence.families[best->family].in_catalogue) {
+      const CandidateTrial* best = simplest(without, best_passing(without, false), true);
+      if (best == nullptr || !without.evidence.candidates[best->candidate].in_catalogue) {
         return false;
       }
       effects.push_back(added_effect(without, *best, {}));
       summaries.push_back(summary_of(without, best, {}));
       // The pair was chosen from a grid; beside the other effect, fitted, a neighbour may do better.
       if (effects.back().name != both[k].name) {
-        both[k] = proposal(without, best->family, best->variant);
+        both[k] = proposal(without, best->candidate, best->variant);
         law = law_with(p_, search_.law, {both[0], both[1]});
       }
     }
@@ -315,7 +315,7 @@ class Searcher {
       }
       progress_("checking " + name + " again");
       Round without = hold_round(p_, law_without(search_.law, name));
-      const FamilyTrial* trial = trial_of(without, name);
+      const CandidateTrial* trial = trial_of(without, name);
       if (trial != nullptr && passes(*trial, without.evidence)) {
         ++i;
         continue;
@@ -339,7 +339,7 @@ class Searcher {
   void conclude(const Round& round) {
     search_.lacks_something = search_.lacks_something || round.adequacy.lacks_something;
     if (!search_.effects.empty()) {
-      search_.share = explained_share(base_energy_, round.adequacy.law_energy, round.adequacy.ceiling_energy);
+      search_.share = explained_share(base_energy_, round.adequacy.law_energy, round.adequacy.flexible_energy);
     }
     const Eigen::VectorXd error = p_.target - round.residual.fitted;
     if (p_.repeats) {
@@ -348,14 +348,14 @@ class Searcher {
       const auto rows = static_cast<double>(rows_in(p_.split.learned()));
       // Out of fold a law that the log hardly determines may leave any amount; what it leaves in the fit bounds the
       // noise.
-      const double left = std::min({round.adequacy.ceiling_energy.sum(), round.adequacy.law_energy.sum(),
+      const double left = std::min({round.adequacy.flexible_energy.sum(), round.adequacy.law_energy.sum(),
                                     stacked(round.residual.error, p_.split.learned()).squaredNorm()});
       search_.noise_floor = std::sqrt(left / rows + averaged_out(p_, error));
     }
     for (const auto& trial : round.trials) {
-      const auto& family = round.evidence.families[trial.family];
-      if (family.in_catalogue) {
-        search_.detectable.push_back({family.name, trial.detectable});
+      const auto& candidate = round.evidence.candidates[trial.candidate];
+      if (candidate.in_catalogue) {
+        search_.detectable.push_back({candidate.name, trial.detectable});
       }
     }
   }

@@ -131,20 +131,20 @@ auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<H
   return halves;
 }
 
-/// -log of the energy left, relative to the law alone, of a family's best variant: the real residual first, then the
+/// -log of the energy left, relative to the law alone, of a candidate's best variant: the real residual first, then the
 /// draws.
-auto family_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Family& family,
-                       const Eigen::VectorXd& law) -> Eigen::VectorXd {
+auto candidate_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Candidate& candidate,
+                          const Eigen::VectorXd& law) -> Eigen::VectorXd {
   Eigen::VectorXd best = Eigen::VectorXd::Zero(1 + kDraws);
-  for (std::size_t v = 0; v < family.variants.size(); ++v) {
-    ColumnModel model = model_of(layout, family, v);
-    const bool exact = family.acts_on_output && v == 0;
-    if (family.acts_on_output && !exact) {
+  for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
+    ColumnModel model = model_of(layout, candidate, v);
+    const bool exact = candidate.acts_on_output && v == 0;
+    if (candidate.acts_on_output && !exact) {
       model.free = law_model(layout).free;  // the other variants stand beside the law: they are for the draws
     }
-    const std::vector<Sign> own = family.acts_on_output ? std::vector<Sign>{} : family.signs;
+    const std::vector<Sign> own = candidate.acts_on_output ? std::vector<Sign>{} : candidate.signs;
     const CrossFit fit(halves, model.free, own, model.fixed);
-    for (Eigen::Index i = exact ? 0 : (family.acts_on_output ? 1 : 0); i < (exact ? 1 : best.size()); ++i) {
+    for (Eigen::Index i = exact ? 0 : (candidate.acts_on_output ? 1 : 0); i < (exact ? 1 : best.size()); ++i) {
       const double energy = fit.energy(i);
       if (energy >= 0.0) {
         best[i] = std::max(best[i], -std::log(std::max(energy, 1e-12 * law[i]) / law[i]));
@@ -154,8 +154,8 @@ auto family_statistics(const std::array<Half, 2>& halves, const Layout& layout, 
   return best;
 }
 
-/// The same statistic for the flexible ceiling: everything at once, by ridge regression.
-auto ceiling_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Eigen::VectorXd& law)
+/// The same statistic for the flexible model: everything at once, by ridge regression.
+auto flexible_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Eigen::VectorXd& law)
     -> Eigen::VectorXd {
   constexpr double kRidge = 1e-2;
   ColumnList columns = law_model(layout).free;
@@ -195,22 +195,22 @@ auto sieve(const Preparation& p, const Evidence& evidence) -> SieveResult {
   for (Eigen::Index i = 0; i < law.size(); ++i) {
     law[i] = alone.energy(i);
   }
-  // Standardised per family: a family that luck favours must show more.
-  Eigen::MatrixXd scores(1 + kDraws, static_cast<Eigen::Index>(evidence.families.size()));
+  // Standardised per candidate: a candidate that luck favours must show more.
+  Eigen::MatrixXd scores(1 + kDraws, static_cast<Eigen::Index>(evidence.candidates.size()));
   for (Eigen::Index f = 0; f < scores.cols(); ++f) {
     const Eigen::VectorXd statistics =
-        family_statistics(halves, evidence.layout, evidence.families[static_cast<std::size_t>(f)], law);
+        candidate_statistics(halves, evidence.layout, evidence.candidates[static_cast<std::size_t>(f)], law);
     const auto draws = statistics.tail(kDraws).array();
     const double spread = std::sqrt((draws - draws.mean()).square().mean()) + 1e-12;
     scores.col(f) = (statistics.array() - draws.mean()) / spread;
   }
-  const Eigen::VectorXd luckiest = scores.bottomRows(kDraws).rowwise().maxCoeff();
+  const Eigen::VectorXd null_maximum = scores.bottomRows(kDraws).rowwise().maxCoeff();
   SieveResult result;
   for (Eigen::Index f = 0; f < scores.cols(); ++f) {
-    result.family_p.push_back(tail_p(luckiest, scores(0, f)));
+    result.candidate_p.push_back(tail_p(null_maximum, scores(0, f)));
   }
-  const Eigen::VectorXd ceiling = ceiling_statistics(halves, evidence.layout, law);
-  result.ceiling_p = tail_p(ceiling.tail(kDraws), ceiling[0]);
+  const Eigen::VectorXd flexible = flexible_statistics(halves, evidence.layout, law);
+  result.flexible_p = tail_p(flexible.tail(kDraws), flexible[0]);
   return result;
 }
 

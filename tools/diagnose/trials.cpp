@@ -26,8 +26,8 @@ auto square_root(const Eigen::MatrixXd& covariance) -> Eigen::MatrixXd {
   return factors.transpositionsP().transpose() * (lower * spread.asDiagonal());
 }
 
-/// Gain, in noise variances, of the luckiest family in draws of noise alone; sorted.
-auto luckiest_gains(const Evidence& evidence, const Projected& rows) -> std::vector<double> {
+/// Gain, in noise variances, of the null_maximum candidate in draws of noise alone; sorted.
+auto null_maxima(const Evidence& evidence, const Projected& rows) -> std::vector<double> {
   const Eigen::Index variants = evidence.layout.flexible - evidence.layout.first_variant();
   Projected drawn = rows;
   drawn.gram /= evidence.innovation_variance;
@@ -42,8 +42,8 @@ auto luckiest_gains(const Evidence& evidence, const Projected& rows) -> std::vec
   for (int draw = 0; draw < kDraws; ++draw) {
     drawn.gram.col(0).segment(1, variants) = products.col(draw);
     double gain = 0.0;
-    for (const auto& family : evidence.families) {
-      gain = std::max(gain, fit_family(drawn, evidence.layout, family).gain);
+    for (const auto& candidate : evidence.candidates) {
+      gain = std::max(gain, fit_candidate(drawn, evidence.layout, candidate).gain);
     }
     largest.push_back(gain);
   }
@@ -65,16 +65,16 @@ auto half_of(const Blocks& blocks, std::size_t which) -> Blocks {
   return half;
 }
 
-/// Tries families one after the other on the same evidence.
-class Court {
+/// Tries candidates one after the other on the same evidence.
+class TrialJudge {
  public:
-  Court(const Preparation& p, const Evidence& evidence)
+  TrialJudge(const Preparation& p, const Evidence& evidence)
       : evidence_(evidence),
         known_(evidence.noise_from_repeats ? &evidence.noise : nullptr),
         learned_rows_(p.split.learned()),
         fit_products_(evidence.white().projected(evidence.fit)),
         learned_products_(evidence.white().projected(evidence.learned)),
-        lucky_(luckiest_gains(evidence, fit_products_)),
+        null_maxima_(null_maxima(evidence, fit_products_)),
         law_(law_model(evidence.layout)) {
     law_energies_ = cross_validated(evidence.raw(), evidence.learned, law_);
     law_likelihood_ = likelihoods(law_).sum();
@@ -84,16 +84,16 @@ class Court {
     }
   }
 
-  auto try_family(std::size_t index) const -> FamilyTrial {
-    const Family& family = evidence_.families[index];
-    FamilyTrial trial;
-    trial.family = index;
-    const FamilyFit linear = fit_family(fit_products_, evidence_.layout, family);
-    trial.variant = family.acts_on_output ? 0 : linear.variant;
-    const ColumnModel model = model_of(evidence_.layout, family, trial.variant);
-    const double gain = family.acts_on_output ? exact_gain(model) : linear.gain;
-    trial.possible = gain > 0.0 && !family.waits;
-    trial.p_value = p_value_of(gain / evidence_.innovation_variance, lucky_);
+  auto try_candidate(std::size_t index) const -> CandidateTrial {
+    const Candidate& candidate = evidence_.candidates[index];
+    CandidateTrial trial;
+    trial.candidate = index;
+    const CandidateFit linear = fit_candidate(fit_products_, evidence_.layout, candidate);
+    trial.variant = candidate.acts_on_output ? 0 : linear.variant;
+    const ColumnModel model = model_of(evidence_.layout, candidate, trial.variant);
+    const double gain = candidate.acts_on_output ? exact_gain(model) : linear.gain;
+    trial.possible = gain > 0.0 && !candidate.waits;
+    trial.p_value = p_value_of(gain / evidence_.innovation_variance, null_maxima_);
     judge_visibility(model, trial);
     if (trial.possible) {
       trial.energies = cross_validated(evidence_.raw(), evidence_.learned, model);
@@ -122,7 +122,7 @@ class Court {
   }
 
   /// Wasserman, Ramdas and Balakrishnan: each half judges the model as the other half taught it, against the best that
-  /// the law alone can do with hindsight. The mean of the two ratios is again a valid one.
+  /// the law alone can do noncausally. The mean of the two ratios is again a valid one.
   auto cross_fitted_evidence(const ColumnModel& model) const -> double {
     double log_ratio[2];
     for (std::size_t half = 0; half < 2; ++half) {
@@ -142,7 +142,7 @@ class Court {
 
   /// Share of a variant's columns that the law takes up, and the smallest contribution that would still have been
   /// confirmed.
-  void judge_visibility(const ColumnModel& model, FamilyTrial& trial) const {
+  void judge_visibility(const ColumnModel& model, CandidateTrial& trial) const {
     ColumnList own = model.fixed >= 0 ? ColumnList{model.fixed} : model.free;
     own.erase(own.begin(), model.fixed >= 0 ? own.begin() : own.begin() + evidence_.layout.law);
     const double white = evidence_.white().sum(evidence_.learned, own).trace();
@@ -162,7 +162,7 @@ class Court {
   const AutoregressiveNoise* known_;
   Blocks learned_rows_;
   Projected fit_products_, learned_products_;
-  std::vector<double> lucky_;
+  std::vector<double> null_maxima_;
   ColumnModel law_;
   Eigen::VectorXd law_energies_;
   double law_likelihood_ = 0.0;
@@ -176,21 +176,21 @@ auto clearly_positive(const Eigen::VectorXd& margin) -> bool {
 }
 
 auto evidence_needed(const Evidence& evidence) -> double {
-  return std::log(static_cast<double>(evidence.families.size()) / kAlpha);
+  return std::log(static_cast<double>(evidence.candidates.size()) / kAlpha);
 }
 
-auto try_families(const Preparation& p, const Evidence& evidence, const SieveResult& sieve)
-    -> std::vector<FamilyTrial> {
-  const Court court(p, evidence);
-  std::vector<FamilyTrial> trials;
-  for (std::size_t i = 0; i < evidence.families.size(); ++i) {
-    trials.push_back(court.try_family(i));
-    trials.back().p_sieve = sieve.family_p[i];
+auto try_candidates(const Preparation& p, const Evidence& evidence, const SieveResult& sieve)
+    -> std::vector<CandidateTrial> {
+  const TrialJudge judge(p, evidence);
+  std::vector<CandidateTrial> trials;
+  for (std::size_t i = 0; i < evidence.candidates.size(); ++i) {
+    trials.push_back(judge.try_candidate(i));
+    trials.back().p_sieve = sieve.candidate_p[i];
   }
   return trials;
 }
 
-auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool {
+auto passes(const CandidateTrial& trial, const Evidence& evidence) -> bool {
   const bool whitened = trial.p_value <= 0.5 * kAlpha && trial.log_evidence >= evidence_needed(evidence);
   const bool across_halves = trial.p_sieve <= 0.5 * kAlpha;
   if (evidence.by_energy) {
@@ -200,13 +200,13 @@ auto passes(const FamilyTrial& trial, const Evidence& evidence) -> bool {
   return trial.possible && trial.explained > 0.0 && (whitened || across_halves);
 }
 
-auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& trials, std::size_t best,
+auto confusable_with(const Evidence& evidence, const std::vector<CandidateTrial>& trials, std::size_t best,
                      double floor_energy) -> std::vector<std::size_t> {
-  const FamilyTrial& own = trials[best];
+  const CandidateTrial& own = trials[best];
   const double left_by_best = std::max(0.0, own.energies.sum() - floor_energy);
   std::vector<std::size_t> confusable;
   for (const auto& other : trials) {
-    if (other.family == best || !other.possible) {
+    if (other.candidate == best || !other.possible) {
       continue;
     }
     const Eigen::VectorXd margin = own.likelihoods - other.likelihoods;
@@ -215,14 +215,15 @@ auto confusable_with(const Evidence& evidence, const std::vector<FamilyTrial>& t
         margin.sum() > evidence_needed(evidence) && (clearly_positive(margin) || clearly_positive(raw_margin));
     // A noise model may swallow a smooth misfit; energy does not. Twice what the best leaves is no tie.
     const bool leaves_far_more = clearly_positive(raw_margin) && raw_margin.sum() > own.energies.sum();
-    const bool simpler = parameter_count(evidence.families[other.family]) <= parameter_count(evidence.families[best]);
+    const bool simpler =
+        parameter_count(evidence.candidates[other.candidate]) <= parameter_count(evidence.candidates[best]);
     // Evidence that contradicts itself rules out no name: rows that were not fitted are predicted better for certain.
     const bool predicts_better =
-        evidence.families[other.family].in_catalogue && clearly_positive(own.energies - other.energies);
+        evidence.candidates[other.candidate].in_catalogue && clearly_positive(own.energies - other.energies);
     const bool beyond_doubt =
         !simpler || margin.sum() > kOverwhelming * evidence_needed(evidence) || raw_margin.sum() > left_by_best;
     if (!leaves_far_more && (!worse || !beyond_doubt || predicts_better)) {
-      confusable.push_back(other.family);
+      confusable.push_back(other.candidate);
     }
   }
   return confusable;

@@ -129,14 +129,14 @@ auto against_noise(const AxisLog& log, const AngleNoise& noise, Eigen::Index hal
 }  // namespace
 
 auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
-    -> Hindsight {
-  Hindsight result = hindsight_samples(log, conditioner, noise);
+    -> NoncausalSamples {
+  NoncausalSamples result = noncausal_samples(log, conditioner, noise);
   set_acceleration(log.period_s, result.samples);
   sharpen_reversals(result.samples);
   return result;
 }
 
-auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoise& noise) -> Samples {
+auto motion_seen_again(const AxisLog& log, const NoncausalSamples& seen, const AngleNoise& noise) -> Samples {
   Samples samples = seen.samples;
   Eigen::VectorXd angle = angles_of(samples) + seen.hidden_rad;
   if (noise.step_rad <= 0.0) {

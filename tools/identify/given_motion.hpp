@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "capstan/tools/identify/hindsight.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 
 namespace capstan::tools {
 
-/// Samples of an effort's log in hindsight, the motion being given: the acceleration is the second difference, which
+/// Samples of an effort's log noncausally, the motion being given: the acceleration is the second difference, which
 /// passes the whole band of the motion. Its noise is left to the averaging that effort and columns share; a longer
 /// window would take from the acceleration what it does not take from the effort.
 auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
-    -> Hindsight;
+    -> NoncausalSamples;
 
 /// The same samples by an encoder with its edges elsewhere, or with its noise drawn anew: what a law makes of the
 /// difference is neither noise of the effort nor an effect.
-auto motion_seen_again(const AxisLog& log, const Hindsight& seen, const AngleNoise& noise) -> Samples;
+auto motion_seen_again(const AxisLog& log, const NoncausalSamples& seen, const AngleNoise& noise) -> Samples;
 
 /// How far an effort and everything that is to explain it are averaged alike, half width in samples of a mean taken
 /// twice. A rigid law holds in the band of the motion: as far as the speed keeps 99.97 % of its energy. Further only

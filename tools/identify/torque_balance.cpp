@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "capstan/tools/identify/hindsight.hpp"
 #include "capstan/tools/identify/load_fit.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {

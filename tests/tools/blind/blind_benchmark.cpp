@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "capstan/tests/tools/blind/blind_axis.hpp"
-#include "capstan/tests/tools/blind/blind_ceiling.hpp"
 #include "capstan/tests/tools/blind/blind_joint.hpp"
+#include "capstan/tests/tools/blind/flexible_model.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/identify.hpp"
@@ -30,7 +30,7 @@ struct Outcome {
   double removed = 0.0;  ///< share of the base law's error energy that the delivered law takes away, on rows set aside
   /// The same of a flexible model: of an effort the diagnosis's own, out of fold; of a joint that of blind_ceiling, on
   /// the same rows.
-  Ceiling removable;
+  FlexibleModel removable;
   Answer answer = Answer::kWrong;
 };
 
@@ -194,7 +194,7 @@ auto is_unlisted(const Case& c) -> bool {
 
 /// What the delivered laws take away of effects that have no name, beside a flexible model, where that takes away
 /// anything. Who does harm takes away nothing.
-void print_removed(const std::vector<Outcome>& outcomes, double Ceiling::*model, const char* words) {
+void print_removed(const std::vector<Outcome>& outcomes, double FlexibleModel::*model, const char* words) {
   constexpr double kAnything = 0.05;
   std::vector<double> shares;
   double removed = 0.0;
@@ -239,9 +239,9 @@ void print_table(const std::vector<Outcome>& outcomes) {
                 t.counts[4], t.counts[5]);
   }
   print_figures(listed, foreign, after);
-  print_removed(outcomes, &Ceiling::by_signals, "");
+  print_removed(outcomes, &FlexibleModel::by_signals, "");
   if (!outcomes.empty() && !outcomes.front().drawn.effort) {
-    print_removed(outcomes, &Ceiling::with_time, " that knows the time");
+    print_removed(outcomes, &FlexibleModel::with_time, " that knows the time");
   }
 }
 
@@ -283,7 +283,7 @@ auto tried(const Case& c) -> Outcome {
   if (c.effort) {
     outcome.removable.by_signals = d.rounds.empty() ? 0.0 : std::max(0.0, d.rounds.front().reducible_share);
   } else if (visible && is_unlisted(c)) {
-    outcome.removable = ceiling_of(log, d);
+    outcome.removable = flexible_model_of(log, d);
   }
   const double left = d.before.rmse > 0.0 ? d.after.rmse / d.before.rmse : 1.0;
   outcome.removed = 1.0 - left * left;

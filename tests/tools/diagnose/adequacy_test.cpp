@@ -18,9 +18,9 @@ using test::split_of;
 const std::vector<Role> kAllFit = {Role::kFit};
 
 TEST(ExplainedShare, OfBlocksThatAreAlikeIsTheSameForEveryResampling) {
-  const auto share = [](double before, double after, double ceiling) {
+  const auto share = [](double before, double after, double flexible) {
     const auto all = [](double energy) { return Eigen::VectorXd::Constant(10, energy); };
-    return explained_share(all(before), all(after), all(ceiling));
+    return explained_share(all(before), all(after), all(flexible));
   };
   EXPECT_NEAR(share(10, 4, 2).value, 6.0 / 8.0, 1e-12);
   EXPECT_NEAR(share(10, 4, 2).lower, 6.0 / 8.0, 1e-12);
@@ -99,9 +99,9 @@ struct Left {
                               {},
                               flexible},
                              split)) {}
-  [[nodiscard]] auto judged(double ceiling_p) const -> Adequacy {
+  [[nodiscard]] auto judged(double flexible_p) const -> Adequacy {
     SieveResult sieve;
-    sieve.ceiling_p = ceiling_p;
+    sieve.flexible_p = flexible_p;
     return judge_adequacy(p, evidence, sieve);
   }
   Split split = split_of(kBlocks, kSize, kAllFit);
@@ -115,13 +115,13 @@ TEST(Adequacy, ALawThatLeavesNoiseLacksNothing) {
   EXPECT_FALSE(judged.lacks_something);
   EXPECT_NEAR(judged.reducible_share, 0.0, 0.02);
   EXPECT_EQ(judged.lack_of_fit_p, 1.0);  // nobody repeated anything
-  EXPECT_EQ(judged.ceiling_p, 0.4);
+  EXPECT_EQ(judged.flexible_p, 0.4);
 }
 
 TEST(Adequacy, WhatAFlexibleModelPredictsIsMissing) {
   const Adequacy judged = Left(0.6, 3).judged(0.4);  // certain by its t over the blocks alone
   EXPECT_TRUE(judged.lacks_something);
-  EXPECT_GT(judged.ceiling_t, 2.7);
+  EXPECT_GT(judged.flexible_t, 2.7);
   EXPECT_NEAR(judged.reducible_share, 0.36 / 1.36, 0.06);
 }
 
@@ -144,8 +144,8 @@ TEST(Adequacy, TheCeilingIsTheLawLessWhatCanBeReduced) {
   for (const double strength : {0.0, 0.6}) {
     const Adequacy judged = Left(strength, 9).judged(0.4);
     const double share = std::max(0.0, judged.reducible_share);
-    EXPECT_NEAR(judged.ceiling_energy.sum(), (1.0 - share) * judged.law_energy.sum(), 1e-9 * judged.law_energy.sum());
-    EXPECT_LE(judged.ceiling_energy.sum(), judged.law_energy.sum() * (1.0 + 1e-12));
+    EXPECT_NEAR(judged.flexible_energy.sum(), (1.0 - share) * judged.law_energy.sum(), 1e-9 * judged.law_energy.sum());
+    EXPECT_LE(judged.flexible_energy.sum(), judged.law_energy.sum() * (1.0 + 1e-12));
   }
 }
 
@@ -187,7 +187,7 @@ TEST(Adequacy, ALawThatLeavesNothingAtAllLacksNothing) {
     const Adequacy judged = left.judged(1.0);
     EXPECT_FALSE(judged.lacks_something);
     EXPECT_EQ(judged.reducible_share, 0.0);
-    EXPECT_EQ(judged.ceiling_energy.sum(), 0.0);
+    EXPECT_EQ(judged.flexible_energy.sum(), 0.0);
     EXPECT_EQ(judged.lack_of_fit_p, 1.0);
   }
 }

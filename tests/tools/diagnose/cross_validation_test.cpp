@@ -10,8 +10,8 @@
 namespace capstan::tools {
 namespace {
 
+using test::candidate_named;
 using test::evidence_of;
-using test::family_of;
 using test::normals;
 using test::split_of;
 
@@ -24,10 +24,10 @@ TEST(CrossValidation, TheLawAloneIsItsOwnColumnsWithoutSigns) {
   EXPECT_EQ(law.fixed, -1);
 }
 
-TEST(CrossValidation, AFamilyStandsBesideTheLawWithItsSigns) {
-  Family family = family_of("x", Eigen::MatrixXd::Zero(1, 2), Sign::kNonNegative);
-  family.variants[0].first = 5;
-  const ColumnModel model = model_of({3, 7, 7}, family, 0);
+TEST(CrossValidation, ACandidateStandsBesideTheLawWithItsSigns) {
+  Candidate candidate = candidate_named("x", Eigen::MatrixXd::Zero(1, 2), Sign::kNonNegative);
+  candidate.variants[0].first = 5;
+  const ColumnModel model = model_of({3, 7, 7}, candidate, 0);
   EXPECT_EQ(model.free, (ColumnList{0, 1, 2, 5, 6}));
   EXPECT_EQ(model.signs,
             (std::vector<Sign>{Sign::kAny, Sign::kAny, Sign::kAny, Sign::kNonNegative, Sign::kNonNegative}));
@@ -35,10 +35,10 @@ TEST(CrossValidation, AFamilyStandsBesideTheLawWithItsSigns) {
 }
 
 TEST(CrossValidation, AnOutputTermReplacesTheLawsColumnsAndHasAFactorOfOne) {
-  Family family = family_of("late", Eigen::MatrixXd::Zero(1, 1));
-  family.acts_on_output = true;
-  family.variants[0].first = 4;  // its change in 4, the law's three columns through it in 5 to 7
-  const ColumnModel model = model_of({3, 8, 8}, family, 0);
+  Candidate candidate = candidate_named("late", Eigen::MatrixXd::Zero(1, 1));
+  candidate.acts_on_output = true;
+  candidate.variants[0].first = 4;  // its change in 4, the law's three columns through it in 5 to 7
+  const ColumnModel model = model_of({3, 8, 8}, candidate, 0);
   EXPECT_EQ(model.free, (ColumnList{5, 6, 7}));
   EXPECT_EQ(model.fixed, 4);
 }
@@ -51,8 +51,8 @@ TEST(CrossValidation, FitsByHand) {
   own << 0, 1, 0, 1;
   Eigen::VectorXd error(4);
   error << 2, 3, 2, 4;
-  const Evidence evidence = evidence_of({law, error, {family_of("b", own)}}, split_of(2, 2, kAllFit));
-  const ColumnModel model = model_of(evidence.layout, evidence.families[0], 0);
+  const Evidence evidence = evidence_of({law, error, {candidate_named("b", own)}}, split_of(2, 2, kAllFit));
+  const ColumnModel model = model_of(evidence.layout, evidence.candidates[0], 0);
   const FittedModel first = fit_model(evidence.raw(), {0}, model);
   EXPECT_NEAR(first.theta[0], 2.0, 1e-12);
   EXPECT_NEAR(first.theta[1], 3.0, 1e-12);
@@ -66,10 +66,10 @@ TEST(CrossValidation, FitsByHand) {
 TEST(CrossValidation, ASignThatTheDataForbidLeavesTheCoefficientAtNothing) {
   Eigen::MatrixXd own(2, 1);
   own << 1, 1;
-  const Evidence evidence =
-      evidence_of({Eigen::MatrixXd::Zero(2, 0), Eigen::Vector2d(-1, -3), {family_of("b", own, Sign::kNonNegative)}},
-                  split_of(1, 2, kAllFit));
-  const FittedModel fitted = fit_model(evidence.raw(), {0}, model_of(evidence.layout, evidence.families[0], 0));
+  const Evidence evidence = evidence_of(
+      {Eigen::MatrixXd::Zero(2, 0), Eigen::Vector2d(-1, -3), {candidate_named("b", own, Sign::kNonNegative)}},
+      split_of(1, 2, kAllFit));
+  const FittedModel fitted = fit_model(evidence.raw(), {0}, model_of(evidence.layout, evidence.candidates[0], 0));
   EXPECT_EQ(fitted.theta[0], 0.0);
   EXPECT_NEAR(block_energies(evidence.raw(), {0}, fitted)[0], 10.0, 1e-12);
 }
@@ -78,11 +78,11 @@ TEST(CrossValidation, AnOutputTermsChangeIsTakenAsItIs) {
   // error (5, 5): the change (1, 2) leaves (4, 3), of which the law's column through the term, (4, 3), takes all.
   Eigen::MatrixXd through(2, 2);
   through << 1, 4, 2, 3;
-  Family family = family_of("late", through);
-  family.acts_on_output = true;
+  Candidate candidate = candidate_named("late", through);
+  candidate.acts_on_output = true;
   const Evidence evidence =
-      evidence_of({Eigen::MatrixXd::Ones(2, 1), Eigen::Vector2d(5, 5), {family}}, split_of(1, 2, kAllFit));
-  const FittedModel fitted = fit_model(evidence.raw(), {0}, model_of(evidence.layout, evidence.families[0], 0));
+      evidence_of({Eigen::MatrixXd::Ones(2, 1), Eigen::Vector2d(5, 5), {candidate}}, split_of(1, 2, kAllFit));
+  const FittedModel fitted = fit_model(evidence.raw(), {0}, model_of(evidence.layout, evidence.candidates[0], 0));
   ASSERT_EQ(fitted.columns.size(), 2u);
   EXPECT_NEAR(fitted.theta[0], 1.0, 1e-12);
   EXPECT_EQ(fitted.theta[1], 1.0);
@@ -116,7 +116,8 @@ TEST(CrossValidation, TheCeilingIsTheBestOfFourRidges) {
   const Eigen::MatrixXd own = normals(rows, 1, 5);
   const Eigen::MatrixXd flexible = normals(rows, 2, 6);
   const Eigen::VectorXd error = 0.3 * own.col(0) + 0.2 * flexible.col(1) + normals(rows, 1, 7);
-  const Evidence evidence = evidence_of({law, error, {family_of("x", own)}, flexible}, split_of(rows, 1, kAllFit));
+  const Evidence evidence =
+      evidence_of({law, error, {candidate_named("x", own)}, flexible}, split_of(rows, 1, kAllFit));
   Eigen::MatrixXd x(rows, 4);
   x << law, own, flexible;
   double least = std::numeric_limits<double>::infinity();
@@ -145,8 +146,8 @@ TEST(CrossValidation, TheCeilingIsTheBestOfFourRidges) {
       best = energies;
     }
   }
-  const Eigen::VectorXd ceiling = flexible_ceiling(evidence.raw(), evidence.learned);
-  EXPECT_LT((ceiling - best).cwiseAbs().maxCoeff(), 1e-6);
+  const Eigen::VectorXd energy = flexible_model(evidence.raw(), evidence.learned);
+  EXPECT_LT((energy - best).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(CrossValidation, StudentsTByHand) {

@@ -10,9 +10,9 @@
 namespace capstan::tools {
 namespace {
 
+using test::candidate_named;
 using test::equal_blocks;
 using test::evidence_of;
-using test::family_of;
 using test::normals;
 using test::split_of;
 
@@ -70,9 +70,9 @@ TEST(FitVariant, OneColumnByHandAndItsSign) {
   own << 1, 2;
   for (const auto& [sign, theta, gain] :
        {std::tuple{Sign::kAny, 2.0, 20.0}, {Sign::kNonNegative, 2.0, 20.0}, {Sign::kNonPositive, 0.0, 0.0}}) {
-    const Evidence evidence = evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(2, 4), {family_of("x", own, sign)}},
-                                          split_of(1, 2, kAllFit));
-    const FamilyFit fit = fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.families[0], 0);
+    const Evidence evidence = evidence_of(
+        {Eigen::MatrixXd(2, 0), Eigen::Vector2d(2, 4), {candidate_named("x", own, sign)}}, split_of(1, 2, kAllFit));
+    const CandidateFit fit = fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0], 0);
     EXPECT_NEAR(fit.theta[0], theta, 1e-9);
     EXPECT_NEAR(fit.gain, gain, 1e-9);
   }
@@ -80,51 +80,51 @@ TEST(FitVariant, OneColumnByHandAndItsSign) {
 
 TEST(FitVariant, AColumnOfNothingGainsNothing) {
   const Evidence evidence =
-      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(2, 4), {family_of("x", Eigen::MatrixXd::Zero(2, 1))}},
+      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(2, 4), {candidate_named("x", Eigen::MatrixXd::Zero(2, 1))}},
                   split_of(1, 2, kAllFit));
-  EXPECT_EQ(fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.families[0], 0).gain, 0.0);
+  EXPECT_EQ(fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0], 0).gain, 0.0);
 }
 
 TEST(FitVariant, OfTwoColumnsASignMayHoldOneBack) {
   // error = 3 a - 1 b on orthogonal columns: with b held at 0 the gain is that of a alone.
   const Eigen::MatrixXd own = Eigen::MatrixXd::Identity(2, 2);
   const Evidence evidence =
-      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(3, -1), {family_of("x", own, Sign::kNonNegative)}},
+      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(3, -1), {candidate_named("x", own, Sign::kNonNegative)}},
                   split_of(1, 2, kAllFit));
-  const FamilyFit fit = fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.families[0], 0);
+  const CandidateFit fit = fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0], 0);
   EXPECT_NEAR(fit.theta[0], 3.0, 1e-9);
   EXPECT_EQ(fit.theta[1], 0.0);
   EXPECT_NEAR(fit.gain, 9.0, 1e-9);
 }
 
-TEST(FitFamily, TheBestVariantIsTheOneThatGainsMost) {
-  Family family = family_of("x", Eigen::Vector3d(1, 0, 0));
-  family.variants.push_back({{}, Eigen::Vector3d(0, 1, 0), 0});
-  family.variants.push_back({{}, Eigen::Vector3d(0, 0, 1), 0});
+TEST(FitCandidate, TheBestVariantIsTheOneThatGainsMost) {
+  Candidate candidate = candidate_named("x", Eigen::Vector3d(1, 0, 0));
+  candidate.variants.push_back({{}, Eigen::Vector3d(0, 1, 0), 0});
+  candidate.variants.push_back({{}, Eigen::Vector3d(0, 0, 1), 0});
   const Evidence evidence =
-      evidence_of({Eigen::MatrixXd(3, 0), Eigen::Vector3d(1, -5, 2), {family}}, split_of(1, 3, kAllFit));
-  const FamilyFit fit = fit_family(evidence.raw().projected({0}), evidence.layout, evidence.families[0]);
+      evidence_of({Eigen::MatrixXd(3, 0), Eigen::Vector3d(1, -5, 2), {candidate}}, split_of(1, 3, kAllFit));
+  const CandidateFit fit = fit_candidate(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0]);
   EXPECT_EQ(fit.variant, 1u);
   EXPECT_NEAR(fit.gain, 25.0, 1e-9);
 }
 
-TEST(FitFamily, OfAnOutputTermTheExactVariantIsNoLinearOneAndTheFactorIsOne) {
+TEST(FitCandidate, OfAnOutputTermTheExactVariantIsNoLinearOneAndTheFactorIsOne) {
   // Variants: exact (its change and the law through it), then changes alone. error (3, 0): the change (2, 0) takes
   // away 9 - 1 = 8; the change (6, 0) none, as 3 - 6 leaves as much.
   Eigen::MatrixXd exact(2, 2);
   exact << 3, 1, 0, 1;
-  Family family = family_of("late", exact);
-  family.acts_on_output = true;
-  family.signs = {Sign::kAny};
-  family.variants.push_back({{}, Eigen::Vector2d(6, 0), 0});
-  family.variants.push_back({{}, Eigen::Vector2d(2, 0), 0});
+  Candidate candidate = candidate_named("late", exact);
+  candidate.acts_on_output = true;
+  candidate.signs = {Sign::kAny};
+  candidate.variants.push_back({{}, Eigen::Vector2d(6, 0), 0});
+  candidate.variants.push_back({{}, Eigen::Vector2d(2, 0), 0});
   const Evidence evidence =
-      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(3, 0), {family}}, split_of(1, 2, kAllFit));
-  const FamilyFit fit = fit_family(evidence.raw().projected({0}), evidence.layout, evidence.families[0]);
+      evidence_of({Eigen::MatrixXd(2, 0), Eigen::Vector2d(3, 0), {candidate}}, split_of(1, 2, kAllFit));
+  const CandidateFit fit = fit_candidate(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0]);
   EXPECT_EQ(fit.variant, 2u);
   EXPECT_EQ(fit.theta[0], 1.0);
   EXPECT_NEAR(fit.gain, 8.0, 1e-9);
-  EXPECT_EQ(fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.families[0], 1).gain, 0.0);
+  EXPECT_EQ(fit_variant(evidence.raw().projected({0}), evidence.layout, evidence.candidates[0], 1).gain, 0.0);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 namespace capstan::tools {
 namespace {
 
+using test::candidate_named;
 using test::evidence_of;
-using test::family_of;
 using test::normals;
 using test::split_of;
 
@@ -32,16 +32,16 @@ auto catalogue_of(const std::vector<std::string>& names, const std::vector<std::
 struct Two {
   Two() : own(normals(kRows, 4, 1)), error(own.col(0) - own.col(1) + 0.3 * normals(kRows, 1, 2)) {
     for (Eigen::Index i = 0; i < 4; ++i) {
-      families.push_back(family_of(std::string(1, "abcd"[i]), own.col(i)));
+      candidates.push_back(candidate_named(std::string(1, "abcd"[i]), own.col(i)));
     }
   }
   [[nodiscard]] auto evidence() const -> Evidence {
-    return evidence_of({Eigen::MatrixXd::Ones(kRows, 1), error, families},
+    return evidence_of({Eigen::MatrixXd::Ones(kRows, 1), error, candidates},
                        split_of(kBlocks, kSize, {Role::kFit, Role::kChoose}));
   }
   Eigen::MatrixXd own;
   Eigen::VectorXd error;
-  std::vector<Family> families;
+  std::vector<Candidate> candidates;
   Catalogue catalogue = catalogue_of({"a", "b", "c", "d"});
 };
 
@@ -49,15 +49,15 @@ TEST(Pairs, TwoThatTogetherExplainWhatNeitherDoesAreFound) {
   const Two two;
   const auto pair = best_pair(two.evidence(), two.catalogue);
   ASSERT_TRUE(pair);
-  EXPECT_EQ(pair->family[0], 0u);
-  EXPECT_EQ(pair->family[1], 1u);
+  EXPECT_EQ(pair->candidate[0], 0u);
+  EXPECT_EQ(pair->candidate[1], 1u);
   EXPECT_NEAR(pair->energies.sum() / kRows, 0.09, 0.02);  // the noise
 }
 
 TEST(Pairs, TheBestSettingOfEachIsTaken) {
   Two two;
-  two.families[0].variants.insert(two.families[0].variants.begin(), {{}, normals(kRows, 1, 7), 0});
-  two.families[1].variants.push_back({{}, normals(kRows, 1, 8), 0});
+  two.candidates[0].variants.insert(two.candidates[0].variants.begin(), {{}, normals(kRows, 1, 7), 0});
+  two.candidates[1].variants.push_back({{}, normals(kRows, 1, 8), 0});
   const auto pair = best_pair(two.evidence(), two.catalogue);
   ASSERT_TRUE(pair);
   EXPECT_EQ(pair->variant[0], 1u);
@@ -66,13 +66,13 @@ TEST(Pairs, TheBestSettingOfEachIsTaken) {
 
 TEST(Pairs, NoneIsNamedWhereAnotherDoesAsWell) {
   Two two;
-  two.families[2] = family_of("c", two.own.col(0) + 0.01 * two.own.col(2));  // all but the first
+  two.candidates[2] = candidate_named("c", two.own.col(0) + 0.01 * two.own.col(2));  // all but the first
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
 }
 
 TEST(Pairs, EffectsThatPassForEachOtherAreNoPair) {
   Two two;
-  two.families.resize(2);
+  two.candidates.resize(2);
   EXPECT_TRUE(best_pair(two.evidence(), two.catalogue));
   EXPECT_FALSE(best_pair(two.evidence(), catalogue_of({"a", "b"}, {"b"})));
   EXPECT_FALSE(best_pair(two.evidence(), catalogue_of({"b", "a"}, {"a"})));
@@ -80,28 +80,28 @@ TEST(Pairs, EffectsThatPassForEachOtherAreNoPair) {
 
 TEST(Pairs, OneThatWaitsComesWithWhatItWaitsForOrNotAtAll) {
   Two two;
-  two.families.resize(2);
-  two.families[1].waits = true;
-  two.families[1].builds_on = {"c"};
+  two.candidates.resize(2);
+  two.candidates[1].waits = true;
+  two.candidates[1].builds_on = {"c"};
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
-  two.families[1].builds_on = {"c", "a"};
+  two.candidates[1].builds_on = {"c", "a"};
   EXPECT_TRUE(best_pair(two.evidence(), two.catalogue));
 }
 
 TEST(Pairs, AProbeIsNoPartOfOneAndTwoOutputTermsAreNone) {
   Two two;
-  two.families.resize(2);
-  two.families[1].in_catalogue = false;
+  two.candidates.resize(2);
+  two.candidates[1].in_catalogue = false;
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
-  two.families[1].in_catalogue = true;
-  two.families[0].acts_on_output = two.families[1].acts_on_output = true;
+  two.candidates[1].in_catalogue = true;
+  two.candidates[0].acts_on_output = two.candidates[1].acts_on_output = true;
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
 }
 
 TEST(Pairs, ASignThatPhysicsForbidsTakesAPartAway) {
   Two two;
-  two.families.resize(2);
-  two.families[1].signs = {Sign::kNonNegative};  // the data ask for -1
+  two.candidates.resize(2);
+  two.candidates[1].signs = {Sign::kNonNegative};  // the data ask for -1
   const auto pair = best_pair(two.evidence(), two.catalogue);
   ASSERT_TRUE(pair);
   EXPECT_NEAR(pair->energies.sum() / kRows, 1.09, 0.2);  // the second effect stays
@@ -114,12 +114,12 @@ TEST(Pairs, BesideAnOutputTermTheLawGoesThroughIt) {
   const Eigen::VectorXd change = normals(kRows, 1, 21);
   Eigen::MatrixXd exact(kRows, 2);
   exact << change, law + change;
-  Family late = family_of("a", exact);
+  Candidate late = candidate_named("a", exact);
   late.acts_on_output = true;
   late.signs = {Sign::kAny};
   late.variants.push_back({{}, change, 0});
   for (const bool first : {true, false}) {
-    std::vector<Family> both = {late, family_of("b", two.own.col(1), Sign::kNonPositive)};
+    std::vector<Candidate> both = {late, candidate_named("b", two.own.col(1), Sign::kNonPositive)};
     if (!first) {
       std::swap(both[0], both[1]);
     }
@@ -137,15 +137,15 @@ TEST(Pairs, ByTheirNames) {
   const Evidence evidence = two.evidence();
   const auto pair = pair_of(evidence, {"d", "b"});
   ASSERT_TRUE(pair);
-  EXPECT_EQ(pair->family[0], 1u);
-  EXPECT_EQ(pair->family[1], 3u);
+  EXPECT_EQ(pair->candidate[0], 1u);
+  EXPECT_EQ(pair->candidate[1], 3u);
   EXPECT_FALSE(pair_of(evidence, {"b", "x"}));
   EXPECT_FALSE(pair_of(evidence, {"b"}));
 }
 
 TEST(Pairs, OfNothingThereIsNone) {
   Two two;
-  two.families.resize(1);
+  two.candidates.resize(1);
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
 }
 

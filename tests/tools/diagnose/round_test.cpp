@@ -10,17 +10,17 @@
 namespace capstan::tools {
 namespace {
 
-/// Three families, of which the last is a probe; every trial passes and leaves 10 in the measured quantity.
+/// Three candidates, of which the last is a probe; every trial passes and leaves 10 in the measured quantity.
 struct Three {
   Three() {
     for (const char* name : {"a", "b", "probe"}) {
-      round.evidence.families.push_back(test::family_of(name, Eigen::MatrixXd::Zero(1, 1)));
+      round.evidence.candidates.push_back(test::candidate_named(name, Eigen::MatrixXd::Zero(1, 1)));
     }
-    round.evidence.families[2].in_catalogue = false;
+    round.evidence.candidates[2].in_catalogue = false;
     round.trials.resize(3);
     for (std::size_t i = 0; i < 3; ++i) {
-      FamilyTrial& trial = round.trials[i];
-      trial.family = i;
+      CandidateTrial& trial = round.trials[i];
+      trial.candidate = i;
       trial.possible = true;
       trial.explained = 0.5;
       trial.explained_t = 5.0;
@@ -31,8 +31,8 @@ struct Three {
     }
   }
   [[nodiscard]] auto best(bool catalogue_only = false) const -> std::string {
-    const FamilyTrial* trial = best_passing(round, catalogue_only);
-    return trial == nullptr ? "" : round.evidence.families[trial->family].name;
+    const CandidateTrial* trial = best_passing(round, catalogue_only);
+    return trial == nullptr ? "" : round.evidence.candidates[trial->candidate].name;
   }
   Round round;
 };
@@ -57,7 +57,7 @@ TEST(BestPassing, NobodyWhereNobodyPasses) {
 TEST(BestPassing, WhatEvidencePutsBehindTheMostLikelyIsOut) {
   Three three;
   three.round.trials[1].explained = 0.6;
-  three.round.trials[1].log_likelihood = 100.0 - std::log(300.0) + 0.01;  // three families at 1 %
+  three.round.trials[1].log_likelihood = 100.0 - std::log(300.0) + 0.01;  // three candidates at 1 %
   EXPECT_EQ(three.best(), "b");
   three.round.trials[1].log_likelihood -= 0.02;
   EXPECT_EQ(three.best(), "a");
@@ -73,12 +73,13 @@ TEST(BestPassing, WhatLeavesHalfAsMuchAgainAsTheLeastIsOutHoweverLikely) {
   EXPECT_EQ(three.best(), "a");
 }
 
-TEST(Summary, SaysOfEveryFamilyWhyMostLikelyFirst) {
+TEST(Summary, SaysOfEveryCandidateWhyMostLikelyFirst) {
   Three three;
   auto& trials = three.round.trials;
   three.round.adequacy.lacks_something = true;
   three.round.adequacy.reducible_share = 0.4;
-  const auto outcome_of = [&](const std::string& name, const FamilyTrial* chosen, std::vector<std::size_t> confusable) {
+  const auto outcome_of = [&](const std::string& name, const CandidateTrial* chosen,
+                              std::vector<std::size_t> confusable) {
     for (const auto& ranked : summary_of(three.round, chosen, confusable).ranking) {
       if (ranked.name == name) {
         return ranked.outcome;
@@ -97,8 +98,8 @@ TEST(Summary, SaysOfEveryFamilyWhyMostLikelyFirst) {
   EXPECT_EQ(outcome_of("b", &trials[0], {}), "not identifiable beside the law on this motion");
   trials[1].possible = false;
   EXPECT_EQ(outcome_of("b", &trials[0], {}), "ruled out: the data ask for a sign that physics forbids");
-  three.round.evidence.families[1].waits = true;
-  three.round.evidence.families[1].builds_on = {"a", "c"};
+  three.round.evidence.candidates[1].waits = true;
+  three.round.evidence.candidates[1].builds_on = {"a", "c"};
   EXPECT_EQ(outcome_of("b", nullptr, {}), "waits for a or c");
 
   trials[2].log_likelihood = 200.0;
@@ -113,7 +114,7 @@ TEST(Summary, SaysOfEveryFamilyWhyMostLikelyFirst) {
   EXPECT_NEAR(summary.ranking[1].p_value, 0.004, 1e-12);
 }
 
-TEST(Rounds, FamiliesAreFoundByName) {
+TEST(Rounds, CandidatesAreFoundByName) {
   const Three three;
   EXPECT_EQ(trial_of(three.round, "b"), &three.round.trials[1]);
   EXPECT_EQ(trial_of(three.round, "z"), nullptr);

@@ -22,23 +22,23 @@ auto split_of(Eigen::Index count, Eigen::Index size, const std::vector<Role>& pa
   return split;
 }
 
-auto family_of(const std::string& name, const Eigen::MatrixXd& columns, Sign sign) -> Family {
-  Family family;
-  family.name = name;
-  family.in_catalogue = true;
-  family.signs.assign(static_cast<std::size_t>(columns.cols()), sign);
-  family.variants.push_back({{}, columns, 0});
-  return family;
+auto candidate_named(const std::string& name, const Eigen::MatrixXd& columns, Sign sign) -> Candidate {
+  Candidate candidate;
+  candidate.name = name;
+  candidate.in_catalogue = true;
+  candidate.signs.assign(static_cast<std::size_t>(columns.cols()), sign);
+  candidate.variants.push_back({{}, columns, 0});
+  return candidate;
 }
 
 auto evidence_of(const SmallEvidence& small, const Split& split) -> Evidence {
   Evidence evidence;
-  evidence.families = small.families;
+  evidence.candidates = small.candidates;
   evidence.layout.law = small.law.cols();
   std::vector<Eigen::MatrixXd> parts = {small.law, small.error};
   Eigen::Index next = small.law.cols() + 1;
-  for (auto& family : evidence.families) {
-    for (auto& variant : family.variants) {
+  for (auto& candidate : evidence.candidates) {
+    for (auto& variant : candidate.variants) {
       variant.first = next;
       next += variant.columns.cols();
       parts.push_back(variant.columns);

@@ -11,7 +11,7 @@ namespace capstan::tools::test {
 struct SmallEvidence {
   Eigen::MatrixXd law;    ///< columns of the law so far
   Eigen::VectorXd error;  ///< that it leaves
-  std::vector<Family> families = {};
+  std::vector<Candidate> candidates = {};
   Eigen::MatrixXd flexible = {};  ///< or none
   double variance = 1.0;          ///< of the noise, which is white
 };
@@ -21,8 +21,8 @@ auto equal_blocks(Eigen::Index count, Eigen::Index size) -> Blocks;
 /// The same with roles that take turns: `pattern` is repeated.
 auto split_of(Eigen::Index count, Eigen::Index size, const std::vector<Role>& pattern) -> Split;
 
-/// A family of the catalogue with one variant.
-auto family_of(const std::string& name, const Eigen::MatrixXd& columns, Sign sign = Sign::kAny) -> Family;
+/// A candidate of the catalogue with one variant.
+auto candidate_named(const std::string& name, const Eigen::MatrixXd& columns, Sign sign = Sign::kAny) -> Candidate;
 
 /// @param split  of the rows; its report blocks take no part
 auto evidence_of(const SmallEvidence& small, const Split& split) -> Evidence;

@@ -11,8 +11,8 @@
 namespace capstan::tools {
 namespace {
 
+using test::candidate_named;
 using test::evidence_of;
-using test::family_of;
 using test::normals;
 using test::preparation_of;
 using test::split_of;
@@ -36,13 +36,13 @@ TEST(ClearlyPositive, ByTheMeanOrByTheRanks) {
 
 TEST(EvidenceNeeded, GrowsWithTheNumberOfNamesTried) {
   Evidence evidence;
-  evidence.families.resize(5);
+  evidence.candidates.resize(5);
   EXPECT_NEAR(evidence_needed(evidence), std::log(500.0), 1e-12);
 }
 
-/// A trial that passes both ways, of five families.
-auto passing() -> FamilyTrial {
-  FamilyTrial trial;
+/// A trial that passes both ways, of five candidates.
+auto passing() -> CandidateTrial {
+  CandidateTrial trial;
   trial.possible = true;
   trial.explained = 0.3;
   trial.explained_t = 5.0;
@@ -53,8 +53,8 @@ auto passing() -> FamilyTrial {
 
 TEST(Passes, EitherWayIsEnoughAndHasToBeOfUse) {
   Evidence evidence;
-  evidence.families.resize(5);
-  FamilyTrial trial = passing();
+  evidence.candidates.resize(5);
+  CandidateTrial trial = passing();
   EXPECT_TRUE(passes(trial, evidence));
   trial.p_sieve = 0.006;  // above half of the error rate: the whitened way alone
   EXPECT_TRUE(passes(trial, evidence));
@@ -75,9 +75,9 @@ TEST(Passes, EitherWayIsEnoughAndHasToBeOfUse) {
 
 TEST(Passes, AnEffortsEffectIsConfirmedByEnergyAndNotByLikelihood) {
   Evidence evidence;
-  evidence.families.resize(5);
+  evidence.candidates.resize(5);
   evidence.by_energy = true;
-  FamilyTrial trial = passing();
+  CandidateTrial trial = passing();
   trial.log_evidence = -100.0;
   EXPECT_TRUE(passes(trial, evidence));
   trial.p_sieve = 1.0;
@@ -89,24 +89,24 @@ TEST(Passes, AnEffortsEffectIsConfirmedByEnergyAndNotByLikelihood) {
   EXPECT_FALSE(passes(trial, evidence));
 }
 
-/// Two families, of which the first is the best: what other() changes decides whether the second stays beside it.
+/// Two candidates, of which the first is the best: what other() changes decides whether the second stays beside it.
 struct Rivals {
   Rivals() {
-    evidence.families.resize(2);
-    for (auto& family : evidence.families) {
-      family.in_catalogue = true;
-      family.signs = {Sign::kAny};
-      family.variants.resize(1);
+    evidence.candidates.resize(2);
+    for (auto& candidate : evidence.candidates) {
+      candidate.in_catalogue = true;
+      candidate.signs = {Sign::kAny};
+      candidate.variants.resize(1);
     }
     trials.resize(2);
     for (std::size_t i = 0; i < 2; ++i) {
-      trials[i].family = i;
+      trials[i].candidate = i;
       trials[i].possible = true;
       trials[i].energies = values({1, 1.01, 0.99, 1.02, 0.98, 1});
       trials[i].likelihoods = values({50, 51, 49, 50.5, 49.5, 50});
     }
   }
-  auto other() -> FamilyTrial& { return trials[1]; }
+  auto other() -> CandidateTrial& { return trials[1]; }
   [[nodiscard]] auto are_confusable(double floor_energy = 0.0) const -> bool {
     return !confusable_with(evidence, trials, 0, floor_energy).empty();
   }
@@ -114,7 +114,7 @@ struct Rivals {
   void less_likely(double nats) { other().likelihoods -= nats * values({1, 1.1, 0.9, 1.05, 0.95, 1}); }
   void leaves_more(double energy) { other().energies += energy * values({1, 1.1, 0.9, 1.05, 0.95, 1}); }
   Evidence evidence;
-  std::vector<FamilyTrial> trials;
+  std::vector<CandidateTrial> trials;
 };
 
 TEST(Confusable, WhatDoesAsWellIsNotToldApart) {
@@ -156,7 +156,7 @@ TEST(Confusable, OneWithMoreParametersHasNoDoubtInItsFavour) {
   Rivals rivals;
   rivals.less_likely(1.2);
   EXPECT_TRUE(rivals.are_confusable());
-  rivals.evidence.families[1].signs.push_back(Sign::kAny);
+  rivals.evidence.candidates[1].signs.push_back(Sign::kAny);
   EXPECT_FALSE(rivals.are_confusable());
 }
 
@@ -165,7 +165,7 @@ TEST(Confusable, OneThatPredictsUnseenRowsBetterForCertainStays) {
   rivals.less_likely(2.8);
   rivals.leaves_more(-0.3);
   EXPECT_TRUE(rivals.are_confusable());
-  rivals.evidence.families[1].in_catalogue = false;  // a probe has no such name to defend
+  rivals.evidence.candidates[1].in_catalogue = false;  // a probe has no such name to defend
   EXPECT_FALSE(rivals.are_confusable());
 }
 
@@ -184,26 +184,26 @@ struct Line {
   Line() {
     const Eigen::MatrixXd own = normals(kRows, 3, 11);
     const Eigen::VectorXd error = 0.5 * own.col(0) + normals(kRows, 1, 12);
-    Family waiting = family_of("waits", own.col(0));
+    Candidate waiting = candidate_named("waits", own.col(0));
     waiting.waits = true;
     evidence = evidence_of({Eigen::MatrixXd::Ones(kRows, 1),
                             error,
-                            {family_of("true", own.col(0)), family_of("nothing", own.col(1)),
-                             family_of("forbidden", own.col(0), Sign::kNonPositive),
-                             family_of("in the law", Eigen::VectorXd::Constant(kRows, 2.0)), waiting}},
+                            {candidate_named("true", own.col(0)), candidate_named("nothing", own.col(1)),
+                             candidate_named("forbidden", own.col(0), Sign::kNonPositive),
+                             candidate_named("in the law", Eigen::VectorXd::Constant(kRows, 2.0)), waiting}},
                            split);
     evidence.noise_from_repeats = true;
     SieveResult luck;
-    luck.family_p = {0.1, 0.2, 0.3, 0.4, 0.5};
-    trials = try_families(p, evidence, luck);
+    luck.candidate_p = {0.1, 0.2, 0.3, 0.4, 0.5};
+    trials = try_candidates(p, evidence, luck);
   }
   Split split = split_of(kBlocks, kSize, {Role::kFit, Role::kFit, Role::kChoose});
   Preparation p = preparation_of(kRows, split);
   Evidence evidence;
-  std::vector<FamilyTrial> trials;
+  std::vector<CandidateTrial> trials;
 };
 
-TEST(TryFamilies, OnlyTheTrueOneIsDetectedAndConfirmed) {
+TEST(TryCandidates, OnlyTheTrueOneIsDetectedAndConfirmed) {
   const Line line;
   ASSERT_EQ(line.trials.size(), 5u);
   EXPECT_TRUE(line.trials[0].possible);
@@ -217,30 +217,30 @@ TEST(TryFamilies, OnlyTheTrueOneIsDetectedAndConfirmed) {
   EXPECT_FALSE(line.trials[4].possible);  // it waits for another
 }
 
-TEST(TryFamilies, WhatIsExplainedIsTheEnergyTakenAwayOutOfFold) {
+TEST(TryCandidates, WhatIsExplainedIsTheEnergyTakenAwayOutOfFold) {
   const Line line;
   const Eigen::VectorXd law =
       cross_validated(line.evidence.raw(), line.evidence.learned, law_model(line.evidence.layout));
-  const FamilyTrial& trial = line.trials[0];
+  const CandidateTrial& trial = line.trials[0];
   EXPECT_NEAR(trial.explained, 1.0 - trial.energies.sum() / law.sum(), 1e-12);
   EXPECT_NEAR(trial.explained, 0.2, 0.07);  // 0.25 of 1.25
   EXPECT_NEAR(trial.explained_t, t_statistic(law - trial.energies), 1e-12);
 }
 
-TEST(TryFamilies, WhatTheLawHoldsAlreadyIsAbsorbed) {
+TEST(TryCandidates, WhatTheLawHoldsAlreadyIsAbsorbed) {
   const Line line;
   EXPECT_NEAR(line.trials[3].absorbed, 1.0, 1e-6);
   EXPECT_LT(line.trials[0].absorbed, 0.02);
 }
 
-TEST(TryFamilies, TheSmallestEffectThatWouldHaveShownFollowsFromTheEvidenceAsked) {
+TEST(TryCandidates, TheSmallestEffectThatWouldHaveShownFollowsFromTheEvidenceAsked) {
   // Half of the rows judge, and have to bring ln(5 / 0.01) nats: energy 4 ln 500 over all 600 rows, in variances.
   const Line line;
   EXPECT_NEAR(line.trials[0].detectable, std::sqrt(4.0 * std::log(500.0) / 600.0),
               0.02 * std::sqrt(4.0 * std::log(500.0) / 600.0));
 }
 
-TEST(TryFamilies, EvidenceIsTheMeanOfTwoRatiosInWhichEachHalfJudgesWhatTheOtherTaught) {
+TEST(TryCandidates, EvidenceIsTheMeanOfTwoRatiosInWhichEachHalfJudgesWhatTheOtherTaught) {
   const Line line;
   const auto& columns = line.evidence.columns;
   // Rows of every other block; the noise is white and known, so fits are least squares and the likelihood a sum of
@@ -259,20 +259,20 @@ TEST(TryFamilies, EvidenceIsTheMeanOfTwoRatiosInWhichEachHalfJudgesWhatTheOtherT
       const Eigen::VectorXd theta = x.colPivHouseholderQr().solve(Eigen::VectorXd(columns(from, 1)));
       return (columns(judged, 1) - columns(judged, used) * theta).squaredNorm();
     };
-    return 0.5 * (error_of(own, {0}) - error_of(taught, {0, 2}));  // the law alone with hindsight
+    return 0.5 * (error_of(own, {0}) - error_of(taught, {0, 2}));  // the law alone, noncausally
   };
   const double first = log_ratio(0);
   const double second = log_ratio(1);
   EXPECT_NEAR(line.trials[0].log_evidence, std::log(0.5 * (std::exp(first) + std::exp(second))), 1e-6);
 }
 
-TEST(TryFamilies, AnOutputTermIsJudgedByTheLawThroughIt) {
+TEST(TryCandidates, AnOutputTermIsJudgedByTheLawThroughIt) {
   // The law is a ramp, its change by the term a sine; the error is that change and noise.
   const Eigen::Index rows = Line::kRows;
   const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(rows, 0.0, 60.0);
   Eigen::MatrixXd exact(rows, 2);
   exact << t.array().sin().matrix(), t + t.array().sin().matrix();
-  Family late = family_of("late", exact);
+  Candidate late = candidate_named("late", exact);
   late.acts_on_output = true;
   late.signs = {Sign::kAny};
   late.variants.push_back({{}, t.array().sin().matrix(), 0});
@@ -281,8 +281,8 @@ TEST(TryFamilies, AnOutputTermIsJudgedByTheLawThroughIt) {
       evidence_of({t, Eigen::VectorXd(t.array().sin().matrix() + 0.3 * normals(rows, 1, 13)), {late}, {}, 0.09}, split);
   evidence.noise_from_repeats = true;
   SieveResult luck;
-  luck.family_p = {1.0};
-  const auto trials = try_families(preparation_of(rows, split), evidence, luck);
+  luck.candidate_p = {1.0};
+  const auto trials = try_candidates(preparation_of(rows, split), evidence, luck);
   EXPECT_TRUE(trials[0].possible);
   EXPECT_EQ(trials[0].variant, 0u);
   EXPECT_NEAR(trials[0].p_value, 1.0 / 500.0, 1e-12);

@@ -138,7 +138,7 @@ struct Reported {
   }
   /// The running switch is wrong in one row of ten, where the estimate errs by `there`; else it errs by `elsewhere`.
   void err_late(double there, double elsewhere) {
-    Samples late = p.hindsight.samples()[0];
+    Samples late = p.noncausal.samples()[0];
     Eigen::VectorXd error = Eigen::VectorXd::Constant(200, elsewhere);
     for (std::size_t i = 0; i < 200; i += 10) {
       late[i].forward = !late[i].forward;

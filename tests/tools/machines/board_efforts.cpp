@@ -60,7 +60,7 @@ void board_efforts(const std::string& folder, double share) {
     }
   }
   std::sort(files.begin(), files.end());
-  std::printf("%-22s %6s %9s %9s %9s %9s %9s\n", "", "Hz", "hindsight", "alone", "causal", "each row", "late ms");
+  std::printf("%-22s %6s %9s %9s %9s %9s %9s\n", "", "Hz", "noncausal", "alone", "causal", "each row", "late ms");
   for (const auto& file : files) {
     const CsvLog csv = CsvLog::read(file.string());
     for (int axis = 0; axis < kMostAxes; ++axis) {

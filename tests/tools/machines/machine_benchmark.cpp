@@ -271,7 +271,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.2, 0.9));
   app.add_flag("--leave-one-out", leave_out, "other values of the deciding numbers, chosen without the machine judged");
   bool efforts = false;
-  app.add_flag("--board-efforts", efforts, "laws of efforts instead, in hindsight and as a board runs them");
+  app.add_flag("--board-efforts", efforts, "laws of efforts instead, noncausally and as a board runs them");
   CLI11_PARSE(app, argc, argv);
   try {
     if (efforts) {

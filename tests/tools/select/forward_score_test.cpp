@@ -113,7 +113,7 @@ TEST(ForwardScore, EachLogHasAZeroOfItsOwnAndTheLawTheirMean) {
   const Eigen::VectorXd q1 = two_sines(200);
   Preparation p = test::preparation_of(test::samples_of(q1), Eigen::VectorXd::Zero(400), {});
   p.target << 0.8 * q1, (0.8 * q1).array() + 0.6;
-  p.causal = p.hindsight = LawDesign({test::samples_of(q1), test::samples_of(q1)}, {1.0, 1.0});
+  p.causal = p.noncausal = LawDesign({test::samples_of(q1), test::samples_of(q1)}, {1.0, 1.0});
   SelectionData data(p, term_catalogue(), few_parts());
   ForwardScore forward(data, data.logs());
   EXPECT_NEAR(forward.score(kRatio), 0.0, 1e-15);

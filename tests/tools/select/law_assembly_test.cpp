@@ -16,7 +16,7 @@ TEST(RowOrder, HasAPartOfEveryLogInEachPart) {
   const Samples first = test::samples_of(two_sines(8));
   const Samples second = test::samples_of(two_sines(4));
   Preparation p = test::preparation_of(first, Eigen::VectorXd::Zero(12), {});
-  p.causal = p.hindsight = LawDesign({first, second}, {1.0, 1.0});
+  p.causal = p.noncausal = LawDesign({first, second}, {1.0, 1.0});
   const SelectionData data(p, term_catalogue(), few_parts());
   const RowOrder all = ordered_in_parts(data, data.logs());
   EXPECT_EQ(all.rows, (std::vector<Eigen::Index>{0, 1, 8, 2, 3, 9, 4, 5, 10, 6, 7, 11}));

@@ -63,7 +63,7 @@ export class FirmwareModule {
     }
     return said;
   }
-  greet(): void {
+  print_banner(): void {
     this.wasm.capstan_greet();
   }
   peerLeft(): void {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/diagnose/candidate.hpp"
 #include "capstan/tools/select/selection_data.hpp"
 
 namespace capstan::tools {
@@ -116,34 +116,34 @@ class Builder {
   Builder(const Preparation& p, const LawForm& law, const LawResidual& residual)
       : p_(p), law_(law), residual_(residual), rows_(p.split.of(Role::kFit)) {}
 
-  auto build(const CatalogueTerm& term) const -> Family {
-    Family family;
-    family.name = term.name;
-    family.in_catalogue = true;
-    family.acts_on_output = term.acts_on_output;
-    family.builds_on = term.builds_on;
-    family.special_cases = term.special_cases;
-    family.waits = !term.builds_on.empty() && std::none_of(term.builds_on.begin(), term.builds_on.end(),
-                                                           [this](const auto& name) { return law_.has(name); });
+  auto build(const CatalogueTerm& term) const -> Candidate {
+    Candidate candidate;
+    candidate.name = term.name;
+    candidate.in_catalogue = true;
+    candidate.acts_on_output = term.acts_on_output;
+    candidate.builds_on = term.builds_on;
+    candidate.special_cases = term.special_cases;
+    candidate.waits = !term.builds_on.empty() && std::none_of(term.builds_on.begin(), term.builds_on.end(),
+                                                              [this](const auto& name) { return law_.has(name); });
     for (const auto& coefficient : term.coefficients) {
-      family.signs.push_back(coefficient.sign);
+      candidate.signs.push_back(coefficient.sign);
     }
     if (term.acts_on_output) {
-      family.signs = {Sign::kNonNegative};
+      candidate.signs = {Sign::kNonNegative};
     }
     Best best;
-    const SignalReach& reach = p_.hindsight.reach();
-    add(term, shape_grid(term, reach), kKeptOfGrid, family, best);
-    if (family.variants.empty()) {
-      return family;  // it changes nothing here, as a delay of a law that is nought
+    const SignalReach& reach = p_.noncausal.reach();
+    add(term, shape_grid(term, reach), kKeptOfGrid, candidate, best);
+    if (candidate.variants.empty()) {
+      return candidate;  // it changes nothing here, as a delay of a law that is nought
     }
     if (!term.shapes.empty()) {
-      add(term, fine_grid(term, best.shapes, reach), 1, family, best);
+      add(term, fine_grid(term, best.shapes, reach), 1, candidate, best);
     }
     if (term.acts_on_output) {
-      family.variants.insert(family.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});
+      candidate.variants.insert(candidate.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});
     }
-    return family;
+    return candidate;
   }
 
  private:
@@ -152,7 +152,7 @@ class Builder {
     Shapes shapes;
   };
 
-  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, std::size_t keep_every, Family& family,
+  void add(const CatalogueTerm& term, const std::vector<Shapes>& grid, std::size_t keep_every, Candidate& candidate,
            Best& best) const {
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const Shapes& shapes = grid[i];
@@ -164,33 +164,34 @@ class Builder {
       if (columns.cwiseAbs().maxCoeff() <= 0.0) {
         continue;
       }
-      const double energy = term.acts_on_output ? energy_with_output(term, shapes) : energy_with(columns, family.signs);
+      const double energy =
+          term.acts_on_output ? energy_with_output(term, shapes) : energy_with(columns, candidate.signs);
       if (energy < best.energy) {
         best = {energy, shapes};
       }
       if (i % keep_every == 0) {
-        family.variants.push_back({shapes, std::move(columns)});
+        candidate.variants.push_back({shapes, std::move(columns)});
       }
     }
   }
 
   auto sum_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
-    Eigen::MatrixXd columns = p_.hindsight.columns(term, shapes);
+    Eigen::MatrixXd columns = p_.noncausal.columns(term, shapes);
     for (const auto& other : *law_.catalogue) {
       if (other.acts_on_output && law_.has(other.name)) {
-        columns = p_.hindsight.apply(other, law_.shapes_of(other), columns);
+        columns = p_.noncausal.apply(other, law_.shapes_of(other), columns);
       }
     }
     return p_.coarse(columns);
   }
 
   auto change_of_law(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
-    return p_.coarse(p_.hindsight.apply(term, shapes, residual_.fitted) - residual_.fitted);
+    return p_.coarse(p_.noncausal.apply(term, shapes, residual_.fitted) - residual_.fitted);
   }
 
   /// [change of the law | the law's columns through the term]
   auto exact_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
-    const Eigen::MatrixXd law = p_.coarse(p_.hindsight.apply(term, shapes, residual_.full_base));
+    const Eigen::MatrixXd law = p_.coarse(p_.noncausal.apply(term, shapes, residual_.full_base));
     Eigen::MatrixXd columns(law.rows(), law.cols() + 1);
     columns << change_of_law(term, shapes), law;
     return columns;
@@ -218,25 +219,26 @@ class Builder {
 
 }  // namespace
 
-auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family> {
+auto catalogue_candidates(const Preparation& p, const LawForm& law, const LawResidual& residual)
+    -> std::vector<Candidate> {
   const Builder builder(p, law, residual);
-  std::vector<Family> families;
+  std::vector<Candidate> candidates;
   for (const auto& term : *law.catalogue) {
     if (!law.has(term.name) && !term.placed) {
-      Family family = builder.build(term);
-      if (!family.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
-        families.push_back(std::move(family));
+      Candidate candidate = builder.build(term);
+      if (!candidate.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
+        candidates.push_back(std::move(candidate));
       }
     }
   }
-  return families;
+  return candidates;
 }
 
-auto parameter_count(const Family& family) -> std::size_t {
-  if (!family.in_catalogue) {
-    return family.signs.size() + (family.variants.size() > 1 ? 1 : 0);
+auto parameter_count(const Candidate& candidate) -> std::size_t {
+  if (!candidate.in_catalogue) {
+    return candidate.signs.size() + (candidate.variants.size() > 1 ? 1 : 0);
   }
-  return family.signs.size() + family.variants.front().shapes.size();
+  return candidate.signs.size() + candidate.variants.front().shapes.size();
 }
 
 }  // namespace capstan::tools

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/identify/hindsight.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -185,9 +185,9 @@ auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double
   return slope;
 }
 
-auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
-    -> Hindsight {
-  Hindsight result{causal_samples(log, conditioner), {}, {}, {}, {}};
+auto noncausal_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> NoncausalSamples {
+  NoncausalSamples result{causal_samples(log, conditioner), {}, {}, {}, {}};
   const auto changes = direction_changes(result.samples);
   constexpr double kKiloRadPerRad = 1e-3;
   const Eigen::Index half_window = rate_half_window(log, noise);

@@ -24,8 +24,8 @@ struct Started {
     }
     return sink.take();
   }
-  auto greeting() -> std::string {
-    shell.greet();
+  auto banner() -> std::string {
+    shell.print_banner();
     return sink.take();
   }
   test::FlashBanks banks;
@@ -42,9 +42,9 @@ auto with(const test::BankImage& image) -> test::FlashBanks {
   return banks;
 }
 
-TEST(Greeting, SaysVersionBoardJointsStateAndWhatToTypeAndEndsInThePrompt) {
+TEST(ShellBanner, SaysVersionBoardJointsStateAndWhatToTypeAndEndsInThePrompt) {
   Started started;
-  const std::string text = started.greeting();
+  const std::string text = started.banner();
   EXPECT_TRUE(has_line(text, "# capstan ")) << text;
   EXPECT_NE(text.find(" on board bench, joints 1, state disarmed\r\n"), std::string::npos) << text;
   EXPECT_TRUE(has_line(text, "# no parameters were ever saved")) << text;
@@ -57,17 +57,17 @@ TEST(Greeting, SaysVersionBoardJointsStateAndWhatToTypeAndEndsInThePrompt) {
   EXPECT_FALSE(energised(started.application.telemetry().state));
 }
 
-TEST(Greeting, NamesALatchedFaultAndWhatBlocksArming) {
+TEST(ShellBanner, NamesALatchedFaultAndWhatBlocksArming) {
   Started started;
   started.say("arm");
   started.io.estop = true;
   started.application.rt_tick();
-  EXPECT_NE(started.greeting().find("state faulted by emergency_stop: 'faults' says what to do"), std::string::npos);
+  EXPECT_NE(started.banner().find("state faulted by emergency_stop: 'faults' says what to do"), std::string::npos);
   started.say("disarm");
-  EXPECT_NE(started.greeting().find("state disarmed, something blocks arming: 'faults' says what"), std::string::npos);
+  EXPECT_NE(started.banner().find("state disarmed, something blocks arming: 'faults' says what"), std::string::npos);
 }
 
-TEST(Greeting, AnOlderSetIsSaidAtTheStartInStatusAndByLoadUntilItIsSaved) {
+TEST(ShellBanner, AnOlderSetIsSaidAtTheStartInStatusAndByLoadUntilItIsSaved) {
   test::BankImage older(1);
   older.add(0, "control.kp", Q24::from_double(3.5).raw());
   older.add(0, "control.ki", Q24::from_double(1000.0 / 8.0).raw());  // today up to 100 1/s
@@ -76,23 +76,23 @@ TEST(Greeting, AnOlderSetIsSaidAtTheStartInStatusAndByLoadUntilItIsSaved) {
   const std::string said = "stored parameters are another version's: " + std::to_string(parameters().size() - 2) +
                            " of today's were not in it and have their defaults, 1 are outside today's range and have "
                            "their defaults, 1 have names that are unknown today and were left out";
-  EXPECT_TRUE(has_line(started.greeting(), "# " + said));
+  EXPECT_TRUE(has_line(started.banner(), "# " + said));
   EXPECT_TRUE(has_line(started.say("status"), said));
   EXPECT_TRUE(has_line(started.say("get joint0.control.kp"), "joint0.control.kp 3.5"));
   const std::string loaded = started.say("load");
   EXPECT_TRUE(has_line(loaded, said));
   EXPECT_NE(loaded.find("ok\r\n"), std::string::npos);
   started.say("save");
-  EXPECT_EQ(started.greeting().find("stored parameters"), std::string::npos);
+  EXPECT_EQ(started.banner().find("stored parameters"), std::string::npos);
   EXPECT_EQ(started.say("status").find("stored parameters"), std::string::npos);
   EXPECT_EQ(started.say("load").find("stored parameters"), std::string::npos);
 }
 
-TEST(Greeting, ASetOfAnotherFormatIsRefusedWithASentenceAndBlocksArmingUntilOneIsSaved) {
+TEST(ShellBanner, ASetOfAnotherFormatIsRefusedWithASentenceAndBlocksArmingUntilOneIsSaved) {
   test::BankImage newer(1, 9);
   newer.add(0, "control.kp", Q24::from_double(3.5).raw());
   Started started(with(newer));
-  EXPECT_TRUE(has_line(started.greeting(), "# stored parameters have format 9, which this version does not read"));
+  EXPECT_TRUE(has_line(started.banner(), "# stored parameters have format 9, which this version does not read"));
   EXPECT_TRUE(has_line(started.say("status"), "stored parameters have format 9"));
   const std::string refused = started.say("load");
   EXPECT_NE(refused.find("error storage_foreign: "), std::string::npos) << refused;

@@ -16,7 +16,7 @@ struct Variant {
 };
 
 /// One possible effect with the grid of its shapes.
-struct Family {
+struct Candidate {
   std::string name;
   bool in_catalogue = false;  ///< false: a probe, which can be recognised but not added to the law
   /// An output term: its column is the change of the fitted law itself, so its factor is 1. The first variant is exact
@@ -47,18 +47,19 @@ struct LawResidual {
 
 /// The effects of the catalogue that the law does not have yet. Shapes lie on a grid over their range, refined around
 /// the one that fits the residual best on the rows that fit.
-auto catalogue_families(const Preparation& p, const LawForm& law, const LawResidual& residual) -> std::vector<Family>;
+auto catalogue_candidates(const Preparation& p, const LawForm& law, const LawResidual& residual)
+    -> std::vector<Candidate>;
 
 /// Free parameters of an effect: coefficients and shapes.
-auto parameter_count(const Family& family) -> std::size_t;
+auto parameter_count(const Candidate& candidate) -> std::size_t;
 
 /// Effects that the catalogue lacks. They stand in the same line-up as the catalogue's, so that something foreign is
 /// not given the nearest catalogue name. They never enter a law.
-auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
-    -> std::vector<Family>;
+auto probe_candidates(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
+    -> std::vector<Candidate>;
 
 /// Smooth bumps over (q1, dq1, tau; of an effort ddq1 and the way since the reversal instead of tau) and time: with all
-/// families together, the flexible model that no law can be expected to beat.
+/// candidates together, the flexible model that no law can be expected to beat.
 auto flexible_features(const CoarseSignals& signals, TargetKind target) -> Eigen::MatrixXd;
 
 }  // namespace capstan::tools

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "capstan/tools/diagnose/family.hpp"
+#include "capstan/tools/diagnose/candidate.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -23,7 +23,7 @@ class Probes {
     span_s_ = s_.time_s.tail(1)[0] + p.coarse_period_s;
   }
 
-  auto all() -> std::vector<Family> {
+  auto all() -> std::vector<Candidate> {
     if (catalogue_.target() == TargetKind::kEffort) {
       of_speed();
       of_friction();
@@ -38,20 +38,20 @@ class Probes {
     of_time();
     of_timing();
     of_further_axes();
-    return std::move(families_);
+    return std::move(candidates_);
   }
 
  private:
   auto rows() const -> Eigen::Index { return s_.q1.size(); }
   auto coarse_fitted() const -> Column {
-    return decimated(moving_mean(residual_.fitted, p_.hindsight.log_rows(), p_.smoothing), p_.factor);
+    return decimated(moving_mean(residual_.fitted, p_.noncausal.log_rows(), p_.smoothing), p_.factor);
   }
 
   void add(const std::string& name, std::vector<std::vector<Column>> variants, Sign sign = Sign::kAny,
            std::vector<std::string> special_cases = {}) {
-    Family family;
-    family.name = name;
-    family.special_cases = std::move(special_cases);
+    Candidate candidate;
+    candidate.name = name;
+    candidate.special_cases = std::move(special_cases);
     for (auto& columns : variants) {
       Variant variant;
       variant.columns.resize(rows(), static_cast<Eigen::Index>(columns.size()));
@@ -59,13 +59,13 @@ class Probes {
         variant.columns.col(static_cast<Eigen::Index>(i)) = columns[i];
       }
       if (variant.columns.cwiseAbs().maxCoeff() > 0.0 && variant.columns.allFinite()) {
-        variant.columns = p_.bridged(std::move(variant.columns));
-        family.signs.assign(columns.size(), sign);
-        family.variants.push_back(std::move(variant));
+        variant.columns = p_.interpolated(std::move(variant.columns));
+        candidate.signs.assign(columns.size(), sign);
+        candidate.variants.push_back(std::move(variant));
       }
     }
-    if (!family.variants.empty()) {
-      families_.push_back(std::move(family));
+    if (!candidate.variants.empty()) {
+      candidates_.push_back(std::move(candidate));
     }
   }
 
@@ -301,7 +301,7 @@ class Probes {
   const LawResidual& residual_;
   Column direction_;
   double q1_range_ = 0.0, tau_range_ = 0.0, span_s_ = 0.0;
-  std::vector<Family> families_;
+  std::vector<Candidate> candidates_;
 };
 
 auto unit_range(const Eigen::VectorXd& x) -> Eigen::VectorXd {
@@ -312,8 +312,8 @@ auto unit_range(const Eigen::VectorXd& x) -> Eigen::VectorXd {
 
 }  // namespace
 
-auto probe_families(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
-    -> std::vector<Family> {
+auto probe_candidates(const Preparation& p, const Catalogue& catalogue, const LawResidual& residual)
+    -> std::vector<Candidate> {
   return Probes(p, catalogue, residual).all();
 }
 

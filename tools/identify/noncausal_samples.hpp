@@ -11,16 +11,16 @@ namespace capstan::tools {
 /// acceleration lags, and the motor angle goes straight from count to count. What is reported in the end is the causal
 /// law's error.
 /// Angle and rate stand before and behind the input terms alike, as in a causal sample: the ratio reads what is behind.
-struct Hindsight {
+struct NoncausalSamples {
   Samples samples;
-  Blocks uncertain;  ///< rows around reversals where even hindsight can not tell the direction, for the encoder's
-                     ///< resolution
+  Blocks uncertain;  ///< rows around reversals where even noncausal samples can not tell the direction, for the
+                     ///< encoder's resolution
   Eigen::VectorXd hidden_rad;  ///< what the encoder's resolution may still be hiding of q1: one draw, no measurement
   /// The same of the rates, with what their windows blur: what was seen, seen again. rad/s, krad/s2
   Eigen::VectorXd hidden_rate, hidden_acceleration;
 };
-auto hindsight_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
-    -> Hindsight;
+auto noncausal_samples(const AxisLog& log, const ConditionerShape<double>& conditioner, const AngleNoise& noise)
+    -> NoncausalSamples;
 
 /// Lets the motor be at this angle with this rate, where no input term has acted: what is behind them is the same.
 inline void set_motion(Sample<double>& sample, double q1, double dq1) {

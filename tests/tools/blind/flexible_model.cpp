@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tests/tools/blind/blind_ceiling.hpp"
+#include "capstan/tests/tools/blind/flexible_model.hpp"
 
 #include <algorithm>
 #include <array>
@@ -224,7 +224,7 @@ auto share_taken(const Features& features, const Eigen::VectorXd& residual, cons
 
 }  // namespace
 
-auto ceiling_of(const AxisLog& log, const Diagnosis& diagnosis) -> Ceiling {
+auto flexible_model_of(const AxisLog& log, const Diagnosis& diagnosis) -> FlexibleModel {
   const Eigen::VectorXd residual = diagnosis.traces.measured - diagnosis.traces.before;
   if (residual.size() == 0 || residual.size() > log.samples()) {
     return {};  // no law was fitted

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capstan/tools/identify/hindsight.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 
 #include <gtest/gtest.h>
 
@@ -27,12 +27,12 @@ auto swinging() -> AxisLog {
   return log;
 }
 
-TEST(Hindsight, TheDirectionTurnsWhereTheMotorDidWhileTheCausalSwitchIsLate) {
+TEST(NoncausalSamples, TheDirectionTurnsWhereTheMotorDidWhileTheCausalSwitchIsLate) {
   const AxisLog log = swinging();
   ConditionerShape<double> shape;
   shape.direction_threshold_rad = 2.5 * kStep;
-  const Hindsight hindsight = hindsight_samples(log, shape, {kStep, 0.0});
-  const auto known = direction_changes(hindsight.samples);
+  const NoncausalSamples noncausal = noncausal_samples(log, shape, {kStep, 0.0});
+  const auto known = direction_changes(noncausal.samples);
   const auto noticed = direction_changes(causal_samples(log, shape));
   ASSERT_EQ(known.size(), noticed.size());
   for (std::size_t i = 1; i < known.size(); ++i) {
@@ -42,38 +42,38 @@ TEST(Hindsight, TheDirectionTurnsWhereTheMotorDidWhileTheCausalSwitchIsLate) {
   }
 }
 
-TEST(Hindsight, SamplesOfUncertainDirectionSurroundEveryReversal) {
+TEST(NoncausalSamples, SamplesOfUncertainDirectionSurroundEveryReversal) {
   const AxisLog log = swinging();
   ConditionerShape<double> shape;
   shape.direction_threshold_rad = 2.5 * kStep;
-  const Hindsight hindsight = hindsight_samples(log, shape, {kStep, 0.0});
-  ASSERT_GE(hindsight.uncertain.size(), 7U);
-  for (std::size_t i = 1; i < hindsight.uncertain.size(); ++i) {
+  const NoncausalSamples noncausal = noncausal_samples(log, shape, {kStep, 0.0});
+  ASSERT_GE(noncausal.uncertain.size(), 7U);
+  for (std::size_t i = 1; i < noncausal.uncertain.size(); ++i) {
     const auto truth = static_cast<Eigen::Index>(1000 * i);
-    EXPECT_LE(hindsight.uncertain[i].begin, truth + 2);
-    EXPECT_GE(hindsight.uncertain[i].end, truth - 2);
-    EXPECT_LT(hindsight.uncertain[i].size(), 80);
+    EXPECT_LE(noncausal.uncertain[i].begin, truth + 2);
+    EXPECT_GE(noncausal.uncertain[i].end, truth - 2);
+    EXPECT_LT(noncausal.uncertain[i].size(), 80);
   }
 }
 
-TEST(Hindsight, TheAngleBetweenCountsIsKnownBetterThanTheCounts) {
+TEST(NoncausalSamples, TheAngleBetweenCountsIsKnownBetterThanTheCounts) {
   AxisLog log = swinging();
   const Eigen::ArrayXd truth = 0.05 * (log.time_s.array() * std::numbers::pi).cos();  // five samples a count
   log.q1_rad = (truth / kStep).round() * kStep;
-  const Hindsight hindsight = hindsight_samples(log, {}, {kStep, 0.0});
+  const NoncausalSamples noncausal = noncausal_samples(log, {}, {kStep, 0.0});
   Eigen::ArrayXd known(8000);
   for (Eigen::Index i = 0; i < 8000; ++i) {
-    known[i] = hindsight.samples[static_cast<std::size_t>(i)].q1;
+    known[i] = noncausal.samples[static_cast<std::size_t>(i)].q1;
   }
   const double of_counts = std::sqrt((log.q1_rad.array() - truth).square().mean());
   const double of_lines = std::sqrt((known - truth).square().mean());
   EXPECT_LT(of_lines, 0.6 * of_counts);  // most of what is left is hidden where it turns between two counts
   EXPECT_LT((known - log.q1_rad.array()).abs().maxCoeff(), 0.501 * kStep);
   // What may still be hidden is drawn from the same motion with its edges moved: of that size, and not measured.
-  EXPECT_NEAR(hindsight.hidden_rad.norm() / std::sqrt(8000.0), of_lines, 0.5 * of_lines);
+  EXPECT_NEAR(noncausal.hidden_rad.norm() / std::sqrt(8000.0), of_lines, 0.5 * of_lines);
 }
 
-TEST(Hindsight, TheRateHasNoLag) {
+TEST(NoncausalSamples, TheRateHasNoLag) {
   AxisLog log = swinging();
   log.q1_rad = (log.time_s.array() * std::numbers::pi).cos();
   const Eigen::VectorXd slope = local_slope(log.q1_rad, 10, kPeriod);
@@ -81,36 +81,36 @@ TEST(Hindsight, TheRateHasNoLag) {
   EXPECT_LT((slope - truth).segment(20, 7950).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(Hindsight, WhatLiesBehindTheInputTermsIsSeenAsWellAsTheMotor) {
-  const Hindsight hindsight = hindsight_samples(swinging(), {}, {kStep, 0.0});
-  for (const auto& sample : hindsight.samples) {  // the ratio reads h, drag reads both rates
+TEST(NoncausalSamples, WhatLiesBehindTheInputTermsIsSeenAsWellAsTheMotor) {
+  const NoncausalSamples noncausal = noncausal_samples(swinging(), {}, {kStep, 0.0});
+  for (const auto& sample : noncausal.samples) {  // the ratio reads h, drag reads both rates
     ASSERT_EQ(sample.h, sample.q1);
     ASSERT_EQ(sample.dh, sample.dq1);
   }
 }
 
-TEST(Hindsight, WhatARateHidesIsAsLargeAsItsError) {
+TEST(NoncausalSamples, WhatARateHidesIsAsLargeAsItsError) {
   AxisLog log = swinging();
   const Eigen::ArrayXd phase = log.time_s.array() * std::numbers::pi;
-  const Hindsight hindsight = hindsight_samples(log, {}, {kStep, 0.0});
+  const NoncausalSamples noncausal = noncausal_samples(log, {}, {kStep, 0.0});
   double of_rate = 0.0;
   double of_acceleration = 0.0;
   constexpr Eigen::Index kEdge = 200;
   for (Eigen::Index i = kEdge; i < 8000 - kEdge; ++i) {
-    const auto& sample = hindsight.samples[static_cast<std::size_t>(i)];
+    const auto& sample = noncausal.samples[static_cast<std::size_t>(i)];
     of_rate += std::pow(sample.dq1 + std::numbers::pi * std::sin(phase[i]), 2);
     of_acceleration += std::pow(sample.ddq1 + 1e-3 * std::numbers::pi * std::numbers::pi * std::cos(phase[i]), 2);
   }
   const auto energy = [](const Eigen::VectorXd& signal) {
     return signal.segment(kEdge, 8000 - 2 * kEdge).squaredNorm();
   };
-  EXPECT_GT(energy(hindsight.hidden_rate), of_rate / 4.0);
-  EXPECT_LT(energy(hindsight.hidden_rate), of_rate * 4.0);
-  EXPECT_GT(energy(hindsight.hidden_acceleration), of_acceleration / 4.0);
-  EXPECT_LT(energy(hindsight.hidden_acceleration), of_acceleration * 4.0);
+  EXPECT_GT(energy(noncausal.hidden_rate), of_rate / 4.0);
+  EXPECT_LT(energy(noncausal.hidden_rate), of_rate * 4.0);
+  EXPECT_GT(energy(noncausal.hidden_acceleration), of_acceleration / 4.0);
+  EXPECT_LT(energy(noncausal.hidden_acceleration), of_acceleration * 4.0);
 }
 
-TEST(Hindsight, WhatTheResolutionHidesReachesTheLaw) {
+TEST(NoncausalSamples, WhatTheResolutionHidesReachesTheLaw) {
   test::SyntheticRequest request;
   request.counts_per_turn = 1024.0;
   const std::vector<AxisLog> logs = {test::synthetic_log(request)};

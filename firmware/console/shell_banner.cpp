@@ -54,7 +54,7 @@ void print_load_report(Print& out, const LoadReport& report, const char* begin) 
   }
 }
 
-void Shell::greet() {
+void Shell::print_banner() {
   const MachineTelemetry now = machine_.telemetry();
   out_ << "# capstan " << kVersion << " on board " << board_.name() << ", joints "
        << static_cast<std::uint32_t>(machine_.axes()) << ", state " << name(now.state);

@@ -7,7 +7,7 @@ namespace capstan::tools::blind {
 
 /// What could be taken away of what a base law leaves of one log, as shares of the error energy on the rows that the
 /// diagnosis set aside. Below zero where learning did harm.
-struct Ceiling {
+struct FlexibleModel {
   double by_signals = 0.0;  ///< by what a joint's law may read
   double with_time = 0.0;   ///< by a model that knows the time since the log began, too: no law of a joint does
 };
@@ -17,6 +17,6 @@ struct Ceiling {
 /// other signal. Fitted to the means of short stretches of the rows that the delivered law was learned from; its ridge
 /// is chosen there too, by stretches left out in turn. Judged on every row that was set aside.
 /// @pre the base law was the usual one of logs with torque
-auto ceiling_of(const AxisLog& log, const Diagnosis& diagnosis) -> Ceiling;
+auto flexible_model_of(const AxisLog& log, const Diagnosis& diagnosis) -> FlexibleModel;
 
 }  // namespace capstan::tools::blind
