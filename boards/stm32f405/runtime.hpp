@@ -109,9 +109,9 @@ class Runtime final : public Board {
   /// In main(), after everything has been started. Does not return.
   [[noreturn]] void run(const StartReport& report) {
     core_hz_ = report.clock.core_hz;
-    const bool starved = report.reset_cause == stm32f4::ResetCause::kIndependentWatchdog;
+    const bool by_watchdog = report.reset_cause == stm32f4::ResetCause::kIndependentWatchdog;
     application_.set_board_faults((report.clock.fell_back() ? bit(Fault::kBoardClock) : 0) |
-                                  (starved ? bit(Fault::kWatchdog) : 0));
+                                  (by_watchdog ? bit(Fault::kWatchdog) : 0));
     Print out(sink_);
     print_start(out, report);
     shell_.print_banner();

@@ -7,7 +7,7 @@ namespace {
 constexpr std::int32_t kOverCurrentCycles = 20;
 constexpr std::int32_t kMismatchCycles = 50;
 constexpr std::int32_t kFrozenCycles = 50;
-constexpr std::int32_t kStarvedCycles = 10;  // a supply may dip when its motors start
+constexpr std::int32_t kUndervoltageCycles = 10;  // a supply may dip when its motors start
 constexpr Q24 kHalf = Q24::from_double(0.5);
 constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
 
@@ -16,7 +16,7 @@ auto cycles_in(Q24 duration_s) -> std::int32_t {
 }
 
 /// Counts the cycles in which something holds without a break, up to a number; true when that is reached.
-auto lasts(bool holds, std::int32_t& cycles, std::int32_t enough) -> bool {
+auto debounced(bool holds, std::int32_t& cycles, std::int32_t enough) -> bool {
   cycles = holds ? std::min(cycles + 1, enough) : 0;
   return cycles >= enough;
 }
@@ -25,7 +25,8 @@ auto lasts(bool holds, std::int32_t& cycles, std::int32_t enough) -> bool {
 
 auto Monitors::rt_watch_power(const LimitConfig& limits, const MotorState& motor, Q24 drive_a) -> FaultSet {
   FaultSet faults = 0;
-  if (lasts(abs(motor.current_a) > limits.current_a * kOverCurrentFactor, cycles_over_current_, kOverCurrentCycles)) {
+  if (debounced(abs(motor.current_a) > limits.current_a * kOverCurrentFactor, cycles_over_current_,
+                kOverCurrentCycles)) {
     faults |= bit(Fault::kOverCurrent);
   }
   // Without torque 0 was wanted, and then an amplifier that drives is a fault too.
@@ -35,7 +36,7 @@ auto Monitors::rt_watch_power(const LimitConfig& limits, const MotorState& motor
   if (cycles_mismatched_ == kMismatchCycles) {
     faults |= bit(Fault::kCurrentMismatch);
   }
-  if (motor.supply_low || cycles_starved_ > 0) {
+  if (motor.supply_low || undervoltage_cycles_ > 0) {
     faults |= rt_supply_fault(motor.supply_low);
   }
   return faults;
@@ -43,9 +44,9 @@ auto Monitors::rt_watch_power(const LimitConfig& limits, const MotorState& motor
 
 /// Stays until as many good cycles have followed: a supply that flickers must not let arming pass in between.
 auto Monitors::rt_supply_fault(bool low) -> FaultSet {
-  cycles_starved_ = std::clamp<std::int32_t>(cycles_starved_ + (low ? 1 : -1), 0, kStarvedCycles);
-  starved_ = cycles_starved_ == kStarvedCycles || (starved_ && cycles_starved_ > 0);
-  return starved_ ? bit(Fault::kSupplyLow) : 0;
+  undervoltage_cycles_ = std::clamp<std::int32_t>(undervoltage_cycles_ + (low ? 1 : -1), 0, kUndervoltageCycles);
+  undervoltage_ = undervoltage_cycles_ == kUndervoltageCycles || (undervoltage_ && undervoltage_cycles_ > 0);
+  return undervoltage_ ? bit(Fault::kSupplyLow) : 0;
 }
 
 auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& motor, const JointEstimate& estimate,
@@ -55,7 +56,7 @@ auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& moto
   const Q24 there = of_motor ? motor.q1_rad : estimate.q2_rad;
   FaultSet faults = 0;
   const std::int32_t patience = cycles_in(limits.following_time_s) + 1;
-  if (lasts(abs(wanted - there) > limits.following_error_rad, cycles_off_reference_, patience)) {
+  if (debounced(abs(wanted - there) > limits.following_error_rad, cycles_off_reference_, patience)) {
     faults |= bit(Fault::kFollowingError);
   }
   if (begins) {
@@ -65,7 +66,7 @@ auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& moto
     still_counts_ = motor.counts;
     still_reference_ = wanted;
     still_cycles_ = 1;
-  } else if (lasts(true, still_cycles_, kFrozenCycles) &&
+  } else if (debounced(true, still_cycles_, kFrozenCycles) &&
              abs(wanted - there) - abs(still_reference_ - there) > limits.following_error_rad * kHalf) {
     // Further away, not only elsewhere: a joint that presses with all its current stands while its reference returns.
     faults |= bit(Fault::kEncoderFrozen);

@@ -23,8 +23,8 @@ class Monitors {
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;
   std::int32_t cycles_mismatched_ = 0;
-  std::int32_t cycles_starved_ = 0;
-  bool starved_ = false;
+  std::int32_t undervoltage_cycles_ = 0;
+  bool undervoltage_ = false;
   std::int64_t still_counts_ = 0;  // where the encoder stands since ...
   std::int32_t still_cycles_ = 0;
   Q24 still_reference_;  // ... the reference was here

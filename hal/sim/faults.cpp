@@ -131,13 +131,13 @@ void FaultSchedule::apply(double time_s, Readings& readings) {
 }
 
 void FaultSchedule::starve(double time_s, Readings& readings) {
-  const bool was_starved = starved_;
-  starved_ = supply(time_s) < kLeastSupply;
-  if (starved_ || was_starved)
+  const bool was_undervoltage = undervoltage_;
+  undervoltage_ = supply(time_s) < kLeastSupply;
+  if (undervoltage_ || was_undervoltage)
     uncounted_ += std::int64_t{wrap(std::int64_t{readings.encoder_counts} - last_counts_)};
   last_counts_ = readings.encoder_counts;
   readings.encoder_counts = wrap(std::int64_t{readings.encoder_counts} - uncounted_);
-  if (starved_) {
+  if (undervoltage_) {
     readings.current_a = 0.0;
     readings.encoder_ok = false;
     readings.current_ok = false;

@@ -119,7 +119,7 @@ class FaultSchedule {
   Slow slow_;
   std::int64_t uncounted_ = 0;  // encoder counts missed without supply
   std::int32_t last_counts_ = 0;
-  bool starved_ = false;
+  bool undervoltage_ = false;
 };
 
 }  // namespace capstan::sim

@@ -35,7 +35,7 @@ struct RankedEffect {
   std::string name;
   bool in_catalogue = false;
   double p_value = 1.0;
-  double log_evidence = 0.0;    ///< nats on unseen rows
+  double log_e_value = 0.0;     ///< nats on unseen rows
   double explained = 0.0;       ///< share of the residual's energy that it takes away, out of fold
   double log_likelihood = 0.0;  ///< above the law alone, nats
   std::string outcome;          ///< why it was taken or ruled out
@@ -61,7 +61,7 @@ struct EffectSize {
 struct AddedEffect {
   std::string name;
   std::vector<std::string> alternatives;
-  double p_value = 1.0, log_evidence = 0.0, log_evidence_needed = 0.0, log_likelihood = 0.0, explained = 0.0,
+  double p_value = 1.0, log_e_value = 0.0, log_e_value_needed = 0.0, log_likelihood = 0.0, explained = 0.0,
          explained_t = 0.0, absorbed = 0.0;
   std::optional<EffectSize> size = {};
 };

@@ -113,7 +113,7 @@ auto summary_of(const Round& round, const CandidateTrial* chosen, const std::vec
   for (const auto& trial : round.trials) {
     const auto& candidate = round.evidence.candidates[trial.candidate];
     summary.ranking.push_back({candidate.name, candidate.in_catalogue,
-                               std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_evidence,
+                               std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_e_value,
                                trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
   }
   std::sort(summary.ranking.begin(), summary.ranking.end(),

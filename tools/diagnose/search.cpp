@@ -70,7 +70,7 @@ auto added_effect(const Round& round, const CandidateTrial& trial, const std::ve
   return {round.evidence.candidates[trial.candidate].name,
           names_of(round, confusable),
           std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)),
-          trial.log_evidence,
+          trial.log_e_value,
           evidence_needed(round.evidence),
           trial.log_likelihood,
           trial.explained,

@@ -104,7 +104,7 @@ class TrialJudge {
       }
       trial.likelihoods = likelihoods(model);
       trial.log_likelihood = trial.likelihoods.sum() - law_likelihood_;
-      trial.log_evidence = cross_fitted_evidence(model);
+      trial.log_e_value = cross_fitted_evidence(model);
     }
     return trial;
   }
@@ -191,7 +191,7 @@ auto try_candidates(const Preparation& p, const Evidence& evidence, const SieveR
 }
 
 auto passes(const CandidateTrial& trial, const Evidence& evidence) -> bool {
-  const bool whitened = trial.p_value <= 0.5 * kAlpha && trial.log_evidence >= evidence_needed(evidence);
+  const bool whitened = trial.p_value <= 0.5 * kAlpha && trial.log_e_value >= evidence_needed(evidence);
   const bool across_halves = trial.p_sieve <= 0.5 * kAlpha;
   if (evidence.by_energy) {
     const bool detected = std::min(trial.p_value, trial.p_sieve) <= 0.5 * kAlpha;

@@ -14,11 +14,11 @@ inline constexpr double kAlpha = 0.01;
 /// What one candidate has to say for itself.
 struct CandidateTrial {
   std::size_t candidate = 0;
-  std::size_t variant = 0;    ///< best on the rows that fit
-  bool possible = false;      ///< false: the data ask for a sign that physics forbids, or it waits for another effect
-  double p_value = 1.0;       ///< candidate-wise: of the largest whitened statistic over all candidates and shapes
-  double p_sieve = 1.0;       ///< candidate-wise: of the share explained across halves, by the sieve bootstrap
-  double log_evidence = 0.0;  ///< cross-fitted split likelihood ratio, nats
+  std::size_t variant = 0;   ///< best on the rows that fit
+  bool possible = false;     ///< false: the data ask for a sign that physics forbids, or it waits for another effect
+  double p_value = 1.0;      ///< candidate-wise: of the largest whitened statistic over all candidates and shapes
+  double p_sieve = 1.0;      ///< candidate-wise: of the share explained across halves, by the sieve bootstrap
+  double log_e_value = 0.0;  ///< logarithm of the e-value: cross-fitted split likelihood ratio, nats
   double log_likelihood =
       0.0;                 ///< on fit and choose together, with a noise model of its own, above that of the law alone
   double explained = 0.0;  ///< share of the residual's energy that it takes away out of fold, in the measured quantity

@@ -247,7 +247,7 @@ auto ranking_tables(const Diagnosis& d) -> std::string {
     for (const auto& ranked : d.rounds[i].ranking) {
       html += std::string("<tr") + (ranked.in_catalogue ? "" : " class=\"dim\"") + ">" + html_cell(ranked.name) +
               html_number(rounded(100.0 * ranked.explained, 3)) + html_number(rounded(ranked.p_value, 2)) +
-              html_number(rounded(ranked.log_evidence, 3)) + html_cell(ranked.outcome) + "</tr>\n";
+              html_number(rounded(ranked.log_e_value, 3)) + html_cell(ranked.outcome) + "</tr>\n";
     }
     html += "</table>\n";
   }

@@ -25,7 +25,7 @@ struct Three {
       trial.explained = 0.5;
       trial.explained_t = 5.0;
       trial.p_value = trial.p_sieve = 0.002;
-      trial.log_evidence = 20.0;
+      trial.log_e_value = 20.0;
       trial.log_likelihood = 100.0;
       trial.energies = Eigen::VectorXd::Constant(5, 2.0);
     }

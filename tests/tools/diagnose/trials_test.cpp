@@ -47,7 +47,7 @@ auto passing() -> CandidateTrial {
   trial.explained = 0.3;
   trial.explained_t = 5.0;
   trial.p_value = trial.p_sieve = 0.001;
-  trial.log_evidence = 10.0;
+  trial.log_e_value = 10.0;
   return trial;
 }
 
@@ -58,9 +58,9 @@ TEST(Passes, EitherWayIsEnoughAndHasToBeOfUse) {
   EXPECT_TRUE(passes(trial, evidence));
   trial.p_sieve = 0.006;  // above half of the error rate: the whitened way alone
   EXPECT_TRUE(passes(trial, evidence));
-  trial.log_evidence = std::log(500.0) - 0.01;
+  trial.log_e_value = std::log(500.0) - 0.01;
   EXPECT_FALSE(passes(trial, evidence));
-  trial.log_evidence = std::log(500.0);
+  trial.log_e_value = std::log(500.0);
   EXPECT_TRUE(passes(trial, evidence));
   trial.p_value = 0.006;
   EXPECT_FALSE(passes(trial, evidence));
@@ -78,7 +78,7 @@ TEST(Passes, AnEffortsEffectIsConfirmedByEnergyAndNotByLikelihood) {
   evidence.candidates.resize(5);
   evidence.by_energy = true;
   CandidateTrial trial = passing();
-  trial.log_evidence = -100.0;
+  trial.log_e_value = -100.0;
   EXPECT_TRUE(passes(trial, evidence));
   trial.p_sieve = 1.0;
   EXPECT_TRUE(passes(trial, evidence));
@@ -263,7 +263,7 @@ TEST(TryCandidates, EvidenceIsTheMeanOfTwoRatiosInWhichEachHalfJudgesWhatTheOthe
   };
   const double first = log_ratio(0);
   const double second = log_ratio(1);
-  EXPECT_NEAR(line.trials[0].log_evidence, std::log(0.5 * (std::exp(first) + std::exp(second))), 1e-6);
+  EXPECT_NEAR(line.trials[0].log_e_value, std::log(0.5 * (std::exp(first) + std::exp(second))), 1e-6);
 }
 
 TEST(TryCandidates, AnOutputTermIsJudgedByTheLawThroughIt) {
