@@ -133,8 +133,8 @@ TEST(EffortLaw, OfARigidAxisIsPredictedToWithinItsNoise) {
 
 TEST(EffortLaw, ThatErrsMoreThanItsBaseOnRowsSetAsideIsNotDelivered) {
   constexpr Eigen::Index kUnhooked = 4 * kRows / 5;
-  constexpr double kSpring = 0.8;
-  const auto with_spring = [](Eigen::Index rows) {
+  const double kSpring = 0.8;
+  const auto with_spring = [kSpring](Eigen::Index rows) {
     AxisLog log = rigid_log(0.02);
     log.effort.head(rows) += kSpring * log.q1_rad.head(rows);
     return log;
