@@ -12,11 +12,11 @@ namespace {
 
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
 // docs/tuning.md reports other seeds.
-constexpr double kTravelShare = 0.75;      // of the corridor, while it is shaken ...
-constexpr double kBeside = 0.22;           // ... and how far it may stray from that
-constexpr double kLegS = 3.2;              // a leg takes longer than a period and a half of the multisine
-// Peak torque over inertia times speed, 1/s, so that friction keeps its sign, below kSplitHz and above, where torque moves
-// the motor less.
+constexpr double kTravelShare = 0.75;  // of the corridor, while it is shaken ...
+constexpr double kBeside = 0.22;       // ... and how far it may stray from that
+constexpr double kLegS = 3.2;          // a leg takes longer than a period and a half of the multisine
+// Peak torque over inertia times speed, 1/s, so that friction keeps its sign, below kSplitHz and above, where torque
+// moves the motor less.
 constexpr double kShakePerMotion = 260.0, kFastShakePerMotion = 750.0;
 constexpr double kSplitHz = 90.0, kLastHz = 250.0;
 constexpr int kSlowS = 60, kFastS = 50;
@@ -36,7 +36,7 @@ void CommissionSteps::respond(const std::function<void(const Response&)>& take) 
   double travel = std::min(1.8, kTravelShare * options_.corridor_rad);
   double beside = kBeside * options_.corridor_rad;
   const double per_motion = all_.progress.inertia_kgm2 * kWaysPerLeg * travel / kLegS;
-  double share = 1.0;  // of what these shake with
+  double share = 1.0;                                     // of what these shake with
   const double home = std::round(home_rad_ * 1e4) / 1e4;  // the shell's line has room for so many digits
   double too_little = 0.0;
   double too_much = 0.0;
@@ -50,13 +50,12 @@ void CommissionSteps::respond(const std::function<void(const Response&)>& take) 
   };
   const auto response_of = [&](double from_hz, double to_hz, int seconds, double per_motion_s) {
     joint_.arm();
-    const CsvLog log =
-        joint_.rows("experiment", "multisine on=torque from=" + rounded(from_hz) + "Hz to=" + rounded(to_hz) +
-                                      "Hz duration=" + std::to_string(seconds) + " offset=" + rounded(home, 6) +
-                                      "rad travel=" + rounded(travel, 4) +
-                                      "rad speed=" + rounded(kWaysPerLeg * travel / kLegS, 4) +
-                                      "rad/s corridor=" + rounded(beside, 4) + "rad amplitude=" +
-                                      rounded(std::min(continuous_nm(), share * per_motion_s * per_motion), 3) + "Nm");
+    const CsvLog log = joint_.rows(
+        "experiment", "multisine on=torque from=" + rounded(from_hz) + "Hz to=" + rounded(to_hz) +
+                          "Hz duration=" + std::to_string(seconds) + " offset=" + rounded(home, 6) +
+                          "rad travel=" + rounded(travel, 4) + "rad speed=" + rounded(kWaysPerLeg * travel / kLegS, 4) +
+                          "rad/s corridor=" + rounded(beside, 4) + "rad amplitude=" +
+                          rounded(std::min(continuous_nm(), share * per_motion_s * per_motion), 3) + "Nm");
     joint_.disarm();
     return estimate_response(read_response(log, joint_.axis()));
   };

@@ -13,10 +13,10 @@ struct Law {
 auto law_of(const LoopGains& gains, double hz) -> Law;
 
 /// The motor's response as all lines together have it. Over the model (motor, joint, delay) it is 1 and a smooth rest,
-/// by which the model is wrong there. How large that is, over how many octaves it changes, and what differs from line to
-/// line beyond the circles (friction that turns its sign now and then repeats from period to period) is what makes the
-/// lines most likely; then each line is weighed against its neighbours and the model by what is known of them: where
-/// noise hides it, it is the model's.
+/// by which the model is wrong there. How large that is, over how many octaves it changes, and what differs from line
+/// to line beyond the circles (friction that turns its sign now and then repeats from period to period) is weighed by
+/// how likely it makes the lines; with that each line is weighed against its neighbours and the model: where noise
+/// hides it, it is the model's.
 class Smoothing {
  public:
   /// @param points  at least one
@@ -29,13 +29,17 @@ class Smoothing {
   struct Prior {
     double wrong = 0.0, octaves = 0.0, scatter = 0.0;
   };
-  [[nodiscard]] auto prior() const -> const Prior& { return prior_; }
 
  private:
   MotorModel model_;
   Eigen::VectorXd octaves_, noise_;
-  Prior prior_;
-  Eigen::VectorXcd weighed_;
+  struct Tried {
+    Prior prior;
+    Eigen::LLT<Eigen::MatrixXd> factor;
+    Eigen::VectorXd real, imag;  // of the rest, weighed
+    double weight;
+  };
+  std::vector<Tried> tried_;
 };
 
 /// The response between its lines, weighed. The loop's is the motor's times what control made of the angle, which the

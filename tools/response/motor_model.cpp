@@ -48,8 +48,8 @@ auto joint_part(double w, const Joint& joint) -> Complex {
   return bound * moved / (bound + moved);
 }
 
-/// The board holds its torque for a cycle, and a step of that length has so much of a sine; its half a cycle of delay is
-/// in the delay.
+/// The board holds its torque for a cycle, and a step of that length has so much of a sine; its half a cycle of delay
+/// is in the delay.
 auto held(double hz, double hold_s) -> double {
   const double half = kPi * hz * hold_s;
   return half > 0.0 ? std::sin(half) / half : 1.0;
@@ -176,11 +176,14 @@ auto motor_alone(const LeastSquares& squares, bool with_lag) -> MotorModel {
 }
 
 /// What noise has in a line pulls least squares over 1 / G towards less inertia and lag. So they end on G itself, each
-/// line over its circle, from where those over 1 / G ended: Levenberg and Marquardt's steps in all numbers of the model.
+/// line over its circle, from where those over 1 / G ended: Levenberg and Marquardt's steps in all numbers of the
+/// model.
 class Refined {
  public:
   Refined(const Response& response, MotorModel from)
-      : points_(points_above_noise(response, from)), from_(std::move(from)), with_joint_(from_.joint_inertia_kgm2 > 0.0) {}
+      : points_(points_above_noise(response, from)),
+        from_(std::move(from)),
+        with_joint_(from_.joint_inertia_kgm2 > 0.0) {}
 
   [[nodiscard]] auto model() const -> MotorModel {
     Eigen::VectorXd moved = Eigen::VectorXd::Zero(with_joint_ ? kAll : kMotor);
