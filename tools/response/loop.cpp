@@ -22,43 +22,11 @@ constexpr int kBetween = 8;  // points from line to line
 constexpr double kLeastCoherence = 0.8;
 constexpr double kMostCircle = 0.5;  // radius over value; above, the phase is anybody's guess
 constexpr std::size_t kLeastLines = 5;
-constexpr double kNeighbourOctaves = 0.35;  // either way: two to four lines of a multisine
-constexpr double kTwoSigma = 2.0;
 constexpr double kLowGain = 1.0 / 3.0;
 
 auto between(Complex a, Complex b, double share) -> Complex {
   const double turn = std::arg(b / a);
   return std::polar(std::abs(a) * std::pow(std::abs(b) / std::abs(a), share), std::arg(a) + share * turn);
-}
-
-/// Friction that turns its sign now and then repeats from period to period, so no circle shows it, but it differs from
-/// line to line. So the response over the model of motor, joint and delay is averaged over neighbours, each by its
-/// circle, and by how much they differ the circle grows.
-auto smoothed(const std::vector<ResponsePoint>& points, const MotorModel& model) -> std::vector<ResponsePoint> {
-  std::vector<ResponsePoint> smooth = points;
-  for (ResponsePoint& point : smooth) {
-    Complex sum{};
-    double weights = 0.0;
-    double squares = 0.0;
-    int count = 0;
-    for (const ResponsePoint& beside : points) {
-      if (std::fabs(std::log2(beside.hz / point.hz)) > kNeighbourOctaves) {
-        continue;
-      }
-      const Complex ratio = beside.motor.value / model.at(beside.hz);
-      const double weight = 1.0 / (1e-6 + std::pow(beside.motor.radius95 / std::abs(beside.motor.value), 2));
-      sum += weight * ratio;
-      squares += weight * std::norm(ratio);
-      weights += weight;
-      ++count;
-    }
-    const Complex mean = sum / weights;
-    const double apart = std::max(0.0, squares / weights - std::norm(mean));
-    const double scatter = count > 1 ? apart / (count - 1) : 0.0;
-    point.motor.value = mean * model.at(point.hz);
-    point.motor.radius95 = std::abs(point.motor.value) * std::sqrt(1.0 / weights + kTwoSigma * kTwoSigma * scatter);
-  }
-  return smooth;
 }
 
 }  // namespace
@@ -95,25 +63,39 @@ auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
   return clear;
 }
 
+auto points_above_noise(const Response& response, const MotorModel& model) -> std::vector<ResponsePoint> {
+  std::vector<ResponsePoint> above;
+  for (const ResponsePoint& point : response.points) {
+    const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
+    if (coherent && point.motor.radius95 < std::abs(model.at(point.hz))) {
+      above.push_back(point);
+    }
+  }
+  return above.size() < kLeastLines ? clear_points(response) : above;
+}
+
 auto dense(const Response& response) -> Dense {
   Dense all;
   all.model = fit_motor_and_joint(response);
   const MotorModel& model = all.model;
-  const std::vector<ResponsePoint> points = smoothed(clear_points(response), model);
-  // Between the lines a resonance is as the model has it, and what is left of the response runs straight.
-  const auto add = [&all, &model](const ResponsePoint& a, const ResponsePoint& b, double share) {
+  const std::vector<ResponsePoint> points = points_above_noise(response, model);
+  const Smoothing smoothing(points, model);
+  const auto add = [&](const ResponsePoint& a, const ResponsePoint& b, double share) {
     const auto mix = [share](double x, double y) { return x + share * (y - x); };
     const double hz = a.hz * std::pow(b.hz / a.hz, share);
-    const Complex motor = model.at(hz) * between(a.motor.value / model.at(a.hz), b.motor.value / model.at(b.hz), share);
+    const Estimate motor = smoothing.at(hz);
+    const double motor_share = motor.radius95 / std::abs(motor.value);
     all.hz.push_back(hz);
-    all.motor.push_back(motor);
+    all.motor.push_back(motor.value);
     all.joint.push_back(between(a.joint.value, b.joint.value, share));
-    all.loop.push_back(motor * between(a.loop.value / a.motor.value, b.loop.value / b.motor.value, share));
-    all.motor_share.push_back(
-        mix(a.motor.radius95 / std::abs(a.motor.value), b.motor.radius95 / std::abs(b.motor.value)));
+    all.loop.push_back(motor.value * between(a.loop.value / a.motor.value, b.loop.value / b.motor.value, share));
+    // Between the lines a resonance is as the model has it, and what is left of the response runs straight.
+    all.drawn.push_back(model.at(hz) * between(a.loop.value / model.at(a.hz), b.loop.value / model.at(b.hz), share));
+    all.motor_share.push_back(motor_share);
     all.joint_share.push_back(
         mix(a.joint.radius95 / std::abs(a.joint.value), b.joint.radius95 / std::abs(b.joint.value)));
-    all.loop_radius.push_back(mix(a.loop.radius95, b.loop.radius95));
+    all.loop_radius.push_back(motor_share * std::abs(all.loop.back()));
+    all.drawn_radius.push_back(mix(a.loop.radius95, b.loop.radius95));
   };
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     for (int k = 0; k < kBetween; ++k) {

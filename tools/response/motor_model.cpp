@@ -11,6 +11,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kCycleS = 1e-3;
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33, those
 // of the joint on robot fingers 910 to 915, that of its drag on RAVEN's elbows 1150 to 1154.
@@ -24,6 +25,8 @@ constexpr std::array<double, 3> kJointDrags = {0.0, 0.05, 0.15};
 constexpr double kDragStep = 0.1;
 constexpr double kJointIsWorth = 0.7;  // of what is left without it
 constexpr int kRefinements = 7;
+constexpr double kModelShare = 0.02;  // of a line, that no model explains
+constexpr double kMeasureHz = 10.0;   // where a step of viscous friction and stiffness is one of the inertia's torque
 
 /// A joint on its tendons.
 struct Joint {
@@ -45,10 +48,17 @@ auto joint_part(double w, const Joint& joint) -> Complex {
   return bound * moved / (bound + moved);
 }
 
-/// 1 / G = (k - J w2 + j w b + m ...) exp(j w T) (1 + j w l): linear but for the shape, which is looked for.
+/// The board holds its torque for a cycle, and a step of that length has so much of a sine; its half a cycle of delay
+/// is in the delay.
+auto held(double hz, double hold_s) -> double {
+  const double half = kPi * hz * hold_s;
+  return half > 0.0 ? std::sin(half) / half : 1.0;
+}
+
+/// 1 / G = (k - J w2 + j w b + m ...) exp(j w T) (1 + j w l) / held: linear but for the shape, which is looked for.
 class LeastSquares {
  public:
-  explicit LeastSquares(const Response& response) : points_(clear_points(response)) {}
+  LeastSquares(const Response& response, double hold_s) : points_(clear_points(response)), hold_s_(hold_s) {}
   [[nodiscard]] auto points() const -> const std::vector<ResponsePoint>& { return points_; }
 
   [[nodiscard]] auto solve(const Shape& shape) const -> MotorModel {
@@ -59,8 +69,9 @@ class LeastSquares {
     for (Eigen::Index i = 0; i < rows; ++i) {
       const ResponsePoint& point = points_[static_cast<std::size_t>(i)];
       const double w = 2.0 * kPi * point.hz;
-      const Complex turned = point.motor.value * std::polar(1.0, w * shape.delay_s) * Complex(1.0, w * shape.lag_s);
-      const double weight = 1.0 / (0.02 + point.motor.radius95 / std::abs(point.motor.value));
+      const Complex turned = point.motor.value * std::polar(1.0, w * shape.delay_s) * Complex(1.0, w * shape.lag_s) /
+                             held(point.hz, hold_s_);
+      const double weight = 1.0 / (kModelShare + point.motor.radius95 / std::abs(point.motor.value));
       const std::array<Complex, 4> parts = {-w * w * turned, Complex(0.0, w) * turned, turned,
                                             unknowns == 4 ? turned * joint_part(w, shape.joint) : Complex{}};
       for (Eigen::Index c = 0; c < unknowns; ++c) {
@@ -78,13 +89,15 @@ class LeastSquares {
                      .joint_inertia_kgm2 = unknowns == 4 ? x[3] : 0.0,
                      .joint_hz = shape.joint.hz,
                      .joint_damping = shape.joint.damping,
-                     .joint_drag = shape.joint.drag};
+                     .joint_drag = shape.joint.drag,
+                     .hold_s = hold_s_};
     model.share_left = (columns * x - one).norm() / one.norm();
     return model;
   }
 
  private:
   std::vector<ResponsePoint> points_;
+  double hold_s_;
 };
 
 /// The best of those that were tried.
@@ -162,22 +175,98 @@ auto motor_alone(const LeastSquares& squares, bool with_lag) -> MotorModel {
   return model;
 }
 
+/// What noise has in a line pulls least squares over 1 / G towards less inertia and lag. So they end on G itself, each
+/// line over its circle, from where those over 1 / G ended: Levenberg and Marquardt's steps in all numbers of the
+/// model.
+class Refined {
+ public:
+  Refined(const Response& response, MotorModel from)
+      : points_(points_above_noise(response, from)),
+        from_(std::move(from)),
+        with_joint_(from_.joint_inertia_kgm2 > 0.0) {}
+
+  [[nodiscard]] auto model() const -> MotorModel {
+    Eigen::VectorXd moved = Eigen::VectorXd::Zero(with_joint_ ? kAll : kMotor);
+    Eigen::VectorXd off = residuals(moved);
+    double caution = kFirstCaution;
+    for (int round = 0; round < kRounds; ++round) {
+      Eigen::MatrixXd slopes(off.size(), moved.size());
+      for (Eigen::Index i = 0; i < moved.size(); ++i) {
+        Eigen::VectorXd beside = moved;
+        beside[i] += kSlopeStep;
+        slopes.col(i) = (residuals(beside) - off) / kSlopeStep;
+      }
+      Eigen::MatrixXd normal = slopes.transpose() * slopes;
+      normal.diagonal() += caution * normal.diagonal() + Eigen::VectorXd::Constant(moved.size(), 1e-12);
+      const Eigen::VectorXd next = moved - normal.ldlt().solve(slopes.transpose() * off);
+      const Eigen::VectorXd left = residuals(next);
+      const bool better = left.allFinite() && left.squaredNorm() < off.squaredNorm();
+      caution *= better ? 1.0 / kCautionStep : kCautionStep;
+      if (better) {
+        moved = next;
+        off = left;
+      }
+    }
+    return at(moved);
+  }
+
+ private:
+  static constexpr Eigen::Index kMotor = 5, kAll = 9;
+  static constexpr int kRounds = 40;
+  static constexpr double kSlopeStep = 1e-5, kFirstCaution = 1e-3, kCautionStep = 5.0;
+
+  /// Moved from where it began, each number by its own measure.
+  [[nodiscard]] auto at(const Eigen::VectorXd& moved) const -> MotorModel {
+    constexpr double kTimeS = 1e-3;
+    const double rate = 2.0 * kPi * kMeasureHz;
+    MotorModel model = from_;
+    model.inertia_kgm2 = from_.inertia_kgm2 * std::exp(moved[0]);
+    model.viscous_nms = from_.viscous_nms + from_.inertia_kgm2 * rate * moved[1];
+    model.stiffness_nm = from_.stiffness_nm + from_.inertia_kgm2 * rate * rate * moved[2];
+    model.delay_s = std::fabs(from_.delay_s + kTimeS * moved[3]);
+    model.lag_s = std::fabs(from_.lag_s + kTimeS * moved[4]);
+    if (with_joint_) {
+      model.joint_inertia_kgm2 = from_.joint_inertia_kgm2 * std::exp(moved[5]);
+      model.joint_hz = from_.joint_hz * std::exp(moved[6]);
+      model.joint_damping = from_.joint_damping * std::exp(moved[7]);
+      model.joint_drag = std::fabs(from_.joint_drag + moved[8]);
+    }
+    return model;
+  }
+  [[nodiscard]] auto residuals(const Eigen::VectorXd& moved) const -> Eigen::VectorXd {
+    const MotorModel model = at(moved);
+    Eigen::VectorXd off(2 * static_cast<Eigen::Index>(points_.size()));
+    Eigen::Index i = 0;
+    for (const ResponsePoint& point : points_) {
+      const Complex apart = (point.motor.value - model.at(point.hz)) /
+                            (kModelShare * std::abs(from_.at(point.hz)) + point.motor.radius95);
+      off[i++] = apart.real();
+      off[i++] = apart.imag();
+    }
+    return off;
+  }
+
+  std::vector<ResponsePoint> points_;
+  MotorModel from_;
+  bool with_joint_;
+};
+
 }  // namespace
 
 auto MotorModel::at(double hz) const -> Complex {
   const double w = 2.0 * kPi * hz;
   const Complex joint =
       joint_inertia_kgm2 > 0.0 ? joint_inertia_kgm2 * joint_part(w, {joint_hz, joint_damping, joint_drag}) : Complex{};
-  return std::polar(1.0, -w * delay_s) / Complex(1.0, w * lag_s) /
+  return std::polar(held(hz, hold_s), -w * delay_s) / Complex(1.0, w * lag_s) /
          (Complex(stiffness_nm - inertia_kgm2 * w * w, viscous_nms * w) + joint);
 }
 
 auto fit_motor(const Response& response, bool with_lag) -> MotorModel {
-  return motor_alone(LeastSquares(response), with_lag);
+  return motor_alone(LeastSquares(response, with_lag ? kCycleS : 0.0), with_lag);
 }
 
 auto fit_motor_and_joint(const Response& response) -> MotorModel {
-  const LeastSquares squares(response);
+  const LeastSquares squares(response, kCycleS);
   const MotorModel alone = motor_alone(squares, true);
   Best best(squares);
   for (double delay = 0.0; delay < kLongestDelayS; delay += kDelayStepS) {
@@ -192,10 +281,10 @@ auto fit_motor_and_joint(const Response& response) -> MotorModel {
   best.refine();
   MotorModel model = best.model();
   if (model.share_left > kJointIsWorth * alone.share_left) {
-    return alone;
+    return Refined(response, alone).model();
   }
   model.resonance_hz = alone.resonance_hz;
-  return model;
+  return Refined(response, model).model();
 }
 
 }  // namespace capstan::tools

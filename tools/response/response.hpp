@@ -76,6 +76,10 @@ inline constexpr int kMultisinePeriodMs = 2048;
 /// few.
 auto estimate_response(const ResponseLog& log) -> Response;
 
+/// Of one joint under the same gains, shaken twice: the lines of `high` from its first on, below it those of `low`. A
+/// shake of high frequencies alone may be louder, for it moves the motor less.
+auto spliced(Response low, const Response& high) -> Response;
+
 /// Throws Refusal where the coherence is below 0.8 in the band that matters, where the loop's gain is 1/3 to 3 (without
 /// a loop: everywhere), or distortion rules; the sentence says what to change.
 void require_usable(const Response& response);

@@ -66,6 +66,20 @@ auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
   return (now - later).norm() < 0.01 * now.norm();
 }
 
+auto spliced(Response low, const Response& high) -> Response {
+  if (!high.points.empty()) {
+    std::erase_if(low.points, [&](const ResponsePoint& point) { return point.hz >= high.points.front().hz; });
+    low.points.insert(low.points.end(), high.points.begin(), high.points.end());
+  }
+  low.distortion = {.known = low.distortion.known && high.distortion.known,
+                    .even = std::max(low.distortion.even, high.distortion.even),
+                    .odd = std::max(low.distortion.odd, high.distortion.odd),
+                    .noise = std::max(low.distortion.noise, high.distortion.noise)};
+  low.windows = std::min(low.windows, high.windows);
+  low.motor_shake_rad_s = std::max(low.motor_shake_rad_s, high.motor_shake_rad_s);
+  return low;
+}
+
 void require_usable(const Response& response) {
   const ResponsePoint* worst = nullptr;
   for (const ResponsePoint& point : response.points) {

@@ -236,7 +236,7 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
   Apart between_lines;
   const std::vector<LoopPoint> loop = loop_of(all, present);
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    between_lines.add(loop[i].hz, loop[i].value, all.loop[i], all.loop_radius[i]);
+    between_lines.add(loop[i].hz, loop[i].value, all.drawn[i], all.drawn_radius[i]);
   }
   if (between_lines.rms() > kMostMismatch) {
     throw Refusal(

@@ -108,7 +108,7 @@ class StoppedShell final : public BoardShell {
  private:
   auto do_ask(const std::string& line) -> std::vector<std::string> override {
     armed_afterwards_ += stop_ != 0 && line == "arm" ? 1 : 0;
-    if (line.find("duration=110") != std::string::npos) {
+    if (line.find("travel=") != std::string::npos) {
       stop_ = 1;
       throw Refusal("stopped while the board was answering");
     }
