@@ -144,8 +144,6 @@ struct ObserverConfig {
   /// not watched.
   Q24 stiffness_nm_per_rad{};
   Q24 excess_nm{};  ///< largest torque of a healthy motor beyond what that answered for
-  /// The same beyond what MotorObserver::kSofterShare3 of that answered for; 0: not watched.
-  Q24 softer_excess_nm{};
   /// Angle for each A of a look by which it moves the motor at rest without a load; 0: not judged.
   Q24 answer_rad_per_a{};
   /// LookAnswer::mark of the gains with which it was found: the servo answers a look too. With others it is not

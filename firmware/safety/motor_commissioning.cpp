@@ -46,10 +46,8 @@ constexpr std::int32_t kLeastCounts = 2;
 // the simulated instruments (RAVEN, 4,000 counts a turn) leaves about 0.1.
 constexpr float kMostError = 0.15F;
 // Of the servo's stiffness: steps of 1.5, far finer than the two that half of the counts make. The joints of the
-// campaign and 36 drawn ones (seeds 200000 to 200011, 201000 to 201023) took 0.7 to 8.5. Each is kSofterShare3 of the
-// next one, and the first is softer than any that is taken.
-constexpr std::array<float, 9> kStiffnessLadder = {0.333F,   0.5F,      0.75F,      1.125F,     1.6875F,
-                                                   2.53125F, 3.796875F, 5.6953125F, 8.54296875F};
+// campaign and 36 drawn ones (seeds 200000 to 200011, 201000 to 201023) took 0.7 to 8.5.
+constexpr std::array<float, 8> kStiffnessLadder = {0.5F, 0.75F, 1.1F, 1.7F, 2.5F, 3.8F, 5.7F, 8.5F};
 constexpr float kHelpedShare = static_cast<float>(MotorObserver::kHelpedShare8) / 8.0F;
 // A sensor without noise still has steps.
 constexpr float kLeastNoiseA = 1e-4F;
@@ -286,7 +284,7 @@ auto MotorCommissioning::result() const -> Result {
   found.values.against_nm = torque(against_most_);
   found.values.slack_counts = q24(std::min(slack_most_, 100.0F));
   const auto tells = [](const Stiffness& one) { return one.half.most / std::max(one.whole.most, 1e-6F); };
-  const auto best = std::max_element(stiffness_.begin() + 1, stiffness_.end(),
+  const auto best = std::max_element(stiffness_.begin(), stiffness_.end(),
                                      [&](const Stiffness& a, const Stiffness& b) { return tells(a) < tells(b); });
   const float constant = static_cast<float>(motor_.torque_per_current_nm_per_a.raw()) / kOneRaw;
   if (servo_per_count_ > 0.0F) {
@@ -294,7 +292,6 @@ auto MotorCommissioning::result() const -> Result {
     found.values.stiffness_nm_per_rad =
         q24(std::min(per_count(static_cast<std::size_t>(best - stiffness_.begin())) * per_rad, 100.0F));
     found.values.excess_nm = q24(best->whole.most * constant);
-    found.values.softer_excess_nm = q24((best - 1)->whole.most * constant);
   }
   const float squares = static_cast<float>(squares_) / static_cast<float>(std::max<std::int32_t>(samples_, 1));
   found.values.noise_a = q24(std::max(square_root(squares) * 256.0F / kOneRaw, kLeastNoiseA));

@@ -19,8 +19,7 @@ namespace capstan {
 ///   and at full speed: half of the torque between two counts, the torque against a motion, the slowing down.
 /// - **Stiffness, excess.** A motor that turns round first stretches its tendons the other way, over many counts: each
 ///   count answers for some torque. Of a ladder of stiffnesses the one is taken that tells the joint's own counts best
-///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own,
-///   `softer_excess` that of the next softer one, which is MotorObserver::kSofterShare3 of it.
+///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own.
 /// - **Noise.** Rms of the measured current about the wanted one while the motor stands, per sample that was counted.
 class MotorCommissioning {
  public:
@@ -67,7 +66,7 @@ class MotorCommissioning {
     Answered whole;
     Answered half;  // by half of the counts
   };
-  static constexpr std::size_t kStiffnesses = 9;
+  static constexpr std::size_t kStiffnesses = 8;
   [[nodiscard]] auto per_count(std::size_t place) const -> float;
   void judge_stiffness(std::int32_t moved, std::int32_t wanted);
   void judge_friction(std::int32_t moved, std::int32_t wanted);

@@ -47,8 +47,7 @@ auto within_reach(std::int64_t counts) -> std::int32_t {
 
 void MotorObserver::rt_arm() {
   answer_.rt_rest();
-  confirmed_up_ = confirmed_down_ = answered_ = slewed_ = given_ = 0;
-  ways_ = {};
+  confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = given_ = 0;
   unanswered_ = look_ = 0;
   springing_ = moved_ == 0 ? 0 : kSpringingCycles;
   silent_ = kMostSilentCycles;
@@ -157,35 +156,27 @@ auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> F
 }
 
 /// The torque that the way answers for follows the wanted one, by so much a count: all of it in the counts' direction,
-/// a share where a load helps the motor on.
-auto MotorObserver::rt_goes_beyond(std::size_t number, std::int32_t moved) -> bool {
-  const Scales::Way& scale = scales_.ways[number];
-  Way& way = ways_[number];
-  std::int32_t left = slewed_ - way.answered;
-  if (moved != 0) {
-    const std::int32_t a_count = (moved ^ left) >= 0 ? scale.count : scale.helped;
-    const std::int32_t most = a_count * std::min(std::abs(moved), scales_.most);
-    const std::int32_t answered = std::clamp(left, -most, most);
-    way.answered += answered;
-    left -= answered;
-  }
-  if (looking_ > 0) {
-    return false;
-  }
-  left = std::abs(left);
-  const std::int32_t size = std::abs(way.answered);
-  way.turned = left <= scale.excess >> 1 ? size : std::max(way.turned, size);
-  return left > scale.excess && left > way.turned / 8 * kLoadShare8 + scales_.turn;
-}
-
-/// A step of torque, as the winding's heat makes one, counts as it would come at its rate: no motor answers it in its
-/// own cycle.
+/// a share where a load helps the motor on. A step of torque, as the winding's heat makes one, counts as it would come
+/// at its rate: no motor answers it in its own cycle.
 auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet {
   slewed_ += std::clamp(wanted - slewed_, -scales_.slew, scales_.slew);
-  const bool beyond = rt_goes_beyond(0, moved);
-  const bool softer_beyond = rt_goes_beyond(1, moved);
-  looking_ = std::max<std::int32_t>(looking_ - 1, 0);
-  return beyond || softer_beyond ? bit(Fault::kEncoderMotion) : 0;
+  if (moved != 0) {
+    const std::int32_t beyond = slewed_ - stretched_;
+    const std::int32_t a_count = (moved ^ beyond) >= 0 ? scales_.stretch : scales_.helped;
+    const std::int32_t answers = a_count * std::min(std::abs(moved), scales_.most);
+    stretched_ += std::clamp(beyond, -answers, answers);
+  }
+  if (looking_ > 0) {
+    --looking_;
+    return 0;
+  }
+  const std::int32_t left = std::abs(slewed_ - stretched_);
+  const std::int32_t size = std::abs(stretched_);
+  turned_ = left <= scales_.excess >> 1 ? size : std::max(turned_, size);
+  if (left <= scales_.excess || scales_.excess == 0) {
+    return 0;
+  }
+  return left > turned_ / 8 * kLoadShare8 + scales_.turn ? bit(Fault::kEncoderMotion) : 0;
 }
 
 /// A motor that turned slowly may have stopped, or its encoder.

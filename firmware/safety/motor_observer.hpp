@@ -31,8 +31,7 @@ namespace capstan {
 ///   answers for `stiffness` of torque; what goes beyond by more than a healthy motor's `excess` has a count that is
 ///   too small, or one that goes on by itself: half, drift, lag. A motor that goes on while its torque falls is helped
 ///   by its load, and each count of that answers for kHelpedShare8 of it. Friction along a tendon is a share of its
-///   tension, so what a motor pressed with where it turned round counts until it has turned. It is asked of
-///   kSofterShare3 of that stiffness too: a stiff way tells soon after a motor has turned round, a soft one longer.
+///   tension, so what a motor pressed with where it turned round counts until it has turned.
 /// - **A look without its answer.** A look moves a motor at rest by counts of its own: LookAnswer.
 /// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
 /// what
@@ -75,8 +74,6 @@ class MotorObserver {
   /// seed 220024, whose contact helped, 0 leaves 1.05 of the threshold, 1/4, 1/2 and 1 leave 0.71, 0.69 and 0.68; with
   /// 1/8 and 1/4 the same faults of the campaign are found.
   static constexpr std::int32_t kHelpedShare8 = 2;
-  /// Of observer.stiffness, thirds: the softer way.
-  static constexpr std::int32_t kSofterShare3 = 2;
 
  private:
   static constexpr std::int32_t kLookCycles = 12;
@@ -93,15 +90,12 @@ class MotorObserver {
     std::int32_t impulse = 0;   // A cycles
     std::int32_t mismatch = 0;  // A
     std::int32_t charge = 0;    // A cycles
-    struct Way {
-      std::int32_t count = 0;   // A, that a count answers for
-      std::int32_t helped = 0;  // A, that one answers for against its own direction
-      std::int32_t excess = 0;  // A, beyond what was answered for
-    };
-    std::array<Way, 2> ways{};  // of observer.stiffness, and the softer one
+    std::int32_t stretch = 0;   // A, that a count answers for
     std::int32_t most = 0;      // counts, that answer for any torque
     std::int32_t slew = 0;      // A, that torque changes by in a cycle, but for steps
+    std::int32_t helped = 0;    // A, that one answers for against its own direction
     std::int32_t turn = 0;      // A, twice the motor's own friction
+    std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;    // counts/256, two cycles against the two before
     std::int32_t answer = 0;    // counts/256, for each A of a look at least; 0: not judged
     std::int32_t winding = 0;   // counts/256, three cycles against the three before
@@ -118,7 +112,6 @@ class MotorObserver {
   [[gnu::always_inline]] inline auto rt_slows_while_winding(std::int32_t moved, std::int32_t wanted) -> bool;
   [[gnu::always_inline]] inline auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
-  [[gnu::always_inline]] inline auto rt_goes_beyond(std::size_t number, std::int32_t moved) -> bool;
   [[gnu::always_inline]] inline auto rt_runs_away(std::int32_t moved, std::int32_t against) -> bool;
   [[gnu::always_inline]] inline void rt_trail(std::int32_t wanted);
   [[gnu::always_inline]] inline void rt_listen(std::int32_t moved);
@@ -153,16 +146,13 @@ class MotorObserver {
   std::array<std::int32_t, 3> before_{};  // `moved` of the last three cycles, the last one first
   std::uint32_t now_ = 0;
   std::int32_t lately_ = 0;
-  struct Way {
-    std::int32_t answered = 0;  // torque that it has answered for, A
-    std::int32_t turned = 0;    // its size where the motor began to turn round, A
-  };
-  std::array<Way, 2> ways_{};
-  std::int32_t given_ = 0;     // counts/256, two cycles against two, that a load gave it of late
-  std::int32_t slewed_ = 0;    // the wanted torque at its rate, A
-  std::int32_t looking_ = 0;   // cycles in which a look's torque is still in the tendons
-  std::int32_t silent_ = 0;    // cycles since the last count
-  std::int32_t interval_ = 0;  // between the two last ones
+  std::int32_t stretched_ = 0;  // torque that the way has answered for, A
+  std::int32_t given_ = 0;      // counts/256, two cycles against two, that a load gave it of late
+  std::int32_t slewed_ = 0;     // the wanted torque at its rate, A
+  std::int32_t turned_ = 0;     // its size where the motor began to turn round, A
+  std::int32_t looking_ = 0;    // cycles in which a look's torque is still in the tendons
+  std::int32_t silent_ = 0;     // cycles since the last count
+  std::int32_t interval_ = 0;   // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;

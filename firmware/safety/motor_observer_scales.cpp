@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motor observer's thresholds, from the commissioned values.
 #include <algorithm>
-#include <limits>
 
 #include "capstan/firmware/safety/motor_observer.hpp"
 
@@ -22,14 +21,10 @@ constexpr std::int32_t kSlack8 = 14;
 // 200000 to 200011, 201000 to 201023 and 202000 to 202025: no healthy motion came further than 1.91 counts.
 constexpr std::int32_t kSudden = 11 * 256 / 4;
 constexpr std::int32_t kSuddenSlack8 = 9;
-// Of observer.excess, sixteenths. Chosen in November 2026 on some 87 drawn joints, five minutes each (of seeds 210000
-// to 210041 and 220000 to 220047): at most 1.06 times what commissioning saw, without the looks, is 0.85 of this. Half
-// of the counts make 1.3 to 2.1 times of it, so this finds it on most joints and not on all.
-constexpr std::int64_t kExcess16 = 20;
-// The same of observer.softer_excess. Chosen in November 2026 on the campaign's joints (plant seed 3) and 140 drawn
-// ones, five minutes each (seeds 500000 to 500039 and 505000 to 505099): the nearest came to 0.89 of this, and 6 beyond
-// 0.8. With 20 two more of the campaign's cases are found and one joint comes to 0.94; with 22 four fewer.
-constexpr std::int64_t kSofterExcess16 = 21;
+// Of observer.excess, eighths. Chosen in November 2026 on some 87 drawn joints, five minutes each (of seeds 210000 to
+// 210041 and 220000 to 220047): at most 1.06 times what commissioning saw, without the looks, is 0.85 of this. Half of
+// the counts make 1.3 to 2.1 times of it, so this finds it on most joints and not on all.
+constexpr std::int64_t kExcess8 = 10;
 constexpr std::int32_t kExcessNoises = 4;
 // And counts of the servo's stiffness, which a coarse encoder's torque goes up and down by.
 constexpr std::int32_t kExcessCounts = 6;
@@ -69,7 +64,6 @@ constexpr std::int32_t kChargeNoises = 10;
 // Longest time in which a torque that rises as fast as it may goes unjudged.
 constexpr std::int64_t kBlindCycles = 10;
 constexpr std::int64_t kMost = std::int64_t{1} << 30;
-constexpr std::int32_t kUnwatched = std::numeric_limits<std::int32_t>::max();
 auto limited(std::int64_t value) -> std::int32_t {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(value, 0, kMost));
 }
@@ -111,19 +105,12 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
                              std::int64_t{rise} * kLeastImpulse));
   mismatch = limited(kMismatchNoises * noise);
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
-  const std::int32_t stretch =
-      limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
-  const auto way = [&](std::int32_t a_count, Q24 excess_nm, std::int64_t share16) {
-    const std::int64_t largest = scaled(excess_nm, share16 << 20, constant);
-    const std::int64_t allowed = largest + kExcessNoises * noise + kExcessCounts * count;
-    return Way{.count = a_count / 2,
-               .helped = a_count / 8 * kHelpedShare8 / 2,
-               .excess = a_count == 0 || largest == 0 ? kUnwatched : limited(allowed) / 2};
-  };
-  ways = {way(stretch, own.excess_nm, kExcess16),
-          way(stretch / 3 * kSofterShare3, own.softer_excess_nm, kSofterExcess16)};
+  stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
+  helped = stretch / 8 * kHelpedShare8;
   turn = limited(2 * friction);
   slew = slew_limit(config).raw();
+  const std::int64_t largest = scaled(own.excess_nm, kExcess8 << 21, constant);
+  excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
   sudden = std::max(kSudden, limited(std::int64_t{own.slack_counts.raw()} * kSuddenSlack8 >> (24 - 8 + 3)));
   winding = std::max(kQuantisation, sudden);
   answer = own.answer_gains != LookAnswer::mark(config.control)
@@ -138,11 +125,12 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   runaway_most = gained(kRunawayMostShare);
   runaway = gained(kRunawayShare);
   runaway_lately = gained(kSuddenShare);
-  for (std::int32_t* current : {&frozen, &against, &rise, &impulse, &mismatch, &charge, &turn, &slew}) {
+  for (std::int32_t* current :
+       {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &turn, &slew, &excess}) {
     *current >>= 1;
   }
   slew = std::max<std::int32_t>(slew, 1);
-  most = limited(kMost / std::max<std::int32_t>(stretch / 2, 1));
+  most = limited(kMost / std::max<std::int32_t>(stretch, 1));
 }
 
 auto MotorObserver::slew_limit(const AxisConfig& config) -> Q24 {

@@ -19,7 +19,6 @@ auto forceps() -> AxisConfig {
                      .noise_a = from<Q24>(0.004),
                      .stiffness_nm_per_rad = from<Q24>(2.5),
                      .excess_nm = from<Q24>(0.02),
-                     .softer_excess_nm = from<Q24>(0.03),
                      .answer_rad_per_a = from<Q24>(0.005)};
   config.observer.answer_gains = LookAnswer::mark(config.control);
   return config;

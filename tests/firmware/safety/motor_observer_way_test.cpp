@@ -134,19 +134,6 @@ TEST(MotorObserver, AStepOfTorqueMayBeAnsweredAtTheRateOfTorque) {
   }
 }
 
-// The torque goes by 1.8 A. 3.5 counts a cycle at 2 mA leave 0.54 A of it and 0.07 A of their beginning; at 1.33 mA
-// they leave 0.96 A and 0.05 A. Allowed are 1.25 (1.31) times 0.5 A, and 0.02 A for noise and the servo's counts.
-TEST(MotorObserver, ASofterWayTellsWhatAStiffOneLetsGo) {
-  AxisConfig config = stretching_config();
-  config.observer.excess_nm = Q24::from_double(0.05);
-  EXPECT_EQ(turned_round(-3.5, config), 0U) << "0.61 A of 0.65";
-  config.observer.softer_excess_nm = Q24::from_double(0.05);
-  EXPECT_EQ(turned_round(-3.5, config), bit(Fault::kEncoderMotion)) << "1.01 A of 0.68";
-  EXPECT_EQ(turned_round(-7.5, config), 0U) << "enough for either";
-  config.observer.stiffness_nm_per_rad = Q24{};
-  EXPECT_EQ(turned_round(-3.5, config), 0U) << "no stiffness, no way";
-}
-
 TEST(MotorObserver, WithoutItsStiffnessTheWayIsNotJudged) {
   EXPECT_EQ(turned_round(-2.5, commissioned_config()), 0U);
 }
