@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "capstan/tools/identify/bounded_search.hpp"
 #include "capstan/tools/response/loop.hpp"
 
 namespace capstan::tools {
@@ -176,65 +177,61 @@ auto motor_alone(const LeastSquares& squares, bool with_lag) -> MotorModel {
 }
 
 /// What noise has in a line pulls least squares over 1 / G towards less inertia and lag. So they end on G itself, each
-/// line over its circle, from where those over 1 / G ended: Levenberg and Marquardt's steps in all numbers of the
-/// model.
-class Refined {
+/// line over its circle, from where those over 1 / G ended, in all numbers of the model: each is moved from there by a
+/// measure of its own.
+class OverCircles final : public SteppedResidual {
  public:
-  Refined(const Response& response, MotorModel from)
+  OverCircles(const Response& response, MotorModel from)
       : points_(points_above_noise(response, from)),
         from_(std::move(from)),
         with_joint_(from_.joint_inertia_kgm2 > 0.0) {}
 
-  [[nodiscard]] auto model() const -> MotorModel {
-    Eigen::VectorXd moved = Eigen::VectorXd::Zero(with_joint_ ? kAll : kMotor);
-    Eigen::VectorXd off = residuals(moved);
-    double caution = kFirstCaution;
-    for (int round = 0; round < kRounds; ++round) {
-      Eigen::MatrixXd slopes(off.size(), moved.size());
-      for (Eigen::Index i = 0; i < moved.size(); ++i) {
-        Eigen::VectorXd beside = moved;
-        beside[i] += kSlopeStep;
-        slopes.col(i) = (residuals(beside) - off) / kSlopeStep;
-      }
-      Eigen::MatrixXd normal = slopes.transpose() * slopes;
-      normal.diagonal() += caution * normal.diagonal() + Eigen::VectorXd::Constant(moved.size(), 1e-12);
-      const Eigen::VectorXd next = moved - normal.ldlt().solve(slopes.transpose() * off);
-      const Eigen::VectorXd left = residuals(next);
-      const bool better = left.allFinite() && left.squaredNorm() < off.squaredNorm();
-      caution *= better ? 1.0 / kCautionStep : kCautionStep;
-      if (better) {
-        moved = next;
-        off = left;
-      }
+  [[nodiscard]] auto refined() -> MotorModel {
+    constexpr double kFarthest = 10.0;
+    const Eigen::Index count = with_joint_ ? kAll : kMotor;
+    SearchBounds bounds{Eigen::VectorXd::Constant(count, -kFarthest), Eigen::VectorXd::Constant(count, kFarthest)};
+    bounds.lower[kDelay] = -from_.delay_s / kTimeS;
+    bounds.lower[kLag] = -from_.lag_s / kTimeS;
+    if (with_joint_) {
+      bounds.lower[kJointDrag] = -from_.joint_drag;
     }
-    return at(moved);
+    return at_moved(least_squares_within(bounds, Eigen::VectorXd::Zero(count), *this).parameters);
   }
 
  private:
-  static constexpr Eigen::Index kMotor = 5, kAll = 9;
-  static constexpr int kRounds = 40;
-  static constexpr double kSlopeStep = 1e-5, kFirstCaution = 1e-3, kCautionStep = 5.0;
+  enum Number : Eigen::Index {
+    kInertia,
+    kViscous,
+    kStiffness,
+    kDelay,
+    kLag,
+    kMotor,  // so many without a joint
+    kJointInertia = kMotor,
+    kJointHz,
+    kJointDamping,
+    kJointDrag,
+    kAll
+  };
+  static constexpr double kTimeS = 1e-3;
 
-  /// Moved from where it began, each number by its own measure.
-  [[nodiscard]] auto at(const Eigen::VectorXd& moved) const -> MotorModel {
-    constexpr double kTimeS = 1e-3;
+  [[nodiscard]] auto at_moved(const Eigen::VectorXd& moved) const -> MotorModel {
     const double rate = 2.0 * kPi * kMeasureHz;
     MotorModel model = from_;
-    model.inertia_kgm2 = from_.inertia_kgm2 * std::exp(moved[0]);
-    model.viscous_nms = from_.viscous_nms + from_.inertia_kgm2 * rate * moved[1];
-    model.stiffness_nm = from_.stiffness_nm + from_.inertia_kgm2 * rate * rate * moved[2];
-    model.delay_s = std::fabs(from_.delay_s + kTimeS * moved[3]);
-    model.lag_s = std::fabs(from_.lag_s + kTimeS * moved[4]);
+    model.inertia_kgm2 *= std::exp(moved[kInertia]);
+    model.viscous_nms += from_.inertia_kgm2 * rate * moved[kViscous];
+    model.stiffness_nm += from_.inertia_kgm2 * rate * rate * moved[kStiffness];
+    model.delay_s += kTimeS * moved[kDelay];
+    model.lag_s += kTimeS * moved[kLag];
     if (with_joint_) {
-      model.joint_inertia_kgm2 = from_.joint_inertia_kgm2 * std::exp(moved[5]);
-      model.joint_hz = from_.joint_hz * std::exp(moved[6]);
-      model.joint_damping = from_.joint_damping * std::exp(moved[7]);
-      model.joint_drag = std::fabs(from_.joint_drag + moved[8]);
+      model.joint_inertia_kgm2 *= std::exp(moved[kJointInertia]);
+      model.joint_hz *= std::exp(moved[kJointHz]);
+      model.joint_damping *= std::exp(moved[kJointDamping]);
+      model.joint_drag += moved[kJointDrag];
     }
     return model;
   }
-  [[nodiscard]] auto residuals(const Eigen::VectorXd& moved) const -> Eigen::VectorXd {
-    const MotorModel model = at(moved);
+  auto left_of(const Eigen::VectorXd& moved) -> Eigen::VectorXd override {
+    const MotorModel model = at_moved(moved);
     Eigen::VectorXd off(2 * static_cast<Eigen::Index>(points_.size()));
     Eigen::Index i = 0;
     for (const ResponsePoint& point : points_) {
@@ -281,10 +278,10 @@ auto fit_motor_and_joint(const Response& response) -> MotorModel {
   best.refine();
   MotorModel model = best.model();
   if (model.share_left > kJointIsWorth * alone.share_left) {
-    return Refined(response, alone).model();
+    return OverCircles(response, alone).refined();
   }
   model.resonance_hz = alone.resonance_hz;
-  return Refined(response, model).model();
+  return OverCircles(response, model).refined();
 }
 
 }  // namespace capstan::tools
