@@ -258,20 +258,12 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
   result.measured = design.seen(target);
   result.by_start = sum_of_terms(design, result.start.joint);
   result.by_law = sum_of_terms(design, result.law.joint);
-  const Eigen::VectorXd by_base = sum_of_terms(design, result.base.joint);
   result.first_unseen = static_cast<Eigen::Index>(kLearned * static_cast<double>(result.measured.size()));
   const Eigen::Index unseen = result.measured.size() - result.first_unseen;
-  result.before = rms((result.measured - by_base).tail(unseen));
+  result.before = rms((result.measured - sum_of_terms(design, result.base.joint)).tail(unseen));
   result.after = rms((result.measured - result.by_law).tail(unseen));
   result.target_rms = rms(result.measured.tail(unseen));
-  const bool led_astray = result.after > result.before;
   choose_on(1.0);
-  if (led_astray) {
-    result.law = result.base;
-    result.effects.clear();
-    result.by_law = by_base;
-    result.after = result.before;
-  }
   set_status(result.effects.empty() ? LawStatus::kBase : LawStatus::kProvisional, result.law);
   set_status(LawStatus::kBase, result.base);
   set_status(LawStatus::kBase, result.start);

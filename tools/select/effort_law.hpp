@@ -33,8 +33,7 @@ auto can_select_effort_law(const std::vector<AxisLog>& logs) -> bool;
 
 /// Chooses the law of the logs' effort (or joint torque, where the motor's is an input) that predicts unseen rows best,
 /// from rigid dynamics (from a gain) on, of which what does not lower the error stays out. It is always found: where
-/// nothing lowers the error it is the base, and so it is where a law that was chosen without the last fifth of the rows
-/// errs more there than its base.
+/// nothing lowers the error it is the base.
 /// @param bare  from inertia alone on
 /// @pre can_select_effort_law()
 auto select_effort_law(const std::vector<AxisLog>& logs, bool bare = false) -> EffortSelection;

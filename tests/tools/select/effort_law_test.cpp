@@ -131,26 +131,6 @@ TEST(EffortLaw, OfARigidAxisIsPredictedToWithinItsNoise) {
               0.05, 0.005);
 }
 
-TEST(EffortLaw, ThatErrsMoreThanItsBaseOnRowsSetAsideIsNotDelivered) {
-  constexpr Eigen::Index kUnhooked = 4 * kRows / 5;
-  const double kSpring = 0.8;
-  const auto with_spring = [kSpring](Eigen::Index rows) {
-    AxisLog log = rigid_log(0.02);
-    log.effort.head(rows) += kSpring * log.q1_rad.head(rows);
-    return log;
-  };
-  const EffortSelection holds = select_effort_law({with_spring(kRows)});
-  EXPECT_TRUE(holds.law.joint.has("spring"));
-  EXPECT_LT(holds.after, holds.before);
-  const EffortSelection gone = select_effort_law({with_spring(kUnhooked)});
-  EXPECT_FALSE(gone.law.joint.has("spring"));
-  EXPECT_TRUE(gone.effects.empty());
-  EXPECT_EQ(gone.law.joint.terms, gone.base.joint.terms);
-  // What is told of the law is of the law that is delivered.
-  EXPECT_EQ(gone.after, gone.before);
-  EXPECT_EQ(gone.after, rms((gone.measured - gone.by_law).tail(kRows - gone.first_unseen)));
-}
-
 TEST(EffortLaw, WithoutDryFrictionAndOffsetDoesNotHoldThem) {
   AxisLog log = rigid_log(0.02);
   add_effect(log, [](double /*q*/, double v) { return -0.2 - (v > 0.0 ? 0.5 : -0.5); });
