@@ -28,41 +28,58 @@ constexpr int kMostAttempts = 4;
 // What a measurement may be off from the margins that were promised.
 constexpr double kMeasuredDeg = 5.0, kMeasuredDb = 1.0, kMeasuredModulus = 0.9;
 
+/// A multisine on the motor's torque while the joint travels.
+struct Shake {
+  double from_hz, to_hz;
+  int duration_s;
+  double amplitude_nm;
+};
+
+/// How the joint travels meanwhile, rad.
+struct Way {
+  double home, travel, beside;
+};
+
+auto response_to(const Shake& shake, const Way& way, JointConsole& joint) -> Response {
+  joint.arm();
+  const CsvLog log = joint.rows(
+      "experiment",
+      "multisine on=torque from=" + rounded(shake.from_hz) + "Hz to=" + rounded(shake.to_hz) +
+          "Hz duration=" + std::to_string(shake.duration_s) + " offset=" + rounded(way.home, 6) +
+          "rad travel=" + rounded(way.travel, 4) + "rad speed=" + rounded(kWaysPerLeg * way.travel / kLegS, 4) +
+          "rad/s corridor=" + rounded(way.beside, 4) + "rad amplitude=" + rounded(shake.amplitude_nm, 3) + "Nm");
+  joint.disarm();
+  return estimate_response(read_response(log, joint.axis()));
+}
+
 }  // namespace
 
 void CommissionSteps::respond(const std::function<void(const Response&)>& take) {
   keep_to_corridor();
-  joint_.set("observer.inertia", "0");  // it would take the shaking for a sensor that lies
-  double travel = std::min(1.8, kTravelShare * options_.corridor_rad);
-  double beside = kBeside * options_.corridor_rad;
-  const double per_motion = all_.progress.inertia_kgm2 * kWaysPerLeg * travel / kLegS;
-  double share = 1.0;                                     // of what these shake with
-  const double home = std::round(home_rad_ * 1e4) / 1e4;  // the shell's line has room for so many digits
+  joint_.set("observer.inertia", "0");                // it would take the shaking for a sensor that lies
+  Way way{.home = std::round(home_rad_ * 1e4) / 1e4,  // the shell's line has room for so many digits
+          .travel = std::min(1.8, kTravelShare * options_.corridor_rad),
+          .beside = kBeside * options_.corridor_rad};
+  const double per_motion = all_.progress.inertia_kgm2 * kWaysPerLeg * way.travel / kLegS;
+  double share = 1.0;  // of the amplitudes
+  const auto amplitude = [&](double per_motion_s) {
+    return std::min(continuous_nm(), share * per_motion_s * per_motion);
+  };
   double too_little = 0.0;
   double too_much = 0.0;
   std::string problem;
   const auto try_again = [&](const Refusal& refusal, double& tried, double factor) {
     joint_.disarm();
     problem = refusal.what();
-    person_.tell("  shaken with " + rounded(1e3 * share * kShakePerMotion * per_motion, 3) + " mNm: " + problem);
+    person_.tell("  shaken with " + rounded(1e3 * amplitude(kShakePerMotion), 3) + " mNm: " + problem);
     tried = share;
     share = too_little > 0.0 && too_much > 0.0 ? std::sqrt(too_little * too_much) : share * factor;
   };
-  const auto response_of = [&](double from_hz, double to_hz, int seconds, double per_motion_s) {
-    joint_.arm();
-    const CsvLog log = joint_.rows(
-        "experiment", "multisine on=torque from=" + rounded(from_hz) + "Hz to=" + rounded(to_hz) +
-                          "Hz duration=" + std::to_string(seconds) + " offset=" + rounded(home, 6) +
-                          "rad travel=" + rounded(travel, 4) + "rad speed=" + rounded(kWaysPerLeg * travel / kLegS, 4) +
-                          "rad/s corridor=" + rounded(beside, 4) + "rad amplitude=" +
-                          rounded(std::min(continuous_nm(), share * per_motion_s * per_motion), 3) + "Nm");
-    joint_.disarm();
-    return estimate_response(read_response(log, joint_.axis()));
-  };
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     try {
-      const Response slow = response_of(1.0, kSplitHz, kSlowS, kShakePerMotion);
-      const Response response = spliced(slow, response_of(kSplitHz, kLastHz, kFastS, kFastShakePerMotion));
+      const Response slow = response_to({1.0, kSplitHz, kSlowS, amplitude(kShakePerMotion)}, way, joint_);
+      const Response fast = response_to({kSplitHz, kLastHz, kFastS, amplitude(kFastShakePerMotion)}, way, joint_);
+      const Response response = spliced(slow, fast);
       require_usable(response);
       take(response);
       return;
@@ -71,8 +88,8 @@ void CommissionSteps::respond(const std::function<void(const Response&)>& take) 
     } catch (const Refusal& refusal) {
       try_again(refusal, too_much, 1.0 / kLouder);
       // Tendons that give way where friction turns: less travel, and what that leaves beside it.
-      beside += kLessTravel * travel;
-      travel -= kLessTravel * travel;
+      way.beside += kLessTravel * way.travel;
+      way.travel -= kLessTravel * way.travel;
     }
   }
   throw Refusal(problem);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "capstan/model/scalar.hpp"
@@ -14,7 +15,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kCycleS = 1e-3;
 constexpr int kBetween = 8;  // points from line to line
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
@@ -27,6 +27,19 @@ constexpr double kLowGain = 1.0 / 3.0;
 auto between(Complex a, Complex b, double share) -> Complex {
   const double turn = std::arg(b / a);
   return std::polar(std::abs(a) * std::pow(std::abs(b) / std::abs(a), share), std::arg(a) + share * turn);
+}
+
+/// Those whose circles are smaller than `most` allows there. Where the gain is low the circle alone decides, for the
+/// gain margin is looked for there; elsewhere the line has to be coherent, too.
+template <typename Most>
+auto points_within(const Response& response, Most&& most) -> std::vector<ResponsePoint> {
+  std::vector<ResponsePoint> within;
+  std::copy_if(response.points.begin(), response.points.end(), std::back_inserter(within),
+               [&](const ResponsePoint& point) {
+                 const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
+                 return coherent && point.motor.radius95 < most(point);
+               });
+  return within;
 }
 
 }  // namespace
@@ -48,14 +61,8 @@ auto law_of(const LoopGains& gains, double hz) -> Law {
 }
 
 auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
-  std::vector<ResponsePoint> clear;
-  for (const ResponsePoint& point : response.points) {
-    // Where the gain is low the circle alone decides, for the gain margin is looked for there.
-    const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
-    if (coherent && point.motor.radius95 < kMostCircle * std::abs(point.motor.value)) {
-      clear.push_back(point);
-    }
-  }
+  const auto clear =
+      points_within(response, [](const ResponsePoint& point) { return kMostCircle * std::abs(point.motor.value); });
   if (clear.size() < kLeastLines) {
     throw FaintShake(response.name + ": only " + std::to_string(clear.size()) +
                      " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
@@ -64,13 +71,7 @@ auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
 }
 
 auto points_above_noise(const Response& response, const MotorModel& model) -> std::vector<ResponsePoint> {
-  std::vector<ResponsePoint> above;
-  for (const ResponsePoint& point : response.points) {
-    const bool coherent = point.coherence >= kLeastCoherence || std::abs(point.loop.value) < kLowGain;
-    if (coherent && point.motor.radius95 < std::abs(model.at(point.hz))) {
-      above.push_back(point);
-    }
-  }
+  auto above = points_within(response, [&](const ResponsePoint& point) { return std::abs(model.at(point.hz)); });
   return above.size() < kLeastLines ? clear_points(response) : above;
 }
 

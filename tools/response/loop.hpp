@@ -5,6 +5,9 @@
 
 namespace capstan::tools {
 
+/// Period of the control that is tuned: a torque is held for so long.
+inline constexpr double kCycleS = 1e-3;
+
 /// What control makes of an angle at one frequency.
 struct Law {
   Complex servo;  // Nm per rad of the motor
@@ -35,9 +38,9 @@ class Smoothing {
   Eigen::VectorXd octaves_, noise_;
   struct Tried {
     Prior prior;
-    Eigen::LLT<Eigen::MatrixXd> factor;
-    Eigen::VectorXd real, imag;  // of the rest, weighed
-    double weight;
+    Eigen::LLT<Eigen::MatrixXd> factor{};
+    Eigen::VectorXd real{}, imag{};  // of the rest, weighed
+    double weight = 0.0;
   };
   std::vector<Tried> tried_;
 };

@@ -12,7 +12,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kCycleS = 1e-3;
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33, those
 // of the joint on robot fingers 910 to 915, that of its drag on RAVEN's elbows 1150 to 1154.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "capstan/tools/response/loop.hpp"
 
@@ -50,13 +52,6 @@ auto factored(const Eigen::VectorXd& octaves, const Eigen::VectorXd& noise, cons
   return all.llt();
 }
 
-/// Of circular complex values, less a constant.
-auto log_likelihood(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::VectorXd& real, const Eigen::VectorXd& imag)
-    -> double {
-  const Eigen::MatrixXd root = factor.matrixL();
-  return -2.0 * root.diagonal().array().log().sum() - real.dot(factor.solve(real)) - imag.dot(factor.solve(imag));
-}
-
 }  // namespace
 
 Smoothing::Smoothing(const std::vector<ResponsePoint>& points, const MotorModel& model)
@@ -71,24 +66,30 @@ Smoothing::Smoothing(const std::vector<ResponsePoint>& points, const MotorModel&
     imag[i] = rest.imag();
     noise_[i] = kLeastNoise + kNoiseShare * std::norm(point.motor.radius95 / expected);
   }
-  std::vector<double> likelihoods;
+  double highest = -std::numeric_limits<double>::infinity();
   for (const double octaves : kOctaves) {
     for (const double wrong : kWrong) {
       for (const double scatter : kScatter) {
-        const Prior prior{wrong, octaves, scatter};
-        const Eigen::LLT<Eigen::MatrixXd> factor = factored(octaves_, noise_, prior);
-        likelihoods.push_back(log_likelihood(factor, real, imag));
-        tried_.push_back({prior, factor, factor.solve(real), factor.solve(imag), 0.0});
+        Tried one{.prior = {wrong, octaves, scatter}};
+        one.factor = factored(octaves_, noise_, one.prior);
+        one.real = one.factor.solve(real);
+        one.imag = one.factor.solve(imag);
+        // Logarithm of the likelihood of circular complex values, less a constant.
+        one.weight =
+            -2.0 * one.factor.matrixLLT().diagonal().array().log().sum() - real.dot(one.real) - imag.dot(one.imag);
+        highest = std::max(highest, one.weight);
+        tried_.push_back(std::move(one));
       }
     }
   }
-  const double highest = *std::max_element(likelihoods.begin(), likelihoods.end());
-  double all = 0.0;
-  for (std::size_t i = 0; i < tried_.size(); ++i) {
-    tried_[i].weight = std::exp(likelihoods[i] - highest);
-    all += tried_[i].weight;
+  for (Tried& one : tried_) {
+    one.weight = std::exp(one.weight - highest);
   }
   std::erase_if(tried_, [](const Tried& one) { return one.weight < kLeastWeight; });
+  double all = 0.0;
+  for (const Tried& one : tried_) {
+    all += one.weight;
+  }
   for (Tried& one : tried_) {
     one.weight /= all;
   }

@@ -17,7 +17,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegreesPerTurn = 360.0;
-constexpr double kCycleS = 1e-3;
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.

@@ -40,7 +40,7 @@ struct Wanted {
 };
 
 /// The plant as motor and delay: exp(-s T) / (J s2 + b s + k) / (1 + s l), by least squares over the lines; with a
-/// torque that is held for a cycle, sin(x) / x with x = w / 2 ms, and with a joint on its tendons, which adds m (2 z w
+/// torque that is held for h, sin(x) / x with x = w h / 2, and with a joint on its tendons, which adds m (2 z w
 /// s + w2) (s2 + 2 d w s) / (s2 + 2 (z + d) w s + w2) below the line.
 struct MotorModel {
   double inertia_kgm2 = 0.0, viscous_nms = 0.0, stiffness_nm = 0.0, delay_s = 0.0;
@@ -48,7 +48,7 @@ struct MotorModel {
   double joint_inertia_kgm2 = 0.0;             ///< m, at the motor; 0: no joint of its own is seen
   double joint_hz = 0.0, joint_damping = 0.0;  ///< w: the joint swings there while the motor is held; z
   double joint_drag = 0.0;                     ///< d: what brakes the joint itself, not its swing on the tendons
-  double hold_s = 0.0;        ///< torque is held for so long; 0: its roll-off is in the lag, or is left out
+  double hold_s = 0.0;                         ///< h; 0: its roll-off is in the lag, or is left out
   double resonance_hz = 0.0;  ///< where the response is furthest above the model, by 6 dB at least; 0: nowhere
   double share_left = 0.0;    ///< rms of what it does not explain, relative
   [[nodiscard]] auto at(double hz) const -> Complex;
