@@ -44,7 +44,7 @@ class Guest {
   /// What the server itself has to say: "command EVERY_MS", "look EVERY_MS" (and " anew" where the board can be started
   /// so), "anew SENTENCE" (why it was not; nothing if it was), "cancel", "remark TEXT", "lost SENTENCE".
   virtual void say(std::string_view words) = 0;
-  /// True while so much of what the board said still waits that the board had better be heard later.
+  /// True while so much of what the board said still waits that the board had better be heard later (Backlog).
   [[nodiscard]] virtual auto behind() const -> bool { return false; }
 };
 

@@ -44,7 +44,7 @@ class Port : public std::enable_shared_from_this<Port> {
         return;
       }
       self->listener_.bytes({self->in_.data(), count});
-      self->read_on(Clock::now());
+      self->read_on();
     });
   }
   void send(std::string_view bytes) {
@@ -78,24 +78,19 @@ class Port : public std::enable_shared_from_this<Port> {
   }
 
  private:
-  /// A board that sends faster than its listeners take is read later; one that hangs does not stop the others for long.
-  void read_on(Clock::time_point since) {
+  /// A board that sends faster than its listeners take is read later.
+  void read_on() {
     constexpr std::chrono::milliseconds kPause{5};
-    constexpr std::chrono::seconds kPatience{1};
     if (!listener_.behind()) {
-      patient_ = true;
-    } else if (patient_ && Clock::now() - since < kPatience) {
-      pause_.expires_after(kPause);
-      pause_.async_wait([self = shared_from_this(), since](const error_code&) {
-        if (!self->closed_) {
-          self->read_on(since);
-        }
-      });
+      read();
       return;
-    } else {
-      patient_ = false;
     }
-    read();
+    pause_.expires_after(kPause);
+    pause_.async_wait([self = shared_from_this()](const error_code&) {
+      if (!self->closed_) {
+        self->read_on();
+      }
+    });
   }
   void write() {
     if (!going_.empty() || closed_) {
@@ -136,7 +131,6 @@ class Port : public std::enable_shared_from_this<Port> {
 
   asio::posix::stream_descriptor line_;
   asio::steady_timer pause_;
-  bool patient_ = true;
   std::string name_;
   Hub::Listener listener_;
   std::array<char, 4096> in_{};

@@ -2,7 +2,6 @@
 #include "capstan/tools/console_server/program_line.hpp"
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/write.hpp>
 
 namespace capstan::tools {
 
@@ -28,24 +27,38 @@ void ProgramLine::read() {
 }
 
 void ProgramLine::send(std::string_view bytes) {
-  if (waiting_.size() + bytes.size() <= kMostWaiting && line_.is_open()) {
+  if (line_.is_open() && backlog_.has_room_for(bytes.size())) {
+    backlog_.add(bytes.size(), Backlog::Clock::now());
     waiting_ += bytes;
-    write();
+    if (going_.empty()) {
+      write();
+    }
   }
 }
 
 void ProgramLine::write() {
-  if (!going_.empty() || waiting_.empty()) {
-    return;
-  }
   going_.swap(waiting_);
-  boost::asio::async_write(line_, boost::asio::buffer(going_),
-                           [self = shared_from_this()](const error_code& error, std::size_t) {
+  gone_ = 0;
+  if (!going_.empty()) {
+    write_on();
+  }
+}
+
+void ProgramLine::write_on() {
+  line_.async_write_some(boost::asio::buffer(going_) + gone_,
+                         [self = shared_from_this()](const error_code& error, std::size_t count) {
+                           if (error) {
+                             return;
+                           }
+                           self->backlog_.take(count, Backlog::Clock::now());
+                           self->gone_ += count;
+                           if (self->gone_ < self->going_.size()) {
+                             self->write_on();
+                           } else {
                              self->going_.clear();
-                             if (!error) {
-                               self->write();
-                             }
-                           });
+                             self->write();
+                           }
+                         });
 }
 
 void ProgramLine::close() {

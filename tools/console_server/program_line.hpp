@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "capstan/tools/console_server/backlog.hpp"
+
 namespace capstan::tools {
 
 /// One end of a pipe or pseudo-terminal whose other end a program has: hands on what comes, and sends without waiting.
@@ -19,20 +21,20 @@ class ProgramLine : public std::enable_shared_from_this<ProgramLine> {
 
   void read();
   void send(std::string_view bytes);
-  /// True while much of what was sent waits.
-  [[nodiscard]] auto behind() const -> bool { return waiting_.size() > kMostWaiting / 8; }
+  [[nodiscard]] auto behind() const -> bool { return backlog_.behind(Backlog::Clock::now()); }
   /// Nobody is told anything any more.
   void close();
 
  private:
-  static constexpr std::size_t kMostWaiting = std::size_t{8} << 20U;  // some two minutes of a log of every cycle
-
   void write();
+  void write_on();
 
   boost::asio::posix::stream_descriptor line_;
   std::function<void(std::string_view)> heard_;
   std::array<char, 4096> in_{};
   std::string waiting_, going_;
+  std::size_t gone_ = 0;
+  Backlog backlog_;
 };
 
 }  // namespace capstan::tools

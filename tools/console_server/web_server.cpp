@@ -8,6 +8,7 @@
 #include <deque>
 #include <optional>
 
+#include "capstan/tools/console_server/backlog.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
@@ -80,8 +81,9 @@ namespace {
 template <class Shop>
 class PageSocket final : public Guest, public std::enable_shared_from_this<PageSocket<Shop>> {
  public:
-  PageSocket(beast::tcp_stream&& stream, std::shared_ptr<Shop> shop, Talk& talk)
-      : socket_(std::move(stream)), shop_(std::move(shop)), talk_(talk) {}
+  /// @param stream_of_bytes  the other side does not mind where a message ends and the next one begins
+  PageSocket(beast::tcp_stream&& stream, std::shared_ptr<Shop> shop, Talk& talk, bool stream_of_bytes)
+      : socket_(std::move(stream)), shop_(std::move(shop)), talk_(talk), stream_of_bytes_(stream_of_bytes) {}
 
   /// @param subprotocol  that both speak, or nothing
   void begin(const Request& request, std::string_view subprotocol) {
@@ -104,10 +106,10 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
   }
   void bytes(std::string_view bytes) override { queue(std::string(bytes), false); }
   void say(std::string_view words) override { queue(std::string(words), true); }
-  [[nodiscard]] auto behind() const -> bool override { return waiting_bytes_ > kMostWaiting / 8; }
+  [[nodiscard]] auto behind() const -> bool override { return backlog_.behind(Hub::Clock::now()); }
 
  private:
-  static constexpr std::size_t kMostWaiting = std::size_t{8} * 1024 * 1024;  // two minutes of eight signals at 1 kHz
+  static constexpr std::size_t kMostInMessage = std::size_t{64} * 1024;
   struct Message {
     std::string body;
     bool text = false;
@@ -129,11 +131,16 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
     });
   }
   void queue(std::string body, bool text) {
-    if (waiting_bytes_ > kMostWaiting) {
+    if (!backlog_.has_room_for(body.size())) {
       beast::get_lowest_layer(socket_).cancel();  // a page that takes nothing any more; read() ends with it
       return;
     }
-    waiting_bytes_ += body.size();
+    backlog_.add(body.size(), Hub::Clock::now());
+    if (stream_of_bytes_ && waiting_.size() > 1 && !text && !waiting_.back().text &&
+        waiting_.back().body.size() < kMostInMessage) {
+      waiting_.back().body += body;  // a browser takes a few large messages more easily than many small ones
+      return;
+    }
     waiting_.push_back({std::move(body), text});
     if (waiting_.size() == 1) {
       write();
@@ -147,7 +154,7 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
                             self->leave();
                             return;
                           }
-                          self->waiting_bytes_ -= count;
+                          self->backlog_.take(count, Hub::Clock::now());
                           self->waiting_.pop_front();
                           if (!self->waiting_.empty()) {
                             self->write();
@@ -164,9 +171,10 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
   websocket::stream<beast::tcp_stream> socket_;
   std::shared_ptr<Shop> shop_;
   Talk& talk_;
+  bool stream_of_bytes_;
   beast::flat_buffer in_;
   std::deque<Message> waiting_;
-  std::size_t waiting_bytes_ = 0;
+  Backlog backlog_;
   bool there_ = false;
 };
 
@@ -207,7 +215,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
     }
     const std::string_view place = *shop_->door->behind_token(caller.target);
     if (talks && place == "board") {
-      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->board)->begin(request, {});
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, shop_->board, true)->begin(request, {});
     } else if (request.method() == http::verb::post && is_job(place)) {
       read_log(std::string(place));
     } else if (talks || request.method() != http::verb::get) {
@@ -226,7 +234,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
       answer(http::status::bad_request,
              {kPlain, "only foxglove.websocket.v1 is spoken here; use a Foxglove that knows it\n"});
     } else {
-      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, *shop_->foxglove)
+      std::make_shared<PageSocket<Shop>>(std::move(stream_), shop_, *shop_->foxglove, false)
           ->begin(request, FoxgloveFeed::kSubprotocol);
     }
   }

@@ -10,7 +10,7 @@ import { after, afterEach, before } from 'node:test';
 const require = createRequire(join(process.env.CAPSTAN_NODE_MODULES, 'any.js'));
 const { chromium } = require('playwright-core');
 export const site = process.env.CAPSTAN_SITE;
-export const kPatience = Number(process.env.CAPSTAN_PATIENCE_MS ?? 15000);
+export const kPatience = Number(process.env.CAPSTAN_PATIENCE_MS ?? 30000);
 
 const kTypes = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 

@@ -86,6 +86,25 @@ test('steps are repeated and their numbers shown; more integral gain is seen to 
   await until(one, () => document.getElementById('plot').textContent.includes('joint0.q1'));  // what was shown before comes back
 });
 
+test('a gain that is being typed while the board lists its gains is kept, and Enter sets it', async () => {
+  const one = await fresh();
+  await view(one, 'move');
+  const field = '[data-gain="control.ki"]';
+  await one.page.waitForSelector(field);
+  await one.page.fill(field, '5');
+  await one.page.evaluate(() => {
+    window.listed = new Promise((resolve) => {
+      const { set } = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'defaultValue');
+      Object.defineProperty(document.querySelector('[data-gain="control.kp"]'), 'defaultValue', { set(value) { set.call(this, value); resolve(); } });
+    });
+    document.getElementById('tab-move').click();  // as the page itself would; the field keeps its focus
+  });
+  await one.page.evaluate(() => window.listed);
+  assert.equal(await one.page.inputValue(field), '5');
+  await one.page.press(field, 'Enter');
+  await until(one, () => document.getElementById('response-answer').textContent.includes('joint0.control.ki is 5 now'));
+});
+
 test('a fault ends the steps, and so do Stop and leaving the view, which hold the joint', async () => {
   const one = await fresh();
   await stepping(one, { every: '0.5' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A board by TCP that sends faster than who listens takes it.
+// A board by TCP that sends faster than who listens takes it, and what waits meanwhile.
 #include "capstan/tools/console_server/lines.hpp"
 
 #include <gtest/gtest.h>
@@ -9,6 +9,8 @@
 #include <chrono>
 #include <memory>
 #include <string>
+
+#include "capstan/tools/console_server/backlog.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -49,12 +51,39 @@ TEST_F(FastBoard, WaitsForWhoIsBehindAndLosesNothing) {
   EXPECT_EQ(heard, kBytes);
 }
 
-TEST_F(FastBoard, IsHeardByTheOthersWhenOneHangs) {
-  behind = true;
-  for (int i = 0; i < 100 && heard < kBytes; ++i) {
-    io.run_for(100ms);
+TEST(BacklogTest, IsBehindWhileMuchWaitsAndSomeIsTaken) {
+  Backlog backlog;
+  Backlog::Clock::time_point now{};
+  backlog.add(Backlog::kMost / 8, now);
+  EXPECT_FALSE(backlog.behind(now)) << "little waits";
+  backlog.add(1000, now);
+  for (int i = 0; i < 10; ++i) {
+    now += 900ms;
+    EXPECT_TRUE(backlog.behind(now)) << "slow, but it takes";
+    backlog.take(10, now);
   }
-  EXPECT_EQ(heard, kBytes);
+  backlog.take(900, now);
+  EXPECT_FALSE(backlog.behind(now)) << "it has caught up";
+}
+
+TEST(BacklogTest, WhoTakesNothingStopsTheOthersForASecondOnly) {
+  Backlog backlog;
+  Backlog::Clock::time_point now{};
+  now += 1h;
+  backlog.add(Backlog::kMost / 2, now);
+  EXPECT_TRUE(backlog.behind(now)) << "what was long ago does not count";
+  now += 1s;
+  backlog.add(1, now);
+  EXPECT_FALSE(backlog.behind(now));
+  backlog.take(1, now);
+  EXPECT_TRUE(backlog.behind(now)) << "it is back";
+}
+
+TEST(BacklogTest, HasRoomForSoMuch) {
+  Backlog backlog;
+  backlog.add(Backlog::kMost - 1, {});
+  EXPECT_TRUE(backlog.has_room_for(1));
+  EXPECT_FALSE(backlog.has_room_for(2));
 }
 
 }  // namespace

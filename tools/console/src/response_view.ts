@@ -163,14 +163,15 @@ export class ResponseView {
   private async showGains(): Promise<void> {
     this.put(await this.readGains());
   }
-  /** What the board has, but where somebody is typing: that stays as it is typed. */
+  /** What the board has, but where somebody is typing: that stays untouched, for a browser tells of no change where a program set the value. */
   private put(gains: Parameter[]): void {
     const values = new Map(gains.map((one) => [one.name, one.value]));
     for (const input of this.gains) {
-      const typed = input.value;
-      const begun = typed !== input.defaultValue;
+      const begun = input.value !== input.defaultValue;
       input.defaultValue = values.get(input.dataset['gain']!) ?? input.defaultValue;
-      input.value = begun ? typed : input.defaultValue;
+      if (!begun) {
+        input.value = input.defaultValue;
+      }
     }
   }
 
