@@ -245,6 +245,25 @@ TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
   }
 }
 
+// Elbows, whose counts are coarse: of the way of the first three a count was missing, and the motor of the last one is
+// so light that it swings back a little without a tendon.
+TEST(Commission, TendonsAreToldFromNoneByMoreThanACount) {
+  for (const std::uint64_t seed : {1505U, 1700U, 1703U, 1706U, 1855U}) {
+    const sim::Scenario elbow = draw(seed, joint_of("raven2:1"));
+    EXPECT_TRUE(run(elbow, {}, {}, "travel").progress.is_done("press")) << seed;
+    const Outcome off = run(elbow, {"fail tendon_top snap", "fail tendon_bottom snap"}, {}, "travel");
+    EXPECT_FALSE(off.progress.is_done("press")) << seed;
+    EXPECT_NE(off.sentence.find("no tendon pulls at it"), std::string::npos) << seed << ": " << off.sentence;
+    EXPECT_LT(off.motor_rad, kFiveDegrees) << seed;
+  }
+}
+
+// Without its upper tendon this elbow has fallen further than the limits of the motor from its zero.
+TEST(Commission, AJointThatFellFarIsToldSo) {
+  const Outcome outcome = run(draw(3015, joint_of("raven2:1")), {"fail tendon_top snap"}, {}, "travel");
+  EXPECT_NE(outcome.sentence.find("tendon"), std::string::npos) << outcome.sentence;
+}
+
 TEST(Commission, ABlockedJointIsFound) {
   const std::uint64_t first = number_from("CAPSTAN_SEED", 730);
   for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
