@@ -32,8 +32,9 @@ constexpr double kSpringsBack = 0.06;  // of the way; tendons on 0.1 to 0.35, of
 // Of the way, when the torque is largest. A motor with dry friction alone has gone a sixth at most, the cube of the
 // time from where it lets go (with viscous friction a half, but it does not spring back); on tendons 0.68 to 0.92.
 constexpr double kAtPeak = 1.0 / 3.0;
-constexpr double kOneSided = 3.0;   // of the ways
-constexpr double kTurnShare = 0.1;  // of the whole way: less is no turn
+constexpr double kAtPeakCounts = 6.0;  // each way: a count is half of that third
+constexpr double kOneSided = 3.0;      // of the ways
+constexpr double kTurnShare = 0.1;     // of the whole way: less is no turn
 // Ways over which friction may go over to the other direction; on the elbows 1150 to 1159 they are 0.1 to 0.4 rad.
 constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
@@ -205,6 +206,21 @@ void CommissionSteps::press(CommissionSteps& steps) {
     const double middle = angle[angle.size() / 2];  // without torque again, after the way forward
     const double up = angle.maxCoeff() - angle[0];
     const double down = middle - angle.minCoeff();
+    // Tendons bend before they slide: the motor goes with the torque and springs back. A motor alone goes on while the
+    // torque falls, and stays where its friction holds it.
+    const double at_peak =
+        std::min((angle[angle.size() / 4] - angle[0]) / up, (middle - angle[3 * angle.size() / 4]) / down);
+    const double back = std::min((angle.maxCoeff() - middle) / up, (angle[angle.size() - 1] - angle.minCoeff()) / down);
+    const auto require_tendons = [&](bool pull) {
+      if (!pull) {
+        throw Refusal("the motor turns by " + rounded(std::max(up, down) / kDegree, 2) + " deg under friction alone, " +
+                      rounded(100.0 * at_peak, 2) + " % of it before the torque falls, and springs back by " +
+                      rounded(100.0 * back, 2) + " %: no tendon pulls at it; hook both, and give them pretension");
+      }
+    };
+    if (std::min(up, down) >= kAtPeakCounts * joint.count_rad()) {
+      require_tendons(at_peak >= kAtPeak);
+    }
     if (std::max(up, down) < enough) {
       continue;
     }
@@ -212,20 +228,11 @@ void CommissionSteps::press(CommissionSteps& steps) {
       throw Refusal(std::string("the motor turns far more easily ") + (up > down ? "forward" : "backward") +
                     ": one tendon is loose or off; hook both, and give both the same pretension");
     }
-    // Tendons bend before they slide: the motor goes with the torque and springs back. A motor alone goes on while the
-    // torque falls, and stays where its friction holds it.
-    const double at_peak =
-        std::min((angle[angle.size() / 4] - angle[0]) / up, (middle - angle[3 * angle.size() / 4]) / down);
-    const double back = std::min((angle.maxCoeff() - middle) / up, (angle[angle.size() - 1] - angle.minCoeff()) / down);
     // A way back is known to a count; one that decides is worth a harder press, at which tendons give back more.
-    if (at_peak >= kAtPeak && std::fabs(back - kSpringsBack) < joint.count_rad() / std::min(up, down)) {
+    if (std::fabs(back - kSpringsBack) < joint.count_rad() / std::min(up, down)) {
       continue;
     }
-    if (at_peak < kAtPeak || back < kSpringsBack) {
-      throw Refusal("the motor turns by " + rounded(std::max(up, down) / kDegree, 2) + " deg under friction alone, " +
-                    rounded(100.0 * at_peak, 2) + " % of it before the torque falls, and springs back by " +
-                    rounded(100.0 * back, 2) + " %: no tendon pulls at it; hook both, and give them pretension");
-    }
+    require_tendons(back >= kSpringsBack);
     steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first, " +
                rounded(100.0 * back, 2) + " % of the way springs back");
     return;
