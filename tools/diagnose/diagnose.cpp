@@ -183,7 +183,7 @@ auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) 
       return as_searched(d, named);
     }
   }
-  return choose_law(p, d.base, d.found, d.verdict == Verdict::kUnknown ? Lacking::kSomething : Lacking::kNothing);
+  return choose_law(p, d.base, d.found, is_refusal(d.verdict) ? Lacking::kSomething : Lacking::kNothing);
 }
 
 /// Why a law that was grown is not delivered.
@@ -250,20 +250,46 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   }
 }
 
+/// Why no effect is named; the law that predicts best is delivered all the same.
+struct Nameless {
+  Verdict verdict;
+  std::string reason, next_experiment;
+};
+
+auto unfit(const std::string& reason) -> Nameless {
+  return {Verdict::kDataUnfit, "The log is not fit for a diagnosis: " + reason + ".",
+          reason.substr(reason.find(';') + 2)};
+}
+
+auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless> {
+  if (const std::string reason = reason_nameless(p.logs); !reason.empty()) {
+    return unfit(reason);
+  }
+  if (const auto names = undetermined(p, law); !names.empty()) {
+    return Nameless{Verdict::kNotIdentifiable, "This log can not determine " + joined(names) + " of the base law.",
+                    kEverything};
+  }
+  return std::nullopt;
+}
+
+void say(const Nameless& why, Diagnosis& d) {
+  d.verdict = why.verdict;
+  d.reason = why.reason;
+  d.next_experiment = why.next_experiment;
+}
+
 /// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.
 auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d)
     -> std::optional<LawForm> {
-  std::string unfit = reason_unfit(logs);
-  if (unfit.empty()) {
+  std::string why = reason_unfit(logs);
+  if (why.empty()) {
     try {
       return options.base_law ? base_of(*options.base_law) : form_of_model(d.base_model, logs);
     } catch (const Refusal& refusal) {  // a force law has to be fitted to know where its search begins
-      unfit = refusal.what();
+      why = refusal.what();
     }
   }
-  d.verdict = Verdict::kDataUnfit;
-  d.reason = "The log is not fit for a diagnosis: " + unfit + ".";
-  d.next_experiment = unfit.substr(unfit.find(';') + 2);
+  say(unfit(why), d);
   return std::nullopt;
 }
 
@@ -296,7 +322,8 @@ void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool
 
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
 /// predicts better than that with its effects.
-void examine(Preparation p, LawForm base, const DiagnoseOptions& options, Diagnosis& d) {
+void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const std::optional<Nameless>& why,
+             Diagnosis& d) {
   const auto by_its_loop = options.base_law ? by_loop(p, *options.base_law, base, options.progress) : std::nullopt;
   Search search = by_its_loop ? *by_its_loop : search_effects(p, base, options.progress);
   double form_error = 0.0;
@@ -320,7 +347,12 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, Diagno
   d.floor_from = p.repeats ? "repeats" : "flexible model";
   d.detectable = search.detectable;
   d.sizes = search.sizes;
-  d.verdict = judge(search, d);
+  if (why) {
+    search.effects.clear();
+    say(*why, d);
+  } else {
+    d.verdict = judge(search, d);
+  }
   options.progress("measuring the error on rows set aside");
   d.traces.time_s = stacked_signal(p.logs, &AxisLog::time_s);
   d.traces.q1 = stacked_signal(p.logs, &AxisLog::q1_rad);
@@ -364,13 +396,12 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
   const LawForm law = settled_base(p, *base);
   d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
   d.repeats = p.repeats ? p.repeats->count : 1;
-  if (const auto names = undetermined(p, law); !names.empty()) {
-    d.verdict = Verdict::kNotIdentifiable;
-    d.reason = "This log can not determine " + joined(names) + " of the base law.";
-    d.next_experiment = kEverything;
+  const std::optional<Nameless> why = nameless(p, law);
+  if (why && (catalogue.target() != TargetKind::kAngle || !options.base_model.empty() || options.base_law)) {
+    say(*why, d);  // the law of an effort is grown apart, and what was asked for is not replaced
     return d;
   }
-  examine(std::move(p), law, options, d);
+  examine(std::move(p), law, options, why, d);
   return d;
 }
 

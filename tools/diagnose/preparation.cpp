@@ -247,17 +247,10 @@ auto Preparation::certain() const -> Blocks {
 
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   constexpr Eigen::Index kFewestSamples = 150;
-  constexpr Eigen::Index kEnoughSamples = 400;  // whatever the motion
-  constexpr int kFewestStrokes = 3;             // there, back, and there again: both ends of a hysteresis
-  constexpr double kFewestNoises = 30.0;        // the motion's range in standard deviations of the sensors
-  constexpr double kFewestEffortNoises = 6.0;   // efforts are noisier, and averaged before they are looked at
+  constexpr double kFewestNoises = 30.0;       // the motion's range in standard deviations of the sensors
+  constexpr double kFewestEffortNoises = 6.0;  // efforts are noisier, and averaged before they are looked at
   if (total_samples(logs) < kFewestSamples) {
     return "only " + std::to_string(total_samples(logs)) + " samples; record at least 10 s at 100 Hz or more";
-  }
-  if (total_samples(logs) < kEnoughSamples && strokes(logs) < kFewestStrokes) {
-    return "only " + std::to_string(total_samples(logs)) +
-           " samples in which the motor does not go there, back and there again; record at least 10 s at 100 Hz or "
-           "more";
   }
   const AngleNoise noise = motor_angle_noise(logs);
   std::size_t reversals = 0;
@@ -289,6 +282,16 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
     return "the motor never reverses; record a motion that goes there and back several times at several speeds";
   }
   return {};
+}
+
+auto reason_nameless(const std::vector<AxisLog>& logs) -> std::string {
+  constexpr Eigen::Index kEnoughSamples = 400;  // whatever the motion
+  constexpr int kFewestStrokes = 3;             // there, back, and there again: both ends of a hysteresis
+  if (total_samples(logs) >= kEnoughSamples || strokes(logs) >= kFewestStrokes) {
+    return {};
+  }
+  return "only " + std::to_string(total_samples(logs)) +
+         " samples in which the motor does not go there, back and there again; record at least 10 s at 100 Hz or more";
 }
 
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {

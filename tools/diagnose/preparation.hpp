@@ -50,6 +50,10 @@ struct Preparation {
 /// Why these logs can not be diagnosed, and what to record instead; empty if they can.
 auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string;
 
+/// Why these logs can name no effect, though a law can be learned from them, and what to record instead; empty if they
+/// can.
+auto reason_nameless(const std::vector<AxisLog>& logs) -> std::string;
+
 /// @pre reason_unfit() is empty; every log has the target
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation;
 

@@ -30,6 +30,7 @@ struct Made {
   double period_s = 0.02;
   double noise = 0.002;
   double angle_unit = 1.0, joint_unit = 1.0, time_unit = 1.0;
+  double fast = 0.4;   ///< size of the motion's faster sine, rad
   bool sheath = true;  ///< two plays and a curve behind them; else the ratio alone
 };
 
@@ -44,7 +45,7 @@ auto made_log(const Made& made) -> AxisLog {
   for (Eigen::Index i = 0; i < made.rows; ++i) {
     const double t = made.period_s * static_cast<double>(i);
     log.time_s[i] = t * made.time_unit;
-    q[i] = 0.7 * std::sin(1.3 * t) + 0.4 * std::sin(3.1 * t);
+    q[i] = 0.7 * std::sin(1.3 * t) + made.fast * std::sin(3.1 * t);
   }
   const Eigen::VectorXd h = made.sheath ? Eigen::VectorXd(0.5 * q + 0.3 * play(q, 0.1) + 0.2 * play(q, 0.4)) : q;
   Random random(11);
@@ -196,6 +197,27 @@ TEST(Select, TwoLogsWithZerosOfTheirOwnGiveOneLaw) {
   second.q2_rad.array() += 0.3;
   Opened both({made_log({}), second});
   EXPECT_LT(std::sqrt(both.forward.score(both.truth())), 1.2 * Made{}.noise);
+}
+
+// Too little to name anything, and enough to learn from.
+TEST(Select, ALogOfTwoStrokesGetsItsLawAndNoName) {
+  Made made;
+  made.rows = 160;
+  made.period_s = 0.024;
+  made.fast = 0.0;
+  const Diagnosis d = diagnose({made_log(made)}, {});
+  EXPECT_EQ(d.verdict, Verdict::kDataUnfit) << d.reason;
+  EXPECT_NE(d.reason.find("there, back and there again"), std::string::npos) << d.reason;
+  EXPECT_TRUE(d.effects.empty());
+  EXPECT_EQ(d.law.status, LawStatus::kProvisional);
+  EXPECT_LT(d.after.rmse, 0.5 * d.before.rmse);
+  Made longer = made;
+  longer.rows = 310;
+  const AxisLog unseen = made_log(longer);
+  const Eigen::VectorXd estimate = estimates({unseen}, LawDesign({unseen}, d.law.parameters.conditioner), d.law);
+  const Eigen::VectorXd base = estimates({unseen}, LawDesign({unseen}, d.base.parameters.conditioner), d.base);
+  const auto later = [&](const Eigen::VectorXd& of) { return rms((unseen.q2_rad - of).tail(longer.rows - made.rows)); };
+  EXPECT_LT(later(estimate), 0.7 * later(base)) << "on the next strokes";
 }
 
 TEST(Select, AShortLogWithTwoLoopsIsDiagnosed) {
