@@ -256,14 +256,15 @@ struct Nameless {
   std::string reason, next_experiment;
 };
 
-auto unfit(const std::string& reason) -> Nameless {
-  return {Verdict::kDataUnfit, "The log is not fit for a diagnosis: " + reason + ".",
+/// @param reason  what is wrong, and behind a semicolon the cure
+auto unfit(const std::string& what_for, const std::string& reason) -> Nameless {
+  return {Verdict::kDataUnfit, "The log is not fit for " + what_for + ": " + reason + ".",
           reason.substr(reason.find(';') + 2)};
 }
 
 auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless> {
   if (const std::string reason = reason_nameless(p.logs); !reason.empty()) {
-    return unfit(reason);
+    return unfit("naming what the law lacks", reason);
   }
   if (const auto names = undetermined(p, law); !names.empty()) {
     return Nameless{Verdict::kNotIdentifiable, "This log can not determine " + joined(names) + " of the base law.",
@@ -289,7 +290,7 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
       why = refusal.what();
     }
   }
-  say(unfit(why), d);
+  say(unfit("a diagnosis", why), d);
   return std::nullopt;
 }
 
