@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 
@@ -13,6 +14,8 @@ class Backlog {
 
   /// Two minutes of eight signals at 1 kHz; who has not taken as much by then will not any more.
   static constexpr std::size_t kMost = std::size_t{8} << 20U;
+  /// So much that the board had better be heard later: an answer stands behind what waits.
+  static constexpr std::size_t kMuch = std::size_t{256} << 10U;
   /// With somebody who takes nothing: he must not stop the others.
   static constexpr std::chrono::seconds kPatience{1};
 
@@ -23,13 +26,11 @@ class Backlog {
     waiting_ += count;
   }
   void take(std::size_t count, Clock::time_point now) {
-    waiting_ -= count;
+    waiting_ -= std::min(count, waiting_);
     took_ = now;
   }
-  /// True while so much waits that the board had better be heard later, and some of it is being taken.
-  [[nodiscard]] auto behind(Clock::time_point now) const -> bool {
-    return waiting_ > kMost / 8 && now - took_ < kPatience;
-  }
+  /// True while much waits and some of it is being taken.
+  [[nodiscard]] auto behind(Clock::time_point now) const -> bool { return waiting_ > kMuch && now - took_ < kPatience; }
   [[nodiscard]] auto has_room_for(std::size_t count) const -> bool { return waiting_ + count <= kMost; }
 
  private:

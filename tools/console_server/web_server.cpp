@@ -5,6 +5,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+#include <charconv>
 #include <deque>
 #include <optional>
 
@@ -52,6 +53,16 @@ constexpr const char* kReportPolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox";
 constexpr const char* kPlain = "text/plain; charset=utf-8";
 
+/// Bytes of the board that a page has worked through, by its word; nothing where it is another word.
+auto taken(std::string_view word) -> std::optional<std::size_t> {
+  constexpr std::string_view kTook = "took ";
+  std::size_t count = 0;
+  const char* const end = word.data() + word.size();
+  return word.starts_with(kTook) && std::from_chars(word.data() + kTook.size(), end, count).ptr == end
+             ? std::optional(count)
+             : std::nullopt;
+}
+
 auto caller_of(const Request& request) -> Caller {
   const auto origin = request.find(http::field::origin);
   return {view(request[http::field::host]),
@@ -81,7 +92,8 @@ namespace {
 template <class Shop>
 class PageSocket final : public Guest, public std::enable_shared_from_this<PageSocket<Shop>> {
  public:
-  /// @param stream_of_bytes  the other side does not mind where a message ends and the next one begins
+  /// @param stream_of_bytes  the other side does not mind where a message ends, and says "took BYTES" of what it has
+  /// worked through; of others, what was sent counts as taken
   PageSocket(beast::tcp_stream&& stream, std::shared_ptr<Shop> shop, Talk& talk, bool stream_of_bytes)
       : socket_(std::move(stream)), shop_(std::move(shop)), talk_(talk), stream_of_bytes_(stream_of_bytes) {}
 
@@ -121,10 +133,12 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
         self->leave();
         return;
       }
-      if (self->socket_.got_text()) {
-        self->talk_.word(*self, view(self->in_), Hub::Clock::now());
-      } else {
+      if (!self->socket_.got_text()) {
         self->talk_.bytes(*self, view(self->in_));
+      } else if (const auto took = taken(view(self->in_)); took && self->stream_of_bytes_) {
+        self->backlog_.take(*took, Hub::Clock::now());
+      } else {
+        self->talk_.word(*self, view(self->in_), Hub::Clock::now());
       }
       self->in_.consume(self->in_.size());
       self->read();
@@ -135,7 +149,9 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
       beast::get_lowest_layer(socket_).cancel();  // a page that takes nothing any more; read() ends with it
       return;
     }
-    backlog_.add(body.size(), Hub::Clock::now());
+    if (!stream_of_bytes_ || !text) {
+      backlog_.add(body.size(), Hub::Clock::now());
+    }
     if (stream_of_bytes_ && waiting_.size() > 1 && !text && !waiting_.back().text &&
         waiting_.back().body.size() < kMostInMessage) {
       waiting_.back().body += body;  // a browser takes a few large messages more easily than many small ones
@@ -154,7 +170,9 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
                             self->leave();
                             return;
                           }
-                          self->backlog_.take(count, Hub::Clock::now());
+                          if (!self->stream_of_bytes_) {
+                            self->backlog_.take(count, Hub::Clock::now());
+                          }
                           self->waiting_.pop_front();
                           if (!self->waiting_.empty()) {
                             self->write();

@@ -14,6 +14,7 @@ const program = process.env.CAPSTAN_PROGRAM;
 const motorBoard = process.env.CAPSTAN_MOTOR_BOARD ?? '';
 const folders = [];
 const running = new Set();
+const proxies = [];
 
 /** Starts the program and waits until it says something of this form; resolves to what was found. */
 export function start(words, form, what = program) {
@@ -94,6 +95,7 @@ export async function between(port, change) {
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   one.name = `tcp:${server.address().port}`;
   one.close = () => server.close();
+  proxies.push(one);
   return one;
 }
 
@@ -124,5 +126,6 @@ export function endAll() {
     }
   }
   running.clear();
+  for (const one of proxies.splice(0)) one.close();
   for (const folder of folders.splice(0)) rmSync(folder, { recursive: true, force: true });
 }

@@ -254,6 +254,18 @@ test('an experiment of the board is diagnosed; a log that is none is told in a s
   assert.equal(await one.page.textContent('#state'), 'holding', 'the board is not left meanwhile');
 });
 
+test('an answer that is lost while the page learns what the board has is asked for again', async () => {
+  const there = await board();
+  let lost = 0;
+  const line = await between(there.port, (text) => {
+    if (lost === 0 && text.includes('experiment jointN')) lost = performance.now();
+    return lost > 0 && performance.now() - lost < 300 ? '' : text;
+  });
+  const one = await open(await console_(line.name));
+  await until(one, () => document.querySelectorAll('#experiment-recipe option').length > 0);
+  assert.ok(lost > 0);
+});
+
 test("Foxglove's own client sees the signals, with and without a page, and can do nothing else", async () => {
   const served = await console_('--foxglove');
   const one = await foxglove(served);

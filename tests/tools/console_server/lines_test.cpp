@@ -54,7 +54,7 @@ TEST_F(FastBoard, WaitsForWhoIsBehindAndLosesNothing) {
 TEST(BacklogTest, IsBehindWhileMuchWaitsAndSomeIsTaken) {
   Backlog backlog;
   Backlog::Clock::time_point now{};
-  backlog.add(Backlog::kMost / 8, now);
+  backlog.add(Backlog::kMuch, now);
   EXPECT_FALSE(backlog.behind(now)) << "little waits";
   backlog.add(1000, now);
   for (int i = 0; i < 10; ++i) {
@@ -77,6 +77,13 @@ TEST(BacklogTest, WhoTakesNothingStopsTheOthersForASecondOnly) {
   EXPECT_FALSE(backlog.behind(now));
   backlog.take(1, now);
   EXPECT_TRUE(backlog.behind(now)) << "it is back";
+}
+
+TEST(BacklogTest, WhoTakesMoreThanThereWasHasTakenAll) {
+  Backlog backlog;
+  backlog.add(100, {});
+  backlog.take(Backlog::kMost, {});
+  EXPECT_TRUE(backlog.has_room_for(Backlog::kMost));
 }
 
 TEST(BacklogTest, HasRoomForSoMuch) {

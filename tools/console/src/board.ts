@@ -100,6 +100,17 @@ export class Board {
     return this.shell.ask(line, heard);
   }
 
+  /** Asks what changes nothing, and again where something urgent came between: DISARM, or a board that was slow to answer. */
+  async lookUp(line: string): Promise<Answer> {
+    const { link } = this;
+    for (;;) {
+      const answer = await this.ask(line);
+      if (answer.error?.startsWith('interrupted: ') !== true || this.link !== link || this.looking) {
+        return answer;
+      }
+    }
+  }
+
   /** Frames are about to begin. */
   expectSchema(): void {
     this.frames.expectSchema();

@@ -34,11 +34,11 @@ export class BreakView {
   async connected(joints: number, anew: boolean): Promise<void> {
     byId('effects').hidden = !anew;
     byId('effects-elsewhere').hidden = anew;
-    const targets = parseKnown((await this.board.ask('fail ?')).error ?? '');
+    const targets = parseKnown((await this.board.lookUp('fail ?')).error ?? '');
     byId('fault-form').hidden = targets.length === 0;
     byId('fault-answer').textContent = targets.length > 0 ? '' : "this board's shell has no command 'fail': its joints are simulated by another program; give that program's scenario the faults, or connect a board of 'capstan run'";
     options(byId<HTMLSelectElement>('fault-target'), targets);
-    options(byId<HTMLSelectElement>('fault-kind'), parseKnown((await this.board.ask(`fail ${targets[0] ?? ''} ?`)).error ?? ''));
+    options(byId<HTMLSelectElement>('fault-kind'), parseKnown((await this.board.lookUp(`fail ${targets[0] ?? ''} ?`)).error ?? ''));
     options(byId<HTMLSelectElement>('fault-joint'), Array.from({ length: joints }, (_, i) => String(i)));
   }
 

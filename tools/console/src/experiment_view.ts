@@ -29,7 +29,7 @@ export class ExperimentView {
 
   /** Recipes and their options are those of the board's own help. */
   async connected(joints: number): Promise<void> {
-    const help = (await this.board.ask('help experiment')).lines.map((line) => /^ *experiment jointN (\S+) (.*)$/.exec(line)).find((found) => found !== null);
+    const help = (await this.board.lookUp('help experiment')).lines.map((line) => /^ *experiment jointN (\S+) (.*)$/.exec(line)).find((found) => found !== null);
     options(byId<HTMLSelectElement>('experiment-recipe'), help?.[1]!.split('|') ?? []);
     byId('experiment-options-help').textContent = help?.[2] ?? '';
     options(byId<HTMLSelectElement>('experiment-joint'), Array.from({ length: joints }, (_, i) => `joint${i}`));

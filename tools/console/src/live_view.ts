@@ -65,7 +65,7 @@ export class LiveView {
   }
 
   async connected(): Promise<void> {
-    this.all = parseSignals((await this.board.ask('scope signals')).lines);
+    this.all = parseSignals((await this.board.lookUp('scope signals')).lines);
     const before = this.chosen.map((one) => one.name).filter((name) => this.all.some((one) => one.name === name));
     await this.choose(before.length > 0 ? before : kFirst);
   }

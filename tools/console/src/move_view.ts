@@ -22,7 +22,7 @@ export class MoveView {
     const joints = this.board.status?.joints.map((joint) => joint.name) ?? [];
     const boxes: HTMLElement[] = [];
     for (const joint of joints) {
-      const limits = parseParameters((await this.board.ask(`list ${joint}.limits`)).lines);
+      const limits = parseParameters((await this.board.lookUp(`list ${joint}.limits`)).lines);
       const limit = (name: string) => Number(limits.find((one) => one.name === `limits.${name}`)?.value ?? 0) * kDegrees;
       boxes.push(this.box(joint, limit('joint_min'), limit('joint_max')));
       this.aim(joint, (this.board.status?.joints.find((one) => one.name === joint)?.angleRad ?? 0) * kDegrees); // nothing moves by 'Go' alone

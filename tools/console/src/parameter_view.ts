@@ -60,11 +60,11 @@ export class ParameterView {
   }
 
   private async read(): Promise<void> {
-    const answer = await this.board.ask('list');
+    const answer = await this.board.lookUp('list');
     const parameters = parseParameters(answer.lines);
     const groups = new Set(parameters.map((one) => one.name.split('.')[0]!));
     for (const group of groups) {
-      addHelp(parameters, (await this.board.ask(`help ${group}`)).lines);
+      addHelp(parameters, (await this.board.lookUp(`help ${group}`)).lines);
     }
     this.parameters = parameters;
     const joints = [...new Set(parameters.map((one) => one.joint))];

@@ -115,7 +115,7 @@ export class ResponseView {
 
   /** Only these: reading every parameter takes a second on a serial line. */
   private async readGains(): Promise<Parameter[]> {
-    return parseParameters((await this.board.ask(`list ${this.joint.value}.control`)).lines);
+    return parseParameters((await this.board.lookUp(`list ${this.joint.value}.control`)).lines);
   }
 
   private async listGains(): Promise<void> {
@@ -177,7 +177,7 @@ export class ResponseView {
 
   /** Both ends of the step in degrees, or a sentence: the joint has no room for it. */
   private async ends(joint: string, step: number): Promise<[number, number] | string> {
-    const limits = parseParameters((await this.board.ask(`list ${joint}.limits`)).lines);
+    const limits = parseParameters((await this.board.lookUp(`list ${joint}.limits`)).lines);
     const limit = (name: string) => Number(limits.find((one) => one.name === `limits.${name}`)?.value ?? 0) * kDegrees;
     const here = (this.board.status?.joints.find((one) => one.name === joint)?.angleRad ?? 0) * kDegrees;
     if (this.base === undefined || Math.abs(here - this.base) > 2 * step) {

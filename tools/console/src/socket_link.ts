@@ -14,6 +14,8 @@ export interface SocketEvents extends LinkEvents {
   commission(words: string): void;
 }
 
+const kSayTook = 16384; // bytes
+
 export class SocketLink implements Link {
   readonly name = 'capstan console';
   readonly simulated = false;
@@ -21,6 +23,7 @@ export class SocketLink implements Link {
   private readonly socket: WebSocket;
   private readonly heart: number;
   private ended = false;
+  private took = 0; // bytes that the server was not told of
   /** The board is a simulator of capstan console, which can start it anew with an effect. */
   startsAnew = false;
   private begun: ((problem: string) => void) | undefined;
@@ -33,6 +36,7 @@ export class SocketLink implements Link {
         this.take(event.data);
       } else {
         this.events.bytes(new Uint8Array(event.data));
+        this.tookBytes(event.data.byteLength);
       }
     });
     this.socket.addEventListener('close', () => this.lost('capstan console has gone; start it again and open the address that it prints'));
@@ -71,6 +75,14 @@ export class SocketLink implements Link {
     this.socket.close();
   }
 
+  /** The server hears a board later whose page is behind (tools/console_server/backlog.hpp), and counts what the page has worked through. */
+  private tookBytes(count: number): void {
+    this.took += count;
+    if (this.took >= kSayTook) {
+      this.say(`took ${this.took}`);
+      this.took = 0;
+    }
+  }
   private say(word: string): void {
     if (this.socket.readyState === WebSocket.OPEN) {
       this.socket.send(word);
