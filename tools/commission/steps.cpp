@@ -229,7 +229,7 @@ void CommissionSteps::press(CommissionSteps& steps) {
                     ": one tendon is loose or off; hook both, and give both the same pretension");
     }
     // A way back is known to a count; one that decides is worth a harder press, at which tendons give back more.
-    if (std::fabs(back - kSpringsBack) < joint.count_rad() / std::min(up, down)) {
+    if (std::fabs(back - kSpringsBack) < joint.count_rad() / std::min(up, down) && share * kPressGrowth < 1.0) {
       continue;
     }
     require_tendons(back >= kSpringsBack);
