@@ -28,7 +28,7 @@ constexpr double kPressGrowth = 1.25;
 constexpr double kPressPerS = 32.0;  // of the torque: an eighth of a second, in which a motor alone does not run far
 constexpr double kPressRad = 1.0 * kDegree;  // one way, and no fewer counts of the encoder than a tenth is told by ...
 constexpr double kFewCounts = 16.0, kEnoughCounts = 30.0;  // ... nor more than are needed
-constexpr double kSpringsBack = 0.06;  // of the way; tendons on 0.1 to 0.35, off 0 to 0.059 (elbows)
+constexpr double kSpringsBack = 0.06;                      // of the way; tendons on 0.11 to 0.29, off 0 to 0.083
 // Of the way, when the torque is largest. A motor with dry friction alone has gone a sixth at most, the cube of the
 // time from where it lets go (with viscous friction a half, but it does not spring back); on tendons 0.68 to 0.92.
 constexpr double kAtPeak = 1.0 / 3.0;

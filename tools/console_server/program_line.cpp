@@ -2,6 +2,7 @@
 #include "capstan/tools/console_server/program_line.hpp"
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/write.hpp>
 
 namespace capstan::tools {
 
@@ -30,35 +31,25 @@ void ProgramLine::send(std::string_view bytes) {
   if (line_.is_open() && backlog_.has_room_for(bytes.size())) {
     backlog_.add(bytes.size(), Backlog::Clock::now());
     waiting_ += bytes;
-    if (going_.empty()) {
-      write();
-    }
+    write();
   }
 }
 
 void ProgramLine::write() {
-  going_.swap(waiting_);
-  gone_ = 0;
-  if (!going_.empty()) {
-    write_on();
+  constexpr std::size_t kMostAtOnce = std::size_t{16} << 10U;  // so that a program that takes is seen to
+  if (!going_.empty() || waiting_.empty()) {
+    return;
   }
-}
-
-void ProgramLine::write_on() {
-  line_.async_write_some(boost::asio::buffer(going_) + gone_,
-                         [self = shared_from_this()](const error_code& error, std::size_t count) {
-                           if (error) {
-                             return;
-                           }
-                           self->backlog_.take(count, Backlog::Clock::now());
-                           self->gone_ += count;
-                           if (self->gone_ < self->going_.size()) {
-                             self->write_on();
-                           } else {
+  going_ = waiting_.substr(0, kMostAtOnce);
+  waiting_.erase(0, going_.size());
+  boost::asio::async_write(line_, boost::asio::buffer(going_),
+                           [self = shared_from_this()](const error_code& error, std::size_t count) {
+                             self->backlog_.take(count, Backlog::Clock::now());
                              self->going_.clear();
-                             self->write();
-                           }
-                         });
+                             if (!error) {
+                               self->write();
+                             }
+                           });
 }
 
 void ProgramLine::close() {

@@ -27,13 +27,11 @@ class ProgramLine : public std::enable_shared_from_this<ProgramLine> {
 
  private:
   void write();
-  void write_on();
 
   boost::asio::posix::stream_descriptor line_;
   std::function<void(std::string_view)> heard_;
   std::array<char, 4096> in_{};
   std::string waiting_, going_;
-  std::size_t gone_ = 0;
   Backlog backlog_;
 };
 

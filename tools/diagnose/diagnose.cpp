@@ -79,16 +79,6 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
 
-/// A Preisach table has cells that no motion but its recipe visits; they take no part then.
-auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string> {
-  if (law.has("preisach")) {
-    return {};
-  }
-  const Eigen::MatrixXd columns = law_columns(p.causal, law);
-  const Blocks blocks = refined(p.split, p.factor).learned();
-  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
-}
-
 /// The effects are taken back where the law with them errs no less than the base for certain.
 void take_back(const Search& search, Diagnosis& d) {
   const bool missing = search.base_reducible > 0.05;
@@ -248,35 +238,6 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
     d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
                          ": other values would fit as well, so the law holds for motions like this one only");
   }
-}
-
-/// Why no effect is named; the law that predicts best is delivered all the same.
-struct Nameless {
-  Verdict verdict;
-  std::string reason, next_experiment;
-};
-
-/// @param reason  what is wrong, and behind a semicolon the cure
-auto unfit(const std::string& what_for, const std::string& reason) -> Nameless {
-  return {Verdict::kDataUnfit, "The log is not fit for " + what_for + ": " + reason + ".",
-          reason.substr(reason.find(';') + 2)};
-}
-
-auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless> {
-  if (const std::string reason = reason_nameless(p.logs); !reason.empty()) {
-    return unfit("naming what the law lacks", reason);
-  }
-  if (const auto names = undetermined(p, law); !names.empty()) {
-    return Nameless{Verdict::kNotIdentifiable, "This log can not determine " + joined(names) + " of the base law.",
-                    kEverything};
-  }
-  return std::nullopt;
-}
-
-void say(const Nameless& why, Diagnosis& d) {
-  d.verdict = why.verdict;
-  d.reason = why.reason;
-  d.next_experiment = why.next_experiment;
 }
 
 /// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.

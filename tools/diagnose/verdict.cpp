@@ -86,9 +86,7 @@ auto late_direction_weighs_most(const Preparation& p, const Diagnosis& d, const 
 }
 
 void refuse_completeness(const std::string& why, Diagnosis& d) {
-  d.verdict = Verdict::kUnknown;
-  d.reason = why;
-  d.next_experiment = kEverything;
+  say({Verdict::kUnknown, why, kEverything}, d);
 }
 
 /// `nothing_missing` has to be earned.
@@ -154,6 +152,37 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
 }
 
 }  // namespace
+
+auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string> {
+  if (law.has("preisach")) {
+    return {};
+  }
+  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  const Blocks blocks = refined(p.split, p.factor).learned();
+  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
+}
+
+auto unfit(const std::string& what_for, const std::string& reason) -> Nameless {
+  return {Verdict::kDataUnfit, "The log is not fit for " + what_for + ": " + reason + ".",
+          reason.substr(reason.find(';') + 2)};
+}
+
+auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless> {
+  if (const std::string reason = reason_nameless(p.logs); !reason.empty()) {
+    return unfit("naming what the law lacks", reason);
+  }
+  if (const auto names = undetermined(p, law); !names.empty()) {
+    return Nameless{Verdict::kNotIdentifiable, "This log can not determine " + joined(names) + " of the base law.",
+                    kEverything};
+  }
+  return std::nullopt;
+}
+
+void say(const Nameless& why, Diagnosis& d) {
+  d.verdict = why.verdict;
+  d.reason = why.reason;
+  d.next_experiment = why.next_experiment;
+}
 
 auto judge(const Search& search, Diagnosis& d) -> Verdict {
   if (search.effects.empty()) {

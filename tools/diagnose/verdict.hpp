@@ -10,6 +10,21 @@ namespace capstan::tools {
 inline constexpr const char* kEverything =
     "Record four equal cycles with reversals under several loads and at several speeds, and with holds.";
 
+/// A verdict that names no effect, why, and what to record instead.
+struct Nameless {
+  Verdict verdict;
+  std::string reason, next_experiment;
+};
+void say(const Nameless& why, Diagnosis& d);
+/// @param reason  what is wrong, and behind a semicolon the cure
+auto unfit(const std::string& what_for, const std::string& reason) -> Nameless;
+/// Why no effect may be named whatever the search finds: too few strokes, or a base law that the logs can not
+/// determine.
+auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless>;
+/// Parameters of a law that the logs can not determine. A Preisach table has cells that no motion but its recipe
+/// visits; they take no part then.
+auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string>;
+
 /// Puts what the search found into words and decides what may be named, before any error is reported. Writes reason,
 /// warnings and next experiment.
 auto judge(const Search& search, Diagnosis& d) -> Verdict;

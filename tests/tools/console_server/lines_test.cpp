@@ -7,6 +7,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -26,7 +27,7 @@ class FastBoard : public testing::Test {
   void SetUp() override {
     line = open_port_line(io, "tcp:" + std::to_string(acceptor.local_endpoint().port()),
                           {[this](std::string_view bytes) { heard += bytes.size(); }, [](const std::string&) {},
-                           [this] { return behind; }});
+                           [this] { return behind(); }});
     acceptor.accept(board);
     boost::asio::async_write(board, boost::asio::buffer(said), [](const boost::system::error_code&, std::size_t) {});
   }
@@ -36,15 +37,27 @@ class FastBoard : public testing::Test {
   tcp::socket board{io};
   const std::string said = std::string(kBytes, '.');
   std::size_t heard = 0;
-  bool behind = false;
+  std::function<bool()> behind = [] { return false; };
   std::unique_ptr<BoardLine> line;
 };
 
 TEST_F(FastBoard, WaitsForWhoIsBehindAndLosesNothing) {
-  behind = true;
+  behind = [] { return true; };
   io.run_for(300ms);
   EXPECT_LE(heard, 4096U);
-  behind = false;
+  behind = [] { return false; };
+  for (int i = 0; i < 100 && heard < kBytes; ++i) {
+    io.run_for(100ms);
+  }
+  EXPECT_EQ(heard, kBytes);
+}
+
+TEST_F(FastBoard, IsHeardByTheOthersWhenOneHangs) {
+  Backlog hangs;  // who listens takes nothing
+  behind = [&] {
+    hangs.add(heard, Backlog::Clock::now());
+    return hangs.behind(Backlog::Clock::now());
+  };
   for (int i = 0; i < 100 && heard < kBytes; ++i) {
     io.run_for(100ms);
   }

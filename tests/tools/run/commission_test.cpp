@@ -245,8 +245,8 @@ TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
   }
 }
 
-// Elbows, whose counts are coarse: of the way of the first three a count was missing, and the motor of the last one is
-// so light that it swings back a little without a tendon.
+// Elbows, whose counts are coarse: healthy ones spring back by a count less than is asked (1505, 1706, 1855), and
+// without tendons light motors swing back by as much (1700, 1703).
 TEST(Commission, TendonsAreToldFromNoneByMoreThanACount) {
   for (const std::uint64_t seed : {1505U, 1700U, 1703U, 1706U, 1855U}) {
     const sim::Scenario elbow = draw(seed, joint_of("raven2:1"));
