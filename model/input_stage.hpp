@@ -50,8 +50,10 @@ class InputStage {
     lag_ = lag;
     lag_rate_ += Traits::part(rate_error, gain_);
     sample.dh = sample.dq1 + lag_rate_;
-    sample.saturated |= Traits::is_saturated(sample.h) | Traits::is_saturated(rate) | Traits::is_saturated(rate_error) |
-                        Traits::is_saturated(sample.dh);
+    sample.saturated |= Traits::is_saturated(sample.h);
+    sample.saturated |= Traits::is_saturated(rate);
+    sample.saturated |= Traits::is_saturated(rate_error);
+    sample.saturated |= Traits::is_saturated(sample.dh);
   }
   /// Makes h what it is once a motion in the sample's direction has lasted. @pre h is q1 there
   constexpr void settle(Sample<Scalar>& motion) const {

@@ -154,28 +154,28 @@ static_assert(fields_are_sound(kCanTelemetry) && fields_are_sound(kCanSetpoint) 
 }
 
 /// Puts the lower bits of a number into a frame. @pre the field's bits are still zero
-template <const CanField& kField>
+template <const CanField& Field>
 constexpr void put(stm32f4::CanFrame& frame, std::uint32_t value) {
-  constexpr std::size_t kFirst = kField.first_bit / 8;
-  if constexpr (kField.bits < 8) {
-    const std::uint32_t bits = (value & ((1U << kField.bits) - 1)) << kField.first_bit % 8;
+  constexpr std::size_t kFirst = Field.first_bit / 8;
+  if constexpr (Field.bits < 8) {
+    const std::uint32_t bits = (value & ((1U << Field.bits) - 1)) << Field.first_bit % 8;
     frame.data[kFirst] = static_cast<std::uint8_t>(frame.data[kFirst] | bits);
   } else {
-    for (std::size_t i = 0; i < kField.bits / 8; ++i) {
+    for (std::size_t i = 0; i < Field.bits / 8; ++i) {
       frame.data[kFirst + i] = static_cast<std::uint8_t>(value >> 8 * i);
     }
   }
 }
 
 /// The field's bits as they are; whoever wants a number with sign converts it to one of its size.
-template <const CanField& kField>
+template <const CanField& Field>
 [[nodiscard]] constexpr auto take(const stm32f4::CanFrame& frame) -> std::uint32_t {
-  constexpr std::size_t kFirst = kField.first_bit / 8;
-  if constexpr (kField.bits < 8) {
-    return std::uint32_t{frame.data[kFirst]} >> kField.first_bit % 8 & ((1U << kField.bits) - 1);
+  constexpr std::size_t kFirst = Field.first_bit / 8;
+  if constexpr (Field.bits < 8) {
+    return std::uint32_t{frame.data[kFirst]} >> Field.first_bit % 8 & ((1U << Field.bits) - 1);
   } else {
     std::uint32_t value = 0;
-    for (std::size_t i = 0; i < kField.bits / 8; ++i) {
+    for (std::size_t i = 0; i < Field.bits / 8; ++i) {
       value |= std::uint32_t{frame.data[kFirst + i]} << 8 * i;
     }
     return value;

@@ -301,12 +301,12 @@ auto commissioned_setup(Joint joint) -> JointSetup {
 }  // namespace
 
 auto setup_of(Joint joint) -> const JointSetup& {
-  static const auto all = [] {
+  static const auto kAll = [] {
     std::array<JointSetup, kJoints.size()> setups;
     std::transform(kJoints.begin(), kJoints.end(), setups.begin(), commissioned_setup);
     return setups;
   }();
-  return all[static_cast<std::size_t>(joint)];
+  return kAll[static_cast<std::size_t>(joint)];
 }
 
 auto run_scene(const Scene& scene, const std::optional<Trouble>& trouble) -> RunResult {

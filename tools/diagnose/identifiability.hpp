@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct ParameterExcitation {
 /// Two parameters of which the log knows a combination far better than either.
 struct ConfusedPair {
   std::string first, second;  ///< parameters
-  std::string terms[2];
+  std::array<std::string, 2> terms;
   double correlation = 0.0;
   std::string sentence;  ///< what is known, and the motion that would tell them apart
 };

@@ -118,7 +118,7 @@ auto asked_for(const Diagnosis& d) -> std::vector<std::string> {
   std::vector<std::string> names;
   if (!d.next_experiment) {
     for (const auto& pair : d.told.confused) {
-      names.insert(names.end(), pair.terms, pair.terms + 2);
+      names.insert(names.end(), pair.terms.begin(), pair.terms.end());
     }
   } else if (d.verdict == Verdict::kAmbiguous) {
     names = d.effects.front().alternatives;

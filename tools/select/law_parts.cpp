@@ -99,7 +99,6 @@ void add_loads(const MotionRanges& ranges, AxisKind axis, std::vector<LawPart>& 
 }  // namespace
 
 auto motion_ranges(const EffortDesign& design) -> MotionRanges {
-  MotionRanges ranges;
   std::vector<double> angles;
   std::vector<double> speeds;
   std::vector<double> torques;

@@ -34,7 +34,7 @@ auto factors() -> std::vector<double> {
 
 /// The inclusions of figure and table: one stiffness at four depths, and one depth at four stiffnesses.
 auto surveyed() -> const std::vector<Asked>& {
-  static const std::vector<Asked> all = [] {
+  static const std::vector<Asked> kAll = [] {
     const auto law = calibrated_law(kLawSeed);
     std::vector<Asked> result;
     std::uint64_t seed = kFirstMapSeed;
@@ -46,7 +46,7 @@ auto surveyed() -> const std::vector<Asked>& {
     }
     return result;
   }();
-  return all;
+  return kAll;
 }
 
 auto nearest_factor(const Detection& d, double factor) -> std::size_t {
