@@ -295,7 +295,8 @@ void CommissionSteps::travel(CommissionSteps& steps) {
   if (rise > kBlocked) {
     throw Refusal("the torque goes on rising as the motor turns (" + rounded(100.0 * rise, 2) +
                   " % over half a leg): the joint is blocked or presses against something; free it, or make the "
-                  "corridor smaller");
+                  "corridor smaller; or its tendons rub so much that over so short a way they only stretch: then "
+                  "make the corridor larger");
   }
   steps.all_.progress.backward_nm = at_middle[0];
   steps.all_.progress.forward_nm = at_middle[1];
