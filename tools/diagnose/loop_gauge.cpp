@@ -61,15 +61,17 @@ auto changed_tendons(LawForm tendons, const std::string& name, double width) -> 
   return tendons;
 }
 
-/// What the motor's torque says has come, beyond the healthy joint's loop.
-auto torque_finding(const Preparation& p, const JointFile& healthy, const Loop& before)
-    -> std::optional<TorqueFinding> {
+auto beta_of(const JointFile& healthy) -> double {
+  return healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
+}
+
+/// How the motor's torque differs from the healthy joint's, beyond its loop.
+auto change_of_torque(const Preparation& p, const JointFile& healthy, const Loop& before)
+    -> std::optional<TorqueChange> {
   if (!healthy.fit || !healthy.fit->torque) {
     return std::nullopt;
   }
-  const double beta = healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
-  const auto change = torque_change({p.logs, p.causal.samples(), before.half_width_rad, beta}, *healthy.fit->torque);
-  return change ? found_in_torque(*change, std::abs(healthy.fit->torque->friction()), beta) : std::nullopt;
+  return torque_change({p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy)}, *healthy.fit->torque);
 }
 
 /// A search from a loop of any width, and what its end says.
@@ -97,7 +99,11 @@ class LoopSearch {
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
-    by_torque_ = torque_finding(p, healthy, before);
+    change_ = change_of_torque(p, healthy, before);
+    if (change_ && change_->rms_nm < kTorqueTold * friction_nm()) {
+      force_ = 1.0;  // row by row it is the healthy joint's; its mean over the loop hangs on where the motion turned
+    }
+    by_torque_ = change_ ? found_in_torque(*change_, friction_nm(), beta_of(healthy)) : std::nullopt;
     if (by_torque_) {
       search_.sizes.push_back("the motor's torque shows " + by_torque_->sentence);
     }
@@ -107,6 +113,21 @@ class LoopSearch {
     if (by_torque_) {
       return of_the_torque();
     }
+    auto told = by_angle();
+    const auto is_contradicted = [&](const AddedEffect& effect) {
+      return change_ && contradicted_by_torque(effect.name, *change_, friction_nm());
+    };
+    if (told && std::any_of(told->effects.begin(), told->effects.end(), is_contradicted)) {
+      return nameless("");
+    }
+    return told;
+  }
+
+ private:
+  /// Of the healthy joint.
+  [[nodiscard]] auto friction_nm() const -> double { return std::abs(healthy_.fit->torque->friction()); }
+
+  auto by_angle() -> std::optional<Search> {
     if (left_ <= enough_ || is_as_before()) {
       return complete(tendons_, left_, {});
     }
@@ -116,7 +137,6 @@ class LoopSearch {
     return left_by_loop_ <= enough_ ? of_the_loop_alone() : of_what_came_beside();
   }
 
- private:
   /// Tendons of a loop that is wide beside the noise err by more than that on a healthy day.
   [[nodiscard]] auto is_as_before() const -> bool {
     return std::abs(width_ - 1.0) <= kLoopTold && std::abs(force_ - 1.0) <= kLoopTold && healthy_.fit &&
@@ -207,8 +227,15 @@ class LoopSearch {
     const Course course = course_of(p_, loop_);
     if (!found.empty() && found.front().name == "thermal_drift") {
       // What grows on one side lengthens or shortens the tendons too: their pretension goes with the drift.
-      return course.narrows() || course.widens() ? complete(search_.law, left_by_found_, {found.front()})
-                                                 : nameless("a slip");
+      const bool rubs_otherwise = change_ && friction_has_changed(*change_, friction_nm());
+      if (!course.narrows() && !course.widens() && !rubs_otherwise) {
+        return nameless("a slip");
+      }
+      AddedEffect drift = found.front();
+      if (rubs_otherwise) {
+        std::erase(drift.alternatives, "jump");
+      }
+      return complete(search_.law, left_by_found_, {drift});
     }
     if (course.narrows() && course.early) {
       return complete(search_.law, left_by_found_, {named("viscoelastic_creep")});
@@ -340,8 +367,9 @@ class LoopSearch {
   double left_by_loop_;
   double left_by_found_;
   double enough_;
-  double width_ = 1.0;  ///< of the loop, over the healthy joint's
-  double force_ = 1.0;  ///< its torque
+  double width_ = 1.0;                  ///< of the loop, over the healthy joint's
+  double force_ = 1.0;                  ///< its torque
+  std::optional<TorqueChange> change_;  ///< of the torque, where both logs tell it
   std::optional<TorqueFinding> by_torque_;
 };
 

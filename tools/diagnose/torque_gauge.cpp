@@ -74,4 +74,28 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
   return std::nullopt;
 }
 
+auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool {
+  const auto share = [&](TorqueCause cause) { return change.share[static_cast<std::size_t>(cause)]; };
+  const bool changed = change.rms_nm >= kTorqueTold * friction_nm;
+  if (name == "gravity") {
+    return !changed || share(TorqueCause::kWeight) < kTorqueCauseShare;
+  }
+  if (name == "load_inertia") {
+    return !changed || share(TorqueCause::kMass) < kTorqueCauseShare;
+  }
+  if (name == "transmission_viscous") {
+    return changed && share(TorqueCause::kDrag) < share(TorqueCause::kFriction);
+  }
+  if (name == "pretension_offset" || name == "stiffness_hardening") {
+    return changed && share(TorqueCause::kFriction) < kPretensionShare;
+  }
+  const double friction = change.rms_nm * std::sqrt(std::max(0.0, share(TorqueCause::kFriction)));
+  return name == "angle_periodic" && friction > kAngleErrorTorque * friction_nm;
+}
+
+auto friction_has_changed(const TorqueChange& change, double friction_nm) -> bool {
+  return change.rms_nm >= kTorqueTold * friction_nm &&
+         change.share[static_cast<std::size_t>(TorqueCause::kFriction)] > kTorqueCauseShare;
+}
+
 }  // namespace capstan::tools

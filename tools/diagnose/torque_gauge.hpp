@@ -20,4 +20,11 @@ struct TorqueFinding {
 /// @param friction_nm  of the healthy joint   @param beta  joint angle per motor angle
 auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding>;
 
+/// Whether the motor's torque says that it can not be this effect, which the joint's angle alone would have: a weight
+/// or a mass of which the torque shows nothing, or one that changes no friction though the friction has changed.
+auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool;
+
+/// Tendons of another friction: they are longer, shorter or worn, and have not slipped.
+auto friction_has_changed(const TorqueChange& change, double friction_nm) -> bool;
+
 }  // namespace capstan::tools

@@ -20,14 +20,14 @@ enum Column : Eigen::Index { kSense, kOne, kRate, kSpeedup, kSine, kCosine };
 struct Rows {
   Eigen::MatrixXd columns;
   Eigen::VectorXd torque;
-  Eigen::VectorXd way;              ///< of the motor since it was through the loop, rad
-  Eigen::VectorXd joint_speedup;    ///< rad/s2
-  Eigen::VectorXd torque_alike;     ///< the torque through what the joint's acceleration went through
-  std::vector<Eigen::Index> first;  ///< rows that no row comes just before
+  Eigen::VectorXd way;            ///< of the motor since it was through the loop, rad
+  Eigen::VectorXd joint_speedup;  ///< rad/s2
+  Eigen::VectorXd torque_alike;   ///< the torque through what the joint's acceleration went through
+  double speedup_noise = 0.0;     ///< of the joint's acceleration, by its sensor's noise, (rad/s2)^2
 };
 
-/// Columns, torque, way, the joint's acceleration, the torque that goes with it, and when it was.
-constexpr Eigen::Index kRowSize = kParts + 5;
+/// Columns, torque, way, the joint's acceleration and the torque that goes with it.
+constexpr Eigen::Index kRowSize = kParts + 4;
 using Row = std::array<double, kRowSize>;
 
 /// Rates and accelerations of a log, rad/s and rad/s2.
@@ -53,6 +53,22 @@ auto behind_slope(const Eigen::VectorXd& signal, Eigen::Index half_window) -> Ei
   return mean;
 }
 
+/// What white noise of the joint's sensor is in means over `reach` rows of its acceleration, (rad/s2)^2. The noise is
+/// what its third differences are: they hold 20 times its square, and of the motion nothing to speak of.
+auto speedup_noise(const AxisLog& log, Eigen::Index reach) -> double {
+  const Eigen::Index n = log.samples();
+  const Eigen::VectorXd third = log.q2_rad.tail(n - 3) - 3.0 * log.q2_rad.segment(2, n - 3) +
+                                3.0 * log.q2_rad.segment(1, n - 3) - log.q2_rad.head(n - 3);
+  Eigen::VectorXd impulse = Eigen::VectorXd::Zero(8 * reach + 1);
+  impulse[4 * reach] = 1.0;
+  const Eigen::VectorXd answer = local_slope(local_slope(impulse, reach, log.period_s), reach, log.period_s);
+  double squares = 0.0;
+  for (Eigen::Index i = 0; i + reach <= answer.size(); ++i) {
+    squares += std::pow(answer.segment(i, reach).mean(), 2);
+  }
+  return squares * third.squaredNorm() / (20.0 * static_cast<double>(n));
+}
+
 auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& motion, RowRange rows, double through)
     -> Row {
   const auto mean = [&](const Eigen::VectorXd& signal) { return signal.segment(rows.begin, rows.size()).mean(); };
@@ -71,17 +87,20 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& moti
           mean(log.tau_nm),
           std::abs(mean(log.q1_rad) - last.q1_reversal) - through,
           mean(motion.joint_speedup),
-          mean(motion.torque_alike),
-          static_cast<double>(rows.begin / rows.size())};
+          mean(motion.torque_alike)};
 }
 
-/// Stretches of 20 ms, and slopes over as much to either side: a count of 4096 a turn is then 0.04 rad/s, and 1 % of a
-/// motion of 2 Hz is lost.
-void add_log(const AxisLog& log, const Samples& samples, double half_width, std::vector<Row>& all) {
+/// Rows of 20 ms, for stretches, and slopes over as much to either side: a count of 4096 a turn is then 0.04 rad/s, and
+/// 1 % of a motion of 2 Hz is lost.
+auto reach_of(const AxisLog& log) -> Eigen::Index {
   constexpr double kReachS = 0.02;
+  return std::max<Eigen::Index>(1, std::lround(kReachS / log.period_s));
+}
+
+void add_log(const AxisLog& log, const Samples& samples, double half_width, std::vector<Row>& all) {
   constexpr double kThrough = 2.2;   // half widths; a tenth for the knee
   constexpr double kResting = 0.05;  // of the speed's rms
-  const auto reach = std::max<Eigen::Index>(1, std::lround(kReachS / log.period_s));
+  const Eigen::Index reach = reach_of(log);
   const auto slope = [&](const Eigen::VectorXd& signal) { return local_slope(signal, reach, log.period_s); };
   const Eigen::VectorXd rate = slope(log.q1_rad);
   const Motion motion{rate, slope(rate), slope(slope(log.q2_rad)),
@@ -104,11 +123,15 @@ void add_log(const AxisLog& log, const Samples& samples, double half_width, std:
 auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   constexpr std::size_t kFewest = 200;  // 4 s of sliding
   std::vector<Row> all;
+  double noise = 0.0;
   for (std::size_t i = 0; i < from.logs.size(); ++i) {
-    if (!from.logs[i].has_torque || from.logs[i].q2_rad.size() == 0) {
+    const AxisLog& log = from.logs[i];
+    if (!log.has_torque || log.q2_rad.size() == 0) {
       return std::nullopt;
     }
-    add_log(from.logs[i], from.samples[i], from.half_width_rad, all);
+    const std::size_t before = all.size();
+    add_log(log, from.samples[i], from.half_width_rad, all);
+    noise += all.size() > before ? static_cast<double>(all.size() - before) * speedup_noise(log, reach_of(log)) : 0.0;
   }
   if (all.size() < kFewest) {
     return std::nullopt;
@@ -116,14 +139,8 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   const auto count = static_cast<Eigen::Index>(all.size());
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
   const Matrix table = Eigen::Map<const Matrix>(all.front().data(), count, kRowSize);
-  Rows rows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1),
-            table.col(kParts + 2),  table.col(kParts + 3), {}};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    if (i == 0 || table(i, kRowSize - 1) != table(i - 1, kRowSize - 1) + 1.0) {
-      rows.first.push_back(i);
-    }
-  }
-  return rows;
+  return Rows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1),
+              table.col(kParts + 2),  table.col(kParts + 3), noise / static_cast<double>(count)};
 }
 
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
@@ -135,7 +152,8 @@ void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
 /// What a cause alone, and a constant, take away of the change.
 void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::VectorXd& change, TorqueChange& all) {
   const LinearFit fit = fitted(with_offset(columns), change);
-  all.share[static_cast<std::size_t>(cause)] = 1.0 - (fit.rmse * fit.rmse) / (all.rms_nm * all.rms_nm);
+  const double energy = (change.array() - change.mean()).square().mean();
+  all.share[static_cast<std::size_t>(cause)] = 1.0 - fit.rmse * fit.rmse / energy;
   take_size(cause, fit, all);
 }
 
@@ -165,26 +183,17 @@ void take_load(TorqueCause cause, const LoadRows& of, double friction, TorqueCha
   all.size_95[at] = told.half_95;
 }
 
-/// A mass swings on its tendons, at some Hz, and they stick and slide at that; over 0.1 s that averages out, in the
-/// torque and in the joint's own acceleration alike.
-void size_mass(const Rows& rows, const Eigen::VectorXd& alike, const TorqueLogs& now, double friction,
-               TorqueChange& all) {
-  constexpr Eigen::Index kTogether = 5;
-  std::vector<std::array<double, 3>> means;
-  for (std::size_t piece = 0; piece < rows.first.size(); ++piece) {
-    const Eigen::Index end = piece + 1 < rows.first.size() ? rows.first[piece + 1] : alike.size();
-    for (Eigen::Index i = rows.first[piece]; i + kTogether <= end; i += kTogether) {
-      if (rows.way[i] > kLoaded * now.half_width_rad) {
-        means.push_back({rows.joint_speedup.segment(i, kTogether).mean() / now.beta, alike.segment(i, kTogether).mean(),
-                         rows.columns(i, kSense)});
-      }
-    }
-  }
-  if (static_cast<Eigen::Index>(means.size()) > kLoadBlocks) {
-    const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>> table(
-        means.front().data(), static_cast<Eigen::Index>(means.size()), 3);
-    take_load(TorqueCause::kMass, {table.col(0), table.col(2), table.col(1), true}, friction, all);
-  }
+/// A mass by the joint's own acceleration, whose noise makes every mass too small by its share of the acceleration's
+/// square.
+void size_mass(const Rows& rows, const std::vector<Eigen::Index>& far, const Eigen::VectorXd& alike, double beta,
+               double friction, TorqueChange& all) {
+  constexpr double kMostNoise = 0.5;
+  const Eigen::VectorXd speedup = rows.joint_speedup(far);
+  take_load(TorqueCause::kMass, {speedup / beta, rows.columns.col(kSense)(far), alike(far), true}, friction, all);
+  const double energy = (speedup.array() - speedup.mean()).square().mean();
+  const double true_share = 1.0 - std::min(kMostNoise, rows.speedup_noise / energy);
+  all.size[static_cast<std::size_t>(TorqueCause::kMass)] /= true_share;
+  all.size_95[static_cast<std::size_t>(TorqueCause::kMass)] /= true_share;
 }
 
 /// Friction that is not there yet at first: f s (1 - 2 fade), fade from one to nothing over the way until it slides.
@@ -216,19 +225,20 @@ void size_bristle(const Rows& rows, const Eigen::VectorXd& change, TorqueChange&
 }
 
 /// Of the causes that may be it: loads, as the tendons carry them.
-void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const TorqueLogs& now, double friction,
-                TorqueChange& all) {
+/// @param alike  the change, through what the joint's acceleration went through
+void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike, const TorqueLogs& now,
+                double friction, TorqueChange& all) {
   constexpr double kMayBeIt = 0.3;
   const auto may_be = [&](TorqueCause cause) { return all.share[static_cast<std::size_t>(cause)] > kMayBeIt; };
   const Eigen::VectorXd sense = rows.columns.col(kSense);
+  const auto far = loaded_rows(rows, now.half_width_rad);
   if (may_be(TorqueCause::kWeight)) {
-    const auto far = loaded_rows(rows, now.half_width_rad);
     const Eigen::VectorXd cosine = 1.0 - rows.columns.col(kCosine)(far).array();
     take_load(TorqueCause::kWeight, {rows.columns.col(kSine)(far), sense(far), change(far), false, cosine}, friction,
               all);
   }
   if (may_be(TorqueCause::kMass)) {
-    size_mass(rows, change + rows.torque_alike - rows.torque, now, friction, all);
+    size_mass(rows, far, alike, now.beta, friction, all);
   }
   if (may_be(TorqueCause::kBristle)) {
     size_bristle(rows, change, all);
@@ -259,7 +269,13 @@ auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::op
   all.rms_nm = rms((change.array() - change.mean()).matrix());
   judge(TorqueCause::kFriction, rows->columns.col(kSense), change, all);
   judge(TorqueCause::kWeight, rows->columns.middleCols(kSine, 2), change, all);
+  const Eigen::VectorXd alike = change + rows->torque_alike - rows->torque;
+  // By both accelerations: what shakes the joint from outside goes with the joint's own alone.
   judge(TorqueCause::kMass, rows->columns.col(kSpeedup), change, all);
+  double& by_mass = all.share[static_cast<std::size_t>(TorqueCause::kMass)];
+  const double by_motor = by_mass;
+  judge(TorqueCause::kMass, rows->joint_speedup / now.beta, alike, all);
+  by_mass = std::min(by_mass, by_motor);
   judge(TorqueCause::kDrag, rows->columns.col(kRate), change, all);
   TorqueChange best = all;
   for (const double widths : {0.5, 1.0, 2.0, 4.0, 8.0}) {
@@ -270,7 +286,7 @@ auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::op
       best.bristle_way_rad = way;
     }
   }
-  take_sizes(*rows, change, now, healthy.friction(), best);
+  take_sizes(*rows, change, alike, now, healthy.friction(), best);
   return best;
 }
 

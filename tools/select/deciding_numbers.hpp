@@ -138,20 +138,28 @@ inline constexpr double kTorqueAgain = 0.005;
 /// How much wider than in its own log a force law's error bar is: other loops are not quite like those that it was
 /// fitted to. Without it, bars of drawn joints 9001 to 9005 held 84 to 98 % in another motion (23 November 2026).
 inline constexpr double kOtherLoops = 1.2;
-/// How well a mass is known that swings on its tendons, as a share, two spreads: -1.3, 4.1, 9.5, 10.9 and 5.0 % on
-/// drawn joints 701 to 705 (November 2026); why it comes out too large is not known.
+/// How well a mass is known that swings on its tendons, as a share, two spreads: 1.9, 0.8, 0.7, -0.1, 3.0 and -1.6 %
+/// off on drawn joints 700 to 705, -1.4, 0.5, 3.5, 2.0, -13 and 8.6 % on independent joints 6200 to 6206 (November
+/// 2026).
 inline constexpr double kMassKnown = 0.15;
 /// Tendons that take less of the torque than this share are no gauge of their pretension.
 inline constexpr double kLeastOfFriction = 0.1;
 /// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
 /// this share of the other's: some of the torque is not the tendons'.
 inline constexpr double kLeastTogether = 0.5;
-/// Change of the motor's torque, rms over the healthy joint's friction, that counts as one: 0.5 % without a change, 0.7
-/// to 1.4 % by what shows in the joint's angle alone. This and the next three on seeds 700 to 705, November 2026.
-inline constexpr double kTorqueTold = 0.04;
-/// Share of that change's energy that a weight, a mass or drag takes away alone: 67 % and more where it is the cause,
-/// 18 % and less where none is.
+/// Change of the motor's torque, rms over the healthy joint's friction, that counts as one: 0.6 % without a change, 0.7
+/// to 1.4 % by what shows in the joint's angle alone, 1.7 % and more by what acts at the joint (independent joints 6200
+/// to 6206, drawn joints 760 and 761). This and the next three on seeds 700 to 705, November 2026.
+inline constexpr double kTorqueTold = 0.015;
+/// Share of that change's energy that a weight, a mass or drag takes away alone: 66 % and more where it is the cause, a
+/// mass, by the joint's own acceleration, 84 %; 18 % and less where none is.
 inline constexpr double kTorqueCauseShare = 0.45;
+/// The same of friction, where another pretension is what came: 99 % and more; bends, wear and growth of a tendon leave
+/// 61 to 82 % to it, for theirs is not the same everywhere (independent joints 6200 to 6206, November 2026).
+inline constexpr double kPretensionShare = 0.9;
+/// Change of the friction in the torque, over the healthy joint's, by an angle error of the motor's pulley: 2.4 % at
+/// most; a bend of the sheaths that passes for one made 5.4 (the same joints).
+inline constexpr double kAngleErrorTorque = 0.035;
 /// The same of friction that bends before it slides: 82 % and more where it is the cause, less where tendons go slack.
 inline constexpr double kBendsShare = 0.6;
 /// And of what friction that is the same everywhere leaves it leaves this share at most: 5 to 18 % where it is the

@@ -138,6 +138,43 @@ TEST(TorqueBalance, AMassAndDragAreTold) {
   EXPECT_EQ(name_of([](const Instant& now) { return 3e-3 * now.dq1; }), "transmission_viscous");
 }
 
+// Soft tendons pass a torque from outside on to the motor as they stretch, against the joint's acceleration: as a mass
+// would, but the motor's own acceleration makes none.
+TEST(TorqueBalance, WhatShakesTheJointFromOutsideIsNoMass) {
+  constexpr double kShakeRad = 0.02;
+  constexpr double kRate = 2.0 * std::numbers::pi * 3.0;
+  AxisLog shaken = log_with(
+      [&](const Instant& now) { return -4e-4 * kBeta * kShakeRad * kRate * kRate * std::sin(kRate * now.time); }, 2);
+  shaken.q2_rad.array() += kShakeRad * (kRate * shaken.time_s.array()).sin();
+  const std::vector<AxisLog> before = {log_with(none)};
+  const std::vector<AxisLog> after = {shaken};
+  const std::vector<Samples> seen[] = {{samples_of(before[0])}, {samples_of(after[0])}};
+  const auto healthy = torque_parts({before, seen[0], kHalfWidth, kBeta});
+  ASSERT_TRUE(healthy);
+  const auto change = torque_change({after, seen[1], kHalfWidth, kBeta}, *healthy);
+  ASSERT_TRUE(change);
+  EXPECT_GT(change->rms_nm, 0.1 * kFriction);
+  EXPECT_FALSE(found_in_torque(*change, kFriction, kBeta));
+}
+
+TEST(TorqueBalance, WhatTheTorqueDoesNotShowIsContradicted) {
+  const TorqueChange nothing = change_by(none);
+  EXPECT_TRUE(contradicted_by_torque("gravity", nothing, kFriction));
+  EXPECT_TRUE(contradicted_by_torque("load_inertia", nothing, kFriction));
+  EXPECT_FALSE(contradicted_by_torque("angle_periodic", nothing, kFriction));
+  EXPECT_FALSE(contradicted_by_torque("play", nothing, kFriction));
+  EXPECT_FALSE(friction_has_changed(nothing, kFriction));
+  const TorqueChange tighter = change_by([](const Instant& now) { return 0.2 * kFriction * now.s; });
+  EXPECT_FALSE(contradicted_by_torque("pretension_offset", tighter, kFriction));
+  EXPECT_TRUE(contradicted_by_torque("angle_periodic", tighter, kFriction));
+  EXPECT_TRUE(contradicted_by_torque("transmission_viscous", tighter, kFriction));
+  EXPECT_TRUE(friction_has_changed(tighter, kFriction));
+  const TorqueChange bent = change_by([](const Instant& now) { return kFriction * now.s * std::fabs(now.q2); });
+  EXPECT_TRUE(contradicted_by_torque("pretension_offset", bent, kFriction)) << "friction of a place";
+  const TorqueChange dragged = change_by([](const Instant& now) { return 3e-3 * now.dq1; });
+  EXPECT_FALSE(contradicted_by_torque("transmission_viscous", dragged, kFriction));
+}
+
 TEST(TorqueBalance, FrictionThatBendsFirstIsPresliding) {
   EXPECT_EQ(name_of([](const Instant& now) {
               const double bent = std::clamp(-1.0 + 2.0 * now.way / 0.06, -1.0, 1.0);
