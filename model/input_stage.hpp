@@ -50,10 +50,9 @@ class InputStage {
     lag_ = lag;
     lag_rate_ += Traits::part(rate_error, gain_);
     sample.dh = sample.dq1 + lag_rate_;
-    sample.saturated |= Traits::is_saturated(sample.h);
-    sample.saturated |= Traits::is_saturated(rate);
-    sample.saturated |= Traits::is_saturated(rate_error);
-    sample.saturated |= Traits::is_saturated(sample.dh);
+    const unsigned saturated = unsigned{Traits::is_saturated(sample.h)} | unsigned{Traits::is_saturated(rate)} |
+                               unsigned{Traits::is_saturated(rate_error)} | unsigned{Traits::is_saturated(sample.dh)};
+    sample.saturated |= saturated != 0;
   }
   /// Makes h what it is once a motion in the sample's direction has lasted. @pre h is q1 there
   constexpr void settle(Sample<Scalar>& motion) const {

@@ -100,7 +100,7 @@ class LoopSearch {
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
     change_ = change_of_torque(p, healthy, before);
-    if (change_ && change_->rms_nm < kTorqueTold * friction_nm()) {
+    if (change_ && change_->rms_nm < kTorqueTold * std::abs(friction_nm())) {
       force_ = 1.0;  // row by row it is the healthy joint's; its mean over the loop hangs on where the motion turned
     }
     by_torque_ = change_ ? found_in_torque(*change_, friction_nm(), beta_of(healthy)) : std::nullopt;
@@ -125,7 +125,7 @@ class LoopSearch {
 
  private:
   /// Of the healthy joint.
-  [[nodiscard]] auto friction_nm() const -> double { return std::abs(healthy_.fit->torque->friction()); }
+  [[nodiscard]] auto friction_nm() const -> double { return healthy_.fit->torque->friction(); }
 
   auto by_angle() -> std::optional<Search> {
     if (left_ <= enough_ || is_as_before()) {

@@ -55,7 +55,7 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
     const auto at = static_cast<std::size_t>(cause);
     return change.size[at] > change.size_95[at];
   };
-  if (change.rms_nm < kTorqueTold * friction_nm) {
+  if (change.rms_nm < kTorqueTold * std::abs(friction_nm)) {
     return std::nullopt;
   }
   const double slides = share(TorqueCause::kFriction);
@@ -76,7 +76,8 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
 
 auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool {
   const auto share = [&](TorqueCause cause) { return change.share[static_cast<std::size_t>(cause)]; };
-  const bool changed = change.rms_nm >= kTorqueTold * friction_nm;
+  const bool changed = change.rms_nm >= kTorqueTold * std::abs(friction_nm);
+  const double more = change.size[static_cast<std::size_t>(TorqueCause::kFriction)] / friction_nm;
   if (name == "gravity") {
     return !changed || share(TorqueCause::kWeight) < kTorqueCauseShare;
   }
@@ -89,12 +90,14 @@ auto contradicted_by_torque(const std::string& name, const TorqueChange& change,
   if (name == "pretension_offset" || name == "stiffness_hardening") {
     return changed && share(TorqueCause::kFriction) < kPretensionShare;
   }
-  const double friction = change.rms_nm * std::sqrt(std::max(0.0, share(TorqueCause::kFriction)));
-  return name == "angle_periodic" && friction > kAngleErrorTorque * friction_nm;
+  if (name == "viscoelastic_creep") {  // which lets tension go
+    return changed && more > 0.0;
+  }
+  return name == "angle_periodic" && std::abs(more) > kAngleErrorTorque;
 }
 
 auto friction_has_changed(const TorqueChange& change, double friction_nm) -> bool {
-  return change.rms_nm >= kTorqueTold * friction_nm &&
+  return change.rms_nm >= kTorqueTold * std::abs(friction_nm) &&
          change.share[static_cast<std::size_t>(TorqueCause::kFriction)] > kTorqueCauseShare;
 }
 

@@ -17,7 +17,7 @@ struct TorqueFinding {
   double share;          ///< of the change's energy that it takes away
 };
 
-/// @param friction_nm  of the healthy joint   @param beta  joint angle per motor angle
+/// @param friction_nm  of the healthy joint, negative where its torque is counted the other way   @param beta  joint angle per motor angle
 auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding>;
 
 /// Whether the motor's torque says that it can not be this effect, which the joint's angle alone would have: a weight

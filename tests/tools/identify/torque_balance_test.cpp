@@ -171,6 +171,9 @@ TEST(TorqueBalance, WhatTheTorqueDoesNotShowIsContradicted) {
   EXPECT_TRUE(friction_has_changed(tighter, kFriction));
   const TorqueChange bent = change_by([](const Instant& now) { return kFriction * now.s * std::fabs(now.q2); });
   EXPECT_TRUE(contradicted_by_torque("pretension_offset", bent, kFriction)) << "friction of a place";
+  EXPECT_TRUE(contradicted_by_torque("viscoelastic_creep", bent, kFriction)) << "creep lets tension go";
+  const TorqueChange crept = change_by([](const Instant& now) { return -0.1 * kFriction * now.s; });
+  EXPECT_FALSE(contradicted_by_torque("viscoelastic_creep", crept, kFriction));
   const TorqueChange dragged = change_by([](const Instant& now) { return 3e-3 * now.dq1; });
   EXPECT_FALSE(contradicted_by_torque("transmission_viscous", dragged, kFriction));
 }
