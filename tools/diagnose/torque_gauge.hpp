@@ -17,11 +17,12 @@ struct TorqueFinding {
   double share;          ///< of the change's energy that it takes away
 };
 
-/// @param friction_nm  of the healthy joint, negative where its torque is counted the other way   @param beta  joint angle per motor angle
+/// @param friction_nm  of the healthy joint, negative where its torque is counted the other way
+/// @param beta  joint angle per motor angle
 auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding>;
 
 /// Whether the motor's torque says that it can not be this effect, which the joint's angle alone would have: a weight
-/// or a mass of which the torque shows nothing, or one that changes no friction though the friction has changed.
+/// or a mass of which it shows nothing, or a friction that has not changed as that effect changes it.
 auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool;
 
 /// Tendons of another friction: they are longer, shorter or worn, and have not slipped.

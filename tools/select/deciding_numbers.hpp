@@ -118,8 +118,8 @@ inline constexpr double kWorthABase = 0.8;
 inline constexpr double kLoopTold = 0.03;
 /// What a loop's width may be off by, two spreads, beside its fit's interval, how late the joint is fitted beside it:
 /// with gaps 0.15 % at most on drawn joints 700 to 705, and up to 1.9 on independent joints 6200 to 6206 and 8600 to
-/// 8606 (November 2026), always too wide: a load that turns over within the gap leaves tension in tendons whose friction
-/// sits at guides.
+/// 8606 (November 2026), always too wide: a load that turns over within the gap leaves tension in tendons whose
+/// friction sits at guides.
 inline constexpr double kLoopBias = 0.02;
 /// How well a law with tendons knows the motor's own friction, as a share of all friction, two spreads: off by 2.6,
 /// 0.5, -3.7, -0.1, 0.4 and -0.6 % on drawn joints 700 to 705 (November 2026).
@@ -140,8 +140,8 @@ inline constexpr double kTorqueAgain = 0.005;
 /// How much wider than in its own log a force law's error bar is: other loops are not quite like those that it was
 /// fitted to. Without it, bars of drawn joints 9001 to 9005 held 84 to 98 % in another motion (23 November 2026).
 inline constexpr double kOtherLoops = 1.2;
-/// How well a mass is known that swings on its tendons, as a share, two spreads: 1.9, 0.8, 0.7, -0.1, 3.0 and -1.6 %
-/// off on drawn joints 700 to 705, -1.4, 0.5, 3.5, 2.0, -13 and 8.6 % on independent joints 6200 to 6206 (November
+/// How well a mass is known that swings on its tendons, as a share, two spreads: 2.5, 1.0, 1.3, 0.1, 3.4 and -1.0 % off
+/// on drawn joints 700 to 705, -0.9, 0.8, 3.9, 3.2, 6.9, -8.5 and 8.8 % on independent joints 6200 to 6206 (November
 /// 2026).
 inline constexpr double kMassKnown = 0.15;
 /// Tendons that take less of the torque than this share are no gauge of their pretension.
