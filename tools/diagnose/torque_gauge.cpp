@@ -88,7 +88,9 @@ auto contradicted_by_torque(const std::string& name, const TorqueChange& change,
     return changed && share(TorqueCause::kDrag) < share(TorqueCause::kFriction);
   }
   if (name == "pretension_offset" || name == "stiffness_hardening") {
-    return changed && share(TorqueCause::kFriction) < kPretensionShare;
+    const double by_friction = share(TorqueCause::kFriction);
+    const double rest = change.rms_nm * std::sqrt(std::max(0.0, 1.0 - by_friction));
+    return by_friction < kPretensionShare && rest >= kTorqueTold * std::abs(friction_nm);
   }
   if (name == "viscoelastic_creep") {  // which lets tension go
     return changed && more > 0.0;

@@ -172,6 +172,11 @@ TEST(TorqueBalance, WhatTheTorqueDoesNotShowIsContradicted) {
   const TorqueChange bent = change_by([](const Instant& now) { return kFriction * now.s * std::fabs(now.q2); });
   EXPECT_TRUE(contradicted_by_torque("pretension_offset", bent, kFriction)) << "friction of a place";
   EXPECT_TRUE(contradicted_by_torque("viscoelastic_creep", bent, kFriction)) << "creep lets tension go";
+  const TorqueChange hardly_bent =
+      change_by([](const Instant& now) { return 0.07 * kFriction * now.s * std::fabs(now.q2); });
+  EXPECT_GT(hardly_bent.rms_nm, 0.015 * kFriction);
+  EXPECT_LT(hardly_bent.share[static_cast<std::size_t>(TorqueCause::kFriction)], 0.9);
+  EXPECT_FALSE(contradicted_by_torque("stiffness_hardening", hardly_bent, kFriction)) << "what is left counts as none";
   const TorqueChange crept = change_by([](const Instant& now) { return -0.1 * kFriction * now.s; });
   EXPECT_FALSE(contradicted_by_torque("viscoelastic_creep", crept, kFriction));
   const TorqueChange dragged = change_by([](const Instant& now) { return 3e-3 * now.dq1; });
