@@ -61,8 +61,8 @@ auto changed_tendons(LawForm tendons, const std::string& name, double width) -> 
   return tendons;
 }
 
-auto beta_of(const JointFile& healthy) -> double {
-  return healthy.parameters.coefficients[healthy.catalogue->term("motor_angle").first_coefficient];
+auto beta_of(const JointFile& joint) -> double {
+  return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
 }
 
 /// How the motor's torque differs from the healthy joint's, beyond its loop.
@@ -100,7 +100,7 @@ class LoopSearch {
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
                             rounded(before.torque_nm, 3) + " Nm");
     change_ = change_of_torque(p, healthy, before);
-    if (change_ && change_->rms_nm < kTorqueTold * std::abs(friction_nm())) {
+    if (change_ && !torque_has_changed(*change_, friction_nm())) {
       force_ = 1.0;  // row by row it is the healthy joint's; its mean over the loop hangs on where the motion turned
     }
     by_torque_ = change_ ? found_in_torque(*change_, friction_nm(), beta_of(healthy)) : std::nullopt;
@@ -268,7 +268,7 @@ class LoopSearch {
       return {value, unit, Interval{value - slope * half, value + slope * half}};
     };
     if (name == kPlay) {
-      const double beta = law.parameters.coefficients[gauge_.catalogue->term("motor_angle").first_coefficient];
+      const double beta = beta_of(law);
       return with(beta * width * (1.0 - 1.0 / width_), beta * width, "rad");
     }
     if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {

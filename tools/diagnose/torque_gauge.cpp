@@ -49,25 +49,28 @@ auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> Torq
 
 }  // namespace
 
+auto torque_has_changed(const TorqueChange& change, double friction_nm) -> bool {
+  return change.rms_nm >= kTorqueTold * std::abs(friction_nm);
+}
+
 auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding> {
-  const auto share = [&](TorqueCause cause) { return change.share[static_cast<std::size_t>(cause)]; };
   const auto is_certain = [&](TorqueCause cause) {
     const auto at = static_cast<std::size_t>(cause);
     return change.size[at] > change.size_95[at];
   };
-  if (change.rms_nm < kTorqueTold * std::abs(friction_nm)) {
+  if (!torque_has_changed(change, friction_nm)) {
     return std::nullopt;
   }
-  const double slides = share(TorqueCause::kFriction);
-  const double bending = share(TorqueCause::kBristle);
+  const double slides = change.share_of(TorqueCause::kFriction);
+  const double bending = change.share_of(TorqueCause::kBristle);
   const bool bends = bending > kBendsShare && bending > slides + kBendsBeyond &&
-                     1.0 - bending < kBendsLeaves * (1.0 - slides) && bending > share(TorqueCause::kDrag);
+                     1.0 - bending < kBendsLeaves * (1.0 - slides) && bending > change.share_of(TorqueCause::kDrag);
   if (bends && is_certain(TorqueCause::kBristle)) {
     return finding(TorqueCause::kBristle, change, beta);
   }
   for (const TorqueCause cause : {TorqueCause::kWeight, TorqueCause::kMass, TorqueCause::kDrag}) {
     const bool told = cause == TorqueCause::kWeight || is_certain(cause);  // weight may pull either way
-    if (told && share(cause) > kTorqueCauseShare && share(cause) > slides + kBeyondFriction) {
+    if (told && change.share_of(cause) > kTorqueCauseShare && change.share_of(cause) > slides + kBeyondFriction) {
       return finding(cause, change, beta);
     }
   }
@@ -75,20 +78,19 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
 }
 
 auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool {
-  const auto share = [&](TorqueCause cause) { return change.share[static_cast<std::size_t>(cause)]; };
-  const bool changed = change.rms_nm >= kTorqueTold * std::abs(friction_nm);
-  const double more = change.size[static_cast<std::size_t>(TorqueCause::kFriction)] / friction_nm;
+  const bool changed = torque_has_changed(change, friction_nm);
+  const double more = change.size_of(TorqueCause::kFriction) / friction_nm;
   if (name == "gravity") {
-    return !changed || share(TorqueCause::kWeight) < kTorqueCauseShare;
+    return !changed || change.share_of(TorqueCause::kWeight) < kTorqueCauseShare;
   }
   if (name == "load_inertia") {
-    return !changed || share(TorqueCause::kMass) < kTorqueCauseShare;
+    return !changed || change.share_of(TorqueCause::kMass) < kTorqueCauseShare;
   }
   if (name == "transmission_viscous") {
-    return changed && share(TorqueCause::kDrag) < share(TorqueCause::kFriction);
+    return changed && change.share_of(TorqueCause::kDrag) < change.share_of(TorqueCause::kFriction);
   }
   if (name == "pretension_offset" || name == "stiffness_hardening") {
-    const double by_friction = share(TorqueCause::kFriction);
+    const double by_friction = change.share_of(TorqueCause::kFriction);
     const double rest = change.rms_nm * std::sqrt(std::max(0.0, 1.0 - by_friction));
     return by_friction < kPretensionShare && rest >= kTorqueTold * std::abs(friction_nm);
   }
@@ -99,8 +101,7 @@ auto contradicted_by_torque(const std::string& name, const TorqueChange& change,
 }
 
 auto friction_has_changed(const TorqueChange& change, double friction_nm) -> bool {
-  return change.rms_nm >= kTorqueTold * std::abs(friction_nm) &&
-         change.share[static_cast<std::size_t>(TorqueCause::kFriction)] > kTorqueCauseShare;
+  return torque_has_changed(change, friction_nm) && change.share_of(TorqueCause::kFriction) > kTorqueCauseShare;
 }
 
 }  // namespace capstan::tools

@@ -21,6 +21,9 @@ struct TorqueFinding {
 /// @param beta  joint angle per motor angle
 auto found_in_torque(const TorqueChange& change, double friction_nm, double beta) -> std::optional<TorqueFinding>;
 
+/// Whether the torque is another than the healthy joint's.
+auto torque_has_changed(const TorqueChange& change, double friction_nm) -> bool;
+
 /// Whether the motor's torque says that it can not be this effect, which the joint's angle alone would have: a weight
 /// or a mass of which it shows nothing, or a friction that has not changed as that effect changes it.
 auto contradicted_by_torque(const std::string& name, const TorqueChange& change, double friction_nm) -> bool;

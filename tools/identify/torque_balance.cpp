@@ -53,12 +53,8 @@ auto behind_slope(const Eigen::VectorXd& signal, Eigen::Index half_window) -> Ei
   return mean;
 }
 
-/// What white noise of the joint's sensor is in means over `reach` rows of its acceleration, (rad/s2)^2. The noise is
-/// what its third differences are: they hold 20 times its square, and of the motion nothing to speak of.
+/// What white noise of the joint's sensor is in means over `reach` rows of its acceleration, (rad/s2)^2.
 auto speedup_noise(const AxisLog& log, Eigen::Index reach) -> double {
-  const Eigen::Index n = log.samples();
-  const Eigen::VectorXd third = log.q2_rad.tail(n - 3) - 3.0 * log.q2_rad.segment(2, n - 3) +
-                                3.0 * log.q2_rad.segment(1, n - 3) - log.q2_rad.head(n - 3);
   Eigen::VectorXd impulse = Eigen::VectorXd::Zero(8 * reach + 1);
   impulse[4 * reach] = 1.0;
   const Eigen::VectorXd answer = local_slope(local_slope(impulse, reach, log.period_s), reach, log.period_s);
@@ -66,7 +62,7 @@ auto speedup_noise(const AxisLog& log, Eigen::Index reach) -> double {
   for (Eigen::Index i = 0; i + reach <= answer.size(); ++i) {
     squares += std::pow(answer.segment(i, reach).mean(), 2);
   }
-  return squares * third.squaredNorm() / (20.0 * static_cast<double>(n));
+  return squares * std::pow(white_noise_level(log.q2_rad), 2);
 }
 
 auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& motion, RowRange rows, double through)
@@ -149,11 +145,15 @@ void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
   all.size_95[at] = half_interval(fit, 0);
 }
 
+/// Of a signal's energy about its mean.
+auto share_of(const LinearFit& fit, const Eigen::VectorXd& signal) -> double {
+  return 1.0 - std::pow(fit.rmse / rms_about_mean(signal), 2);
+}
+
 /// What a cause alone, and a constant, take away of the change.
 void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::VectorXd& change, TorqueChange& all) {
   const LinearFit fit = fitted(with_offset(columns), change);
-  const double energy = (change.array() - change.mean()).square().mean();
-  all.share[static_cast<std::size_t>(cause)] = 1.0 - fit.rmse * fit.rmse / energy;
+  all.share[static_cast<std::size_t>(cause)] = share_of(fit, change);
   take_size(cause, fit, all);
 }
 
@@ -190,8 +190,8 @@ void size_mass(const Rows& rows, const std::vector<Eigen::Index>& far, const Eig
   constexpr double kMostNoise = 0.5;
   const Eigen::VectorXd speedup = rows.joint_speedup(far);
   take_load(TorqueCause::kMass, {speedup / beta, rows.columns.col(kSense)(far), alike(far), true}, friction, all);
-  const double energy = (speedup.array() - speedup.mean()).square().mean();
-  const double true_share = 1.0 - std::min(kMostNoise, rows.speedup_noise / energy);
+  const double noise_share = rows.speedup_noise / std::pow(rms_about_mean(speedup), 2);
+  const double true_share = 1.0 - std::min(kMostNoise, noise_share);
   all.size[static_cast<std::size_t>(TorqueCause::kMass)] /= true_share;
   all.size_95[static_cast<std::size_t>(TorqueCause::kMass)] /= true_share;
 }
@@ -266,16 +266,15 @@ auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::op
   const Eigen::Map<const Eigen::VectorXd> parts(healthy.values.data(), kParts);
   const Eigen::VectorXd change = rows->torque - rows->columns * parts;
   TorqueChange all;
-  all.rms_nm = rms((change.array() - change.mean()).matrix());
+  all.rms_nm = rms_about_mean(change);
   judge(TorqueCause::kFriction, rows->columns.col(kSense), change, all);
   judge(TorqueCause::kWeight, rows->columns.middleCols(kSine, 2), change, all);
   const Eigen::VectorXd alike = change + rows->torque_alike - rows->torque;
-  // By both accelerations: what shakes the joint from outside goes with the joint's own alone.
-  judge(TorqueCause::kMass, rows->columns.col(kSpeedup), change, all);
-  double& by_mass = all.share[static_cast<std::size_t>(TorqueCause::kMass)];
-  const double by_motor = by_mass;
   judge(TorqueCause::kMass, rows->joint_speedup / now.beta, alike, all);
-  by_mass = std::min(by_mass, by_motor);
+  // The motor's acceleration has to say so too: what shakes the joint from outside goes with the joint's alone.
+  const LinearFit by_motor = fitted(with_offset(rows->columns.col(kSpeedup)), change);
+  double& by_mass = all.share[static_cast<std::size_t>(TorqueCause::kMass)];
+  by_mass = std::min(by_mass, share_of(by_motor, change));
   judge(TorqueCause::kDrag, rows->columns.col(kRate), change, all);
   TorqueChange best = all;
   for (const double widths : {0.5, 1.0, 2.0, 4.0, 8.0}) {

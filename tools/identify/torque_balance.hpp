@@ -37,6 +37,9 @@ struct TorqueChange {
   std::array<double, kTorqueCauses> size{};     ///< Nm, but kgm2 of a mass and Nms/rad of drag; at the motor
   std::array<double, kTorqueCauses> size_95{};  ///< half width of its interval
   double bristle_way_rad = 0.0;                 ///< at the motor, until it slides
+
+  [[nodiscard]] auto share_of(TorqueCause cause) const -> double { return share[static_cast<std::size_t>(cause)]; }
+  [[nodiscard]] auto size_of(TorqueCause cause) const -> double { return size[static_cast<std::size_t>(cause)]; }
 };
 auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::optional<TorqueChange>;
 

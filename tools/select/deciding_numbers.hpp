@@ -156,12 +156,6 @@ inline constexpr double kTorqueTold = 0.015;
 /// Share of that change's energy that a weight, a mass or drag takes away alone: 66 % and more where it is the cause, a
 /// mass, by the joint's own acceleration, 84 %; 18 % and less where none is.
 inline constexpr double kTorqueCauseShare = 0.45;
-/// The same of friction, where another pretension is what came: 99 % and more; bends, wear and growth of a tendon leave
-/// 61 to 82 % to it, for theirs is not the same everywhere (independent joints 6200 to 6206, November 2026).
-inline constexpr double kPretensionShare = 0.9;
-/// Change of the friction in the torque, over the healthy joint's, by an angle error of the motor's pulley: 2.4 % at
-/// most; a bend of the sheaths that passes for one made 5.4 (the same joints).
-inline constexpr double kAngleErrorTorque = 0.035;
 /// The same of friction that bends before it slides: 82 % and more where it is the cause, less where tendons go slack.
 inline constexpr double kBendsShare = 0.6;
 /// And of what friction that is the same everywhere leaves it leaves this share at most: 5 to 18 % where it is the
@@ -179,5 +173,12 @@ inline constexpr double kLeanLeaves = 0.5;
 inline constexpr double kLeaningKnown = 0.2;
 /// By how much more than such friction a weight, a mass or drag takes away; drag goes with the direction too.
 inline constexpr double kBeyondFriction = 0.15;
+/// Share of that change's energy that friction takes away where another pretension is what came: 99 % and more; bends,
+/// wear and growth of a tendon leave 61 to 82 % to it, for theirs is not the same everywhere (independent joints 6200
+/// to 6206, November 2026).
+inline constexpr double kPretensionShare = 0.9;
+/// Change of the friction in the torque, over the healthy joint's, by an angle error of the motor's pulley: 2.4 % at
+/// most; a bend of the sheaths that passes for one made 5.4 (the same joints).
+inline constexpr double kAngleErrorTorque = 0.035;
 
 }  // namespace capstan::tools
