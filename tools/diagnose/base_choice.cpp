@@ -3,16 +3,61 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 
 namespace capstan::tools {
 namespace {
 
-/// Tendons that are not known yet, fitted to the rows to learn from, with the rate's filter that serves them; their
-/// compliance is tied to what it is there.
+constexpr const char* kDelay = "transport_delay";
+
+/// The loop that tendons draw by their law; nothing where the motor's torque is not steady.
+auto loop_by_law(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> std::optional<Loop> {
+  JointFile joint = law_with_intervals(p.causal, p.target, rows, tendons, p.conditioner);
+  joint.steady_torque = steady_torque(p.logs, p.causal);
+  return loop_of(joint);
+}
+
+/// Tendons of a joint that is late, where they leave less for that.
+auto with_lateness_of_joint(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> LawForm {
+  const auto loop = loop_by_law(p, tendons, rows);
+  if (!loop) {
+    return tendons;
+  }
+  const LawForm gauge = with_lateness(p.causal, p.target, rows, fit_loop(p.causal, p.target, rows, *loop));
+  LawForm late = tendons;
+  late.terms.emplace_back(kDelay);
+  late.set_shapes(late.catalogue->term(kDelay), {lateness_of(gauge)});
+  late = fit_tendon(p.causal, p.target, rows, late);
+  late.held = {kTendonModel};
+  late = refine_shapes(p.causal, p.target, rows, std::move(late));
+  late.held = tendons.held;
+  late = refine_tendon(p.causal, p.target, rows, std::move(late));
+  return left_to_choose(p, late) < kWorthLateness * left_to_choose(p, tendons) ? late : tendons;
+}
+
+/// Without a lateness that is to be named: more than what the torque that grows with the motor's speed makes by
+/// stretching the tendons, and than a sample, by which two clocks may differ.
+auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Blocks& rows) -> LawForm {
+  constexpr std::size_t kViscous = 5;
+  if (!tendons.has(kDelay)) {
+    return tendons;
+  }
+  const auto loop = loop_by_law(p, tendons, rows);
+  const double drag = tendons.shapes_of(tendons.catalogue->term(kTendonModel))[kViscous];
+  const double own_s = loop ? drag / (kTorqueOfStretch * loop->torque_stretching(1.0)) : 0.0;
+  if (lateness_of(tendons) > std::max(own_s, p.causal.period_s(0))) {
+    std::erase(tendons.terms, kDelay);
+  }
+  return tendons;
+}
+
+/// Tendons that are not known yet, and how late their joint is, fitted to the rows to learn from, with the rate's
+/// filter that serves them; their compliance is tied to what it is there.
 auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
   const Blocks learned = refined(p.split, p.factor).learned();
   LawForm law = fit_tendon(p.causal, p.target, learned, start);
@@ -21,7 +66,10 @@ auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
     p = with_rate_filter(std::move(p), conditioner.rate_time_constant_s);
     law = refine_tendon(p.causal, p.target, learned, std::move(law));
   }
-  return base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
+  law = with_lateness_of_joint(p, law, learned);
+  law = base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
+  law.held.emplace_back(kTendonModel);
+  return law;
 }
 
 /// Half the width at the joint of the loop that a search called a gap; 0 where it found none.
@@ -68,6 +116,7 @@ auto settled_base(Preparation& p, LawForm base) -> LawForm {
   }
   if (base.shapes == base.catalogue->initial_shapes()) {
     base = fitted_tendons(p, base);
+    return without_foreign_lateness(p, std::move(base), refined(p.split, p.factor).learned());
   }
   base.held.emplace_back(kTendonModel);
   return base;
@@ -85,8 +134,9 @@ auto better_base(const Preparation& p, const LawForm& usual, const Search& searc
   LawForm tendons;
   tendons.terms = terms_of_model(kTendonModel);
   Preparation theirs = with_rate_filter(p, kTendonRateFilterS);
-  tendons = settled_base(theirs, tendons);
+  tendons = fitted_tendons(theirs, tendons);
   const double left = left_to_choose(theirs, tendons);
+  tendons = without_foreign_lateness(theirs, std::move(tendons), refined(p.split, p.factor).learned());
   const bool complete = left_to_choose(p, usual) > kMuchIsMissing * noise && left <= kAboveFloor * noise;
   const double form_error = tendons_likely ? kTendonForm * loop_size(p, search.law) : 0.0;
   const bool as_good = tendons_likely && left <= std::hypot(kAsGoodABase * found, form_error);

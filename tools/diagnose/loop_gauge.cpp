@@ -2,6 +2,7 @@
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -20,6 +21,13 @@ namespace capstan::tools {
 namespace {
 
 constexpr const char* kPlay = "play";
+constexpr const char* kDelay = "transport_delay";
+constexpr const char* kPeriodic = "angle_periodic";
+constexpr std::array kLateTerms = {kDelay, "transmission_viscous"};
+
+auto is_late_term(const std::string& name) -> bool {
+  return std::any_of(kLateTerms.begin(), kLateTerms.end(), [&](const char* term) { return name == term; });
+}
 constexpr const char* kPretension = "pretension_offset";
 
 /// What a change of the loop alone is called; empty: the tendons' torque changed and their motion did not.
@@ -65,13 +73,30 @@ auto beta_of(const JointFile& joint) -> double {
   return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
 }
 
+auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs {
+  return {p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy)};
+}
+
 /// How the motor's torque differs from the healthy joint's, beyond its loop.
 auto change_of_torque(const Preparation& p, const JointFile& healthy, const Loop& before)
     -> std::optional<TorqueChange> {
   if (!healthy.fit || !healthy.fit->torque) {
     return std::nullopt;
   }
-  return torque_change({p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy)}, *healthy.fit->torque);
+  return torque_change(torque_logs(p, healthy, before), *healthy.fit->torque);
+}
+
+/// A loop of any width; as late as the healthy joint was, where another lateness leaves nothing less.
+auto loop_now(const Preparation& p, const Loop& before) -> LawForm {
+  LawForm loop = fit_loop(p.noncausal, p.target, p.certain(), before);
+  if (!before.late_s) {
+    return loop;
+  }
+  LawForm late = with_lateness(p.causal, p.target, p.certain(), loop);
+  LawForm as_before = late;
+  as_before.set_shapes(as_before.catalogue->term(kDelay), {*before.late_s});
+  const bool is_as_late = left_to_choose(p, as_before) <= kAboveFloor * left_to_choose(p, late);
+  return is_as_late ? late : loop;
 }
 
 /// A search from a loop of any width, and what its end says.
@@ -83,7 +108,7 @@ class LoopSearch {
         healthy_(healthy),
         before_(before),
         tendons_(tendons),
-        loop_(fit_loop(p.noncausal, p.target, p.certain(), before)),
+        loop_(loop_now(p, before)),
         search_(search_effects(p, loop_, progress)),
         left_(left_to_choose(p, tendons)),
         left_by_loop_(left_to_choose(p, loop_)),
@@ -115,7 +140,8 @@ class LoopSearch {
     }
     auto told = by_angle();
     const auto is_contradicted = [&](const AddedEffect& effect) {
-      return change_ && contradicted_by_torque(effect.name, *change_, friction_nm());
+      return change_ && (contradicted_by_torque(effect.name, *change_, friction_nm()) ||
+                         (effect.name == kPeriodic && is_torque_periodic()));
     };
     if (told && std::any_of(told->effects.begin(), told->effects.end(), is_contradicted)) {
       return nameless("");
@@ -202,20 +228,27 @@ class LoopSearch {
     return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {effect});
   }
 
-  auto of_what_came_beside() -> Search {
-    for (auto& effect : search_.effects) {
-      if (effect.name == "transport_delay" || effect.name == "transmission_viscous") {
-        effect.name = name_of_lateness();
-        effect.alternatives.clear();
-        effect.size = delay_of(effect.name);
-      }
+  /// Calls what makes the joint later than the healthy one by its name; a delay and drag that were found beside each
+  /// other are one lateness. Whether they were.
+  auto name_lateness() -> bool {
+    auto& effects = search_.effects;
+    const auto is_lateness = [](const AddedEffect& effect) { return is_late_term(effect.name); };
+    const auto first = std::find_if(effects.begin(), effects.end(), is_lateness);
+    if (first == effects.end()) {
+      return false;
     }
-    const auto& found = search_.effects;
-    const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
-    if (!found.empty() && !about_tendons && left_by_found_ <= enough_) {
-      return complete(search_.law, left_by_found_, found);
-    }
-    for (const char* term : {"transport_delay", "transmission_viscous"}) {
+    const auto others = std::remove_if(first + 1, effects.end(), is_lateness);
+    const bool were_two = others != effects.end();
+    effects.erase(others, effects.end());
+    first->name = name_of_lateness();
+    first->alternatives.clear();
+    first->size = delay_of(first->name);
+    return were_two;
+  }
+
+  /// A lateness and nothing else.
+  auto of_lateness_alone() -> std::optional<Search> {
+    for (const char* term : kLateTerms) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
         compare_width(late);
@@ -223,6 +256,20 @@ class LoopSearch {
         effect.size = delay_of(effect.name);
         return complete(late, left_by_it, {effect});
       }
+    }
+    return std::nullopt;
+  }
+
+  auto of_what_came_beside() -> Search {
+    const bool is_as_late = loop_.has(kDelay);
+    const bool late_by_two = !is_as_late && name_lateness();
+    const auto& found = search_.effects;
+    const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
+    if (!found.empty() && !about_tendons && !late_by_two && left_by_found_ <= enough_) {
+      return complete(search_.law, left_by_found_, found);
+    }
+    if (auto late = is_as_late ? std::nullopt : of_lateness_alone()) {
+      return *late;
     }
     const Course course = course_of(p_, loop_);
     if (!found.empty() && found.front().name == "thermal_drift") {
@@ -303,9 +350,14 @@ class LoopSearch {
     const double over = 1.0 + more / tendons;
     return EffectSize{over, "1", Interval{over - half, over + half}};
   }
+  /// How late the healthy joint may be by its own drag, which is another in another motion; a clock's is not.
+  [[nodiscard]] auto lateness_of_drag() const -> double {
+    const bool told = healthy_.fit && healthy_.fit->torque;
+    return told ? std::abs(healthy_.fit->torque->viscous()) / before_.torque_stretching(1.0) : *before_.late_s;
+  }
   /// How much later the joint is than the healthy one was: its sensors have clocks of their own, too.
   [[nodiscard]] auto delay_of(const std::string& name) const -> std::optional<EffectSize> {
-    if (name != "transport_delay" || !gauge_.has(name) || !before_.late_s) {
+    if (name != kDelay || !gauge_.has(name) || !before_.late_s) {
       return std::nullopt;
     }
     const auto& ci95 = gauged().shape_ci95[gauge_.catalogue->term(name).first_shape];
@@ -313,12 +365,28 @@ class LoopSearch {
     if (!ci95) {
       return EffectSize{value, "s"};
     }
-    const double half = 0.5 * ((*ci95)[1] - (*ci95)[0]) * std::sqrt(2.0);  // the healthy one is as sure as this one
+    const double fitted = 0.5 * ((*ci95)[1] - (*ci95)[0]) * std::sqrt(2.0);  // the healthy one is as sure as this one
+    const double half = std::hypot(fitted, kLatenessKnown * std::min(*before_.late_s, lateness_of_drag()));
     return EffectSize{value, "s", Interval{value - half, value + half}};
   }
-  /// Drag along the tendons delays the joint by what its torque shows; a late clock takes none.
+  /// An angle that errs takes no torque; a detent turns the joint by what its torque stretches.
+  [[nodiscard]] auto is_torque_periodic() const -> bool {
+    const JointFile law = gauged();
+    const CatalogueTerm& term = law.catalogue->term(kPeriodic);
+    const double* wave = &law.parameters.coefficients[term.first_coefficient];
+    const double order = law.parameters.shapes[term.first_shape];
+    const double stretch = std::hypot(wave[0], wave[1]) / std::abs(beta_of(healthy_));
+    return periodic_torque(torque_logs(p_, healthy_, before_), *healthy_.fit->torque, order) >
+           kTorqueOfStretch * before_.torque_stretching(stretch);
+  }
+  /// Drag delays the joint by what its torque stretches; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
-    return force_ > 1.0 + kLoopTold ? "transmission_viscous" : "transport_delay";
+    bool drags = force_ > 1.0 + kLoopTold;
+    if (change_ && before_.late_s) {
+      const double later_s = lateness_of(late_loop(kDelay)) - *before_.late_s;
+      drags = change_->size_of(TorqueCause::kDrag) > kTorqueOfStretch * before_.torque_stretching(later_s);
+    }
+    return drags ? "transmission_viscous" : kDelay;
   }
   [[nodiscard]] auto late_loop(const std::string& by) const -> LawForm {
     LawForm law = loop_;

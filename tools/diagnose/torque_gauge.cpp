@@ -70,7 +70,9 @@ auto found_in_torque(const TorqueChange& change, double friction_nm, double beta
   }
   for (const TorqueCause cause : {TorqueCause::kWeight, TorqueCause::kMass, TorqueCause::kDrag}) {
     const bool told = cause == TorqueCause::kWeight || is_certain(cause);  // weight may pull either way
-    if (told && change.share_of(cause) > kTorqueCauseShare && change.share_of(cause) > slides + kBeyondFriction) {
+    const double share = change.share_of(cause);
+    const bool is_friction = share < slides + kBeyondFriction && 1.0 - share > kBendsLeaves * (1.0 - slides);
+    if (told && share > kTorqueCauseShare && !is_friction) {
       return finding(cause, change, beta);
     }
   }

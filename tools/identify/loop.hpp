@@ -16,6 +16,12 @@ struct Loop {
   double half_width_rad = 0.0;
   double torque_nm = 0.0;
   std::optional<double> late_s = {};  ///< by which the joint's sensor is later than the motor's, if it was asked
+
+  /// Torque of the motor under which the tendons stretch by so much at the motor: twice as much, per torque, as by
+  /// their own friction, which makes the loop.
+  [[nodiscard]] auto torque_stretching(double by_rad) const -> double {
+    return by_rad * torque_nm / (2.0 * half_width_rad);
+  }
 };
 
 /// Of a law with tendons: of the logs that it is from, or else as the law itself says. Nothing of another law, or of a

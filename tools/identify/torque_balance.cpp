@@ -20,14 +20,15 @@ enum Column : Eigen::Index { kSense, kOne, kRate, kSpeedup, kSine, kCosine };
 struct Rows {
   Eigen::MatrixXd columns;
   Eigen::VectorXd torque;
+  Eigen::VectorXd angle;          ///< of the motor, rad
   Eigen::VectorXd way;            ///< of the motor since it was through the loop, rad
   Eigen::VectorXd joint_speedup;  ///< rad/s2
   Eigen::VectorXd torque_alike;   ///< the torque through what the joint's acceleration went through
   double speedup_noise = 0.0;     ///< of the joint's acceleration, by its sensor's noise, (rad/s2)^2
 };
 
-/// Columns, torque, way, the joint's acceleration and the torque that goes with it.
-constexpr Eigen::Index kRowSize = kParts + 4;
+/// Columns, torque, angle, way, the joint's acceleration and the torque that goes with it.
+constexpr Eigen::Index kRowSize = kParts + 5;
 using Row = std::array<double, kRowSize>;
 
 /// Rates and accelerations of a log, rad/s and rad/s2.
@@ -69,6 +70,7 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& moti
     -> Row {
   const auto mean = [&](const Eigen::VectorXd& signal) { return signal.segment(rows.begin, rows.size()).mean(); };
   const double s = last.forward ? 1.0 : -1.0;
+  const double q1 = mean(log.q1_rad);
   const double q2 = mean(log.q2_rad);
   const double sine = std::sin(q2);
   const double cosine = 1.0 - std::cos(q2);
@@ -81,7 +83,8 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& moti
           s * sine,
           s * cosine,
           mean(log.tau_nm),
-          std::abs(mean(log.q1_rad) - last.q1_reversal) - through,
+          q1,
+          std::abs(q1 - last.q1_reversal) - through,
           mean(motion.joint_speedup),
           mean(motion.torque_alike)};
 }
@@ -135,8 +138,13 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   const auto count = static_cast<Eigen::Index>(all.size());
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
   const Matrix table = Eigen::Map<const Matrix>(all.front().data(), count, kRowSize);
-  return Rows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1),
-              table.col(kParts + 2),  table.col(kParts + 3), noise / static_cast<double>(count)};
+  return Rows{table.leftCols(kParts),
+              table.col(kParts),
+              table.col(kParts + 1),
+              table.col(kParts + 2),
+              table.col(kParts + 3),
+              table.col(kParts + 4),
+              noise / static_cast<double>(count)};
 }
 
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
@@ -245,6 +253,11 @@ void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const Eigen::Ve
   }
 }
 
+/// Beyond the healthy joint's.
+auto change_of(const Rows& rows, const TorqueParts& healthy) -> Eigen::VectorXd {
+  return rows.torque - rows.columns * Eigen::Map<const Eigen::VectorXd>(healthy.values.data(), kParts);
+}
+
 }  // namespace
 
 auto torque_parts(const TorqueLogs& from) -> std::optional<TorqueParts> {
@@ -258,13 +271,22 @@ auto torque_parts(const TorqueLogs& from) -> std::optional<TorqueParts> {
   return parts;
 }
 
+auto periodic_torque(const TorqueLogs& now, const TorqueParts& healthy, double order) -> double {
+  const auto rows = rows_of(now);
+  if (!rows) {
+    return 0.0;
+  }
+  Eigen::MatrixXd wave(rows->angle.size(), 2);
+  wave << (order * rows->angle).array().sin(), (order * rows->angle).array().cos();
+  return fitted(with_offset(wave), change_of(*rows, healthy)).theta.head(2).norm();
+}
+
 auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::optional<TorqueChange> {
   const auto rows = rows_of(now);
   if (!rows) {
     return std::nullopt;
   }
-  const Eigen::Map<const Eigen::VectorXd> parts(healthy.values.data(), kParts);
-  const Eigen::VectorXd change = rows->torque - rows->columns * parts;
+  const Eigen::VectorXd change = change_of(*rows, healthy);
   TorqueChange all;
   all.rms_nm = rms_about_mean(change);
   judge(TorqueCause::kFriction, rows->columns.col(kSense), change, all);

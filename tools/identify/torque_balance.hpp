@@ -43,4 +43,7 @@ struct TorqueChange {
 };
 auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::optional<TorqueChange>;
 
+/// Amplitude, Nm, of the change that repeats `order` times a turn of the motor; 0 where there is no torque to ask.
+auto periodic_torque(const TorqueLogs& now, const TorqueParts& healthy, double order) -> double;
+
 }  // namespace capstan::tools

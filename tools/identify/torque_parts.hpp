@@ -17,6 +17,7 @@ struct TorqueParts {
   std::array<double, kCount> values{};
 
   [[nodiscard]] auto friction() const -> double { return values[0]; }
+  [[nodiscard]] auto viscous() const -> double { return values[2]; }  ///< Nms/rad
 };
 
 }  // namespace capstan::tools

@@ -144,6 +144,14 @@ inline constexpr double kOtherLoops = 1.2;
 /// on drawn joints 700 to 705, -0.9, 0.8, 3.9, 3.2, 6.9, -8.5 and 8.8 % on independent joints 6200 to 6206 (November
 /// 2026).
 inline constexpr double kMassKnown = 0.15;
+/// What a healthy joint is late by comes again in another motion within this share of itself, two spreads: 7 % off at
+/// most on five joints of a third plant, whose drag makes them late by 0.5 to 1.3 ms (November 2026).
+inline constexpr double kLatenessKnown = 0.1;
+/// Tendons whose joint is late take the place of those without where they leave this share, rms, of what those do.
+inline constexpr double kWorthLateness = 0.99;
+/// What turns the joint by stretching its tendons, drag or a detent, shows at least this share of its torque in the
+/// motor's; a late clock and an angle that errs show none (joints of a third plant, 95 % and none, November 2026).
+inline constexpr double kTorqueOfStretch = 0.5;
 /// Tendons that take less of the torque than this share are no gauge of their pretension.
 inline constexpr double kLeastOfFriction = 0.1;
 /// Width and torque of a loop change together, as pretension changes them, where the logarithm of the one is at least
@@ -171,7 +179,8 @@ inline constexpr double kLeanLeaves = 0.5;
 /// How well a leaning weight is known, as a share, two spreads: 9.5, -17.7 and 3.9 % off on independent joints 1 to 3
 /// (24 November 2026). Its lean is told by where tendons go slack.
 inline constexpr double kLeaningKnown = 0.2;
-/// By how much more than such friction a weight, a mass or drag takes away; drag goes with the direction too.
+/// By how much more than such friction a weight, a mass or drag takes away, or else it leaves kBendsLeaves of what that
+/// leaves: strokes of one speed make drag all but friction.
 inline constexpr double kBeyondFriction = 0.15;
 /// Share of that change's energy that friction takes away where another pretension is what came: 99 % and more; bends,
 /// wear and growth of a tendon leave 61 to 82 % to it, for theirs is not the same everywhere (independent joints 6200

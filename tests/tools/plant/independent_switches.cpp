@@ -68,11 +68,7 @@ class IndependentJoint final : public SwitchedJoint {
     return one.told ? size : 0.0;
   }
   [[nodiscard]] auto other_motion() const -> std::optional<AxisLog> override {
-    LabExperiment other = experiment_;
-    other.motion = static_cast<LabMotion>((static_cast<int>(experiment_.motion) + 1) % kLabMotions);
-    other.seed += 1000000;
-    other.noise_seed += 1000000;
-    return log_of(joint_, other);
+    return log_of(joint_, other_experiment(experiment_));
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <map>
 
+#include "capstan/tests/tools/plant/coulomb_joint.hpp"
 #include "capstan/tests/tools/plant/hybrid.hpp"
 #include "capstan/tests/tools/plant/independent_joint.hpp"
 #include "capstan/tests/tools/plant/plant_gauge.hpp"
@@ -19,7 +20,7 @@ namespace {
 
 struct Options : EffectOptions {
   bool gauge = false, hybrid = false, health = false, error_bars = false, torque_error_bars = false,
-       all_motions = false, independent = false;
+       all_motions = false, independent = false, coulomb = false;
 };
 
 /// The joints of one seed, one per motion.
@@ -27,6 +28,10 @@ auto drawn_joints(std::uint64_t seed, const Options& options) -> std::vector<std
   std::vector<std::unique_ptr<SwitchedJoint>> joints;
   if (options.independent) {
     joints.push_back(switched_independent_joint(seed));
+    return joints;
+  }
+  if (options.coulomb) {
+    joints.push_back(switched_coulomb_joint(seed));
     return joints;
   }
   for (const PlantMotion motion : kPlantMotions) {
@@ -106,6 +111,9 @@ auto main(int argc, char** argv) -> int {
   app.add_flag("--compare", options.compare, "ask `capstan compare` instead");
   app.add_flag("--independent", options.independent,
                "another plant, which shares no code with hal/sim: masses, springs and bristles in laboratory motions");
+  app.add_flag(
+      "--coulomb", options.coulomb,
+      "a third plant, which shares no code with either: tendons that stick or slide exactly, a joint with drag");
   app.add_flag("--all-motions", options.all_motions, "three motions instead of one");
   app.add_flag("--verbose", options.verbose, "a line for each joint");
   CLI11_PARSE(app, argc, argv);
