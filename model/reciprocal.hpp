@@ -35,17 +35,26 @@ class Reciprocal<Q24> {
                                  ((std::int64_t{1} << (kPrecision + bits)) + size / 2) / size)
                            : std::numeric_limits<std::int32_t>::max();
     multiplier_ = number.raw() < 0 ? -multiplier_ : multiplier_;
-    shift_ = size > 0 ? kPrecision + bits - Q24::kFrac : 1;
+    const int shift = size > 0 ? kPrecision + bits - Q24::kFrac : kLeastShift;
+    up_ = static_cast<std::uint8_t>(std::max(33 - shift, 0));
+    down_ = static_cast<std::uint8_t>(std::max(shift - 33, 0));
   }
   friend constexpr auto operator*(Q24 x, const Reciprocal& r) -> Q24 {
-    const std::int64_t product = wide_product(x.raw(), r.multiplier_);
-    return Q24::from_wide(shift_right_rounded<1>(product >> (r.shift_ - 1)));
+    const std::int32_t moved = just_32_bits(static_cast<std::int32_t>(static_cast<std::uint32_t>(x.raw()) << r.up_));
+    if (moved >> r.up_ == x.raw()) [[likely]] {  // or the quotient is beyond a quarter of the range
+      return Q24::from_raw(((high_product(moved, r.multiplier_) >> r.down_) + 1) >> 1);
+    }
+    return Q24::from_wide(shift_right_rounded<1>(wide_product(x.raw(), r.multiplier_) >> (32 - r.up_)));
   }
 
  private:
   static constexpr int kPrecision = 30;
+  static constexpr int kLeastShift = 2;
+  // The quotient is multiplier x / 2^shift, rounded. Of the product only the upper word is needed where x is moved up
+  // first, and all of it fits.
   std::int32_t multiplier_ = 0;
-  int shift_ = 1;
+  std::uint8_t up_ = 0;    ///< 33 - shift
+  std::uint8_t down_ = 0;  ///< shift - 33; one of the two is nothing
 };
 
 /// a / b within 2^-13 of itself, for a step that is checked afterwards: a fifth of a division's instructions on a
