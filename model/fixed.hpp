@@ -55,13 +55,20 @@ constexpr auto wide_product(std::int32_t a, std::int32_t b) -> std::int64_t {
   return std::int64_t{a} * b;
 }
 
-/// a b / 2^32, rounded down: one instruction too. For polynomials whose numbers are known to fit.
-constexpr auto high_product(std::int32_t a, std::int32_t b) -> std::int32_t {
-  return static_cast<std::int32_t>(wide_product(a, b) >> 32);
-}
-
 // What a Cortex-M4 has one instruction for and GCC does not find by itself. Each is the expression beside it, bit for
 // bit.
+
+/// a b / 2^32, rounded down. For polynomials whose numbers are known to fit.
+constexpr auto high_product(std::int32_t a, std::int32_t b) -> std::int32_t {
+#ifdef __ARM_FEATURE_DSP
+  if (!std::is_constant_evaluated()) {
+    std::int32_t result = 0;
+    asm("smmul %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+    return result;
+  }
+#endif
+  return static_cast<std::int32_t>(wide_product(a, b) >> 32);
+}
 
 /// sum + a b / 2^32, rounded down, modulo 2^32: a step of a polynomial, or of an angle that wraps.
 constexpr auto high_product_plus(std::int32_t sum, std::int32_t a, std::int32_t b) -> std::int32_t {
