@@ -125,7 +125,7 @@ constexpr auto bell(Q24 r) -> Q24 {
   if (square >= (detail::kFarAway << 48)) {
     return Q24{};
   }
-  return kOne - kOne * detail::share_gone_of_e(square >> 16);
+  return kOne - kOne.fitting_product(detail::share_gone_of_e(square >> 16));
 }
 
 }  // namespace capstan

@@ -55,13 +55,20 @@ constexpr auto wide_product(std::int32_t a, std::int32_t b) -> std::int64_t {
   return std::int64_t{a} * b;
 }
 
-/// a b / 2^32, rounded down: one instruction too. For polynomials whose numbers are known to fit.
-constexpr auto high_product(std::int32_t a, std::int32_t b) -> std::int32_t {
-  return static_cast<std::int32_t>(wide_product(a, b) >> 32);
-}
-
 // What a Cortex-M4 has one instruction for and GCC does not find by itself. Each is the expression beside it, bit for
 // bit.
+
+/// a b / 2^32, rounded down. For polynomials whose numbers are known to fit.
+constexpr auto high_product(std::int32_t a, std::int32_t b) -> std::int32_t {
+#ifdef __ARM_FEATURE_DSP
+  if (!std::is_constant_evaluated()) {
+    std::int32_t result = 0;
+    asm("smmul %0, %1, %2" : "=r"(result) : "r"(a), "r"(b));
+    return result;
+  }
+#endif
+  return static_cast<std::int32_t>(wide_product(a, b) >> 32);
+}
 
 /// sum + a b / 2^32, rounded down, modulo 2^32: a step of a polynomial, or of an angle that wraps.
 constexpr auto high_product_plus(std::int32_t sum, std::int32_t a, std::int32_t b) -> std::int32_t {
@@ -99,6 +106,55 @@ constexpr auto saturating_difference(std::int32_t a, std::int32_t b) -> std::int
     return b < 0 ? std::numeric_limits<std::int32_t>::max() : std::numeric_limits<std::int32_t>::min();
   }
   return difference;
+}
+
+/// sum + a b. As GCC sees it, it may multiply 64 bits by 64: where it has taken a factor's sign before.
+constexpr auto wide_product_plus(std::int64_t sum, std::int32_t a, std::int32_t b) -> std::int64_t {
+#ifdef __ARM_FEATURE_DSP
+  if (!std::is_constant_evaluated()) {
+    asm("smlal %Q0, %R0, %1, %2" : "+r"(sum) : "r"(a), "r"(b));
+    return sum;
+  }
+#endif
+  return sum + wide_product(a, b);
+}
+
+/// a b in 64 bits, for the same reason; of sums GCC makes more if it is left to itself.
+constexpr auto lone_product(std::int32_t a, std::int32_t b) -> std::int64_t {
+#ifdef __ARM_FEATURE_DSP
+  if (!std::is_constant_evaluated()) {
+    std::uint32_t lower = 0;
+    std::int32_t upper = 0;
+    asm("smull %0, %1, %2, %3" : "=r"(lower), "=r"(upper) : "r"(a), "r"(b));
+    return std::int64_t{upper} << 32 | lower;
+  }
+#endif
+  return wide_product(a, b);
+}
+
+/// The lower 32 bits of shift_right_rounded: the last bit that is shifted out is the carry that rounds.
+template <int Bits>
+constexpr auto low_word_rounded(std::int64_t value) -> std::int32_t {
+  static_assert(Bits > 0 && Bits < 32);
+#ifdef __ARM_FEATURE_DSP
+  if (!std::is_constant_evaluated()) {
+    auto word = static_cast<std::int32_t>(value);
+    const auto upper = static_cast<std::int32_t>(value >> 32);
+    asm("lsrs %0, %0, %2\n\tadc %0, %0, %1, lsl %3" : "+&r"(word) : "r"(upper), "n"(Bits), "n"(32 - Bits) : "cc");
+    return word;
+  }
+#endif
+  return static_cast<std::int32_t>(shift_right_rounded<Bits>(value));
+}
+
+/// Nearest to shift_right_rounded of what 32 bits have. The upper word alone tells of half of that range that it fits.
+template <int Bits>
+constexpr auto narrow_rounded(std::int64_t value) -> std::int32_t {
+  const auto upper = static_cast<std::uint32_t>(value >> 32);
+  if (upper + (1U << (Bits - 2)) < 1U << (Bits - 1)) [[likely]] {
+    return low_word_rounded<Bits>(value);
+  }
+  return narrow_saturating<std::int64_t, std::int32_t>(shift_right_rounded<Bits>(value));
 }
 
 /// Signed fixed-point number raw * 2^-Frac. Every operation is exact, then rounded by shift_right_rounded and saturated
@@ -165,12 +221,12 @@ class Fixed {
   /// The right factor may have another format; the product has the format of the left one.
   template <int OtherFrac>
   friend constexpr auto operator*(Fixed a, Fixed<Rep, OtherFrac> b) -> Fixed {
-    return from_wide(shift_right_rounded<OtherFrac>(wide_product(a.raw_, b.raw())));
+    return from_raw(narrow_rounded<OtherFrac>(lone_product(a.raw_, b.raw())));
   }
   /// The same where the product is known to fit, so that nothing is left to test. @pre |a b| fits
   template <int OtherFrac>
   [[nodiscard]] constexpr auto fitting_product(Fixed<Rep, OtherFrac> b) const -> Fixed {
-    return from_raw(just_32_bits(static_cast<Rep>(shift_right_rounded<OtherFrac>(wide_product(raw_, b.raw())))));
+    return from_raw(low_word_rounded<OtherFrac>(lone_product(raw_, b.raw())));
   }
   /// Rounded by the one rule. Division by zero saturates with the sign of the dividend; 0/0 is 0.
   friend constexpr auto operator/(Fixed a, Fixed b) -> Fixed { return divide<Frac>(a.raw_, b.raw_); }

@@ -40,13 +40,13 @@ constexpr auto log2_of_mantissa(std::uint32_t m) -> std::int64_t {
   const std::uint32_t part = m < kRoot ? kRoot - m : m - kRoot;
   const auto size = static_cast<std::int32_t>(quotient_of_part(part, std::uint64_t{m} + kRoot));
   const std::int32_t s = m < kRoot ? -size : size;  // 2^-30
-  const auto times = [](std::int32_t a, std::int32_t b) { return static_cast<std::int32_t>(wide_product(a, b) >> 30); };
+  const auto times = [](std::int32_t a, std::int32_t b) { return static_cast<std::int32_t>(lone_product(a, b) >> 30); };
   const std::int32_t square = times(s, s);
   std::int32_t sum = kOne / 7;
   sum = kOne / 5 + times(sum, square);
   sum = kOne / 3 + times(sum, square);
   sum = kOne + times(sum, square);
-  return (std::int64_t{1} << 31) + (wide_product(times(s, sum), kTwoPerLog2) >> 26);  // log2 c is a half
+  return (std::int64_t{1} << 31) + (lone_product(times(s, sum), kTwoPerLog2) >> 26);  // log2 c is a half
 }
 
 }  // namespace detail

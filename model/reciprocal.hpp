@@ -8,6 +8,32 @@
 
 namespace capstan {
 
+/// multiplier x / 2^shift of a factor that stays, rounded and saturated. x is moved up first, so that of the product
+/// only the upper word is needed; all of it fits then, and where x can not be moved the quotient is taken from both
+/// words.
+class ScaledFactor {
+ public:
+  constexpr ScaledFactor() = default;
+  /// @pre 2 <= shift < 65
+  constexpr ScaledFactor(std::int32_t multiplier, int shift)
+      : multiplier_(multiplier),
+        up_(static_cast<std::uint8_t>(std::max(33 - shift, 0))),
+        down_(static_cast<std::uint8_t>(std::max(shift - 33, 0))) {}
+  [[nodiscard]] constexpr auto operator()(std::int32_t x) const -> std::int32_t {
+    const std::int32_t moved = just_32_bits(static_cast<std::int32_t>(static_cast<std::uint32_t>(x) << up_));
+    if (moved >> up_ == x) [[likely]] {
+      return ((high_product(moved, multiplier_) >> down_) + 1) >> 1;
+    }
+    return narrow_saturating<std::int64_t, std::int32_t>(
+        shift_right_rounded<1>(wide_product(x, multiplier_) >> (32 - up_)));
+  }
+
+ private:
+  std::int32_t multiplier_ = 0;
+  std::uint8_t up_ = 0;    ///< 33 - shift
+  std::uint8_t down_ = 0;  ///< shift - 33; one of the two is nothing
+};
+
 /// One over a number that stays, worked out once: x * reciprocal is x / number. A division of fixed point takes a
 /// Cortex-M4 a hundred instructions and more, this a quarter of that.
 template <typename Scalar>
@@ -22,7 +48,7 @@ class Reciprocal {
 };
 
 /// 31 significant bits, so the quotient is within one unit in its last place up to half of the range, and within one
-/// and a half anywhere; it saturates as a quotient does. One over nothing takes all but a unit or two to an end of the
+/// and a half anywhere; it saturates as a quotient does. One over nothing takes all but a few units to an end of the
 /// range.
 template <>
 class Reciprocal<Q24> {
@@ -31,21 +57,17 @@ class Reciprocal<Q24> {
   constexpr explicit Reciprocal(Q24 number) {
     const std::int64_t size = number.raw() < 0 ? -std::int64_t{number.raw()} : number.raw();
     const int bits = 64 - std::countl_zero(static_cast<std::uint64_t>(size));  // 2^(bits - 1) <= size < 2^bits
-    multiplier_ = size > 0 ? narrow_saturating<std::int64_t, std::int32_t>(
-                                 ((std::int64_t{1} << (kPrecision + bits)) + size / 2) / size)
-                           : std::numeric_limits<std::int32_t>::max();
-    multiplier_ = number.raw() < 0 ? -multiplier_ : multiplier_;
-    shift_ = size > 0 ? kPrecision + bits - Q24::kFrac : 1;
+    const std::int32_t inverse = size > 0 ? narrow_saturating<std::int64_t, std::int32_t>(
+                                                ((std::int64_t{1} << (kPrecision + bits)) + size / 2) / size)
+                                          : std::numeric_limits<std::int32_t>::max();
+    factor_ = {number.raw() < 0 ? -inverse : inverse, size > 0 ? kPrecision + bits - Q24::kFrac : kLeastShift};
   }
-  friend constexpr auto operator*(Q24 x, const Reciprocal& r) -> Q24 {
-    const std::int64_t product = wide_product(x.raw(), r.multiplier_);
-    return Q24::from_wide(shift_right_rounded<1>(product >> (r.shift_ - 1)));
-  }
+  friend constexpr auto operator*(Q24 x, const Reciprocal& r) -> Q24 { return Q24::from_raw(r.factor_(x.raw())); }
 
  private:
   static constexpr int kPrecision = 30;
-  std::int32_t multiplier_ = 0;
-  int shift_ = 1;
+  static constexpr int kLeastShift = 2;
+  ScaledFactor factor_;
 };
 
 /// a / b within 2^-13 of itself, for a step that is checked afterwards: a fifth of a division's instructions on a

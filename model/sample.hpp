@@ -93,9 +93,12 @@ class SampleConditioner {
     started_ = false;
   }
 
+  /// Who has no more than these: no other motor, no warmth, and q1 for the joint angle.
   /// @param q1  motor angle, rad   @param tau  motor-side torque, N m
   constexpr auto update(Scalar q1, Scalar tau) -> const Sample<Scalar>& {
-    return update(Measured<Scalar>{.q1 = q1, .tau = tau});
+    follow(q1, tau);
+    sample_.q2 = q1;
+    return sample_;
   }
 
   /// The sample is the conditioner's own and good until the next update.
@@ -105,24 +108,7 @@ class SampleConditioner {
 
   /// The same with another joint angle of the last cycle than `now` has.
   [[gnu::always_inline]] constexpr auto update(const Measured<Scalar>& now, Scalar q2) -> const Sample<Scalar>& {
-    if (!started_) {
-      started_ = true;
-      extreme_ = sample_.q1 = sample_.q1_reversal = now.q1;
-      torque_at_extreme_ = sample_.tau_reversal = now.tau;
-      filtered_torque_ = sample_.tau_late = now.tau;
-      filtered_course_ = sample_.course_late = kWhole;
-    }
-    const Scalar rate = dt_.rate_of(now.q1 - sample_.q1);
-    const Scalar rate_error = rate - sample_.dq1;
-    const Scalar step = Traits::part(rate_error, gain_);
-    sample_.dq1 += step;
-    sample_.ddq1 = Traits::between(sample_.ddq1, dt_.per_millisecond(step), acceleration_gain_);
-    sample_.saturated = Traits::is_saturated(now.q1) || Traits::is_saturated(now.tau) || Traits::is_saturated(rate) ||
-                        Traits::is_saturated(rate_error);
-    sample_.q1 = sample_.h = now.q1;
-    sample_.dh = sample_.dq1;
-    sample_.tau = now.tau;
-    update_direction(now);
+    follow(now.q1, now.tau);
     sample_.q2 = q2;
     sample_.others = now.others;
     sample_.warmth = Traits::is_missing(now.temperature) ? Scalar{} : now.temperature - kReferenceTemperature;
@@ -155,11 +141,33 @@ class SampleConditioner {
   static constexpr Scalar kWhole = Sample<Scalar>::kWhole;
   static constexpr Scalar kReferenceTemperature = Traits::from(25.0);
 
+  /// What motor angle and torque make of a sample.
+  [[gnu::always_inline]] constexpr void follow(Scalar q1, Scalar tau) {
+    if (!started_) {
+      started_ = true;
+      extreme_ = sample_.q1 = sample_.q1_reversal = q1;
+      torque_at_extreme_ = sample_.tau_reversal = tau;
+      filtered_torque_ = sample_.tau_late = tau;
+      filtered_course_ = sample_.course_late = kWhole;
+    }
+    const Scalar rate = dt_.rate_of(q1 - sample_.q1);
+    const Scalar rate_error = rate - sample_.dq1;
+    const Scalar step = Traits::part(rate_error, gain_);
+    sample_.dq1 += step;
+    sample_.ddq1 = Traits::between(sample_.ddq1, dt_.per_millisecond(step), acceleration_gain_);
+    sample_.saturated = Traits::is_saturated(q1) || Traits::is_saturated(tau) || Traits::is_saturated(rate) ||
+                        Traits::is_saturated(rate_error);
+    sample_.q1 = sample_.h = q1;
+    sample_.dh = sample_.dq1;
+    sample_.tau = tau;
+    update_direction(q1, tau);
+  }
+
   /// A play operator on q1: the switch changes only after a return of more than the threshold from the last extreme, so
   /// noise smaller than that can not make it chatter, however long the joint rests.
   /// The switch is late by the threshold; what it remembers is of the extreme itself, where the motor turned.
-  constexpr void update_direction(const Measured<Scalar>& now) {
-    const Scalar beyond = sample_.forward ? now.q1 - extreme_ : extreme_ - now.q1;
+  constexpr void update_direction(Scalar q1, Scalar tau) {
+    const Scalar beyond = sample_.forward ? q1 - extreme_ : extreme_ - q1;
     const bool turned = -beyond > threshold_;
     if (turned) {
       sample_.forward = !sample_.forward;
@@ -168,8 +176,8 @@ class SampleConditioner {
     }
     sample_.advances = turned || beyond > Scalar{};
     if (sample_.advances) {
-      extreme_ = now.q1;
-      torque_at_extreme_ = now.tau;
+      extreme_ = q1;
+      torque_at_extreme_ = tau;
     }
   }
 

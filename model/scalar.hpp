@@ -54,8 +54,8 @@ struct ScalarTraits<Q24> {
   }
   static constexpr auto between(Q24 a, Q24 b, Q30 share) -> Q24 {
     const std::int32_t rest = Q30::from_int(1).raw() - share.raw();
-    return Q24::from_raw(just_32_bits(static_cast<std::int32_t>(
-        shift_right_rounded<Q30::kFrac>(wide_product(a.raw(), rest) + wide_product(b.raw(), share.raw())))));
+    return Q24::from_raw(low_word_rounded<Q30::kFrac>(wide_product(just_32_bits(a.raw()), rest) +
+                                                      wide_product(just_32_bits(b.raw()), share.raw())));
   }
   static constexpr auto is_saturated(Q24 x) -> bool { return x.is_saturated(); }
   /// The mark of a value nobody has given: an end of the range, where no trusted value can be.

@@ -40,7 +40,7 @@ class WeightedSum<Q24> {
  public:
   /// @pre `holds` the coefficients of the sum
   [[gnu::always_inline]] constexpr void add(Q24 coefficient, Q24 regressor) {
-    total_ += wide_product(coefficient.raw(), just_32_bits(regressor.raw()));
+    total_ = wide_product_plus(total_, coefficient.raw(), regressor.raw());
   }
   /// The same for a regressor that may have been cut at an end of the range.
   [[gnu::always_inline]] constexpr void add_checked(Q24 coefficient, Q24 regressor) {

@@ -13,7 +13,7 @@ constexpr ConditionerShape<Q24> kReferenceShape{.direction_threshold_rad = Q24::
                                                 .rate_time_constant_s = Q24::from_double(0.002)};
 
 constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
-  return backward + (forward - backward) * branch;
+  return backward + ScalarTraits<Q24>::part(forward - backward, ScalarTraits<Q24>::share_of(branch));
 }
 
 }  // namespace

@@ -32,11 +32,7 @@ auto EffortStage::rt_step(const MotorState& motor, Q24 temperature_c) -> const D
     rt_absent();  // samples on both sides of a gap are no motion
     return estimate_;
   }
-  Measured<Q24> now;
-  now.q1 = motor.q1_rad;
-  now.tau = motor.tau_nm;
-  now.temperature = temperature_c;
-  return estimate_ = disturbance_.update(now);
+  return estimate_ = disturbance_.update({.q1 = motor.q1_rad, .tau = motor.tau_nm, .temperature = temperature_c});
 }
 
 }  // namespace capstan

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "capstan/firmware/parameters/config.hpp"
+#include "capstan/model/reciprocal.hpp"
 
 namespace capstan {
 
@@ -17,15 +18,13 @@ class EncoderScale {
     const std::int64_t size = counts_per_turn_ < 0 ? -counts_per_turn_ : counts_per_turn_;
     const std::int64_t angle = kTwoPi56 / std::max<std::int64_t>(size, 1);  // of one count, 2^-56 rad
     const int excess = 64 - std::countl_zero(static_cast<std::uint64_t>(angle)) - 31;
-    multiplier_ = static_cast<std::int32_t>(excess > 0 ? angle >> excess : angle);
-    multiplier_ = counts_per_turn_ < 0 ? -multiplier_ : multiplier_;
-    shift_ = 56 - Q24::kFrac - std::max(excess, 0);
+    const auto multiplier = static_cast<std::int32_t>(excess > 0 ? angle >> excess : angle);
+    per_count_ = {counts_per_turn_ < 0 ? -multiplier : multiplier, 56 - Q24::kFrac - std::max(excess, 0)};
   }
 
   /// Saturated: 20 turns are all that an angle expresses.
   [[nodiscard]] constexpr auto angle_of(std::int64_t counts) const -> Q24 {
-    const std::int64_t product = wide_product(narrow_saturating<std::int64_t, std::int32_t>(counts), multiplier_);
-    return Q24::from_wide(shift_right_rounded<1>(product >> (shift_ - 1)));
+    return Q24::from_raw(per_count_(narrow_saturating<std::int64_t, std::int32_t>(counts)));
   }
   /// Nearest count; divides, so not for every cycle.
   [[nodiscard]] constexpr auto counts_of(Q24 angle) const -> std::int64_t {
@@ -38,8 +37,7 @@ class EncoderScale {
   static constexpr auto kTwoPi56 = static_cast<std::int64_t>(6.283185307179586 * 0x1p56);
 
   std::int64_t counts_per_turn_;  // with the encoder's sign
-  std::int32_t multiplier_ = 0;
-  int shift_ = 1;
+  ScaledFactor per_count_;
 };
 
 }  // namespace capstan

@@ -26,12 +26,8 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
   if (motor.faults != 0 || !others.estimable) {
     return estimate_;  // the fault is the sensor's own
   }
-  Measured<Q24> now;
-  now.q1 = motor.q1_rad;
-  now.tau = motor.tau_nm;
-  now.temperature = temperature_c;
-  now.others = others.motors;
-  const Estimate<Q24> estimate = law_.update(now);
+  const Estimate<Q24> estimate =
+      law_.update({.q1 = motor.q1_rad, .tau = motor.tau_nm, .others = others.motors, .temperature = temperature_c});
   estimate_.q2_rad = estimate.q2;
   estimate_.q2_reported_rad = estimate.q2_reported;
   if (law_.has_tendons()) {

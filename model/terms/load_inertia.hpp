@@ -30,6 +30,7 @@ class LoadInertia {
   };
 
   static constexpr bool kSettlesAlike = true;
+  static constexpr bool kStaysInRange = true;
 
   constexpr LoadInertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }

@@ -35,11 +35,12 @@ class StiffnessHardening {
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
     const Scalar size = abs(s.tau);
     // In this order only the result may leave the range of fixed point, and nothing on the way to it.
-    const Scalar shared = size < torque_ ? s.tau * (size * share_of_torque_) : s.tau;
+    const Scalar shared = size < torque_ ? Traits::part(s.tau, Traits::share_of(size * share_of_torque_)) : s.tau;
     return {.value = shared * size, .forward = s.forward};
   }
 
  private:
+  using Traits = ScalarTraits<Scalar>;
   Scalar torque_;                       ///< T
   Reciprocal<Scalar> share_of_torque_;  ///< of T
 };

@@ -70,8 +70,7 @@ constexpr void split_cells(Q30 fraction, std::int32_t cells, std::size_t& at, Q2
   const std::int32_t cell = whole < cells ? whole : cells - 1;
   at = static_cast<std::size_t>(cell);
   constexpr int kShift = Q30::kFrac - Q24::kFrac;
-  share = Q24::from_raw(static_cast<std::int32_t>(
-      shift_right_rounded<kShift>(place - std::int64_t{cell} * (std::int64_t{1} << Q30::kFrac))));
+  share = Q24::from_raw(low_word_rounded<kShift>(place - std::int64_t{cell} * (std::int64_t{1} << Q30::kFrac)));
 }
 
 namespace table_names {
@@ -235,7 +234,7 @@ class Table {
       Scalar share{};
       split_cells(scale_.fraction(clamp(x, low_, high_), low_), cells_, place.at, share);
       const Scalar whole_value = factor(s);
-      place.share = whole_value * share;
+      place.share = Traits::part(whole_value, Traits::share_of(share));
       place.rest = whole_value - place.share;  // together the factor to the last place: the law's reach is held to that
       place.at += s.forward ? 0 : kKnots;
     }

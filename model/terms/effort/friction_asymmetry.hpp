@@ -23,13 +23,13 @@ class FrictionAsymmetry {
                     .special_cases_of_effort = {"offset"},
                     .shown_by = Motion::kSpeeds},
   };
+  static constexpr bool kStaysInRange = true;
 
   constexpr FrictionAsymmetry(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time
-    return {kHalf * (kOne + s.slide()), s.forward ? s.dq1 : Scalar{}};
+    return {ScalarTraits<Scalar>::template shifted_down<1>(kOne + s.slide()), s.forward ? s.dq1 : Scalar{}};
   }
 };
 

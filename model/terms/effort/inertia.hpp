@@ -21,6 +21,7 @@ class Inertia {
       .relations = {.doubles = {"transport_delay"}, .shown_by = Motion::kFast},
   };
   static constexpr bool kSettlesAlike = true;
+  static constexpr bool kStaysInRange = true;
 
   constexpr Inertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }

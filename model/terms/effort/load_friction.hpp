@@ -30,14 +30,14 @@ class LoadFriction {
   static constexpr bool kStaysInRange = true;
 
   constexpr LoadFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)
-      : rest_(shape[0]), span_(shape[1]), per_span_(shape[1]), phase_(ScalarTraits<Scalar>::from(1.0)) {}
+      : rest_(shape[0]), span_(shape[1]), per_span_(shape[1]), phase_(Traits::from(1.0)) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 4> { return settled(s); }
   [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 4> {
     return directed(s, undirected(s));
   }
   /// Weight and spring at this angle.
   [[nodiscard, gnu::always_inline]] constexpr auto undirected(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
-    constexpr Scalar kMost = ScalarTraits<Scalar>::from(4.0);  // constant: the target converts no double at run time
+    constexpr Scalar kMost = Traits::from(4.0);  // constant: the target converts no double at run time
     const Scalar away = s.q1 - rest_;
     const Scalar weight = phase_(away).sine_and_cosine()[0];
     const Scalar spring = span_ > Scalar{} ? clamp(away * per_span_, -kMost, kMost) : Scalar{};
@@ -49,14 +49,16 @@ class LoadFriction {
       -> std::array<Scalar, 4> {
     const Scalar slide = s.slide();
     const auto [weight, spring] = load;
-    return {slide * abs(weight), driven(slide, weight), slide * abs(spring), driven(slide, spring)};
+    const Scalar of_weight = Traits::part(abs(weight), Traits::share_of(slide));
+    const Scalar of_spring = Traits::part(abs(spring), Traits::share_of(slide));
+    return {of_weight, driven(weight, of_weight), of_spring, driven(spring, of_spring)};
   }
 
  private:
+  using Traits = ScalarTraits<Scalar>;
   /// The load where the motor goes its way, nothing where it goes against it.
-  static constexpr auto driven(Scalar slide, Scalar load) -> Scalar {
-    constexpr Scalar kHalf = ScalarTraits<Scalar>::from(0.5);
-    return kHalf * (load + slide * abs(load));
+  static constexpr auto driven(Scalar load, Scalar against) -> Scalar {
+    return Traits::template shifted_down<1>(load + against);
   }
 
   Scalar rest_;

@@ -25,6 +25,7 @@ class StribeckFriction {
                     .builds_on = {"coulomb_friction", "play_friction"},
                     .shown_by = Motion::kSpeeds | Motion::kSmall},
   };
+  static constexpr bool kStaysInRange = true;
 
   constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : speed_(shape[0]), per_speed_(shape[0]) {}
@@ -37,7 +38,7 @@ class StribeckFriction {
     return speed_ > Scalar{} ? bell(s.dq1 * per_speed_) : Scalar{};
   }
   [[nodiscard]] constexpr auto directed(const Sample<Scalar>& s, Scalar left) const -> std::array<Scalar, 1> {
-    return {s.slide() * left};
+    return {ScalarTraits<Scalar>::part(left, ScalarTraits<Scalar>::share_of(s.slide()))};
   }
 
  private:

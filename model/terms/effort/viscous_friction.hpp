@@ -20,6 +20,7 @@ class ViscousFriction {
       .relations = {.doubles = {"coulomb_friction", "offset"}, .shown_by = Motion::kSpeeds},
   };
   static constexpr bool kSettlesAlike = true;
+  static constexpr bool kStaysInRange = true;
 
   constexpr ViscousFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
