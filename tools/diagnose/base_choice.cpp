@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "capstan/tools/diagnose/left_to_choose.hpp"
@@ -22,21 +23,49 @@ auto loop_by_law(const Preparation& p, const LawForm& tendons, const Blocks& row
   return loop_of(joint);
 }
 
-/// Tendons of a joint that is late, where they leave less for that.
-auto with_lateness_of_joint(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> LawForm {
-  const auto loop = loop_by_law(p, tendons, rows);
-  if (!loop) {
-    return tendons;
+/// What the joint's sensor would have shown without its lateness; of the last rows, what it showed last.
+auto brought_ahead(const LawDesign& design, const Eigen::VectorXd& target, double late_s) -> Eigen::VectorXd {
+  Eigen::VectorXd ahead(target.size());
+  Eigen::Index begin = 0;
+  for (std::size_t log = 0; log < design.log_rows().size(); ++log) {
+    const Eigen::Index last = begin + design.log_rows()[log] - 1;
+    const double rows = late_s / design.period_s(log);
+    const auto whole = static_cast<Eigen::Index>(rows);
+    const double rest = rows - static_cast<double>(whole);
+    for (Eigen::Index i = begin; i <= last; ++i) {
+      const double now = target[std::min(i + whole, last)];
+      ahead[i] = now + rest * (target[std::min(i + whole + 1, last)] - now);
+    }
+    begin = last + 1;
   }
-  const LawForm gauge = with_lateness(p.causal, p.target, rows, fit_loop(p.causal, p.target, rows, *loop));
-  LawForm late = tendons;
+  return ahead;
+}
+
+/// The loop that the joint draws, and how late it is.
+auto late_loop(const Preparation& p, const Blocks& rows) -> LawForm {
+  const auto [least, most] = std::minmax_element(p.logs.front().q1_rad.begin(), p.logs.front().q1_rad.end());
+  std::pair<double, LawForm> best = {std::numeric_limits<double>::infinity(), {}};
+  for (const double share : {0.01, 0.03, 0.1}) {  // of the motor's range, where its width is looked for from
+    const Loop start{share * (*most - *least), 0.0};
+    LawForm loop = with_lateness(p.causal, p.target, rows, fit_loop(p.causal, p.target, rows, start));
+    const double left = left_to_choose(p, loop);
+    if (left < best.first) {
+      best = {left, std::move(loop)};
+    }
+  }
+  return best.second;
+}
+
+/// Tendons of a joint that is late, where they leave less for that. They are looked for as if it were not: several of
+/// them fit poorly while the lateness is a part of the law.
+auto with_lateness_of_joint(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> LawForm {
+  const LawForm gauge = late_loop(p, rows);
+  LawForm late = fit_tendon(p.causal, brought_ahead(p.causal, p.target, lateness_of(gauge)), rows, tendons);
   late.terms.emplace_back(kDelay);
   late.set_shapes(late.catalogue->term(kDelay), {lateness_of(gauge)});
-  late = fit_tendon(p.causal, p.target, rows, late);
   late.held = {kTendonModel};
   late = refine_shapes(p.causal, p.target, rows, std::move(late));
   late.held = tendons.held;
-  late = refine_tendon(p.causal, p.target, rows, std::move(late));
   return left_to_choose(p, late) < kWorthLateness * left_to_choose(p, tendons) ? late : tendons;
 }
 
@@ -51,6 +80,8 @@ auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Block
   const double drag = tendons.shapes_of(tendons.catalogue->term(kTendonModel))[kViscous];
   const double own_s = loop ? drag / (kTorqueOfStretch * loop->torque_stretching(1.0)) : 0.0;
   if (lateness_of(tendons) > std::max(own_s, p.causal.period_s(0))) {
+    const std::size_t shape = tendons.catalogue->term(kDelay).first_shape;
+    tendons.shapes[shape] = tendons.catalogue->initial_shapes()[shape];
     std::erase(tendons.terms, kDelay);
   }
   return tendons;
@@ -60,13 +91,12 @@ auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Block
 /// filter that serves them; their compliance is tied to what it is there.
 auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
   const Blocks learned = refined(p.split, p.factor).learned();
-  LawForm law = fit_tendon(p.causal, p.target, learned, start);
+  LawForm law = with_lateness_of_joint(p, fit_tendon(p.causal, p.target, learned, start), learned);
   const auto conditioner = choose_tendon_filter(p.logs, p.target, learned, law, p.conditioner);
   if (conditioner.rate_time_constant_s != p.conditioner.rate_time_constant_s) {
     p = with_rate_filter(std::move(p), conditioner.rate_time_constant_s);
     law = refine_tendon(p.causal, p.target, learned, std::move(law));
   }
-  law = with_lateness_of_joint(p, law, learned);
   law = base_of(law_with_intervals(p.causal, p.target, learned, law, p.conditioner));
   law.held.emplace_back(kTendonModel);
   return law;
