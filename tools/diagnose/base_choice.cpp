@@ -66,7 +66,8 @@ auto with_lateness_of_joint(const Preparation& p, const LawForm& tendons, const 
   late.held = {kTendonModel};
   late = refine_shapes(p.causal, p.target, rows, std::move(late));
   late.held = tendons.held;
-  return left_to_choose(p, late) < kWorthLateness * left_to_choose(p, tendons) ? late : tendons;
+  const bool is_found = lateness_of(late) < late.catalogue->term(kDelay).shapes.front().maximum;
+  return is_found && left_to_choose(p, late) < kWorthLateness * left_to_choose(p, tendons) ? late : tendons;
 }
 
 /// Without a lateness that is to be named: more than what the torque that grows with the motor's speed makes by
