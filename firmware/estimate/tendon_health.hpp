@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "capstan/firmware/parameters/config.hpp"
+#include "capstan/firmware/safety/code_info.hpp"
 #include "capstan/firmware/safety/warnings.hpp"
 
 namespace capstan {
@@ -22,12 +23,7 @@ enum class TendonHealth : std::uint8_t {
   kBroken = 8,
 };
 
-struct TendonHealthInfo {
-  TendonHealth health;
-  const char* name;
-  const char* cause;
-  const char* cure;
-};
+using TendonHealthInfo = CodeInfo<TendonHealth>;
 
 /// One table for shell and documentation.
 inline constexpr std::array<TendonHealthInfo, 9> kTendonHealthTable = {{
@@ -52,6 +48,8 @@ inline constexpr std::array<TendonHealthInfo, 9> kTendonHealthTable = {{
     {TendonHealth::kBroken, "broken", "the tendons hardly rub any more and the joint no longer follows the motor",
      "replace the tendon"},
 }};
+static_assert(in_order(kTendonHealthTable));
+
 constexpr auto info(TendonHealth health) -> const TendonHealthInfo& {
   return kTendonHealthTable[static_cast<std::size_t>(health)];
 }

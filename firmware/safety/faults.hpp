@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "capstan/firmware/safety/code_info.hpp"
+
 namespace capstan {
 
 /// Reasons to take the torque away. Numbers are append-only and never reused: they are in logs and on the wire.
@@ -32,12 +34,7 @@ enum class Fault : std::uint8_t {
   kLimitCycle = 20,
 };
 
-struct FaultInfo {
-  Fault fault;
-  const char* name;
-  const char* cause;
-  const char* cure;
-};
+using FaultInfo = CodeInfo<Fault>;
 
 /// One table for shell, log, heartbeat and documentation.
 inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
@@ -98,26 +95,26 @@ inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
     {Fault::kLimitCycle, "limit_cycle", "the joint swung to and fro by its own control for 4 s, without being asked",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
+static_assert(in_order(kFaultTable));
 
 constexpr auto info(Fault fault) -> const FaultInfo& {
   return kFaultTable[static_cast<std::size_t>(fault)];
 }
-
-constexpr auto fault_table_is_in_order() -> bool {
-  for (std::size_t i = 0; i < kFaultTable.size(); ++i) {
-    if (static_cast<std::size_t>(kFaultTable[i].fault) != i) {
-      return false;
-    }
-  }
-  return true;
-}
-static_assert(fault_table_is_in_order());
 
 /// A set of faults, one bit each.
 using FaultSet = std::uint32_t;
 static_assert(kFaultTable.size() <= 32);
 constexpr auto bit(Fault fault) -> FaultSet {
   return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault);
+}
+/// The one of a set with the lowest number; kNone of an empty set.
+constexpr auto lowest(FaultSet faults) -> Fault {
+  for (const FaultInfo& entry : kFaultTable) {
+    if ((faults & bit(entry.code)) != 0) {
+      return entry.code;
+    }
+  }
+  return Fault::kNone;
 }
 
 }  // namespace capstan
