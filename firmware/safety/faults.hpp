@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
@@ -107,14 +108,9 @@ static_assert(kFaultTable.size() <= 32);
 constexpr auto bit(Fault fault) -> FaultSet {
   return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault);
 }
-/// The one of a set with the lowest number; kNone of an empty set.
+/// The one of a set with the lowest number; kNone of an empty set, of which 32 zeros are counted.
 constexpr auto lowest(FaultSet faults) -> Fault {
-  for (const FaultInfo& entry : kFaultTable) {
-    if ((faults & bit(entry.code)) != 0) {
-      return entry.code;
-    }
-  }
-  return Fault::kNone;
+  return static_cast<Fault>(std::countr_zero(faults) % 32);
 }
 
 }  // namespace capstan
