@@ -27,7 +27,7 @@ using TendonHealthInfo = CodeInfo<TendonHealth>;
 
 /// One table for shell and documentation.
 inline constexpr std::array<TendonHealthInfo, 9> kTendonHealthTable = {{
-    {TendonHealth::kNothing, "nothing", "nothing has changed, or nobody said what is expected",
+    {TendonHealth::kNothing, "nothing", "nothing has changed, or the expected errors are not set",
      "set monitor.joint_rms and monitor.torque_rms"},
     {TendonHealth::kLoose, "loose", "the tendons rub less and the joint follows as before: pretension is lost",
      "tension them again and identify the law anew"},

@@ -32,7 +32,7 @@ inline constexpr std::array<WarningInfo, 5> kWarningTable = {{
      "look for lost pretension or a tendon that came off, and identify the law anew"},
     {Warning::kThermometerLost, "thermometer_lost",
      "the thermometer gave values and gives none now, so thermal_drift stays at the last one", "check its cable"},
-    {Warning::kLimitCycle, "limit_cycle", "the joint swings to and fro by its own control, without being asked",
+    {Warning::kLimitCycle, "limit_cycle", "the joint oscillates by its own control, without a command to move",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
 static_assert(in_order(kWarningTable));
