@@ -8,6 +8,7 @@ include(CMakePackageConfigHelpers)
 install(TARGETS capstan_model EXPORT CapstanTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT model)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/model/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/capstan/model COMPONENT model
   FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/own_controller DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan-dev/examples COMPONENT model)
 install(EXPORT CapstanTargets NAMESPACE capstan:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Capstan COMPONENT model)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/CapstanConfig.cmake.in ${PROJECT_BINARY_DIR}/CapstanConfig.cmake
   INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Capstan)
@@ -21,7 +22,8 @@ install(TARGETS capstan capstan_plant capstan_drives capstan_linux_rt RUNTIME DE
 install(FILES ${PROJECT_BINARY_DIR}/capstan_stm32f405.dbc DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools
+  PATTERN README.md EXCLUDE)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/schema DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 
 set(CAPSTAN_PAGE ${PROJECT_SOURCE_DIR}/build/browser/site CACHE PATH "where the preset browser has put the console page")

@@ -86,5 +86,6 @@ set(CPACK_DEBIAN_FIRMWARE_PACKAGE_NAME ${packages_firmware})
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_RECOMMENDS capstan)
-set(CPACK_COMPONENT_FIRMWARE_DESCRIPTION "Images for the STM32F405 motor board, which capstan flash writes.")
+set(CPACK_COMPONENT_FIRMWARE_DESCRIPTION "Images for the STM32F405 motor board: four axes, quadrature encoders, a
+console on a serial line and a CAN bus. The program capstan flash writes them.")
 include(CPack)

@@ -172,9 +172,4 @@ inline auto arriving_stiffness(const BeltDrive& drive, const RunShape& top, cons
   return drive.r2 * drive.r2 * drive.axial_n * (top_share + bottom_share);
 }
 
-/// Speed ratio dq2 / dq1 of a belt without idlers by creep theory, (1.21), for small strains.
-inline auto creep_speed_ratio(double r1, double r2, double axial_n, double torque_in_nm) -> double {
-  return r1 / r2 * (1.0 - torque_in_nm / (axial_n * r1));
-}
-
 }  // namespace capstan

@@ -25,27 +25,6 @@ inline auto apparent_stiffness(const Tendon& tendon, double s, double front = 1.
   return tendon.stiffness / (front * mean_decay(tendon.eta * s * front));
 }
 
-/// (mean_decay(x) - 1) / x, to the last digits at small x as well; -1/2 at 0.
-inline auto mean_decay_slope(double x) -> double {
-  if (std::fabs(x) > 0.05) {
-    return (mean_decay(x) - 1.0) / x;
-  }
-  return -1.0 / 2.0 + x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x * (1.0 / 720.0 - x / 5040.0))));
-}
-
-/// Tension at phi with capstan and viscous friction, N: (6.19) with k = eta s / L.
-/// @param drag_ns_per_m  b L, viscous drag of the whole tendon   @param v  its speed, m/s, positive toward the input
-inline auto viscous_tension(const Tendon& tendon, double s, double input_n, double drag_ns_per_m, double v, double phi)
-    -> double {
-  return input_n * std::exp(-tendon.eta * s * phi) - drag_ns_per_m * v * phi * mean_decay(tendon.eta * s * phi);
-}
-
-/// What viscous drag adds to the elongation of a fully active tendon at a given input tension, m per m/s: the second
-/// part of (6.20). Never positive: drag takes tension away from the tendon behind the input end.
-inline auto viscous_elongation_per_speed(const Tendon& tendon, double s, double drag_ns_per_m) -> double {
-  return drag_ns_per_m * mean_decay_slope(tendon.eta * s) / tendon.stiffness;
-}
-
 /// Where the slip front stands, 0 to 1, after the tension at the input end went from `before` to `after` (both above
 /// 0), the old profile having been left by motion in direction s_before (0: even). First meeting of the two
 /// exponentials, (2.6).

@@ -46,7 +46,7 @@ enum class ShapeOf : std::uint8_t {
   kGiven,        ///< set from the log before a fit, which leaves it alone
 };
 
-/// A parameter inside a term: it bends the regressors, so a fit has to search for it.
+/// A nonlinear parameter, inside a term: it changes the form of the regressors, so a fit has to search for it.
 struct ShapeInfo {
   const char* name;
   const char* unit;

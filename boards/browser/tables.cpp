@@ -29,7 +29,7 @@ auto tables() -> std::string {
         << name(row.to) << '\n';
   }
   for (const FaultInfo& fault : kFaultTable) {
-    out << "fault\t" << static_cast<int>(fault.fault) << '\t' << fault.name << '\t' << fault.cause << '\t' << fault.cure
+    out << "fault\t" << static_cast<int>(fault.code) << '\t' << fault.name << '\t' << fault.cause << '\t' << fault.cure
         << '\n';
   }
   for (const char* instrument : {"micro_forceps", "da_vinci_wrist", "raven2", "robot_finger"}) {

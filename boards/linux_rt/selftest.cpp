@@ -78,7 +78,7 @@ auto judge(const SelftestResult& result) -> Verdict {
                                " page faults in the loop; lock the memory and look for allocations in the cycle");
   }
   verdict.failures.insert(verdict.failures.end(), loop.remarks.begin(), loop.remarks.end());
-  if (const FaultInfo& fault = info(result.firmware.first_fault); fault.fault != Fault::kNone) {
+  if (const FaultInfo& fault = info(result.firmware.first_fault); fault.code != Fault::kNone) {
     verdict.failures.push_back(std::string("The firmware took the torque away, ") + fault.name + ": " + fault.cause +
                                "; " + fault.cure);
   }

@@ -270,7 +270,7 @@ void commands::palpate(Session& session, std::string_view arguments) {
     const ForceConfig& force = session.machine().config()[axis].force;
     const char* problem = Palpation::check(force);
     if (problem != nullptr) {  // before the log, which is one from its header on
-      session.out() << "# no stiffness will be told: " << problem << "\r\n";
+      session.out() << "# no stiffness will be reported: " << problem << "\r\n";
     }
     ExperimentStream* const stream = begin_experiment(session, kPalpation, axis, arguments, problem == nullptr);
     if (stream != nullptr && stream->palpating) {

@@ -20,7 +20,7 @@ void print_entry(Print& out, const FaultEntry& entry) {
     }
   }
   for (const FaultInfo& other : kFaultTable) {
-    if (other.fault != entry.fault && (entry.conditions & bit(other.fault)) != 0) {
+    if (other.code != entry.fault && (entry.conditions & bit(other.code)) != 0) {
       out << ", with " << other.name;
     }
   }
@@ -103,7 +103,7 @@ void print_fault(Session& session, const char* what, const FaultInfo& entry) {
   out << what << entry.name << ": " << entry.cause << "; " << entry.cure;
   const char* before = " (joint";
   for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    if ((session.machine().axis_telemetry(axis).faults & bit(entry.fault)) != 0) {
+    if ((session.machine().axis_telemetry(axis).faults & bit(entry.code)) != 0) {
       out << before << static_cast<std::uint32_t>(axis);
       before = ", joint";
     }
@@ -135,7 +135,7 @@ void commands::faults(Session& session, std::string_view arguments) {
     out << "stopped by " << name(stop) << "\r\n";
   }
   for (const FaultInfo& entry : kFaultTable) {
-    if ((now.conditions & bit(entry.fault)) != 0) {
+    if ((now.conditions & bit(entry.code)) != 0) {
       print_fault(session, "present ", entry);
     }
   }

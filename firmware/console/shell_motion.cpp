@@ -135,7 +135,7 @@ void move_force(Session& session, std::size_t axis, std::string_view arguments) 
     return;
   }
   if (config.force.law == 0) {
-    session.error("no_force_law", "force control turns a force law round, and this joint has none",
+    session.error("no_force_law", "force control inverts a force law, and this joint has none",
                   "identify one with the tip held and 'capstan apply' it");
     return;
   }
@@ -211,7 +211,7 @@ void commands::zero(Session& session, std::string_view arguments) {
     return;
   }
   if (energised(session.machine().telemetry().state)) {
-    session.error("armed", "a joint that is held would be thrown by a new zero", "'disarm' first");
+    session.error("armed", "a new zero would make a joint that is held jump", "'disarm' first");
     return;
   }
   if (session.machine().post(request)) {

@@ -27,7 +27,7 @@ void ArmStream::step(Session& session) {
     return;
   }
   for (const FaultInfo& entry : kFaultTable) {
-    if ((now.conditions & bit(entry.fault)) != 0) {
+    if ((now.conditions & bit(entry.code)) != 0) {
       print_fault(session, "blocked by ", entry);
     }
   }

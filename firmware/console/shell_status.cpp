@@ -71,7 +71,7 @@ void print_thermometer(Print& out, const MachineTelemetry& now) {
 
 void print_warnings(Print& out, WarningSet warnings) {
   for (const WarningInfo& entry : kWarningTable) {
-    if ((warnings & bit(entry.warning)) != 0) {
+    if ((warnings & bit(entry.code)) != 0) {
       out << "  warning " << entry.name << ": " << entry.cause << "; " << entry.cure << "\r\n";
     }
   }

@@ -104,7 +104,7 @@ auto check_reference(const ExcitationSetup& setup, const AxisConfig& config) -> 
     return "the motion is faster than limits.joint_speed; lower the amplitude or 'to'";
   }
   if (speed * to_hz * kTwoPi > config.limits.joint_acceleration_rad_s2) {
-    return "the motion bends more than limits.joint_acceleration; lower the amplitude or 'to'";
+    return "the motion needs more than limits.joint_acceleration; lower the amplitude or 'to'";
   }
   if (setup.travel_rad != Q24{}) {
     return "the joint travels only while its torque is shaken; leave 'travel' out, or write 'on=torque'";

@@ -94,7 +94,7 @@ auto check_tones(const ExperimentSetup& setup, const LimitConfig& limits) -> con
     return "the motion is faster than limits.joint_speed; lower the amplitude or the frequencies";
   }
   if (demand.acceleration_rad_s2 > limits.joint_acceleration_rad_s2) {
-    return "the motion bends more than limits.joint_acceleration; lower the amplitude or the frequencies";
+    return "the motion needs more than limits.joint_acceleration; lower the amplitude or the frequencies";
   }
   return nullptr;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "capstan/firmware/parameters/config.hpp"
+#include "capstan/firmware/safety/code_info.hpp"
 #include "capstan/firmware/safety/warnings.hpp"
 
 namespace capstan {
@@ -22,16 +23,11 @@ enum class TendonHealth : std::uint8_t {
   kBroken = 8,
 };
 
-struct TendonHealthInfo {
-  TendonHealth health;
-  const char* name;
-  const char* cause;
-  const char* cure;
-};
+using TendonHealthInfo = CodeInfo<TendonHealth>;
 
 /// One table for shell and documentation.
 inline constexpr std::array<TendonHealthInfo, 9> kTendonHealthTable = {{
-    {TendonHealth::kNothing, "nothing", "nothing has changed, or nobody said what is expected",
+    {TendonHealth::kNothing, "nothing", "nothing has changed, or the expected errors are not set",
      "set monitor.joint_rms and monitor.torque_rms"},
     {TendonHealth::kLoose, "loose", "the tendons rub less and the joint follows as before: pretension is lost",
      "tension them again and identify the law anew"},
@@ -52,6 +48,8 @@ inline constexpr std::array<TendonHealthInfo, 9> kTendonHealthTable = {{
     {TendonHealth::kBroken, "broken", "the tendons hardly rub any more and the joint no longer follows the motor",
      "replace the tendon"},
 }};
+static_assert(in_order(kTendonHealthTable));
+
 constexpr auto info(TendonHealth health) -> const TendonHealthInfo& {
   return kTendonHealthTable[static_cast<std::size_t>(health)];
 }

@@ -52,7 +52,7 @@ struct ControlConfig {
 
 struct LimitConfig {
   Q24 current_a = Q24::from_double(3.0);             ///< peak
-  Q24 continuous_current_a = Q24::from_double(1.5);  ///< what the winding stands for ever
+  Q24 continuous_current_a = Q24::from_double(1.5);  ///< what the winding carries continuously
   Q24 thermal_time_s = Q24::from_double(10.0);       ///< of the winding
   Q24 current_rate_a_per_cycle = Q24::from_double(0.5);
   Q24 motor_min_rad = Q24::from_double(-6.0);  ///< tendon travel, in motor space

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <string_view>
 
 #include "capstan/firmware/parameters/crc32.hpp"
@@ -90,18 +91,13 @@ enum class BankState : std::uint8_t { kEmpty, kUnsealed, kBroken, kUnreadable, k
 /// True if writing `wanted`, byte by byte into erased memory, may have been cut when it looked like `stored`: whole
 /// bytes, one in which not every bit is cleared yet, erased ones. The header is written last and ends in its CRC, so a
 /// set whose CRC looks like that was never whole. Strict, because memory that has aged shows single bits set again.
+/// @pre they differ
 auto was_cut(std::span<const std::uint8_t> stored, std::uint32_t wanted) -> bool {
   std::array<std::uint8_t, 4> whole{};
   put(whole, wanted);
-  std::size_t i = 0;
-  while (i < whole.size() && stored[i] == whole[i]) {
-    ++i;
-  }
-  if (i == whole.size() || (stored[i] & whole[i]) != whole[i]) {
-    return false;
-  }
-  return std::all_of(stored.begin() + static_cast<std::ptrdiff_t>(i) + 1, stored.end(),
-                     [](std::uint8_t byte) { return byte == 0xFF; });
+  const auto [cut, target] = std::mismatch(stored.begin(), stored.end(), whole.begin());
+  return (*cut & *target) == *target &&
+         std::all_of(std::next(cut), stored.end(), [](std::uint8_t byte) { return byte == 0xFF; });
 }
 
 auto inspect(Banks& banks, int bank, Header& header) -> BankState {

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+
+#include "capstan/firmware/safety/code_info.hpp"
 
 namespace capstan {
 
@@ -32,12 +35,7 @@ enum class Fault : std::uint8_t {
   kLimitCycle = 20,
 };
 
-struct FaultInfo {
-  Fault fault;
-  const char* name;
-  const char* cause;
-  const char* cure;
-};
+using FaultInfo = CodeInfo<Fault>;
 
 /// One table for shell, log, heartbeat and documentation.
 inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
@@ -56,7 +54,7 @@ inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
      "check for a blocked joint, lower the speed, or raise limits.following_error"},
     {Fault::kOverCurrent, "over_current", "the measured current stayed above limits.current by a fifth for 20 ms",
      "check the amplifier and the motor's winding"},
-    {Fault::kEstimatorRange, "estimator_range", "a number in the estimator met the end of its range",
+    {Fault::kEstimatorRange, "estimator_range", "a number in the estimator reached the end of its range",
      "check the model's parameters with 'list', and the motor's zero position"},
     {Fault::kLinkLost, "link_lost",
      "the stream of references stopped for more than 100 ms while the joint was following it",
@@ -71,15 +69,14 @@ inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
      "the crystal did not start, so the cycle runs on an internal oscillator and its period may be 1 % off",
      "check the crystal and its capacitors, then 'reboot'"},
     {Fault::kEncoderFrozen, "encoder_frozen",
-     "the motor encoder gave not one count while torque or reference went on: by more than the motor's friction holds, "
-     "or by "
-     "half of limits.following_error",
+     "the motor encoder gave no count while the torque changed by more than the motor's friction holds, or the "
+     "reference by half of limits.following_error",
      "check the encoder's cable, and whether the motor is blocked, then 'disarm' and 'arm'"},
     {Fault::kCurrentMismatch, "current_mismatch",
      "the measured current differed from the wanted one by more than limits.current_mismatch for 50 ms in all",
      "check the amplifier's enable and supply, the winding, and the sign and scale of the current sensor"},
     {Fault::kWindingHot, "winding_hot",
-     "the winding took a quarter more heat than limits.continuous_current leads to in the long run",
+     "the winding's heat (I2t) is a quarter above its steady state at limits.continuous_current",
      "let it cool, look for a blocked or overloaded joint, and compare limits.continuous_current with the motor's "
      "data"},
     {Fault::kStorageFailed, "storage_failed", "the memory of the parameters can not be read; defaults are in use",
@@ -91,33 +88,27 @@ inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
     {Fault::kWatchdog, "watchdog", "the last run ended because the cycle had stopped, and the watchdog reset the board",
      "read 'faults' and what the start reported, then 'reboot'; if this comes back report it"},
     {Fault::kEncoderMotion, "encoder_motion",
-     "the motor encoder gave a motion that the motor's torque and inertia can not have made: it is late, slips, counts "
-     "wrong, "
-     "or the motor was struck",
+     "the motor encoder showed a motion that the motor's torque and inertia cannot explain: the encoder is late, slips "
+     "or counts wrong, or something struck the motor",
      "check the encoder's cable and coupling and what the joint has hit; if neither is it, commission the joint anew"},
-    {Fault::kLimitCycle, "limit_cycle", "the joint swung to and fro by its own control for 4 s, without being asked",
+    {Fault::kLimitCycle, "limit_cycle", "the joint oscillated for 4 s by its own control, without a command to move",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
+static_assert(in_order(kFaultTable));
 
 constexpr auto info(Fault fault) -> const FaultInfo& {
   return kFaultTable[static_cast<std::size_t>(fault)];
 }
-
-constexpr auto fault_table_is_in_order() -> bool {
-  for (std::size_t i = 0; i < kFaultTable.size(); ++i) {
-    if (static_cast<std::size_t>(kFaultTable[i].fault) != i) {
-      return false;
-    }
-  }
-  return true;
-}
-static_assert(fault_table_is_in_order());
 
 /// A set of faults, one bit each.
 using FaultSet = std::uint32_t;
 static_assert(kFaultTable.size() <= 32);
 constexpr auto bit(Fault fault) -> FaultSet {
   return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault);
+}
+/// The one of a set with the lowest number; kNone of an empty set, of which 32 zeros are counted.
+constexpr auto lowest(FaultSet faults) -> Fault {
+  return static_cast<Fault>(std::countr_zero(faults) % 32);
 }
 
 }  // namespace capstan

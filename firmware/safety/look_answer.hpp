@@ -54,13 +54,10 @@ class LookAnswer {
   }
   /// Whether a look or its springing back is under way.
   [[nodiscard]] auto waits() const -> bool { return left_ > 0; }
-  /// One cycle. @param dead_a  range of torque that friction takes, raw
+  /// One cycle of it. @pre waits()  @param dead_a  range of torque that friction takes, raw
   /// @param least  counts/256 for each A beyond; 0: nothing is too little
   /// @returns true where too many answers in a row were less than that
   auto rt_step(std::int32_t moved, std::int32_t wanted_a, std::int32_t dead_a, std::int32_t least) -> bool {
-    if (left_ == 0) {
-      return false;
-    }
     if (!judged_) {
       --left_;
       return false;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <numeric>
 
 #include "capstan/firmware/control/experiment.hpp"
@@ -239,7 +240,8 @@ auto MotorCommissioning::error_of(std::size_t tone) const -> float {
   const auto count = static_cast<float>(blocks_);
   const float mean = std::norm(tones_[tone].bend) / count;
   const float scatter = std::max(tones_[tone].bend_squares - mean, 0.0F);
-  return mean > 0.0F ? square_root(scatter / (count * mean)) * apparent_inertia(tone) : 1e9F;
+  return mean > 0.0F ? square_root(scatter / (count * mean)) * apparent_inertia(tone)
+                     : std::numeric_limits<float>::infinity();
 }
 
 auto MotorCommissioning::identify_inertia() -> const char* {

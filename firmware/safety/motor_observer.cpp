@@ -145,7 +145,6 @@ auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> F
   const std::int32_t gained = moved_ >= 0 ? moved - moved_ : moved_ - moved;  // in the direction of motion
   const std::int32_t beyond = std::abs(gained) * 256 - scales_.slack;
   const bool unexplained = beyond > 0 && beyond > std::int64_t{scales_.gain} * (high_ - low_) >> 23;
-  blow_ = unexplained && gained > 0;
   const bool slows = unexplained && gained < 0 && moved_ != 0;
   const bool suddenly = rt_slows_suddenly(moved, wanted);
   const bool winding = rt_slows_while_winding(moved, wanted);
@@ -239,7 +238,6 @@ auto MotorObserver::rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> 
 }
 
 auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised) -> FaultSet {
-  blow_ = false;
   if (scales_.gain == 0) {
     return 0;
   }

@@ -58,8 +58,6 @@ class MotorObserver {
   auto rt_look() -> Q24;
   /// How the motor answered the last looks.
   [[nodiscard]] auto look_answer() const -> const LookAnswer& { return answer_; }
-  /// Something moved the motor that torque did not, and faster: a blow from outside, or the transmission let go.
-  [[nodiscard]] auto blow() const -> bool { return blow_; }
 
   /// Largest change of the set value in a cycle: what two cycles of it do to the motor's speed stays below half of
   /// limits.joint_speed, so that no fault is fast before the observer has looked twice; and what ten cycles of it do to
@@ -156,7 +154,6 @@ class MotorObserver {
   bool forward_ = true;
   bool look_backward_ = false;
   bool watching_ = false;
-  bool blow_ = false;
 };
 
 }  // namespace capstan

@@ -48,7 +48,7 @@ inline constexpr std::array<StopRow, kFaultTable.size()> kStopTable = {{
 
 constexpr auto stop_table_is_in_order() -> bool {
   for (std::size_t i = 0; i < kStopTable.size(); ++i) {
-    if (kStopTable[i].fault != kFaultTable[i].fault || (kStopTable[i].loop && !kStopTable[i].drive)) {
+    if (kStopTable[i].fault != kFaultTable[i].code || (kStopTable[i].loop && !kStopTable[i].drive)) {
       return false;
     }
   }

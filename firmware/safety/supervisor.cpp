@@ -35,15 +35,6 @@ constexpr auto kNext = [] {
   return next;
 }();
 
-auto lowest(FaultSet faults) -> Fault {
-  for (const FaultInfo& entry : kFaultTable) {
-    if ((faults & bit(entry.fault)) != 0) {
-      return entry.fault;
-    }
-  }
-  return Fault::kNone;
-}
-
 }  // namespace
 
 auto Supervisor::rt_step(const SupervisorInput& input) -> State {

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
+
+#include "capstan/firmware/safety/code_info.hpp"
 
 namespace capstan {
 
@@ -16,12 +17,7 @@ enum class Warning : std::uint8_t {
   kLimitCycle = 4,
 };
 
-struct WarningInfo {
-  Warning warning;
-  const char* name;
-  const char* cause;
-  const char* cure;
-};
+using WarningInfo = CodeInfo<Warning>;
 
 /// One table for shell, heartbeat and documentation.
 inline constexpr std::array<WarningInfo, 5> kWarningTable = {{
@@ -36,9 +32,10 @@ inline constexpr std::array<WarningInfo, 5> kWarningTable = {{
      "look for lost pretension or a tendon that came off, and identify the law anew"},
     {Warning::kThermometerLost, "thermometer_lost",
      "the thermometer gave values and gives none now, so thermal_drift stays at the last one", "check its cable"},
-    {Warning::kLimitCycle, "limit_cycle", "the joint swings to and fro by its own control, without being asked",
+    {Warning::kLimitCycle, "limit_cycle", "the joint oscillates by its own control, without a command to move",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
 }};
+static_assert(in_order(kWarningTable));
 
 /// A set of warnings, one bit each.
 using WarningSet = std::uint8_t;

@@ -41,7 +41,7 @@ constexpr std::array<SignalInfo, 31> kJointSignals = {
          offsetof(AxisTelemetry, joint_torque_reference_nm)),
     real("law_torque", "tau_est_Nm", "Nm", "motor torque by the effort law, of effort.window / 4 ago",
          offsetof(AxisTelemetry, law_torque_nm)),
-    real("disturbance", "tau_dist_Nm", "Nm", "measured torque less the effort law's, as late: contact, collision",
+    real("disturbance", "tau_dist_Nm", "Nm", "measured torque minus the effort law's, equally late: contact, collision",
          offsetof(AxisTelemetry, disturbance_nm)),
     real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
          offsetof(AxisTelemetry, misfit)),

@@ -168,7 +168,8 @@ void print_frames() {
 
 void print_terms(const char* title, const char* text, const tools::Catalogue& catalogue) {
   heading(title, text);
-  std::cout << "\n| effect | what it adds | coefficients | shapes | confusable with |\n|---|---|---|---|---|\n";
+  std::cout
+      << "\n| effect | what it adds | coefficients | nonlinear parameters | confusable with |\n|---|---|---|---|---|\n";
   for (const tools::CatalogueTerm& term : catalogue) {
     std::cout << "| `" << term.name << "` | " << cell(term.equation) << " | ";
     FirstOfMany many;
@@ -206,11 +207,11 @@ void print_reference() {
   print_signals();
   print_faults();
   print_frames();
-  print_terms(
-      "Effects of a joint's angle",
-      "Sections `[name]` of `joint.toml`, with coefficients and shapes under these names, and groups of parameters "
-      "on a board.",
-      tools::term_catalogue());
+  print_terms("Effects of a joint's angle",
+              "Sections `[name]` of `joint.toml`, with coefficients and nonlinear parameters under these names, and "
+              "groups of parameters "
+              "on a board.",
+              tools::term_catalogue());
   print_terms(
       "Effects of a driven axis's effort",
       "Of a rotary axis; a linear one has N and m for Nm and rad. Sections of the file that `diagnose -o` writes "

@@ -69,44 +69,6 @@ TEST(ApparentStiffness, IsForcePerElongationOfTheMovingPart) {
   }
 }
 
-/// (6.17), dT/dx = -k T - b v with k = eta s / L, by Runge and Kutta, and the area by Simpson.
-auto integrate_viscous(double eta, double s, double tension, double drag_times_speed) -> test::Integrated {
-  constexpr int kSteps = 2000;
-  constexpr double kH = 1.0 / kSteps;
-  const auto rate = [&](double t) { return -eta * s * t - drag_times_speed; };
-  const auto step = [&](double t, double h) {
-    const double k1 = rate(t);
-    const double k2 = rate(t + 0.5 * h * k1);
-    const double k3 = rate(t + 0.5 * h * k2);
-    const double k4 = rate(t + h * k3);
-    return t + h * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0;
-  };
-  double area = 0.0;
-  for (int i = 0; i < kSteps; ++i) {
-    const double middle = step(tension, 0.5 * kH);
-    const double next = step(tension, kH);
-    area += kH * (tension + 4.0 * middle + next) / 6.0;
-    tension = next;
-  }
-  return {tension, area};
-}
-
-TEST(ViscousTendon, IsTheIntegralOf617AndDragAtAGivenInputTensionShortensIt) {
-  for (const double eta : {1e-7, 0.01, 0.0499, 0.0501, 0.7, 1.1414, 2.5}) {
-    const Tendon tendon{eta, 5.0664e4};
-    for (const double s : {1.0, -1.0}) {
-      const double drag = 600.0;
-      const double v = 0.004 * s;
-      const auto expected = integrate_viscous(eta, s, 20.0, drag * v);
-      EXPECT_NEAR(viscous_tension(tendon, s, 20.0, drag, v, 1.0), expected.end_tension, kRelative * 20.0) << eta;
-      const double elongation =
-          20.0 * elongation_per_tension(tendon, s) + v * viscous_elongation_per_speed(tendon, s, drag);
-      EXPECT_NEAR(elongation, expected.area / tendon.stiffness, kRelative * elongation) << eta << ", " << s;
-      EXPECT_LT(viscous_elongation_per_speed(tendon, s, drag), 0.0);
-    }
-  }
-}
-
 // The front is where old and new profile have the same tension: integrate both to it and compare.
 TEST(SlipFront, IsWhereTheNewProfileMeetsTheOldOne) {
   const Tendon tendon{1.1414, 5.0664e4};

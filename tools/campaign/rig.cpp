@@ -219,14 +219,6 @@ class Rig {
     still_ = still ? still_ + 1 : 0;
     stood_ = still_ >= kStandsCycles && now.state == State::kFaulted;
   }
-  static auto lowest(FaultSet faults) -> Fault {
-    for (const FaultInfo& entry : kFaultTable) {
-      if ((faults & bit(entry.fault)) != 0) {
-        return entry.fault;
-      }
-    }
-    return Fault::kNone;
-  }
   [[nodiscard]] auto telemetry() const -> MachineTelemetry { return application_.telemetry(); }
   void post(const Request& request) { static_cast<void>(application_.post(request)); }
 

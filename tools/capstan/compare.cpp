@@ -28,7 +28,7 @@ void print_comparison(const Comparison& comparison) {
               << ", " << rounded(one.now_ci95[1]) << "] " << one.unit << "\n";
   }
   if (comparison.moved.empty()) {
-    std::cout << "  no parameter has moved for certain\n";
+    std::cout << "  it is not certain that any parameter has moved\n";
   }
   if (comparison.pretension && comparison.healthy.pretension) {  // else it is among the sizes below
     std::cout << "  " << drift_sentence(*comparison.pretension) << "\n";

@@ -106,7 +106,8 @@ void add_thesis(CLI::App& app, int& exit_status) {
       "firmware's\n"
       "with that law. All errors are RMSE of laws that run free, camera noise (0.1 deg) included. An f marks a value "
       "that is\n"
-      "fitted to the print; all others are foretold. Below a table stands every difference over 10 %, with the reason\n"
+      "fitted to the print; all others are predicted. Below a table stands every difference over 10 %, with the "
+      "reason\n"
       "and the experiment that tested it: what is blamed changed, and the value that came of it. Amplitudes follow "
       "from the\n"
       "printed RMSE / (1 - GoF). Takes three minutes; exit status 0 done, 2 bad input.");

@@ -149,7 +149,8 @@ void CommissionSteps::judge_inertia(double inertia) {
          ": counts and torque per current agree with it");
   } else {
     find("inertia " + rounded(1e3 * inertia, 3) +
-         " g m2; nobody said what the data sheet has (--inertia), so wrong counts would not be seen");
+         " g m2; the inertia of the data sheet was not given (--inertia), so a wrong number of counts would not be "
+         "noticed");
   }
 }
 

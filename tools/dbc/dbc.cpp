@@ -64,7 +64,7 @@ auto words_of(CanMeaning meaning) -> std::vector<Named> {
     }
   } else if (meaning == CanMeaning::kFault) {
     for (const FaultInfo& fault : kFaultTable) {
-      words.push_back({static_cast<unsigned>(fault.fault), fault.name, ""});
+      words.push_back({static_cast<unsigned>(fault.code), fault.name, ""});
     }
   } else if (meaning == CanMeaning::kSetpointKind) {
     words.push_back({kFollowAngle, "joint_angle", ""});

@@ -82,8 +82,8 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
 /// The effects are taken back where the law with them errs no less than the base for certain.
 void take_back(const Search& search, Diagnosis& d) {
   const bool missing = search.base_reducible > 0.05;
-  d.reason = "On rows that took no part in the choice, " + search.effects.front().name +
-             " does not lower the error for certain, so it was not added.";
+  d.reason = "On rows that took no part in the choice it is not certain that " + search.effects.front().name +
+             " lowers the error, so it was not added.";
   d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
   d.effects.clear();
 }

@@ -196,7 +196,7 @@ void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions&
   if (d.verdict == Verdict::kNothingMissing) {
     d.verdict = Verdict::kUnknown;
     d.reason =
-        "Something is missing from the law: another law predicts unseen rows better for certain, but this log does not "
+        "Something is missing from the law: another law certainly predicts unseen rows better, but this log does not "
         "show which effect it is.";
   }
   take_selection(logs, options, selection, ratio, d);

@@ -162,10 +162,10 @@ auto sentence_of(const std::vector<MapCell>& cells) -> std::string {
     }
   }
   if (largest == nullptr) {
-    return "What the law leaves lies nowhere in particular: its mean differs from nothing in none of " +
-           std::to_string(cells.size()) + " cells.";
+    return "The residual shows no structure: its mean differs from zero in none of " + std::to_string(cells.size()) +
+           " cells.";
   }
-  return "What the law leaves is not nothing on average in " + std::to_string(found) + " of " +
+  return "The mean of the residual differs from zero in " + std::to_string(found) + " of " +
          std::to_string(cells.size()) + " cells, most (" + rounded(largest->mean, 3) + ") at " + largest->signal +
          " from " + rounded(largest->from, 3) + " to " + rounded(largest->to, 3) +
          (largest->forward ? ", forward." : ", backward.");

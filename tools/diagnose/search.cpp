@@ -229,7 +229,7 @@ class Searcher {
     const Proposal one = proposal(round, trial.candidate, trial.variant);
     const auto law = law_with(p_, search_.law, {one});
     if (!law) {
-      refuse(one.name, "refused: its shape runs to the end of its range, or its sign is impossible");
+      refuse(one.name, "refused: a nonlinear parameter of it runs to the end of its range, or its sign is impossible");
       return false;
     }
     progress_("trying " + one.name);

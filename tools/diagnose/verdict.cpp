@@ -21,8 +21,8 @@ constexpr double kNamedShare = 0.5;
 constexpr double kNamedShareBesideUnlisted = 0.9;
 
 constexpr const char* kLateDirection =
-    "most of the running estimate's error is where the motor has turned and its encoder does not show it yet, and what "
-    "a law lacks there no log of this encoder shows; a finer encoder or a smaller direction threshold would";
+    "most of the running estimate's error is just after reversals, before this encoder shows them, so no log of it can "
+    "tell what a law lacks there; use a finer encoder or a smaller direction threshold";
 
 auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
   const Catalogue& catalogue = *d.base.catalogue;
@@ -43,7 +43,7 @@ auto judge_empty(const Search& search, Diagnosis& d) -> Verdict {
     }
     return Verdict::kUnknown;
   }
-  d.reason = "What the law leaves can not be told from noise.";
+  d.reason = "The residual cannot be distinguished from noise.";
   return Verdict::kNothingMissing;
 }
 
@@ -98,7 +98,7 @@ void check_completeness(const Preparation& p, Diagnosis& d) {
       d.warnings.push_back(kLateDirection);
     } else {
       refuse_completeness("The law leaves " + rounded(d.before.rmse / d.noise_floor, 2) +
-                              " times the noise on rows set aside, and nothing lowers that for certain.",
+                              " times the noise on rows set aside, and no effect is certain to lower that.",
                           d);
       return;
     }
@@ -208,11 +208,10 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
     d.reason += search.unlisted.empty() ? "." : " (most like " + search.unlisted + ").";
     return Verdict::kEffectPlusUnlisted;
   }
-  d.reason =
-      "The law lacks " + found +
-      (search.lacks_something
-           ? "; what is left then is certain, and hardly more than the form of a term may leave of its own effect."
-           : "; what is left then can not be told from noise.");
+  d.reason = "The law lacks " + found +
+             (search.lacks_something
+                  ? "; what remains is certain, but hardly more than an inexact form of that term would leave."
+                  : "; what remains cannot be distinguished from noise.");
   return Verdict::kEffect;
 }
 
@@ -246,7 +245,7 @@ void reconcile(const Preparation& p, const Search& search, const LawChoice& choi
     }
   } else if (d.verdict == Verdict::kNothingMissing && more_than_named) {
     refuse_completeness(
-        "Something is missing from the law: another law predicts unseen rows better for certain, but "
+        "Something is missing from the law: another law certainly predicts unseen rows better, but "
         "this log does not show which effect it is.",
         d);
   } else if (d.verdict == Verdict::kNothingMissing) {

@@ -35,7 +35,7 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d);
 
 /// "The law lacks play and gravity", and how it goes on where the delivered law has more than these. @pre effects
 auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string;
-inline constexpr const char* kMoreThanNamed = "; a law with more than that predicts unseen rows better for certain.";
+inline constexpr const char* kMoreThanNamed = "; a law with more than that certainly predicts unseen rows better.";
 
 /// Makes the verdict agree with the law that is delivered and with the errors before and after: nothing is called
 /// complete that another law betters for certain, or that leaves more than its floor, or in which an effect of a tenth

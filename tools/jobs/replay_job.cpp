@@ -26,7 +26,7 @@ auto replay_angle(const CsvLog& log, int axis, const JointFile& joint, Arithmeti
 
 void refuse_saturated(long samples, const std::string& law) {
   if (samples > 0) {
-    throw Refusal(std::to_string(samples) + " samples met the end of the range of numbers (+-128); " +
+    throw Refusal(std::to_string(samples) + " samples reached the end of the range of numbers (+-128); " +
                   "check the units of the log and of " + law);
   }
 }

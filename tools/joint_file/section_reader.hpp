@@ -101,7 +101,7 @@ class SectionReader {
     }
     const double beta = joint.parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
     if (std::abs(beta) < kSmallestBeta) {
-      fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be turned round; " +
+      fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be inverted; " +
                                          "check the fit, the joint hardly moved");
     }
   }

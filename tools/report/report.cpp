@@ -236,7 +236,8 @@ auto parameter_table(const JointFile& joint, const std::vector<std::string>& und
 
 auto ranking_tables(const Diagnosis& d) -> std::string {
   std::string html =
-      "<h2>Who else could it be?</h2>\n<p>Every possible effect was fitted beside the law. Those in grey are not in "
+      "<h2>Which other effects could it be?</h2>\n<p>Every possible effect was fitted beside the law. Those in grey "
+      "are not in "
       "the catalogue: they are in the line-up so that something foreign is not given the nearest catalogue name.</p>\n";
   for (std::size_t i = 0; i < d.rounds.size(); ++i) {
     html += "<h3>Round " + std::to_string(i + 1) + "</h3>\n<p>" + rounded(100.0 * d.rounds[i].reducible_share, 3) +

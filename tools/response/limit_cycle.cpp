@@ -40,7 +40,7 @@ auto swings_of(const Response& response, const LoopGains& gains) -> std::vector<
 
 }  // namespace
 
-auto foretell(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
+auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
   const std::vector<Swing> swings = swings_of(response, gains);
   std::optional<LimitCycle> first;
   for (std::size_t i = 1; i < swings.size(); ++i) {
@@ -65,7 +65,8 @@ auto turned_about(const Response& response) -> std::string {
   }
   return "the shake turned the motor about (" + rounded(response.motor_shake_rad_s, 2) +
          " rad/s rms about its way at " + rounded(response.motor_speed_rad_s, 2) +
-         " rad/s): friction turned with it and passes for damping, so the joint begins to swing sooner than foretold; "
+         " rad/s): friction reversed with it and looks like damping, so the joint begins to oscillate sooner than "
+         "predicted; "
          "shake with " +
          rounded(kTurnsHardly / share, 2) + " times the amplitude at most, or let the joint travel " +
          rounded(share / kTurnsHardly, 2) + " times as fast";

@@ -174,7 +174,7 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
 
 /// Gains at which the joint would begin to swing soon are refused with that sentence.
 void require_calm(const Response& response, const LoopGains& gains) {
-  const auto cycle = foretell(response, gains);
+  const auto cycle = predict_limit_cycle(response, gains);
   if (cycle && cycle->onset < kFromOnset) {
     throw Refusal(response.name + ": stiffness " + rounded(gains.stiffness, 3) + " and damping " +
                   rounded(gains.damping, 3) +
@@ -329,7 +329,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                 .warning = turned_about(response),
                 .loop = loop_of(all, joint->gains)};
   require_calm(response, tuning.gains);
-  if (const auto cycle = foretell(response, tuning.gains)) {
+  if (const auto cycle = predict_limit_cycle(response, tuning.gains)) {
     tuning.swings = sentence_of(*cycle, response.motor_speed_rad_s);
   }
   if (response.travels) {

@@ -238,10 +238,10 @@ auto table_4_1() -> ThesisTable {
   table.conditions = {
       "The lever from joint to force sensor is not printed: fitted to the magnitude of u1 (f), " +
           rounded(1000.0 / newton_per_nm, 3) +
-          " mm; the other magnitudes are foretold. Torque per volt: 0.06228 N m of "
+          " mm; the other magnitudes are predicted. Torque per volt: 0.06228 N m of "
           "figure 2.10 for the 2 V of these signals. Every run starts from the lower saturation.",
       "The trial with own numbers has three, chosen on a grid by the errors and the magnitude of u3 of this "
-      "table: how u1, u2 and u3 share them is all that it foretells."};
+      "table: how u1, u2 and u3 share them is all that it predicts."};
   return table;
 }
 

@@ -99,7 +99,7 @@ auto table_5_2() -> ThesisTable {
                           parameter_line(errors.laws.thesis) +
                           "; with own tendons and late pictures: " + parameter_line(both.laws.thesis) + ".",
                       "Nothing of the simulated columns is fitted to a table. The trial `both` has four numbers fitted "
-                      "to the alphas and to KM at 0.05 and 0.2 Hz; it foretells the rest."};
+                      "to the alphas and to KM at 0.05 and 0.2 Hz; it predicts the rest."};
   return table;
 }
 
@@ -220,7 +220,7 @@ auto table_5_3() -> ThesisTable {
       "the "
       "control error of the sine of 0.01 Hz (marked f): " +
           rounded(kTorquePerAmpere, 3) +
-          " N m/A; the other five are foretold. From 0.5 N m/A on the loop is unstable on the simulated motor.",
+          " N m/A; the other five are predicted. From 0.5 N m/A on the loop is unstable on the simulated motor.",
       "capstan: its firmware, by PM and by the law, on the same instrument. Amplitude 15 deg, multisine 7 deg RMS: "
       "table 5.3 prints no goodness of fit to take them from.",
       "The trial tendons of table 5.2 can not be used here: with their lower friction the printed PID at 100 Hz is "

@@ -29,7 +29,7 @@ constexpr Tendons kRightJawLate = {1.6374e4, 3.7536e4, 8.024};
 constexpr Tendons kLeftJawLate = {3.0496e4, 9.0201e4, 11.845};
 constexpr std::array<double, 2> kPictureDelayS = {0.016, 0.022};
 constexpr double kPicturesHz = 30.0;
-// By KM of signal IV of both jaws, 24 Nov 2026; PM and the goodness of fit of both are foretold.
+// By KM of signal IV of both jaws, 24 Nov 2026; PM and the goodness of fit of both are predicted.
 constexpr double kPretensionOfIv = 1.72;
 
 auto jaw_index(std::size_t axis) -> std::size_t {
@@ -177,7 +177,7 @@ auto table_6_2() -> ThesisTable {
   std::vector<std::string> conditions = {
       "Drag is in the plant of both jaws: 304 N s/m over a tendon's length, fitted to KM of the right jaw's signal I "
       "(f). Stiffness and pretension are fitted to the alphas of table 6.1 and to KM of signal V (f). The rest is "
-      "foretold."};
+      "predicted."};
   for (std::size_t axis = 1; axis <= 2; ++axis) {
     const std::size_t jaw = jaw_index(axis);
     Study study = with_tendons(plain(axis), jaw == 0 ? kRightJawWithDrag : kLeftJawWithDrag);

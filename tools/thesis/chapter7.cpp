@@ -108,7 +108,8 @@ auto table_7_1() -> ThesisTable {
   table.rows.push_back(std::move(row));
   table.conditions = {
       "Fitted (f): the two stiffnesses, 1443 and 3575 N/m, to the alphas; the elbow's friction, 1.43 mN m, to KM of "
-      "signal I in table 7.2. beta is foretold; r1 / r2 is 0.8098 by the printed gear and radii. Pretension 0.2 N: the "
+      "signal I in table 7.2. beta is predicted; r1 / r2 is 0.8098 by the printed gear and radii. Pretension 0.2 N: "
+      "the "
       "thesis measured with next to none."};
   return table;
 }
@@ -123,7 +124,7 @@ auto table_7_2() -> ThesisTable {
   table.conditions = {
       "Gravity is in the plant (4 mN m, hanging down) and taken out of the torque, as chapter 7 does. Stiffness and "
       "the "
-      "elbow's friction are fitted to table 7.1 and to KM of signal I (f); the rest is foretold."};
+      "elbow's friction are fitted to table 7.1 and to KM of signal I (f); the rest is predicted."};
   return table;
 }
 

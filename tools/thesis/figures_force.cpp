@@ -200,9 +200,9 @@ auto compliance_plot(const std::string& title, const std::vector<std::pair<std::
   return plot;
 }
 
-/// What (3.24) and (3.26) foretell of a spring in the second press: both tendons active from 43.5 to 47 s, one slack at
+/// What (3.24) and (3.26) predict of a spring in the second press: both tendons active from 43.5 to 47 s, one slack at
 /// 49 s.
-auto foretold(double stiffness) -> Series {
+auto predicted(double stiffness) -> Series {
   const sim::PlantParameters p;
   const TendonPair pair{{p.eta_top, p.stiffness_top_n_per_m},
                         {p.eta_bottom, p.stiffness_bottom_n_per_m},
@@ -240,9 +240,9 @@ auto chapter_3() -> std::vector<ThesisFigure> {
   Plot soft = compliance_plot("Combined compliance",
                               {{"compliant", spring(0.05)}, {"semi-compliant", spring(0.2)}, {"rigid", spring(2.0)}});
   for (const double value : {0.05, 0.2, 2.0}) {
-    soft.series.push_back(foretold(value));
+    soft.series.push_back(predicted(value));
   }
-  soft.series.back().label = "foretold";
+  soft.series.back().label = "predicted";
   const Plot tumour = compliance_plot("Combined compliance over tissue", {{"no tumour", inclusion(0.0, 0.05)},
                                                                           {"in the middle", inclusion(0.08, 0.0)},
                                                                           {"at the surface", inclusion(0.0, 0.0)}});

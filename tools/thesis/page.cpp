@@ -41,7 +41,7 @@ auto summary(const std::vector<ThesisTable>& tables) -> std::string {
             "</td></tr>\n";
   }
   return "<table><thead><tr><th>table</th><th class=\"n\">values</th><th class=\"n\">fitted</th>"
-         "<th class=\"n\">foretold within 10 %</th><th class=\"n\">beyond, explained</th>"
+         "<th class=\"n\">predicted within 10 %</th><th class=\"n\">beyond, explained</th>"
          "<th class=\"n\">explained in part</th><th class=\"n\">not explained</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>\n";
 }
@@ -63,7 +63,7 @@ auto thesis_page(const std::vector<ThesisTable>& tables, const std::vector<Thesi
       "<h1>The reference thesis on the simulator</h1>\n"
       "<p>F. Anooshahpour, 2017: tables and figures of the thesis beside the same experiments on the simulated "
       "instruments. KM is q2 = &beta; q1; PM is the thesis's law; <i>law</i> is PM with two more effects of the "
-      "catalogue. An <b>f</b> marks a value that is fitted to the print; all others are foretold. A difference over "
+      "catalogue. An <b>f</b> marks a value that is fitted to the print; all others are predicted. A difference over "
       "10 % is explained where a changed experiment comes within 10 % of the print, in part where it comes "
       "nearer, and otherwise is not.</p>\n";
   html += summary(tables);

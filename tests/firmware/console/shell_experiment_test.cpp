@@ -282,7 +282,7 @@ TEST(ShellPalpate, PressesWithTorqueTrianglesAndNamesTheSite) {
   type(bench, line);
   auto lines = lines_of(answer(bench));
   EXPECT_EQ(lines.back(), "ok");
-  EXPECT_EQ(lines.front().rfind("# no stiffness will be told: ", 0), 0U);  // there is no force law
+  EXPECT_EQ(lines.front().rfind("# no stiffness will be reported: ", 0), 0U);  // there is no force law
   lines.erase(lines.begin());
   EXPECT_EQ(lines.front(), "time_s,site,axis0/q1_rad,axis0/tau_Nm,axis0/q2_est_rad,axis0/q2_ref_rad,axis0/current_A");
   double largest = 0.0;

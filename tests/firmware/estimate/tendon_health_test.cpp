@@ -125,10 +125,9 @@ TEST(TendonJudge, OnlyWhatTheWarningSaysHasACause) {
 }
 
 TEST(TendonHealthTable, HasALineForEachWithCauseAndCure) {
-  for (std::size_t i = 0; i < kTendonHealthTable.size(); ++i) {
-    EXPECT_EQ(static_cast<std::size_t>(kTendonHealthTable[i].health), i);
-    EXPECT_NE(std::string(kTendonHealthTable[i].cause), "");
-    EXPECT_NE(std::string(kTendonHealthTable[i].cure), "");
+  for (const TendonHealthInfo& row : kTendonHealthTable) {
+    EXPECT_NE(std::string(row.cause), "") << row.name;
+    EXPECT_NE(std::string(row.cure), "") << row.name;
   }
 }
 

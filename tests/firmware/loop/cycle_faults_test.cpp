@@ -113,8 +113,8 @@ const std::vector<Cause> kCauses = {
 TEST(CycleFaults, EveryFaultOfTheTableHasACauseAmongTheTests) {
   for (const FaultInfo& entry : kFaultTable) {
     EXPECT_TRUE(
-        entry.fault == Fault::kNone || entry.fault == Fault::kLimitCycle ||  // four seconds: limit_cycle_test
-        std::any_of(kCauses.begin(), kCauses.end(), [&](const Cause& cause) { return cause.fault == entry.fault; }))
+        entry.code == Fault::kNone || entry.code == Fault::kLimitCycle ||  // four seconds: limit_cycle_test
+        std::any_of(kCauses.begin(), kCauses.end(), [&](const Cause& cause) { return cause.fault == entry.code; }))
         << entry.name;
   }
 }

@@ -162,6 +162,15 @@ TEST(FaultLog, AFirmwareThatEndsUnderTorqueLeavesItsLastSecond) {
   EXPECT_EQ(board.log().count(), 1U) << "at rest a restart is no news";
 }
 
+TEST(FaultLog, AStateBeforeTheFirstCycleIsWithoutTorque) {
+  Board board;
+  board.say("arm");
+  board.ticks(500);
+  board.log().rt_step(MachineTelemetry{}, {});
+  board.start();
+  EXPECT_EQ(board.log().count(), 0U) << "so the torque had ended before the restart";
+}
+
 TEST(FaultLog, AnOperatorWhoDisarmsLeavesNothingAlsoOverARestart) {
   Board board;
   board.say("arm");

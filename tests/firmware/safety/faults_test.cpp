@@ -46,20 +46,27 @@ TEST(Faults, NumbersAreThoseThatWereGivenOut) {
 TEST(Faults, EveryFaultHasABitOfItsOwn) {
   FaultSet all = 0;
   for (const FaultInfo& fault : kFaultTable) {
-    EXPECT_EQ(all & bit(fault.fault), 0U) << fault.name;
-    all |= bit(fault.fault);
-    EXPECT_EQ(bit(fault.fault) == 0, fault.fault == Fault::kNone);
+    EXPECT_EQ(all & bit(fault.code), 0U) << fault.name;
+    all |= bit(fault.code);
+    EXPECT_EQ(bit(fault.code) == 0, fault.code == Fault::kNone);
   }
+}
+
+TEST(Faults, TheLowestOfASetIsTheOneWithTheLowestNumber) {
+  EXPECT_EQ(lowest(0), Fault::kNone);
+  EXPECT_EQ(lowest(bit(Fault::kLimitCycle)), Fault::kLimitCycle);
+  EXPECT_EQ(lowest(bit(Fault::kWatchdog) | bit(Fault::kSensorMissing) | bit(Fault::kDriveFailed)),
+            Fault::kSensorMissing);
 }
 
 TEST(Faults, TheReadmeListsEveryFaultWithItsNumberAndNoOther) {
   const std::string text = readme();
   std::size_t rows = 0;
   for (const FaultInfo& fault : kFaultTable) {
-    if (fault.fault == Fault::kNone) {
+    if (fault.code == Fault::kNone) {
       continue;
     }
-    const std::string row = "| " + std::to_string(static_cast<int>(fault.fault)) + " | `" + fault.name + "` |";
+    const std::string row = "| " + std::to_string(static_cast<int>(fault.code)) + " | `" + fault.name + "` |";
     EXPECT_NE(text.find(row), std::string::npos) << "docs/firmware.md lacks the row " << row;
     ++rows;
   }

@@ -134,8 +134,11 @@ TEST(MotorObserver, AStepOfTorqueMayBeAnsweredAtTheRateOfTorque) {
   }
 }
 
-TEST(MotorObserver, WithoutItsStiffnessTheWayIsNotJudged) {
+TEST(MotorObserver, WithoutItsStiffnessOrWhatAHealthyMotorExceedsTheWayIsNotJudged) {
   EXPECT_EQ(turned_round(-2.5, commissioned_config()), 0U);
+  AxisConfig no_excess = stretching_config();
+  no_excess.observer.excess_nm = Q24{};
+  EXPECT_EQ(turned_round(-2.5, no_excess), 0U);
 }
 
 TEST(MotorObserver, WhatTheWayDidNotAnswerForIsNotJudgedDuringALook) {

@@ -56,6 +56,14 @@ TEST(MotorObserver, AMotorWhoseTorqueMeetsItsLimitIsStoppedByItsTendons) {
   EXPECT_EQ(helped.steps({5, 4, 2, 2, 1}, -0.01), 0U) << "torque that falls is no winding up";
 }
 
+TEST(MotorObserver, TorqueThatFellJustBeforeExplainsASlowingDownWhileItRisesAgain) {
+  for (const bool fell : {true, false}) {
+    Winding winding(1);
+    ASSERT_EQ(winding.steps({5, 5, 5, 5}, fell ? -0.005 : 0.01), 0U);
+    EXPECT_EQ(winding.steps({5, 2, 3, 2}, 0.015), fell ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
 TEST(MotorObserver, AMotorThatSlowsDownBitByBitGoesOnSlowingDownWhileItWinds) {
   Winding winding(1);
   EXPECT_EQ(winding.steps({5, 4, 5, 4, 4, 4, 3, 4, 3, 3, 2, 3, 2, 2, 1, 2, 1, 1, 0}, 0.01), 0U);

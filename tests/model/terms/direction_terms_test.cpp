@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "capstan/tests/model/integrated_tension.hpp"
 #include "capstan/tests/model/support.hpp"
 
 namespace capstan {
@@ -63,6 +64,19 @@ TYPED_TEST(Terms, ViscousGivesTheRateToThePulledTendonAlone) {
   EXPECT_EQ(value_of(backward[1]), -2.25);
   EXPECT_EQ(term.settled(this->sample(true)), forward);
   EXPECT_EQ(term.settled(this->sample(false)), backward);
+}
+
+// What the term's header says of its sign, from the integral of (6.17).
+TEST(TransmissionViscousSign, DragShortensAPulledTendonByWhatTheHeaderSays) {
+  constexpr double kDragN = 2.4;  // b L v
+  constexpr double kInputN = 20.0;
+  for (const double eta : {0.03, 0.7, 1.1414, 2.5}) {
+    const test::Integrated with = test::integrate(eta, 1.0, kInputN, 1.0, kDragN);
+    const test::Integrated without = test::integrate(eta, 1.0, kInputN);
+    EXPECT_NEAR(without.end_tension - with.end_tension, kDragN * mean_decay(eta), 1e-9 * kInputN) << eta;
+    EXPECT_NEAR(without.area - with.area, kDragN * (1.0 - mean_decay(eta)) / eta, 1e-9 * kInputN) << eta;
+    EXPECT_GT(without.area, with.area) << "the joint is ahead: g > 0";
+  }
 }
 
 TYPED_TEST(Terms, PretensionIsPlusOneForwardAndMinusOneBack) {

@@ -134,7 +134,7 @@ auto search_that_explains(double share) -> Search {
 TEST(Verdict, WhatTheFormOfATermLeavesIsNoOtherEffect) {
   Diagnosis whole;
   EXPECT_EQ(judge(search_that_explains(0.985), whole), Verdict::kEffect);
-  EXPECT_EQ(whole.reason.find("can not be told from noise"), std::string::npos);  // it can
+  EXPECT_EQ(whole.reason.find("cannot be distinguished from noise"), std::string::npos);  // it can
   Diagnosis part;
   EXPECT_EQ(judge(search_that_explains(0.94), part), Verdict::kEffectPlusUnlisted);  // another, four times smaller
 }

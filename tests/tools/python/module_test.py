@@ -221,7 +221,7 @@ class Module(unittest.TestCase):
 
     def test_numbers_beyond_the_boards_range_are_refused(self):
         law = capstan.identify(capstan.log(joint()))
-        with self.assertRaisesRegex(capstan.Refusal, "met the end of the range of numbers"):
+        with self.assertRaisesRegex(capstan.Refusal, "reached the end of the range of numbers"):
             law.run(numpy.linspace(0, 500, 1000), numpy.zeros(1000), arithmetic="fixed")
 
     def test_effort_law_is_replayed(self):

@@ -141,7 +141,7 @@ TEST(LimitCycle, OnsetIsTheFactorAtWhichTheMotorInTimeBeginsToGrow) {
   for (const int delay : {1, 3}) {
     const Motor motor{.delay = delay};
     const LoopGains gains = gentle();
-    const auto cycle = foretell(motor.response(gains), gains);
+    const auto cycle = predict_limit_cycle(motor.response(gains), gains);
     ASSERT_TRUE(cycle) << delay;
     EXPECT_FALSE(motor.grows(gains, 0.97 * cycle->onset)) << delay;
     EXPECT_TRUE(motor.grows(gains, 1.03 * cycle->onset)) << delay;
@@ -155,7 +155,7 @@ TEST(LimitCycle, AMotorThatNeverSwingsIsToldNothing) {
   const LoopGains gains = gentle();
   Response response = motor.response(gains);
   std::erase_if(response.points, [](const ResponsePoint& point) { return point.hz > 15.0; });
-  EXPECT_FALSE(foretell(response, gains));
+  EXPECT_FALSE(predict_limit_cycle(response, gains));
 }
 
 TEST(LimitCycle, AGainWithinTwoOfTheOnsetIsRefusedWithThatSentence) {
@@ -167,7 +167,7 @@ TEST(LimitCycle, AGainWithinTwoOfTheOnsetIsRefusedWithThatSentence) {
     wanted.bandwidth_hz = hz;
     try {
       const Tuning tuning = tune(motor.response(present), present, wanted);
-      const auto cycle = foretell(motor.response(present), tuning.gains);
+      const auto cycle = predict_limit_cycle(motor.response(present), tuning.gains);
       ASSERT_TRUE(cycle) << hz;
       EXPECT_GE(cycle->onset, 2.0) << hz;
       EXPECT_FALSE(motor.grows(tuning.gains, 1.9)) << hz;

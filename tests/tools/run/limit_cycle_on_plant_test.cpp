@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limit cycles foretold from one log of gentle gains, against the plant with its gains raised until it swings.
+// Limit cycles predicted from one log of gentle gains, against the plant with its gains raised until it swings.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,8 +56,8 @@ auto gain_lines(const LoopGains& gains, double factor) -> Lines {
 }
 
 /// Usually shaken gently: a motor that is shaken faster than its way turns its friction, which is then taken for
-/// damping (with 8 mNm the onset is foretold up to 19 % late). Nothing: the joint left its corridor, or a fault ended
-/// it, and there is nothing to foretell from.
+/// damping (with 8 mNm the onset is predicted up to 19 % late). Nothing: the joint left its corridor, or a fault ended
+/// it, and there is nothing to predict from.
 auto measure(const Drawn& drawn, const std::string& amplitude = "4mNm") -> std::optional<Response> {
   test::BoardRig rig(drawn.scenario);
   rig.say("maintenance open");
@@ -165,7 +165,7 @@ auto number_from(const char* variable, long usual) -> std::uint64_t {
 }
 
 TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
-  std::printf("seed | onset foretold, seen | Hz foretold, seen | mrad foretold, seen | runs away\n");
+  std::printf("seed | onset predicted, seen | Hz predicted, seen | mrad predicted, seen | runs away\n");
   const std::uint64_t first = number_from("CAPSTAN_SEED", 500);
   const std::uint64_t plants = number_from("CAPSTAN_PLANTS", 4);
   std::uint64_t judged = 0;
@@ -177,15 +177,15 @@ TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
       continue;
     }
     ++judged;
-    const std::optional<LimitCycle> foretold = foretell(*response, drawn.gains);
-    ASSERT_TRUE(foretold) << seed;
+    const std::optional<LimitCycle> predicted = predict_limit_cycle(*response, drawn.gains);
+    ASSERT_TRUE(predicted) << seed;
     const Seen seen = ramp(drawn);
-    const double swing = swing_rad(*foretold, response->motor_speed_rad_s);
+    const double swing = swing_rad(*predicted, response->motor_speed_rad_s);
     std::printf("%llu | %.2f %.2f | %.1f %.1f | %.2f %.2f | %.2f\n", static_cast<unsigned long long>(seed),
-                foretold->onset, seen.onset, foretold->hz, seen.hz, 1e3 * swing, 1e3 * seen.amplitude_rad,
+                predicted->onset, seen.onset, predicted->hz, seen.hz, 1e3 * swing, 1e3 * seen.amplitude_rad,
                 seen.runaway);
-    EXPECT_NEAR(foretold->onset, seen.onset, 0.07 * seen.onset) << seed;
-    EXPECT_NEAR(foretold->hz, seen.hz, 0.05 * seen.hz) << seed;
+    EXPECT_NEAR(predicted->onset, seen.onset, 0.07 * seen.onset) << seed;
+    EXPECT_NEAR(predicted->hz, seen.hz, 0.05 * seen.hz) << seed;
     EXPECT_GT(seen.swing_speed, 0.9) << seed << ": friction lets the swing grow to the speed of the way";
     EXPECT_LT(seen.swing_speed, 1.5) << seed << ": and holds it there";
   }
@@ -207,12 +207,12 @@ TEST(LimitCycleOnPlant, AShakeThatTurnsTheMotorAboutIsToldWithAnAmplitudeThatDoe
     const std::optional<Response> gentle = measure(drawn, rounded(12.0 * less, 3) + "mNm");
     ASSERT_TRUE(gentle) << seed;
     EXPECT_EQ(turned_about(*gentle), "") << seed;
-    const auto late = foretell(*loud, drawn.gains);
-    const auto foretold = foretell(*gentle, drawn.gains);
-    ASSERT_TRUE(late && foretold) << seed;
-    std::printf("%llu | %.2f of the amplitude | onset %.2f foretold, %.2f with 12 mNm\n",
-                static_cast<unsigned long long>(seed), less, foretold->onset, late->onset);
-    EXPECT_GT(late->onset, 1.03 * foretold->onset) << seed;
+    const auto late = predict_limit_cycle(*loud, drawn.gains);
+    const auto predicted = predict_limit_cycle(*gentle, drawn.gains);
+    ASSERT_TRUE(late && predicted) << seed;
+    std::printf("%llu | %.2f of the amplitude | onset %.2f predicted, %.2f with 12 mNm\n",
+                static_cast<unsigned long long>(seed), less, predicted->onset, late->onset);
+    EXPECT_GT(late->onset, 1.03 * predicted->onset) << seed;
   }
 }
 
@@ -243,12 +243,12 @@ TEST(LimitCycleOnPlant, TheSupervisorWarnsOfASwingAndLeavesCalmGainsAlone) {
       continue;
     }
     ++judged;
-    const std::optional<LimitCycle> foretold = foretell(*response, drawn.gains);
-    ASSERT_TRUE(foretold) << seed;
-    const auto [warned, fault] = supervised(drawn, 1.2 * foretold->onset);
+    const std::optional<LimitCycle> predicted = predict_limit_cycle(*response, drawn.gains);
+    ASSERT_TRUE(predicted) << seed;
+    const auto [warned, fault] = supervised(drawn, 1.2 * predicted->onset);
     EXPECT_EQ(warned, bit(Warning::kLimitCycle)) << seed;
     EXPECT_EQ(fault, Fault::kNone) << seed << ": without a commissioned inertia it is a warning";
-    const auto [calm, none] = supervised(drawn, 0.8 * foretold->onset);
+    const auto [calm, none] = supervised(drawn, 0.8 * predicted->onset);
     EXPECT_EQ(calm, WarningSet{0}) << seed;
     EXPECT_EQ(none, Fault::kNone) << seed;
   }

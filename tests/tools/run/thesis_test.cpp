@@ -159,12 +159,12 @@ TEST(Thesis, Table62IsReachedByLatePicturesOnAllSignalsButTheFourth) {
   for (const std::size_t i : {0U, 1U, 4U}) {
     expect_near_share(value(table, i, "late camera", "pm"), kRightPm[i], 0.10, table.rows[i].name);
   }
-  // One number, the pretension of the run of IV, is fitted to KM of both jaws; PM of the right one is foretold.
+  // One number, the pretension of the run of IV, is fitted to KM of both jaws; PM of the right one is predicted.
   for (const std::size_t i : {3U, 8U}) {
     expect_near_share(value(table, i, "tighter", "km"), kKm[i], 0.05, table.rows[i].name);
     EXPECT_TRUE(std::isnan(table.value(i - 1, "tighter", "km"))) << "tried on IV alone";
   }
-  expect_near_share(value(table, 3, "tighter", "pm"), kRightPm[3], 0.10, "foretold");
+  expect_near_share(value(table, 3, "tighter", "pm"), kRightPm[3], 0.10, "predicted");
   EXPECT_LT(value(table, 0, "no drag", "km"), 0.6 * kKm[0]) << "without drag or delay nothing grows with speed";
 }
 
@@ -333,7 +333,7 @@ TEST(ThesisFigures, EveryFigureIsThereAndShowsWhatThePrintShows) {
   const Eigen::Index pressed = 700;
   EXPECT_GT(samples[0].y[pressed], 1.5 * samples[1].y[pressed]);
   EXPECT_GT(samples[1].y[pressed], 1.5 * samples[2].y[pressed]);
-  // 3.9: the compliance that is measured is that foretold, with both tendons active and with one slack.
+  // 3.9: the compliance that is measured is that predicted, with both tendons active and with one slack.
   const auto& felt = find("3.9").plots[1].series;
   ASSERT_EQ(felt.size(), 6U);
   for (std::size_t i = 0; i < 3; ++i) {

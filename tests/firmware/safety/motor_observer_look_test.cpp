@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Looks: what the observer gives a motor at rest to answer.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "capstan/tests/firmware/safety/motor_observer_rig.hpp"
+
+namespace capstan {
+namespace {
+
+using observer_rig::commissioned_config;
+using observer_rig::Rig;
+
+// 0.195 A, a look's torque here, explain 6.4 counts, and 3.5 are the quantisation's.
+TEST(MotorObserver, WhatALookHasStretchedExplainsAMotionUntilItHasFaded) {
+  for (const int since : {12, 60}) {
+    Rig rig;
+    rig.observer.rt_arm();
+    double largest = 0.0;
+    for (int i = 0; i < 12; ++i) {
+      const double look = rig.observer.rt_look().to_double();
+      largest = std::max(largest, std::abs(look));
+      ASSERT_EQ(rig.step(look > 0.0 ? 1 : 0, look), 0U) << i;
+    }
+    ASSERT_NEAR(largest, 0.195, 0.01);
+    FaultSet faults = rig.steps(since, 2, 0.0);
+    for (const int moved : {5, 8, 10, 10, 1}) {
+      faults |= rig.step(moved, 0.0);
+    }
+    EXPECT_EQ(faults, since == 12 ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
+TEST(MotorObserver, LooksOnceAfterArmingAndOnceWhenAMotionStops) {
+  MotorObserver observer(commissioned_config());
+  observer.rt_arm();
+  double largest = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    largest = std::max(largest, std::fabs(observer.rt_look().to_double()));
+  }
+  EXPECT_GT(largest, 2.0 * 0.03) << "more than the friction holds, both ways";
+  EXPECT_LT(largest, 0.3) << "far less than a joint needs to move";
+  EXPECT_EQ(observer.rt_look(), Q24{});
+  Rig rig;
+  rig.run_at(3);
+  int looked = 0;
+  for (int i = 0; i < 200; ++i) {
+    static_cast<void>(rig.step(0, 0.05));
+    const Q24 look = rig.observer.rt_look();
+    looked += look != Q24{} ? 1 : 0;
+    EXPECT_LE(look, Q24{}) << "against the motion only";
+  }
+  EXPECT_EQ(looked, 11);
+}
+
+TEST(MotorObserver, AMotorThatFallsSilentDuringALookIsNotLookedAtASecondTime) {
+  Rig rig;
+  rig.observer.rt_arm();
+  int looked = 0;
+  Q24 look;
+  for (int i = 0; i < 100; ++i) {
+    static_cast<void>(rig.step(i == 2 || i == 3 ? -1 : 0, look.to_double()));  // silent from the ninth cycle on
+    look = rig.observer.rt_look();
+    looked += look != Q24{} ? 1 : 0;
+    EXPECT_TRUE(look == Q24{} || i < 12) << i;
+  }
+  EXPECT_EQ(looked, 11);
+}
+
+// A motor that springs back answers with more than the look's torque.
+TEST(MotorObserver, ALookIsJudgedByItsAnswerWhereTheMotorStoodWhenTorqueCame) {
+  for (const bool stood : {true, false}) {
+    MotorObserver observer(commissioned_config());
+    MotorState motor;
+    const auto step = [&](int moved, Q24 drive_a, bool energised) {
+      motor.counts += moved;
+      motor.current_a = drive_a;
+      return observer.rt_step(motor, drive_a, energised);
+    };
+    for (int i = 0; i < 5; ++i) {
+      static_cast<void>(step(stood ? 0 : 1, Q24{}, false));
+    }
+    observer.rt_arm();
+    static_cast<void>(step(0, Q24{}, true));
+    for (int i = 0; i < 40; ++i) {
+      static_cast<void>(step(i == 4 || i == 6 ? 6 : i == 8 ? -6 : 0, observer.rt_look(), true));
+    }
+    EXPECT_EQ(observer.look_answer().number(), stood ? 1U : 0U);
+    EXPECT_EQ(observer.look_answer().counts(), stood ? 12 : 0);
+  }
+}
+
+// A look that adds torque breaks a joint loose that is about to move; the last count's direction is chance.
+TEST(MotorObserver, ALookTakesTorqueAwayWhicheverWayTheLastCountWent) {
+  for (const double torque : {0.5, -0.5}) {
+    for (const int flicker : {1, -1}) {
+      Rig rig;
+      for (int i = 0; i < 50; ++i) {  // within the slew
+        static_cast<void>(rig.step(i % 5 == 0 ? (torque > 0.0 ? 1 : -1) : 0, torque * i / 50));
+      }
+      static_cast<void>(rig.step(flicker, torque));
+      double most = 0.0;
+      for (int i = 0; i < 100; ++i) {
+        static_cast<void>(rig.step(0, torque));
+        const double look = rig.observer.rt_look().to_double() * (torque > 0.0 ? 1.0 : -1.0);
+        EXPECT_LE(look, 0.0) << torque << ' ' << flicker;
+        most = std::max(most, -look);
+      }
+      EXPECT_GT(most, 0.06) << "and there was one";
+    }
+  }
+}
+
+// A load pulled it back while its torque rose by 0.35 A of the 0.39 A that counts may go on against; then it stood.
+TEST(MotorObserver, WhatTheEncoderConfirmedBeforeASilenceWasUnderAnotherLoad) {
+  for (const bool stood : {true, false}) {
+    Rig rig;
+    for (int i = 0; i <= 70; ++i) {
+      ASSERT_EQ(rig.step(-1, -0.005 * i), 0U) << i;
+    }
+    for (int i = 0; i <= 70; ++i) {
+      ASSERT_EQ(rig.step(-1, -0.35 + 0.005 * i), 0U) << i;
+    }
+    for (int i = 0; i < 60 && stood; ++i) {
+      ASSERT_EQ(rig.step(0, 0.0), 0U);
+      static_cast<void>(rig.observer.rt_look());
+    }
+    EXPECT_EQ(rig.step(-1, 0.03) | rig.step(-1, 0.06), stood ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
+}  // namespace
+}  // namespace capstan
