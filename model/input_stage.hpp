@@ -56,7 +56,7 @@ class InputStage {
   }
   /// Makes h what it is once a motion in the sample's direction has lasted. @pre h is q1 there
   constexpr void settle(Sample<Scalar>& motion) const {
-    std::apply([&motion](const auto&... term) { ((motion.h = term.settled(motion)), ...); }, terms_);
+    std::apply([&motion](const auto&... term) { ((motion.h = term.steady_state(motion)), ...); }, terms_);
   }
   /// The motor angle at which h stands, once a motion in this direction has lasted.
   [[nodiscard]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {

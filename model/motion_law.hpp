@@ -171,7 +171,7 @@ class MotionLaw {
   [[nodiscard]] constexpr auto through_ratio(Scalar joint_side, Scalar near) const -> Scalar {
     return is_active<CurvedRatio<Scalar>>() ? curve_(joint_side, near) : per_beta(joint_side);
   }
-  /// The motor angle to a settled h in one direction, rad.
+  /// The motor angle to an h in steady state in one direction, rad.
   [[nodiscard, gnu::always_inline]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {
     return input_on_ ? input_.undone(h, forward) : h;
   }
@@ -180,14 +180,14 @@ class MotionLaw {
   /// as much as a term.
   [[nodiscard, gnu::always_inline]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar>& motion) const -> Scalar {
     motion.q2 = q2;
-    return settled<true>(motion);
+    return steady_state<true>(motion);
   }
   [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar>& motion) const -> Scalar {
     motion.h = motion.q1;
     if (input_on_) {
       input_.settle(motion);
     }
-    return settled<false>(motion);
+    return steady_state<false>(motion);
   }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
   [[nodiscard]] constexpr auto per_beta(Scalar joint_side) const -> Scalar { return joint_side * per_beta_; }
@@ -302,7 +302,7 @@ class MotionLaw {
     }
   }
 
-  /// What is turned round by solving, not by taking its settled value away.
+  /// What is turned round by solving, not by taking its steady state away.
   template <typename Term>
   static consteval auto is_of_ratio() -> bool {
     return std::is_same_v<Term, MotorAngle<Scalar>> || std::is_same_v<Term, CurvedRatio<Scalar>>;
@@ -310,13 +310,13 @@ class MotionLaw {
 
   /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta h and its curve.
   template <bool Alike>
-  [[nodiscard, gnu::always_inline]] constexpr auto settled(const Sample<Scalar>& motion) const -> Scalar {
+  [[nodiscard, gnu::always_inline]] constexpr auto steady_state(const Sample<Scalar>& motion) const -> Scalar {
     const Scalar* const pulled = pulled_by(motion);
     WeightedSum<Scalar> rest;
     for_each_active(
         terms_, [&]<typename Term>(const Term& term, std::size_t first) __attribute__((always_inline)) {
-          if constexpr (!is_of_ratio<Term>() && settles_alike<Term>() == Alike) {
-            add<false>(term.settled(motion), first, pulled, rest);
+          if constexpr (!is_of_ratio<Term>() && same_steady_state<Term>() == Alike) {
+            add<false>(term.steady_state(motion), first, pulled, rest);
           }
         });
     return rest.value();

@@ -67,7 +67,7 @@ class TensionBalance {
 
   /// The stretch that `pull` comes to when both tendons slide in their whole length: (5.35) with its Lambda, and a
   /// tendon that goes slack.
-  [[nodiscard]] constexpr auto settled(Scalar torque, bool forward) const -> Scalar {
+  [[nodiscard]] constexpr auto steady_state(Scalar torque, bool forward) const -> Scalar {
     const Sliding& s = forward ? forward_ : backward_;
     const Scalar slack = torque > Scalar{} ? torque : Scalar{};
     const Scalar taut = s.top_at_none + s.top_per_torque * torque;

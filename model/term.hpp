@@ -177,22 +177,22 @@ concept Regressors = T {}
 };
 
 /// A term that enters the sum: y += theta . update(sample).
-/// `settled` gives the regressors that the term shows once a motion like `sample` has lasted: no memory, no state. The
-/// feedforward uses it to invert the law for a motion that has not happened yet.
+/// `steady_state` gives the regressors that the term shows once a motion like `sample` has lasted: no memory, no state.
+/// The feedforward uses it to invert the law for a motion that has not happened yet.
 template <typename T, typename Scalar>
 concept SumTerm = requires(T term, const T& const_term, const Sample<Scalar>& sample) {
   { term.update(sample) } -> Regressors<Scalar, kCoefficientsOf<T>>;
-  { const_term.settled(sample) } -> Regressors<Scalar, kCoefficientsOf<T>>;
+  { const_term.steady_state(sample) } -> Regressors<Scalar, kCoefficientsOf<T>>;
 }
 &&std::constructible_from<T, SamplePeriod<Scalar>, const std::array<Scalar, kShapesOf<T>>&>;
 
 /// A term that acts on the motor angle before the sum, as what lies between the motor and the ratio does: h <- update.
-/// Zero coefficients, shapes only. `settled` is h once a motion in the sample's direction has lasted, `undone` the
-/// motor angle to a settled h.
+/// Zero coefficients, shapes only. `steady_state` is h once a motion in the sample's direction has lasted, `undone` the
+/// motor angle to an h in steady state.
 template <typename T, typename Scalar>
 concept InputTerm = requires(T term, const T& const_term, const Sample<Scalar>& sample, Scalar h) {
   { term.update(sample) } -> std::same_as<Scalar>;
-  { const_term.settled(sample) } -> std::same_as<Scalar>;
+  { const_term.steady_state(sample) } -> std::same_as<Scalar>;
   { const_term.undone(h, true) } -> std::same_as<Scalar>;
   { const_term.is_on() } -> std::same_as<bool>;
 }
@@ -216,12 +216,12 @@ consteval auto reads_input() -> bool {
   };
 }
 
-/// What a term has settled to does not hang on the direction or the torque of the motion: it says so with
-/// `static constexpr bool kSettlesAlike = true`, and the inverse for both directions then asks it once.
+/// The steady state of a term does not depend on the direction or the torque of the motion: it says so with
+/// `static constexpr bool kSameSteadyState = true`, and the inverse for both directions then asks it once.
 template <typename Term>
-consteval auto settles_alike() -> bool {
+consteval auto same_steady_state() -> bool {
   return requires {
-    requires Term::kSettlesAlike;
+    requires Term::kSameSteadyState;
   };
 }
 

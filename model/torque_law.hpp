@@ -133,8 +133,8 @@ class TorqueLaw {
   [[nodiscard, gnu::flatten]] constexpr auto either_way(const Sample<Scalar>& motion) const -> Scalar {
     WeightedSum<Scalar> sum;
     visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (settles_alike<Term>()) {
-        add<false>(term.settled(motion), first, sum);
+      if constexpr (same_steady_state<Term>()) {
+        add<false>(term.steady_state(motion), first, sum);
       }
     });
     return sum.value();
@@ -149,7 +149,7 @@ class TorqueLaw {
     WeightedSum<Scalar> backward;
     WeightedSum<Scalar> forward;
     visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (!settles_alike<Term>()) {
+      if constexpr (!same_steady_state<Term>()) {
         const auto common = undirected(term, motion);
         motion.forward = false;
         add<false>(directed(term, motion, common), first, backward);
@@ -192,7 +192,7 @@ class TorqueLaw {
     if constexpr (has_undirected<Term>()) {
       return term.directed(motion, common);
     } else {
-      return term.settled(motion);
+      return term.steady_state(motion);
     }
   }
 

@@ -9,7 +9,7 @@ namespace {
 class SettledStream final : public ConsentStream {
  public:
   void step(Session& session) override {
-    if (session.machine().settled()) {
+    if (session.machine().requests_taken()) {
       session.ok();
     }
   }
@@ -36,7 +36,7 @@ void Session::busy_cycle() {
   error("busy", "the cycle has not taken the last request yet", "send the line again");
 }
 
-void Session::answer_when_settled() {
+void Session::answer_when_taken() {
   begin(make<SettledStream>());
 }
 

@@ -53,7 +53,7 @@ class Session {
   }
   void begin(Stream& stream) { stream_ = &stream; }
   /// The answer is ok() once the cycle has taken what it was given.
-  void answer_when_settled();
+  void answer_when_taken();
   /// Hands a request to the cycle, whose consent T answers; or says why not.
   template <typename T>
   void post(const Request& request) {

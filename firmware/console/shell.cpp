@@ -129,7 +129,7 @@ void Shell::disarm_now() {
 void Shell::poll() {
   if (urgent_ == Urgent::kWanted && machine_.post({.kind = Request::Kind::kDisarm})) {
     urgent_ = Urgent::kPosted;
-  } else if (urgent_ == Urgent::kPosted && machine_.settled()) {
+  } else if (urgent_ == Urgent::kPosted && machine_.requests_taken()) {
     urgent_ = Urgent::kNone;
   }
   if (beside_ != nullptr) {

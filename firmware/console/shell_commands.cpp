@@ -127,7 +127,7 @@ void commands::timing(Session& session, std::string_view /*arguments*/) {
 
 void commands::reboot(Session& session, std::string_view /*arguments*/) {
   const State state = session.machine().telemetry().state;
-  if (energised(state) || state == State::kFaulted || !session.machine().settled()) {
+  if (energised(state) || state == State::kFaulted || !session.machine().requests_taken()) {
     session.error("not_disarmed", "a reboot would drop the joint or forget a fault that nobody has acknowledged",
                   "'disarm' first");
     return;

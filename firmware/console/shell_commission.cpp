@@ -106,7 +106,7 @@ auto CommissionStream::begin_step(Session& session, Step step) -> bool {
 }
 
 void CommissionStream::step(Session& session) {
-  if (!session.machine().settled()) {
+  if (!session.machine().requests_taken()) {
     return;
   }
   const MachineTelemetry now = session.machine().telemetry();
@@ -199,7 +199,7 @@ void CommissionStream::take(Session& session) {
     return;
   }
   session.out() << "# torque is off; 'save' keeps these values\r\n";
-  session.answer_when_settled();
+  session.answer_when_taken();
 }
 
 /// A template, so that a board that can not commission has no room for the stream.
@@ -232,7 +232,7 @@ void begin_commissioning(Session& session, std::size_t axis, std::string_view ar
   } else if (session.machine().telemetry().state != State::kHolding) {
     session.error("not_holding", "commissioning begins with torque on and every joint at rest",
                   "'arm' first, or wait until the joints stand");
-  } else if (session.has_beside() || !session.machine().settled()) {
+  } else if (session.has_beside() || !session.machine().requests_taken()) {
     session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
                   "'frames off' if they are on, and send the line again");
   } else {

@@ -178,7 +178,7 @@ auto ExperimentStream::begin(Session& session) -> bool {
                   "'frames off' first");
     return false;
   }
-  if (!session.machine().settled()) {
+  if (!session.machine().requests_taken()) {
     session.error("busy", "the cycle has not taken the last request yet, and nothing moved", "send the line again");
     return false;
   }
@@ -192,7 +192,7 @@ auto ExperimentStream::begin(Session& session) -> bool {
 
 void ExperimentStream::step(Session& session) {
   Machine& machine = session.machine();
-  if (!machine.settled()) {
+  if (!machine.requests_taken()) {
     return;  // or the phase could be that of the last one
   }
   const MachineTelemetry now = machine.telemetry();

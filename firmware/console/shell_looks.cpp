@@ -55,7 +55,7 @@ struct LooksStream final : Stream {
 };
 
 void LooksStream::step(Session& session) {
-  if (!session.machine().settled()) {
+  if (!session.machine().requests_taken()) {
     return;
   }
   const MachineTelemetry now = session.machine().telemetry();
@@ -121,7 +121,7 @@ void LooksStream::take(Session& session) {
                         ? "# torque is off; 'save' keeps these values\r\n"
                         : "# the joint pulls or does not come to rest, so the answers of its looks are not judged; "
                           "torque is off\r\n");
-  session.answer_when_settled();
+  session.answer_when_taken();
 }
 
 /// A template, so that a board that can not commission has no room for the stream.
@@ -145,7 +145,7 @@ void commands::commission_looks(Session& session, std::size_t axis) {
   } else if (now.state != State::kHolding) {
     session.error("not_holding", "looks need torque and every joint at rest",
                   "'arm' first, or wait until the joints stand");
-  } else if (session.has_beside() || !session.machine().settled()) {
+  } else if (session.has_beside() || !session.machine().requests_taken()) {
     session.error("busy", "frames are being sent or the last request is under way, and nothing moved",
                   "'frames off' if they are on, and send the line again");
   } else {

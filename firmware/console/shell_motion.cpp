@@ -9,7 +9,7 @@ namespace {
 class MoveStream final : public ConsentStream {
  public:
   void step(Session& session) override {
-    if (!session.machine().settled()) {
+    if (!session.machine().requests_taken()) {
       return;
     }
     if (energised(session.machine().telemetry().state)) {
@@ -215,7 +215,7 @@ void commands::zero(Session& session, std::string_view arguments) {
     return;
   }
   if (session.machine().post(request)) {
-    session.answer_when_settled();
+    session.answer_when_taken();
   } else {
     session.busy_cycle();
   }

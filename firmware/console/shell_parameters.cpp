@@ -51,7 +51,7 @@ void commit_staged(Session& session) {
     return;
   }
   session.abandon();
-  session.answer_when_settled();
+  session.answer_when_taken();
 }
 
 void replay_lines(Session& session, bool changed_only) {
@@ -265,7 +265,7 @@ void commands::load(Session& session, std::string_view /*arguments*/) {
   switch (session.machine().load()) {
     case LoadResult::kLoaded:
       print_load_report(session.out(), session.machine().load_report(), "");
-      session.answer_when_settled();
+      session.answer_when_taken();
       break;
     case LoadResult::kForeign:
       print_load_report(session.out(), session.machine().load_report(), "");

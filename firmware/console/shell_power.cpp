@@ -15,7 +15,7 @@ class ArmStream final : public ConsentStream {
 };
 
 void ArmStream::step(Session& session) {
-  if (!session.machine().settled()) {
+  if (!session.machine().requests_taken()) {
     return;
   }
   const MachineTelemetry now = session.machine().telemetry();
@@ -77,7 +77,7 @@ void commands::arm(Session& session, std::string_view /*arguments*/) {
 
 void commands::disarm(Session& session, std::string_view /*arguments*/) {
   if (session.machine().post({.kind = Request::Kind::kDisarm})) {
-    session.answer_when_settled();
+    session.answer_when_taken();
   } else {
     session.busy_cycle();
   }

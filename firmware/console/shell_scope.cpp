@@ -174,7 +174,7 @@ void scope_start(Session& session, std::string_view arguments) {
   session.scope_setup().before = static_cast<std::size_t>(before);
   session.scope_setup().every = static_cast<std::uint32_t>(every);
   if (session.machine().scope().start(session.scope_setup())) {
-    session.answer_when_settled();
+    session.answer_when_taken();
   } else {
     session.busy_cycle();
   }
@@ -213,7 +213,7 @@ void commands::scope(Session& session, std::string_view arguments) {
     scope_start(session, arguments);
   } else if (word == "stop") {
     if (session.machine().scope().start({})) {
-      session.answer_when_settled();
+      session.answer_when_taken();
     } else {
       session.busy_cycle();
     }

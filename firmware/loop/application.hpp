@@ -85,9 +85,9 @@ class Application final : public Machine {
     return {};
   }
   auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
-  auto settled() const -> bool override {
-    return request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.settled() &&
-           recorder_.settled() && experiment_box_.empty();
+  auto requests_taken() const -> bool override {
+    return request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.requests_taken() &&
+           recorder_.requests_taken() && experiment_box_.empty();
   }
   auto save() -> bool override {
     const bool saved = !has_torque() && storage_.save(config_, key_);

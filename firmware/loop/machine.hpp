@@ -32,7 +32,7 @@ class Machine {
   /// Hands a request to the cycle, one at a time. False: the last one is still under way, or there is no such joint.
   virtual auto post(const Request& request) -> bool = 0;
   /// True once the cycle has carried out or refused the last request and taken the last parameters.
-  [[nodiscard]] virtual auto settled() const -> bool = 0;
+  [[nodiscard]] virtual auto requests_taken() const -> bool = 0;
   /// False: torque is on (saving may stop the processor) or the storage failed. The old set is then still there.
   virtual auto save() -> bool = 0;
   /// Takes the stored parameters into force. The room for staging serves it: kRefused also while somebody has it.

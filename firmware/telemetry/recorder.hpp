@@ -33,7 +33,7 @@ class Recorder {
   /// @param owner  who records, until he stops; a board may have two consoles
   auto start(const void* owner, const RecorderSetup& setup) -> bool;
   void stop(const void* owner);
-  [[nodiscard]] auto settled() const -> bool { return box_.empty(); }
+  [[nodiscard]] auto requests_taken() const -> bool { return box_.empty(); }
   /// The next sample of the last start(); older ones are passed over. For the owner.
   auto next(SignalSample& sample) -> bool;
   /// Of all runs.

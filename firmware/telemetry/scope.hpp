@@ -42,7 +42,7 @@ class Scope {
   /// Begins a capture, or ends one. False: the cycle has not taken the last setup yet, and nothing changed.
   /// @pre 1 to 8 channels, samples * channels <= kWords, before < samples, every >= 1; or samples = 0
   auto start(const ScopeSetup& setup) -> bool;
-  [[nodiscard]] auto settled() const -> bool { return box_.empty(); }
+  [[nodiscard]] auto requests_taken() const -> bool { return box_.empty(); }
   [[nodiscard]] auto phase() const -> Phase { return phase_.load(std::memory_order_acquire); }
 
   // In kDone only:

@@ -27,12 +27,12 @@ class AnglePeriodic {
                     .shown_by = Motion::kSpeeds | Motion::kTurns},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
   static constexpr bool kStaysInRange = true;
 
   constexpr AnglePeriodic(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : phase_(shape[0]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     return phase_(s.q1).sine_and_cosine();
   }
 

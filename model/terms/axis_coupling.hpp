@@ -33,11 +33,11 @@ class AxisCouplingOf {
                     .placed = Slot > 0},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
 
   constexpr AxisCouplingOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1, false> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1, false> {
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1, false> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1, false> {
     const auto& other = s.others[Slot];
     return {.common = {other.q1}, .value = other.tau, .forward = other.forward};
   }

@@ -31,7 +31,7 @@ class CoupledHysteresisOf {
                     .placed = true},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
 
   constexpr CoupledHysteresisOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : half_width_(clamp(shape[0], Scalar{}, kMost)) {}
@@ -43,10 +43,10 @@ class CoupledHysteresisOf {
       position_ = other;
     }
     position_ = clamp(position_, other - half_width_, other + half_width_);
-    return settled(s);
+    return steady_state(s);
   }
   /// The other motor is where it is, whatever this one is about to do.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     const Scalar other = s.others[Slot].q1;
     return {other, other - position_};
   }

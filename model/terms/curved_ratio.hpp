@@ -34,13 +34,13 @@ class CurvedRatio {
                     .placed = true},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
   static constexpr bool kReadsInput = true;
 
   constexpr CurvedRatio(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)
       : centre_(shape[0]), per_span_(kLeast < shape[1] ? shape[1] : kLeast) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> { return at(s.h); }
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> { return at(s.h); }
 
   /// phi2 and phi3 at h.
   [[nodiscard]] constexpr auto at(Scalar h) const -> std::array<Scalar, 2> {

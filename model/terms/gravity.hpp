@@ -27,12 +27,12 @@ class Gravity {
                     .shown_by = Motion::kSpeeds},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
   static constexpr bool kStaysInRange = true;
 
   constexpr Gravity(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     constexpr PhaseScale<Scalar> kOnce(ScalarTraits<Scalar>::from(1.0));
     return kOnce(s.q2).sine_and_cosine();
   }

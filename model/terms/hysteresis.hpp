@@ -68,7 +68,7 @@ class Hysteresis {
         all.add(weight, half);
       }
     }
-    settled_lag_ = all.value();
+    steady_lag_ = all.value();
   }
   [[nodiscard]] constexpr auto is_on() const -> bool { return count_ > 0; }
   constexpr void restart() {
@@ -91,11 +91,11 @@ class Hysteresis {
     return s.h + lag.value();
   }
   /// Every play trails by its half width.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> Scalar {
-    return s.forward ? s.h - settled_lag_ : s.h + settled_lag_;
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> Scalar {
+    return s.forward ? s.h - steady_lag_ : s.h + steady_lag_;
   }
   [[nodiscard]] constexpr auto undone(Scalar h, bool forward) const -> Scalar {
-    return forward ? h + settled_lag_ : h - settled_lag_;
+    return forward ? h + steady_lag_ : h - steady_lag_;
   }
 
  private:
@@ -110,7 +110,7 @@ class Hysteresis {
   };
   std::array<One, kPlays> plays_{};
   std::size_t count_ = 0;
-  Scalar settled_lag_{};  ///< sum w_i r_i
+  Scalar steady_lag_{};  ///< sum w_i r_i
   Scalar before_{};
   bool started_ = false;
 };

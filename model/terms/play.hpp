@@ -36,7 +36,7 @@ class Play {
     position_ = clamp(position_, s.q1 - half_width_, s.q1 + half_width_);
     return {position_ - s.q1};
   }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     return {s.forward ? -half_width_ : half_width_};
   }
 

@@ -48,7 +48,7 @@ class Presliding {
     }
     return {-deflection_.value()};
   }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     return {s.forward ? -width_ : width_};
   }
 

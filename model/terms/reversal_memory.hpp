@@ -28,9 +28,9 @@ class ReversalMemory {
   };
 
   constexpr ReversalMemory(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return steady_state(s); }
   /// The torque of the reversal behind a motion is the caller's to say: `tau_reversal`.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
     return {.value = s.tau_reversal, .forward = s.forward};
   }
 };

@@ -89,7 +89,7 @@ class SlipPropagation {
   }
 
   /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1> {
     return {.common = {Traits::template shifted_down<kLog2Operators>(s.forward ? lowest_ : -lowest_)},
             .forward = s.forward};
   }

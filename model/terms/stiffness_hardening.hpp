@@ -31,8 +31,8 @@ class StiffnessHardening {
 
   constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : torque_(shape[0]), share_of_torque_(shape[0]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+  constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
     const Scalar size = abs(s.tau);
     // In this order only the result may leave the range of fixed point, and nothing on the way to it.
     const Scalar shared = size < torque_ ? Traits::part(s.tau, Traits::share_of(size * share_of_torque_)) : s.tau;

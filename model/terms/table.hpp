@@ -173,7 +173,7 @@ class Table {
     return at(read<false>(s), s);
   }
   /// What a reversal began is over.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> Between<Scalar, 2 * kKnots> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> Between<Scalar, 2 * kKnots> {
     return at(read<true>(s), s);
   }
 

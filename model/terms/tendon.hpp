@@ -71,9 +71,9 @@ class TendonsOf {
     }
     return {brought_ahead(tendons_.pull(torque_), s.late_gain)};
   }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     const Scalar given = given_torque(s, s.tau);
-    return {tendons_.settled(clamp(s.forward ? given - friction_ : given + friction_, -kMost, kMost), s.forward)};
+    return {tendons_.steady_state(clamp(s.forward ? given - friction_ : given + friction_, -kMost, kMost), s.forward)};
   }
 
   [[nodiscard]] constexpr auto tendons() const -> const TensionBalance<Scalar, Nodes>& { return tendons_; }

@@ -32,7 +32,7 @@ class ThermalDrift {
                     .open_shapes = true},
   };
 
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
 
   constexpr ThermalDrift(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : warmed_(dt, shape[0]) {}
   constexpr void restart() { warmed_.start(Scalar{}); }
@@ -41,7 +41,7 @@ class ThermalDrift {
     return {warmed_.update(kOne), s.warmth};
   }
   /// As warm as it is now.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     return {warmed_.value(), s.warmth};
   }
 

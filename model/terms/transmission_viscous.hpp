@@ -47,7 +47,7 @@ class TransmissionViscous {
     return {.value = ScalarTraits<Scalar>::between(s.dq1, s.dh, kHalf), .forward = s.forward};
   }
   /// Nothing is lost any more.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar> {
     return {.value = s.dq1, .forward = s.forward};
   }
 

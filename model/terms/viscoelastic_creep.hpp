@@ -36,7 +36,7 @@ class ViscoelasticCreep {
     return {crept_.update(s.tau) - s.tau};
   }
   /// As far as the tendon has crept by now: T is longer than what a feedforward looks ahead.
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     return {started_ ? crept_.value() - s.tau : Scalar{}};
   }
 

@@ -26,7 +26,7 @@ auto width_by_law(const JointFile& joint, const SteadyTorque& torque) -> double 
     Sample<double> s;
     s.tau = torque_nm;
     s.forward = forward;
-    return tendons.settled(s)[0];
+    return tendons.steady_state(s)[0];
   };
   const double compliance = base_of(joint).tied_compliance.value_or(0.0);
   return std::abs(0.5 * compliance * (lag(torque.forward_nm, true) - lag(torque.backward_nm, false)));

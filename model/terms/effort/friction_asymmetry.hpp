@@ -26,8 +26,8 @@ class FrictionAsymmetry {
   static constexpr bool kStaysInRange = true;
 
   constexpr FrictionAsymmetry(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time
     return {ScalarTraits<Scalar>::template shifted_down<1>(kOne + s.slide()), s.forward ? s.dq1 : Scalar{}};
   }

@@ -31,8 +31,8 @@ class LoadFriction {
 
   constexpr LoadFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)
       : rest_(shape[0]), span_(shape[1]), per_span_(shape[1]), phase_(Traits::from(1.0)) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 4> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 4> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 4> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 4> {
     return directed(s, undirected(s));
   }
   /// Weight and spring at this angle.

@@ -25,8 +25,8 @@ class MotionCoupling {
   };
 
   constexpr MotionCoupling(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& other) -> std::array<Scalar, 4> { return settled(other); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& other) const -> std::array<Scalar, 4> {
+  constexpr auto update(const Sample<Scalar>& other) -> std::array<Scalar, 4> { return steady_state(other); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& other) const -> std::array<Scalar, 4> {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);  // constant: the target converts no double at run time
     return {other.q1, other.dq1, other.forward ? kOne : -kOne, other.ddq1};
   }

@@ -48,7 +48,7 @@ class PlayFriction {
       position_ = q1_ = s.q1;
     }
     if (half_width_ <= Scalar{}) {
-      return settled(s);
+      return steady_state(s);
     }
     const Scalar step = s.q1 - q1_;
     q1_ = s.q1;
@@ -60,7 +60,7 @@ class PlayFriction {
     const Scalar beyond = slider - clamp(slider, -kHalf, kHalf);
     return {slider, beyond + beyond, bristle_state_.value()};
   }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 3> {
     const Scalar all = s.forward ? kOne : -kOne;
     return {all, all, all};
   }

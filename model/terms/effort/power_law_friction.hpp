@@ -22,13 +22,13 @@ class PowerLawFriction {
       .shapes = {{{"exponent", "1", 0.02, 4.0, 0.5, "p: below 1 it grows less than linearly"},
                   {"speed", "rad/s", 0.0001, 120.0, 1.0, "v: the reference speed"}}},
   };
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
   static constexpr bool kStaysInRange = true;
 
   constexpr PowerLawFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)
       : exponent_(shape[0]), speed_(shape[1]), per_speed_(shape[1]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     constexpr Scalar kMost = ScalarTraits<Scalar>::from(2.0);  // constant: the target converts no double at run time
     if (speed_ <= Scalar{} || s.dq1 == Scalar{}) {
       return {Scalar{}};

@@ -22,13 +22,13 @@ class Spring {
       .shapes = {{{"centre", "rad", -120.0, 120.0, 0.0, "middle of the motion"},
                   {"span", "rad", 0.0001, 120.0, 1.0, "half of its range"}}},
   };
-  static constexpr bool kSettlesAlike = true;
+  static constexpr bool kSameSteadyState = true;
   static constexpr bool kStaysInRange = true;
 
   constexpr Spring(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)
       : centre_(shape[0]), span_(shape[1]), per_span_(shape[1]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     constexpr Scalar kMost = ScalarTraits<Scalar>::from(4.0);  // constant: the target converts no double at run time
     if (span_ <= Scalar{}) {
       return {Scalar{}, Scalar{}};

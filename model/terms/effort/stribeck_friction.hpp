@@ -29,8 +29,8 @@ class StribeckFriction {
 
   constexpr StribeckFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : speed_(shape[0]), per_speed_(shape[0]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     return directed(s, undirected(s));
   }
   /// What is left of the excess at this speed.

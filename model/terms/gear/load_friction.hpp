@@ -20,8 +20,8 @@ class LoadFriction {
       .shapes = {},
   };
   constexpr LoadFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 2> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 2> {
     const Scalar size = abs(s.tau);
     const bool drives = s.forward == (s.tau > Scalar{});
     return {s.forward ? -size : size, drives ? -s.tau : Scalar{}};

@@ -22,8 +22,8 @@ class TorqueSaturation {
   };
   constexpr TorqueSaturation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : scale_(shape[0]), per_scale_(shape[0]) {}
-  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return settled(s); }
-  [[nodiscard]] constexpr auto settled(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
+  constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> { return steady_state(s); }
+  [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
     return {scale_ > Scalar{} ? s.tau * (abs(s.tau) * per_scale_) : Scalar{}};
   }
 

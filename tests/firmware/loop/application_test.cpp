@@ -303,17 +303,17 @@ TEST(Application, AFailedReadReleasesWithoutWritingAndIsAMissingSensor) {
 TEST(Application, ARequestForAJointThatIsNotThereIsRefused) {
   Rig rig;
   EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kMove, .axis = 1}));
-  EXPECT_TRUE(rig.application.settled());
+  EXPECT_TRUE(rig.application.requests_taken());
 }
 
 TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
   Rig rig;
-  EXPECT_TRUE(rig.application.settled());
+  EXPECT_TRUE(rig.application.requests_taken());
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
-  EXPECT_FALSE(rig.application.settled());
+  EXPECT_FALSE(rig.application.requests_taken());
   EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kDisarm})) << "one at a time";
   rig.ticks(1);
-  EXPECT_TRUE(rig.application.settled());
+  EXPECT_TRUE(rig.application.requests_taken());
   EXPECT_EQ(rig.state(), State::kArmed);
 }
 

@@ -98,7 +98,7 @@ TEST(NoAllocation, NotInTheCycleThatTakesANewModel) {
                             test::distinct_config(3)};
   ASSERT_TRUE(rig.application.configure(config, Rights::kMaintenance).taken());
   EXPECT_EQ(rig.allocations_of(10), 0);
-  EXPECT_TRUE(rig.application.settled());
+  EXPECT_TRUE(rig.application.requests_taken());
 }
 
 /// Answers go nowhere, so that only the shell's own doing counts.

@@ -40,7 +40,7 @@ TYPED_TEST(Periodic, IsSineAndCosineOfTheOrderTimesTheMotorAngle) {
       const auto phi = term.update(sample);
       ASSERT_NEAR(value_of(phi[0]), std::sin(angle), (std::is_same_v<TypeParam, double>) ? 1e-15 : 4.5e-8) << angle;
       ASSERT_NEAR(value_of(phi[1]), std::cos(angle), (std::is_same_v<TypeParam, double>) ? 1e-15 : 4.5e-8) << angle;
-      ASSERT_EQ(term.settled(sample), phi);
+      ASSERT_EQ(term.steady_state(sample), phi);
     }
   }
 }

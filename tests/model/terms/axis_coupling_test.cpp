@@ -57,7 +57,7 @@ TYPED_TEST(Coupling, IsTheRowOfTheWristOutsideTheDiagonal) {
     const double law = kB[1][1] * value_of(sample.q1) + kA[1][2] * value_of(own[0]) + kA[1][3] * value_of(own[1]) +
                        kB[1][0] * value_of(phi[0]) + kA[1][0] * value_of(phi[1]) + kA[1][1] * value_of(phi[2]);
     ASSERT_NEAR(law, expected, (std::is_same_v<TypeParam, double>) ? 1e-14 : 3e-7) << i;
-    ASSERT_EQ(coupling.settled(sample), phi);
+    ASSERT_EQ(coupling.steady_state(sample), phi);
   }
   EXPECT_GT(opposite, 1000) << "the axes must move against each other, or the own switch would do";
 }

@@ -56,8 +56,8 @@ TYPED_TEST(CoupledHysteresisIn, SettlesWhereTheOtherMotorStands) {
   term.update(others_at<TypeParam>(0.0, 0.0, 0.0));
   const Sample<TypeParam> now = others_at<TypeParam>(0.05, 0.0, 0.0);
   const auto shown = term.update(now);
-  EXPECT_EQ(term.settled(now)[0], shown[0]);
-  EXPECT_EQ(term.settled(now)[1], shown[1]);
+  EXPECT_EQ(term.steady_state(now)[0], shown[0]);
+  EXPECT_EQ(term.steady_state(now)[1], shown[1]);
   term.restart();
   EXPECT_EQ(value_of(term.update(now)[1]), 0.0) << "and forgets when told to";
 }

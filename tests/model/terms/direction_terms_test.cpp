@@ -37,9 +37,9 @@ TYPED_TEST(Terms, RigidPartIsTheMotorAngleAndOne) {
   auto angle = this->template make<MotorAngle>();
   auto offset = this->template make<JointOffset>();
   EXPECT_EQ(value_of(angle.update(this->sample(true))[0]), 1.5);
-  EXPECT_EQ(value_of(angle.settled(this->sample(false))[0]), 1.5);
+  EXPECT_EQ(value_of(angle.steady_state(this->sample(false))[0]), 1.5);
   EXPECT_EQ(value_of(offset.update(this->sample(true))[0]), 1.0);
-  EXPECT_EQ(value_of(offset.settled(this->sample(false))[0]), 1.0);
+  EXPECT_EQ(value_of(offset.steady_state(this->sample(false))[0]), 1.0);
 }
 
 TYPED_TEST(Terms, ElongationGivesTheTorqueToThePulledTendonAlone) {
@@ -50,8 +50,8 @@ TYPED_TEST(Terms, ElongationGivesTheTorqueToThePulledTendonAlone) {
   EXPECT_EQ(value_of(forward[1]), 0.0);
   EXPECT_EQ(value_of(backward[0]), 0.0);
   EXPECT_EQ(value_of(backward[1]), 0.375);
-  EXPECT_EQ(term.settled(this->sample(true)), forward);
-  EXPECT_EQ(term.settled(this->sample(false)), backward);
+  EXPECT_EQ(term.steady_state(this->sample(true)), forward);
+  EXPECT_EQ(term.steady_state(this->sample(false)), backward);
 }
 
 TYPED_TEST(Terms, ViscousGivesTheRateToThePulledTendonAlone) {
@@ -62,8 +62,8 @@ TYPED_TEST(Terms, ViscousGivesTheRateToThePulledTendonAlone) {
   EXPECT_EQ(value_of(forward[1]), 0.0);
   EXPECT_EQ(value_of(backward[0]), 0.0);
   EXPECT_EQ(value_of(backward[1]), -2.25);
-  EXPECT_EQ(term.settled(this->sample(true)), forward);
-  EXPECT_EQ(term.settled(this->sample(false)), backward);
+  EXPECT_EQ(term.steady_state(this->sample(true)), forward);
+  EXPECT_EQ(term.steady_state(this->sample(false)), backward);
 }
 
 // What the term's header says of its sign, from the integral of (6.17).
@@ -83,7 +83,7 @@ TYPED_TEST(Terms, PretensionIsPlusOneForwardAndMinusOneBack) {
   auto term = this->template make<PretensionOffset>();
   EXPECT_EQ(value_of(term.update(this->sample(true))[0]), 1.0);
   EXPECT_EQ(value_of(term.update(this->sample(false))[0]), -1.0);
-  EXPECT_EQ(value_of(term.settled(this->sample(false))[0]), -1.0);
+  EXPECT_EQ(value_of(term.steady_state(this->sample(false))[0]), -1.0);
 }
 
 // On a triangle of slope v the motor rate is known without any filter: +v up, -v down, once the filter has settled.

@@ -178,9 +178,9 @@ TYPED_TEST(Effort, OfPlayFrictionEndsWhereSettledSaysAndNeverBeyond) {
         ASSERT_LE(std::fabs(value_of(force)), 1.0 + 1e-12);
       }
     }
-    const auto settled = term.settled(this->sample(direction, direction > 0.0));
+    const auto steady_state = term.steady_state(this->sample(direction, direction > 0.0));
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(value_of(settled[k]), direction);
+      EXPECT_EQ(value_of(steady_state[k]), direction);
       EXPECT_NEAR(value_of(last[k]), direction, 2e-7);
     }
   }

@@ -29,7 +29,7 @@ TYPED_TEST(GravityTerm, IsSineAndCosineOfTheLinkAngleAndNotOfTheMotors) {
     const double angle = value_of(sample.q2);
     ASSERT_NEAR(value_of(term.update(sample)[0]), std::sin(angle), bound) << q2;
     ASSERT_NEAR(value_of(term.update(sample)[1]), std::cos(angle), bound) << q2;
-    ASSERT_EQ(term.settled(sample), term.update(sample));
+    ASSERT_EQ(term.steady_state(sample), term.update(sample));
   }
 }
 

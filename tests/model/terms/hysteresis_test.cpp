@@ -135,7 +135,7 @@ TYPED_TEST(HysteresisIn, SettlesToWhatALongMotionShowsAndIsUndoneThere) {
       q = (forward ? 1.0 : -1.0) * 0.001 * i;
       h = value_of(stage.update(sample_at<TypeParam>(q, forward)));
     }
-    EXPECT_NEAR(value_of(stage.settled(sample_at<TypeParam>(q, forward))), h, 2e-6);
+    EXPECT_NEAR(value_of(stage.steady_state(sample_at<TypeParam>(q, forward))), h, 2e-6);
     EXPECT_NEAR(value_of(stage.undone(number<TypeParam>(h), forward)), q, 2e-6);
     stage.restart();
   }

@@ -20,7 +20,7 @@ TEST(LoadInertia, IsTheAccelerationAsItIs) {
   LoadInertia<Q24> term(one_khz<Q24>(), {});
   const Sample<Q24> sample{.ddq1 = number<Q24>(-0.75)};
   EXPECT_EQ(term.update(sample)[0], number<Q24>(-0.75));
-  EXPECT_EQ(term.settled(sample)[0], number<Q24>(-0.75));
+  EXPECT_EQ(term.steady_state(sample)[0], number<Q24>(-0.75));
 }
 
 template <typename Scalar>

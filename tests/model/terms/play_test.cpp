@@ -74,7 +74,7 @@ TEST(Play, SettledIsWhereALongMotionOfThatDirectionEnds) {
     for (int i = 0; i < 1000; ++i) {
       last = play.update(sample_at<Q24>(direction * 0.001 * i))[0];
     }
-    EXPECT_EQ(last, play.settled(sample_at<Q24>(0.0, direction > 0.0))[0]);
+    EXPECT_EQ(last, play.steady_state(sample_at<Q24>(0.0, direction > 0.0))[0]);
   }
 }
 

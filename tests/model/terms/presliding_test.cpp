@@ -105,7 +105,7 @@ TYPED_TEST(PreslidingTerm, SettledIsWhereALongMotionEnds) {
       lag(term, direction * 0.001 * i);
     }
     const double last = lag(term, direction);
-    EXPECT_NEAR(value_of(term.settled({.forward = direction > 0.0})[0]), last, 1.01 * kLsb);
+    EXPECT_NEAR(value_of(term.steady_state({.forward = direction > 0.0})[0]), last, 1.01 * kLsb);
     EXPECT_EQ(last<0.0, direction> 0.0) << "the joint lags behind";
   }
 }

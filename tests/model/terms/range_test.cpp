@@ -68,10 +68,10 @@ void verify_one() {
       now = next_after(now);
       const Sample<Q24>& sample = conditioner.update(now);
       const auto regressors = term.update(sample);
-      const auto settled = term.settled(sample);
+      const auto steady_state = term.steady_state(sample);
       for (std::size_t k = 0; k < regressors.size(); ++k) {
         RC_ASSERT(sample.saturated || !regressors[k].is_saturated());
-        RC_ASSERT(sample.saturated || !settled[k].is_saturated());
+        RC_ASSERT(sample.saturated || !steady_state[k].is_saturated());
       }
     }
   }

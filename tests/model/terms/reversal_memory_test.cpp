@@ -105,7 +105,7 @@ TYPED_TEST(MemoryTerm, GivesTheTorqueOfTheReversalToThePulledTendonAlone) {
   phi = term.update(sample);
   EXPECT_EQ(value_of(phi[0]), 0.0);
   EXPECT_EQ(value_of(phi[1]), -0.375);
-  EXPECT_EQ(term.settled(sample), phi);
+  EXPECT_EQ(term.steady_state(sample), phi);
 }
 
 }  // namespace

@@ -76,7 +76,7 @@ TYPED_TEST(Slip, SettledIsWhereALongChangeOfTorqueEnds) {
     const double lag = value_of(slip.update({.tau = number<TypeParam>(forward ? 2.0 : -2.0)})[0]);
     const Sample<TypeParam> motion{.forward = forward};
     const double bound = std::is_same_v<TypeParam, double> ? 1e-12 : 9.0 * test::kLsb;
-    EXPECT_NEAR(value_of(slip.settled(motion)[0]), lag, bound);
+    EXPECT_NEAR(value_of(slip.steady_state(motion)[0]), lag, bound);
     EXPECT_EQ(lag < 0.0, forward);
   }
 }

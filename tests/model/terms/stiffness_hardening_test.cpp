@@ -67,7 +67,7 @@ TYPED_TEST(Hardening, GoesToThePulledTendonAndIsOdd) {
       const auto phi = this->term_.update(sample);
       EXPECT_EQ(value_of(phi[forward ? 0 : 1]), sign * 2.25);
       EXPECT_EQ(value_of(phi[forward ? 1 : 0]), 0.0);
-      EXPECT_EQ(this->term_.settled(sample), phi);
+      EXPECT_EQ(this->term_.steady_state(sample), phi);
     }
   }
 }

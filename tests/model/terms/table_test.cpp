@@ -92,7 +92,7 @@ RC_GTEST_PROP(Table, TimesAFactorIsTheHatTimesIt, ()) {
     RC_ASSERT(!of_fixed[k].is_saturated());
   }
   RC_ASSERT(of_fixed.rest + of_fixed.share == number<Q24>(times));
-  RC_ASSERT(fixed.settled(raw) == of_fixed);
+  RC_ASSERT(fixed.steady_state(raw) == of_fixed);
 }
 
 TEST(Table, HoldsItsEndsOutside) {

@@ -117,8 +117,8 @@ TEST(Tendon, SettlesToTheLoopOfAFreeTip) {
     Tendons<double> term = make<double>(joint);
     const double tau = joint.pretension * eta;
     const double wanted = 0.5 * 0.5 * joint.pretension * std::tanh(0.5 * eta);
-    EXPECT_NEAR(term.settled({.tau = tau, .forward = true})[0], wanted, 1e-12);
-    EXPECT_NEAR(term.settled({.tau = -tau, .forward = false})[0], -wanted, 1e-12);
+    EXPECT_NEAR(term.steady_state({.tau = tau, .forward = true})[0], wanted, 1e-12);
+    EXPECT_NEAR(term.steady_state({.tau = -tau, .forward = false})[0], -wanted, 1e-12);
   }
 }
 
@@ -132,7 +132,7 @@ TEST(Tendon, SettlesOnceBothTendonsSlideInTheirWholeLength) {
       last = stretch(term, i < 200 ? -most * i / 200.0 : most * (i - 400) / 200.0);
     }
     EXPECT_TRUE(term.tendons().is_known());
-    EXPECT_NEAR(last, term.settled({.tau = most, .forward = true})[0], 1e-4 * joint.pretension) << eta;
+    EXPECT_NEAR(last, term.steady_state({.tau = most, .forward = true})[0], 1e-4 * joint.pretension) << eta;
   }
 }
 
@@ -142,11 +142,11 @@ TEST(Tendon, HangsOnTheOneTendonThatIsLeftWhenTheOtherIsSlack) {
   const double mean = (1.0 - std::exp(-0.8)) / 0.8;
   const double rest = 0.4 * 0.6 * 0.05;
   EXPECT_NEAR(stretch(term, 0.5), 0.4 * 0.5 * mean - rest, 1e-9);
-  EXPECT_NEAR(term.settled({.tau = 0.5, .forward = true})[0], 0.4 * 0.5 * mean - rest, 1e-9);
+  EXPECT_NEAR(term.steady_state({.tau = 0.5, .forward = true})[0], 0.4 * 0.5 * mean - rest, 1e-9);
   EXPECT_EQ(term.tendons().phase(), ForcePhase::kOneSlack);
   const double bottom_mean = (1.0 - std::exp(-0.6)) / 0.6;
   EXPECT_NEAR(stretch(term, -0.5), rest - 0.6 * 0.5 * bottom_mean, 1e-9);
-  EXPECT_NEAR(term.settled({.tau = -0.5, .forward = false})[0], rest - 0.6 * 0.5 * bottom_mean, 1e-9);
+  EXPECT_NEAR(term.steady_state({.tau = -0.5, .forward = false})[0], rest - 0.6 * 0.5 * bottom_mean, 1e-9);
 }
 
 TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {

@@ -104,9 +104,10 @@ TEST(TermInfo, WhatSettlesAlikeDoesSoWhateverDirectionAndTorque) {
                          .q2 = test::number<Q24>(0.3)};
     };
     term.update(on(true, 0.1));
-    const bool same = term.settled(on(true, 0.2)) == term.settled(on(false, -0.3));
-    EXPECT_EQ(same, settles_alike<Term>() || std::string_view(Term::kInfo.name) == "motor_angle") << Term::kInfo.name;
-    alike += settles_alike<Term>() ? 1 : 0;
+    const bool same = term.steady_state(on(true, 0.2)) == term.steady_state(on(false, -0.3));
+    EXPECT_EQ(same, same_steady_state<Term>() || std::string_view(Term::kInfo.name) == "motor_angle")
+        << Term::kInfo.name;
+    alike += same_steady_state<Term>() ? 1 : 0;
   });
   EXPECT_EQ(alike, 12);
 }

@@ -44,7 +44,7 @@ TYPED_TEST(Drift, StaysAtOneOnceItIsWarm) {
     ASSERT_LE(warmed, 1.0) << i;
     ASSERT_GE(warmed, 0.0) << i;
   }
-  EXPECT_NEAR(value_of(term.settled({})[0]), 1.0, kLsb);
+  EXPECT_NEAR(value_of(term.steady_state({})[0]), 1.0, kLsb);
 }
 
 TYPED_TEST(Drift, SecondPartIsTheTemperatureAboveTheReferenceAlone) {
@@ -54,7 +54,7 @@ TYPED_TEST(Drift, SecondPartIsTheTemperatureAboveTheReferenceAlone) {
   for (const double temperature : {-10.0, 25.0, 37.5, 85.0}) {
     const auto sample = conditioner.update({.temperature = number<TypeParam>(temperature)});
     EXPECT_EQ(value_of(term.update(sample)[1]), temperature - 25.0);
-    EXPECT_EQ(value_of(term.settled(sample)[1]), temperature - 25.0);
+    EXPECT_EQ(value_of(term.steady_state(sample)[1]), temperature - 25.0);
   }
 }
 
@@ -64,7 +64,7 @@ TYPED_TEST(Drift, SettledIsAsWarmAsItIsNow) {
   for (int i = 0; i < 30000; ++i) {
     now = term.update({})[0];
   }
-  EXPECT_EQ(term.settled({})[0], now);
+  EXPECT_EQ(term.steady_state({})[0], now);
 }
 
 }  // namespace

@@ -81,14 +81,14 @@ TYPED_TEST(Creep, StartsRelaxedUnderTheTorqueThatIsThere) {
 
 TYPED_TEST(Creep, SettledIsTheCreepOfNowWithoutAStepOfIt) {
   auto term = make_term<ViscoelasticCreep, TypeParam>(5.0);
-  EXPECT_EQ(value_of(term.settled({.tau = number<TypeParam>(0.5)})[0]), 0.0);
+  EXPECT_EQ(value_of(term.steady_state({.tau = number<TypeParam>(0.5)})[0]), 0.0);
   term.update({});
   TypeParam last{};
   for (int i = 0; i < 2000; ++i) {
     last = term.update({.tau = number<TypeParam>(0.5)})[0];
   }
-  EXPECT_EQ(term.settled({.tau = number<TypeParam>(0.5)})[0], last);
-  EXPECT_EQ(term.settled({.tau = number<TypeParam>(0.5)})[0], last);
+  EXPECT_EQ(term.steady_state({.tau = number<TypeParam>(0.5)})[0], last);
+  EXPECT_EQ(term.steady_state({.tau = number<TypeParam>(0.5)})[0], last);
 }
 
 }  // namespace
