@@ -88,7 +88,7 @@ void expect_finite_with_no_shape() {
 }
 
 // The inverse asks such a term once for both directions.
-TEST(TermInfo, WhatSettlesAlikeDoesSoWhateverDirectionAndTorque) {
+TEST(TermInfo, WhatHasTheSameSteadyStateHasItWhateverDirectionAndTorque) {
   int alike = 0;
   SumTerms::for_each<Q24>([&alike]<typename Term>() {
     std::array<Q24, kShapesOf<Term>> shape{};
