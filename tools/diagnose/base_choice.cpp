@@ -56,18 +56,24 @@ auto late_loop(const Preparation& p, const Blocks& rows) -> LawForm {
   return best.second;
 }
 
-/// Tendons of a joint that is late, where they leave less for that. They are looked for as if it were not: several of
-/// them fit poorly while the lateness is a part of the law.
-auto with_lateness_of_joint(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> LawForm {
+/// Tendons of a joint that is late, if its loop and they leave less for that. They are looked for as if it were not:
+/// several of them fit poorly while the lateness is a part of the law.
+auto late_tendons(const Preparation& p, const LawForm& start, const Blocks& rows) -> std::optional<LawForm> {
   const LawForm gauge = late_loop(p, rows);
-  LawForm late = fit_tendon(p.causal, brought_ahead(p.causal, p.target, lateness_of(gauge)), rows, tendons);
+  const LawForm prompt_gauge = fit_loop(p.causal, p.target, rows, {half_width_of(gauge), 0.0});
+  if (left_to_choose(p, gauge) >= kWorthLateness * left_to_choose(p, prompt_gauge)) {
+    return std::nullopt;
+  }
+  const LawForm prompt = fit_tendon(p.causal, brought_ahead(p.causal, p.target, lateness_of(gauge)), rows, start);
+  LawForm late = prompt;
   late.terms.emplace_back(kDelay);
   late.set_shapes(late.catalogue->term(kDelay), {lateness_of(gauge)});
   late.held = {kTendonModel};
   late = refine_shapes(p.causal, p.target, rows, std::move(late));
-  late.held = tendons.held;
+  late.held = start.held;
+  const double left_by_prompt = left_to_choose(p, refine_tendon(p.causal, p.target, rows, prompt));
   const bool is_found = lateness_of(late) < late.catalogue->term(kDelay).shapes.front().maximum;
-  return is_found && left_to_choose(p, late) < kWorthLateness * left_to_choose(p, tendons) ? late : tendons;
+  return is_found && left_to_choose(p, late) < kWorthLateness * left_by_prompt ? std::optional(late) : std::nullopt;
 }
 
 /// Without a lateness that is to be named: more than what the torque that grows with the motor's speed makes by
@@ -92,7 +98,8 @@ auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Block
 /// filter that serves them; their compliance is tied to what it is there.
 auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
   const Blocks learned = refined(p.split, p.factor).learned();
-  LawForm law = with_lateness_of_joint(p, fit_tendon(p.causal, p.target, learned, start), learned);
+  const auto late = late_tendons(p, start, learned);
+  LawForm law = late ? *late : fit_tendon(p.causal, p.target, learned, start);
   const auto conditioner = choose_tendon_filter(p.logs, p.target, learned, law, p.conditioner);
   if (conditioner.rate_time_constant_s != p.conditioner.rate_time_constant_s) {
     p = with_rate_filter(std::move(p), conditioner.rate_time_constant_s);

@@ -204,7 +204,8 @@ void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
 }
 
 /// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does
-/// worse there for certain than the base law is none that the log supports.
+/// worse there than the base law, for certain or by more than a floor may be off, is none that the log supports: it has
+/// learned what does not come again, as from a slip while the log was taken.
 void report(const Preparation& p, const Search& search, const LawForm& base, const std::optional<JointFile>& healthy,
             Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -219,7 +220,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
   const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
-  if (without_name && d.ratio_ci95[0] > 1.0) {
+  if (without_name && (d.ratio_ci95[0] > 1.0 || d.after.rmse > kAboveFloor * d.before.rmse)) {
     choice = as_searched(d, d.found && d.verdict == Verdict::kEffect && !d.effects.empty());
     deliver(p, choice, d);
     d.warnings.emplace_back(kNotBetterUnseen);

@@ -147,7 +147,8 @@ inline constexpr double kMassKnown = 0.15;
 /// What a healthy joint is late by comes again in another motion within this share of itself, two spreads: 7 % off at
 /// most on five joints of a third plant, whose drag makes them late by 0.5 to 1.3 ms (November 2026).
 inline constexpr double kLatenessKnown = 0.1;
-/// Tendons whose joint is late take the place of those without where they leave this share, rms, of what those do.
+/// Tendons whose joint is late take the place of those without where they leave this share, rms, of what those do, and
+/// its loop too.
 inline constexpr double kWorthLateness = 0.99;
 /// What turns the joint by stretching its tendons, drag or a detent, shows at least this share of its torque in the
 /// motor's; a late clock and an angle that errs show none (joints of a third plant, 95 % and none, November 2026).

@@ -104,6 +104,36 @@ TEST(TorqueBalance, PartsAreThoseOfTheJoint) {
   }
 }
 
+TEST(TorqueBalance, ATorqueThatRepeatsWithTheAngleIsToldWithItsAmplitudeAtItsOrderAlone) {
+  constexpr double kOrder = 9.0;
+  const std::vector<AxisLog> before = {log_with(none)};
+  const std::vector<Samples> seen_before = {samples_of(before[0])};
+  const auto healthy = torque_parts({before, seen_before, kHalfWidth, kBeta});
+  ASSERT_TRUE(healthy);
+  const std::vector<AxisLog> after = {log_with(
+      [](const Instant& now) { return 0.002 * std::sin(kOrder * now.q1) - 0.001 * std::cos(kOrder * now.q1); }, 2)};
+  const std::vector<Samples> seen = {samples_of(after[0])};
+  const TorqueLogs now{after, seen, kHalfWidth, kBeta};
+  EXPECT_NEAR(periodic_torque(now, *healthy, kOrder), std::hypot(0.002, 0.001), 1e-4);
+  EXPECT_LT(periodic_torque(now, *healthy, 3.0 * kOrder), 3e-4);
+  const TorqueLogs still{after, seen, 10.0, kBeta};  // never through so wide a loop
+  EXPECT_EQ(periodic_torque(still, *healthy, kOrder), 0.0);
+}
+
+// Strokes of one speed make drag all but friction; what either leaves tells them apart.
+TEST(TorqueBalance, DragIsToldFromFrictionByWhatItLeavesWhereTheSpeedIsAllButTheSame) {
+  TorqueChange change;
+  change.rms_nm = 0.1 * kFriction;
+  change.share[static_cast<std::size_t>(TorqueCause::kFriction)] = 0.9;
+  change.share[static_cast<std::size_t>(TorqueCause::kDrag)] = 0.99;
+  change.size[static_cast<std::size_t>(TorqueCause::kDrag)] = 1e-3;
+  const auto drag = found_in_torque(change, kFriction, kBeta);
+  ASSERT_TRUE(drag);
+  EXPECT_EQ(drag->name, "transmission_viscous");
+  change.share[static_cast<std::size_t>(TorqueCause::kDrag)] = 0.93;
+  EXPECT_FALSE(found_in_torque(change, kFriction, kBeta));
+}
+
 TEST(TorqueBalance, AWeightIsToldWithItsSizeWhichTautTendonsPassOnOneToOne) {
   const double weight = 0.02;  // Nm at the joint
   const Load load = [&](const Instant& now) { return kBeta * weight * std::sin(now.q2); };
