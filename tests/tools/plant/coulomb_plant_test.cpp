@@ -124,6 +124,16 @@ TEST(CoulombPlant, ADetentIsNoErrorOfAnAngleForItTakesTorque) {
   EXPECT_EQ(names_of(asked.with(&E::detent_nm, 0.01)), Names{});
 }
 
+// Half of the log is before the slip and half behind it: what a law learns of that does not come again.
+TEST(CoulombPlant, NoLawIsDeliveredThatErrsMoreThanTheHealthyOneAfterASlip) {
+  const Asked asked(24);
+  for (const double slip : {0.004, 0.008}) {
+    const Diagnosis d = asked.with(&E::slip_rad, slip);
+    EXPECT_EQ(names_of(d), Names{});
+    EXPECT_LE(d.after.rmse, 1.2 * d.before.rmse) << slip;
+  }
+}
+
 TEST(CoulombPlant, ACameraThatIsLateEveryDayIsNamedOnce) {
   const Asked asked(26);
   ASSERT_GT(asked.joint().camera_late_s, 0.004);
