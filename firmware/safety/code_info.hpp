@@ -16,9 +16,9 @@ struct CodeInfo {
 };
 
 /// Whether a code's number is its row, as everything assumes that indexes the table by it.
-template <typename Code, std::size_t kRows>
-constexpr auto in_order(const std::array<CodeInfo<Code>, kRows>& table) -> bool {
-  for (std::size_t i = 0; i < kRows; ++i) {
+template <typename Code, std::size_t Rows>
+constexpr auto in_order(const std::array<CodeInfo<Code>, Rows>& table) -> bool {
+  for (std::size_t i = 0; i < Rows; ++i) {
     if (static_cast<std::size_t>(table[i].code) != i) {
       return false;
     }
