@@ -3,73 +3,39 @@
 
 #include <cmath>
 
+#include "capstan/tests/tools/plant/lab_joint.hpp"
 #include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools::plant {
 namespace {
 
-/// A switch, and where it is in the plant.
-struct CoulombSwitch {
-  Switchable what;
-  double coulomb::Effects::*size;
-  bool told;  ///< the diagnosis tells its size in the switch's unit
-};
+using P = coulomb::Parameters;
 
-auto all_switches() -> const std::vector<CoulombSwitch>& {
-  using E = coulomb::Effects;
-  static const std::vector<CoulombSwitch> kAll = {
-      {{"drag", "transmission_viscous", 0.005, 0.1}, &E::drag_nms, false},
-      {{"play", "play", 0.002, 0.1}, &E::play_rad, true},
-      {{"camera_delay", "transport_delay", 0.003, 0.1}, &E::camera_delay_s, true},
-      {{"pretension", "pretension_offset", 1.0, 40.0}, &E::pretension_n, true},
-      {{"weight", "gravity", 0.01, 0.3}, &E::weight_nm, true},
-      {{"load_inertia", "load_inertia", 1e-4, 5e-3}, &E::load_inertia_kgm2, true},
-      {{"growth", "thermal_drift", 0.005, 0.2}, &E::growth_rad, false},
-      {{"dial_error", "angle_periodic", 0.003, 0.1}, &E::dial_error_rad, false},
-      {{"hardening", "stiffness_hardening", 0.1, 1.0}, &E::hardening, false},
-      {{"presliding", "presliding", 0.005, 0.1}, &E::presliding_nm, true},
-      {{"creep", "viscoelastic_creep", 2e-6, 1e-4}, &E::creep_per_n, false},
-      {{"wear", "", 0.2, 2.0}, &E::wear, false},
-      {{"sticky_spot", "", 0.3, 4.0}, &E::sticky, false},
-      {{"detent", "", 0.005, 0.1}, &E::detent_nm, false},
-      {{"slip", "", 0.003, 0.2}, &E::slip_rad, false},
-      {{"tremor", "", 0.005, 0.1}, &E::tremor_nm, false}};
-  return kAll;
+auto of_pretension(const P& healthy, double size) -> double {
+  return 1.0 + size / healthy.tension_n;
 }
 
-class CoulombJoint final : public SwitchedJoint {
- public:
-  explicit CoulombJoint(std::uint64_t seed) : joint_(coulomb_joint(seed)), experiment_(drawn_experiment(seed)) {}
-
-  [[nodiscard]] auto motion() const -> std::string override { return name_of(experiment_.motion); }
-  [[nodiscard]] auto camera_noise_rad() const -> double override { return joint_.camera_noise_rad; }
-  [[nodiscard]] auto switches() const -> std::vector<Switchable> override {
-    std::vector<Switchable> all;
-    for (const auto& one : all_switches()) {
-      all.push_back(one.what);
-    }
-    return all;
-  }
-  [[nodiscard]] auto log(std::size_t which, double size, bool again, const std::string& keep) const
-      -> AxisLog override {
-    coulomb::Parameters joint = joint_;
-    joint.effects.*all_switches()[which].size = size;
-    LabExperiment experiment = experiment_;
-    experiment.noise_seed += again ? 1 : 0;
-    return log_of(joint, experiment, keep);
-  }
-  [[nodiscard]] auto true_size(std::size_t which, double size) const -> double override {
-    const CoulombSwitch& one = all_switches()[which];
-    return one.what.name == "pretension" ? 1.0 + size / joint_.tension_n : (one.told ? size : 0.0);
-  }
-  [[nodiscard]] auto other_motion() const -> std::optional<AxisLog> override {
-    return log_of(joint_, other_experiment(experiment_));
-  }
-
- private:
-  coulomb::Parameters joint_;
-  LabExperiment experiment_;
-};
+auto all_switches() -> const std::vector<LabSwitch<P>>& {
+  using E = coulomb::Effects;
+  static const std::vector<LabSwitch<P>> kAll = {
+      {{"drag", "transmission_viscous", 0.005, 0.1}, &E::drag_nms},
+      {{"play", "play", 0.002, 0.1}, &E::play_rad, own_size<P>},
+      {{"camera_delay", "transport_delay", 0.003, 0.1}, &E::camera_delay_s, own_size<P>},
+      {{"pretension", "pretension_offset", 1.0, 40.0}, &E::pretension_n, of_pretension},
+      {{"weight", "gravity", 0.01, 0.3}, &E::weight_nm, own_size<P>},
+      {{"load_inertia", "load_inertia", 1e-4, 5e-3}, &E::load_inertia_kgm2, own_size<P>},
+      {{"growth", "thermal_drift", 0.005, 0.2}, &E::growth_rad},
+      {{"dial_error", "angle_periodic", 0.003, 0.1}, &E::dial_error_rad},
+      {{"hardening", "stiffness_hardening", 0.1, 1.0}, &E::hardening},
+      {{"presliding", "presliding", 0.005, 0.1}, &E::presliding_nm, own_size<P>},
+      {{"creep", "viscoelastic_creep", 2e-6, 1e-4}, &E::creep_per_n},
+      {{"wear", "", 0.2, 2.0}, &E::wear},
+      {{"sticky_spot", "", 0.3, 4.0}, &E::sticky},
+      {{"detent", "", 0.005, 0.1}, &E::detent_nm},
+      {{"slip", "", 0.003, 0.2}, &E::slip_rad},
+      {{"tremor", "", 0.005, 0.1}, &E::tremor_nm}};
+  return kAll;
+}
 
 }  // namespace
 
@@ -109,7 +75,7 @@ auto log_of(const coulomb::Parameters& joint, const LabExperiment& experiment, c
 }
 
 auto switched_coulomb_joint(std::uint64_t seed) -> std::unique_ptr<SwitchedJoint> {
-  return std::make_unique<CoulombJoint>(seed);
+  return std::make_unique<LabJoint<P>>(coulomb_joint(seed), seed, all_switches());
 }
 
 }  // namespace capstan::tools::plant
