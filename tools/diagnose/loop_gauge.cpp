@@ -8,6 +8,7 @@
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/loop_change.hpp"
 #include "capstan/tools/diagnose/loop_course.hpp"
 #include "capstan/tools/diagnose/torque_gauge.hpp"
 #include "capstan/tools/identify/identify.hpp"
@@ -29,45 +30,6 @@ auto is_late_term(const std::string& name) -> bool {
   return std::any_of(kLateTerms.begin(), kLateTerms.end(), [&](const char* term) { return name == term; });
 }
 constexpr const char* kPretension = "pretension_offset";
-
-/// What a change of the loop alone is called; empty: the tendons' torque changed and their motion did not.
-auto name_of_change(double width, double torque) -> std::string {
-  const bool wider = width > 1.0 + kLoopTold;
-  const bool narrower = width < 1.0 - kLoopTold;
-  const bool same_torque = std::abs(torque - 1.0) <= kLoopTold;
-  if (!wider && !narrower) {
-    return {};
-  }
-  const double together = std::log(torque) / std::log(width);
-  if (together > kLeastTogether && together < 1.0 / kLeastTogether) {
-    return kPretension;
-  }
-  if (narrower) {
-    return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
-  }
-  return same_torque ? kPlay : "";
-}
-
-auto sentence_of(const std::string& name, const EffectSize& size) -> std::string {
-  const bool gap = name == kPlay;
-  const double unit = gap ? 1.0 : 100.0;
-  const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
-                            rounded(unit * (*size.ci95)[1], 3) + "]";
-  return gap ? "the gap is " + range + " rad to either side, at the joint"
-             : std::string(name == kPretension ? "pretension" : "the tendons' stiffness") + " is " + range +
-                   " % of the healthy joint's";
-}
-
-/// Tendons with the one number changed that has the name; others as they are.
-auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
-  if (name == kPretension) {
-    constexpr std::size_t kPlace = 2;
-    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPlace] *= width;
-  } else if (name == "stiffness_hardening") {
-    *tendons.tied_compliance *= width;
-  }
-  return tendons;
-}
 
 auto beta_of(const JointFile& joint) -> double {
   return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
@@ -221,7 +183,7 @@ class LoopSearch {
     }
     AddedEffect effect = named(name);
     effect.size = size_of(name);
-    search_.sizes.push_back(sentence_of(name, *effect.size));
+    search_.sizes.push_back(change_sentence(name, *effect.size));
     const LawForm moved = changed_tendons(tendons_, name, width_);
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/loop_change.hpp"
+
+#include <cmath>
+
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr const char* kPlay = "play";
+constexpr const char* kPretension = "pretension_offset";
+
+}  // namespace
+
+auto name_of_change(double width, double torque) -> std::string {
+  const bool wider = width > 1.0 + kLoopTold;
+  const bool narrower = width < 1.0 - kLoopTold;
+  const bool same_torque = std::abs(torque - 1.0) <= kLoopTold;
+  if (!wider && !narrower) {
+    return {};
+  }
+  const double together = std::log(torque) / std::log(width);
+  if (together > kLeastTogether && together < 1.0 / kLeastTogether) {
+    return kPretension;
+  }
+  if (narrower) {
+    return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
+  }
+  return same_torque ? kPlay : "";
+}
+
+auto change_sentence(const std::string& name, const EffectSize& size) -> std::string {
+  const bool gap = name == kPlay;
+  const double unit = gap ? 1.0 : 100.0;
+  const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
+                            rounded(unit * (*size.ci95)[1], 3) + "]";
+  return gap ? "the gap is " + range + " rad to either side, at the joint"
+             : std::string(name == kPretension ? "pretension" : "the tendons' stiffness") + " is " + range +
+                   " % of the healthy joint's";
+}
+
+auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
+  if (name == kPretension) {
+    constexpr std::size_t kPlace = 2;
+    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPlace] *= width;
+  } else if (name == "stiffness_hardening") {
+    *tendons.tied_compliance *= width;
+  }
+  return tendons;
+}
+
+}  // namespace capstan::tools
