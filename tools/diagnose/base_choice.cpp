@@ -8,6 +8,7 @@
 
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/identify/loop.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 
@@ -23,20 +24,14 @@ auto loop_by_law(const Preparation& p, const LawForm& tendons, const Blocks& row
   return loop_of(joint);
 }
 
-/// What the joint's sensor would have shown without its lateness; of the last rows, what it showed last.
+/// What the joint's sensor would have shown without its lateness.
 auto brought_ahead(const LawDesign& design, const Eigen::VectorXd& target, double late_s) -> Eigen::VectorXd {
   Eigen::VectorXd ahead(target.size());
   Eigen::Index begin = 0;
   for (std::size_t log = 0; log < design.log_rows().size(); ++log) {
-    const Eigen::Index last = begin + design.log_rows()[log] - 1;
-    const double rows = late_s / design.period_s(log);
-    const auto whole = static_cast<Eigen::Index>(rows);
-    const double rest = rows - static_cast<double>(whole);
-    for (Eigen::Index i = begin; i <= last; ++i) {
-      const double now = target[std::min(i + whole, last)];
-      ahead[i] = now + rest * (target[std::min(i + whole + 1, last)] - now);
-    }
-    begin = last + 1;
+    const Eigen::Index rows = design.log_rows()[log];
+    ahead.segment(begin, rows) = ahead_by(late_s / design.period_s(log), target.segment(begin, rows));
+    begin += rows;
   }
   return ahead;
 }

@@ -36,7 +36,7 @@ auto beta_of(const JointFile& joint) -> double {
 }
 
 auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs {
-  return {p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy)};
+  return {p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy), before.late_s.value_or(0.0)};
 }
 
 /// How the motor's torque differs from the healthy joint's, beyond its loop.

@@ -230,4 +230,16 @@ auto noncausal_samples(const AxisLog& log, const ConditionerShape<double>& condi
   return result;
 }
 
+auto ahead_by(double rows, const Eigen::Ref<const Eigen::VectorXd>& signal) -> Eigen::VectorXd {
+  const auto whole = static_cast<Eigen::Index>(rows);
+  const double rest = rows - static_cast<double>(whole);
+  const Eigen::Index last = signal.size() - 1;
+  Eigen::VectorXd ahead(signal.size());
+  for (Eigen::Index i = 0; i <= last; ++i) {
+    const double now = signal[std::min(i + whole, last)];
+    ahead[i] = now + rest * (signal[std::min(i + whole + 1, last)] - now);
+  }
+  return ahead;
+}
+
 }  // namespace capstan::tools

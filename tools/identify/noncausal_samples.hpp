@@ -34,4 +34,7 @@ auto rate_half_window(const AxisLog& log, const AngleNoise& noise) -> Eigen::Ind
 /// Slope of a straight line through 2 h + 1 neighbours, per second; fewer neighbours at the ends.
 auto local_slope(const Eigen::VectorXd& signal, Eigen::Index half_window, double period_s) -> Eigen::VectorXd;
 
+/// What a signal shows so many rows later, between rows on a straight line; the last value where it has ended.
+auto ahead_by(double rows, const Eigen::Ref<const Eigen::VectorXd>& signal) -> Eigen::VectorXd;
+
 }  // namespace capstan::tools

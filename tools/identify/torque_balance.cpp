@@ -7,7 +7,9 @@
 
 #include "capstan/tools/identify/load_fit.hpp"
 #include "capstan/tools/identify/noncausal_samples.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/tone_share.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -24,11 +26,12 @@ struct Rows {
   Eigen::VectorXd way;            ///< of the motor since it was through the loop, rad
   Eigen::VectorXd joint_speedup;  ///< rad/s2
   Eigen::VectorXd torque_alike;   ///< the torque through what the joint's acceleration went through
+  Eigen::VectorXd time;           ///< s; of several logs one after the other
   double speedup_noise = 0.0;     ///< of the joint's acceleration, by its sensor's noise, (rad/s2)^2
 };
 
-/// Columns, torque, angle, way, the joint's acceleration and the torque that goes with it.
-constexpr Eigen::Index kRowSize = kParts + 5;
+/// Columns, torque, angle, way, the joint's acceleration, the torque that goes with it, and the time.
+constexpr Eigen::Index kRowSize = kParts + 6;
 using Row = std::array<double, kRowSize>;
 
 /// Rates and accelerations of a log, rad/s and rad/s2.
@@ -86,7 +89,8 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& moti
           q1,
           std::abs(q1 - last.q1_reversal) - through,
           mean(motion.joint_speedup),
-          mean(motion.torque_alike)};
+          mean(motion.torque_alike),
+          log.period_s * static_cast<double>(rows.begin)};
 }
 
 /// Rows of 20 ms, for stretches, and slopes over as much to either side: a count of 4096 a turn is then 0.04 rad/s, and
@@ -96,13 +100,13 @@ auto reach_of(const AxisLog& log) -> Eigen::Index {
   return std::max<Eigen::Index>(1, std::lround(kReachS / log.period_s));
 }
 
-void add_log(const AxisLog& log, const Samples& samples, double half_width, std::vector<Row>& all) {
+void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from, std::vector<Row>& all) {
   constexpr double kThrough = 2.2;   // half widths; a tenth for the knee
   constexpr double kResting = 0.05;  // of the speed's rms
   const Eigen::Index reach = reach_of(log);
   const auto slope = [&](const Eigen::VectorXd& signal) { return local_slope(signal, reach, log.period_s); };
   const Eigen::VectorXd rate = slope(log.q1_rad);
-  const Motion motion{rate, slope(rate), slope(slope(log.q2_rad)),
+  const Motion motion{rate, slope(rate), slope(slope(ahead_by(from.late_s / log.period_s, log.q2_rad))),
                       behind_slope(behind_slope(log.tau_nm, reach), reach)};
   const double slowest = kResting * rms(rate);
   for (Eigen::Index begin = 0; begin + reach <= log.samples(); begin += reach) {
@@ -110,11 +114,11 @@ void add_log(const AxisLog& log, const Samples& samples, double half_width, std:
     for (Eigen::Index i = begin; slides && i < begin + reach; ++i) {
       const auto& sample = samples[static_cast<std::size_t>(i)];
       slides = (sample.forward ? rate[i] : -rate[i]) > slowest &&
-               std::abs(sample.q1 - sample.q1_reversal) > kThrough * half_width;
+               std::abs(sample.q1 - sample.q1_reversal) > kThrough * from.half_width_rad;
     }
     if (slides) {
       const auto& last = samples[static_cast<std::size_t>(begin + reach - 1)];
-      all.push_back(mean_row(log, last, motion, {begin, begin + reach}, 2.0 * half_width));
+      all.push_back(mean_row(log, last, motion, {begin, begin + reach}, 2.0 * from.half_width_rad));
     }
   }
 }
@@ -123,13 +127,17 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   constexpr std::size_t kFewest = 200;  // 4 s of sliding
   std::vector<Row> all;
   double noise = 0.0;
+  double began_s = 0.0;
   for (std::size_t i = 0; i < from.logs.size(); ++i) {
     const AxisLog& log = from.logs[i];
     if (!log.has_torque || log.q2_rad.size() == 0) {
       return std::nullopt;
     }
     const std::size_t before = all.size();
-    add_log(log, from.samples[i], from.half_width_rad, all);
+    add_log(log, from.samples[i], from, all);
+    std::for_each(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(),
+                  [&](Row& row) { row.back() += began_s; });
+    began_s += log.period_s * static_cast<double>(log.samples());
     noise += all.size() > before ? static_cast<double>(all.size() - before) * speedup_noise(log, reach_of(log)) : 0.0;
   }
   if (all.size() < kFewest) {
@@ -138,13 +146,8 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   const auto count = static_cast<Eigen::Index>(all.size());
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
   const Matrix table = Eigen::Map<const Matrix>(all.front().data(), count, kRowSize);
-  return Rows{table.leftCols(kParts),
-              table.col(kParts),
-              table.col(kParts + 1),
-              table.col(kParts + 2),
-              table.col(kParts + 3),
-              table.col(kParts + 4),
-              noise / static_cast<double>(count)};
+  return Rows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1), table.col(kParts + 2),
+              table.col(kParts + 3),  table.col(kParts + 4), table.col(kParts + 5), noise / static_cast<double>(count)};
 }
 
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
@@ -163,6 +166,21 @@ void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::Vecto
   const LinearFit fit = fitted(with_offset(columns), change);
   all.share[static_cast<std::size_t>(cause)] = share_of(fit, change);
   take_size(cause, fit, all);
+}
+
+/// Of the change's energy, by a mass. What shakes the joint from outside goes with the joint's acceleration, too, so
+/// the motor's has to explain the change as well. It does not where a mass swings on its tendons after each turn of the
+/// motor: then it has to say as large a mass, for certain, and a swing comes and goes where a tremor keeps its pitch.
+auto share_of_mass(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike, TorqueChange& all)
+    -> double {
+  const double by_joint = all.share_of(TorqueCause::kMass);
+  const LinearFit motor = fitted(with_offset(rows.columns.col(kSpeedup)), change);
+  const double by_motor = share_of(motor, change);
+  const double as_large = motor.theta[0] / all.size_of(TorqueCause::kMass);
+  const bool agrees =
+      motor.theta[0] > half_interval(motor, 0) && as_large < kMassAsLarge && 1.0 < kMassAsLarge * as_large;
+  const bool swings = by_motor < by_joint && agrees && tone_share(rows.time, alike) < kOneTone;
+  return swings ? by_joint : std::min(by_joint, by_motor);
 }
 
 /// Under a load the tendons need a longer way until both slide: rows this many half widths behind the loop, where there
@@ -293,10 +311,7 @@ auto torque_change(const TorqueLogs& now, const TorqueParts& healthy) -> std::op
   judge(TorqueCause::kWeight, rows->columns.middleCols(kSine, 2), change, all);
   const Eigen::VectorXd alike = change + rows->torque_alike - rows->torque;
   judge(TorqueCause::kMass, rows->joint_speedup / now.beta, alike, all);
-  // The motor's acceleration has to say so too: what shakes the joint from outside goes with the joint's alone.
-  const LinearFit by_motor = fitted(with_offset(rows->columns.col(kSpeedup)), change);
-  double& by_mass = all.share[static_cast<std::size_t>(TorqueCause::kMass)];
-  by_mass = std::min(by_mass, share_of(by_motor, change));
+  all.share[static_cast<std::size_t>(TorqueCause::kMass)] = share_of_mass(*rows, change, alike, all);
   judge(TorqueCause::kDrag, rows->columns.col(kRate), change, all);
   TorqueChange best = all;
   for (const double widths : {0.5, 1.0, 2.0, 4.0, 8.0}) {

@@ -14,7 +14,8 @@ struct TorqueLogs {
   const std::vector<AxisLog>& logs;
   const std::vector<Samples>& samples;
   double half_width_rad;  ///< of the loop between motor and joint, at the motor: rows within it take no part
-  double beta = 1.0;      ///< joint angle per motor angle; counts for a mass alone
+  double beta = 1.0;      ///< joint angle per motor angle; counts for a mass alone, as the next does
+  double late_s = 0.0;    ///< by which the joint's sensor is later than the motor's
 };
 
 /// What the motor's torque is made of; nothing where too little of the motion goes through the loop.

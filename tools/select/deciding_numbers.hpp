@@ -165,6 +165,13 @@ inline constexpr double kTorqueTold = 0.015;
 /// Share of that change's energy that a weight, a mass or drag takes away alone: 66 % and more where it is the cause, a
 /// mass, by the joint's own acceleration, 84 %; 18 % and less where none is.
 inline constexpr double kTorqueCauseShare = 0.45;
+/// A mass that swings on its tendons makes the joint's acceleration large and the motor's not. Told by the latter it is
+/// this many times as large, or as small, at most: 0.8 to 2.6 times (coulomb joints 24 to 28, independent joints 6200
+/// to 6204, November 2026).
+inline constexpr double kMassAsLarge = 4.0;
+/// And one pitch takes this share of the change's energy at most: a tremor 0.8 and more, such a mass 0.11 at most
+/// (coulomb joints 24 and 25).
+inline constexpr double kOneTone = 0.4;
 /// The same of friction that bends before it slides: 82 % and more where it is the cause, less where tendons go slack.
 inline constexpr double kBendsShare = 0.6;
 /// And of what friction that is the same everywhere leaves it leaves this share at most: 5 to 18 % where it is the

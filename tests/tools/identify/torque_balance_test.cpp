@@ -72,13 +72,14 @@ auto none(const Instant& /*now*/) -> double {
   return 0.0;
 }
 
-auto change_in(AxisLog log) -> TorqueChange {
+/// @param late_s  by which the joint is known to be shown later than the motor
+auto change_in(AxisLog log, double late_s = 0.0) -> TorqueChange {
   const std::vector<AxisLog> before = {log_with(none)};
   const std::vector<AxisLog> after = {std::move(log)};
   const std::vector<Samples> seen[] = {{samples_of(before[0])}, {samples_of(after[0])}};
   const auto healthy = torque_parts({before, seen[0], kHalfWidth, kBeta});
   EXPECT_TRUE(healthy);
-  const auto change = torque_change({after, seen[1], kHalfWidth, kBeta}, *healthy);
+  const auto change = torque_change({after, seen[1], kHalfWidth, kBeta, late_s}, *healthy);
   EXPECT_TRUE(change);
   return *change;
 }
@@ -183,6 +184,51 @@ TEST(TorqueBalance, WhatShakesTheJointFromOutsideIsNoMass) {
   const TorqueChange change = change_in(std::move(shaken));
   EXPECT_GT(change.rms_nm, 0.1 * kFriction);
   EXPECT_FALSE(found_in_torque(change, kFriction, kBeta));
+}
+
+/// A mass on its tendons: besides following the motor it swings at 5 Hz after each of its turns, for a second, and the
+/// motor carries what accelerates it.
+void let_swing(double mass, AxisLog& log) {
+  constexpr double kRate = 2.0 * std::numbers::pi * 5.0;  // rad/s
+  constexpr double kFades = 3.0;                          // 1/s
+  constexpr double kKick = 0.4;                           // rad/s
+  double angle = 0.0;
+  double rate = 0.0;
+  for (Eigen::Index i = 1; i + 1 < log.samples(); ++i) {
+    const double came = log.q1_rad[i] - log.q1_rad[i - 1];
+    const double goes = log.q1_rad[i + 1] - log.q1_rad[i];
+    if ((came > 0.0) != (goes > 0.0)) {
+      rate += goes > 0.0 ? kKick : -kKick;
+    }
+    const double speedup = -kRate * kRate * angle - 2.0 * kFades * rate;
+    rate += log.period_s * speedup;
+    angle += log.period_s * rate;
+    log.q2_rad[i] += angle;
+    log.tau_nm[i] += kBeta * mass * speedup;
+  }
+}
+
+TEST(TorqueBalance, AMassThatSwingsOnItsTendonsIsToldThoughTheMotorDoesNotSwing) {
+  const double mass = 1e-3;  // kg m2
+  const auto with_mass = [&](double late_s) {
+    AxisLog log = log_with([&](const Instant& now) { return kBeta * mass * now.ddq2; }, 2);
+    let_swing(mass, log);
+    const auto late = static_cast<Eigen::Index>(late_s / log.period_s);
+    const Eigen::VectorXd shown = log.q2_rad;
+    log.q2_rad.tail(shown.size() - late) = shown.head(shown.size() - late);
+    return log;
+  };
+  const auto told = found_in_torque(change_in(with_mass(0.0)), kFriction, kBeta);
+  ASSERT_TRUE(told);
+  EXPECT_EQ(told->name, "load_inertia");
+  EXPECT_NEAR(told->size.value, mass, 0.15 * mass);
+  EXPECT_LT((*told->size.ci95)[0], mass);
+  EXPECT_GT((*told->size.ci95)[1], mass);
+  EXPECT_FALSE(found_in_torque(change_in(with_mass(0.04)), kFriction, kBeta)) << "shown a fifth of a swing later";
+  const auto late = found_in_torque(change_in(with_mass(0.04), 0.04), kFriction, kBeta);
+  ASSERT_TRUE(late) << "and known to be so late";
+  EXPECT_EQ(late->name, "load_inertia");
+  EXPECT_NEAR(late->size.value, mass, 0.15 * mass);
 }
 
 TEST(TorqueBalance, WhatTheTorqueDoesNotShowIsContradicted) {
