@@ -129,7 +129,7 @@ auto CommissionSteps::tracking() -> std::optional<double> {
   joint_.arm();
   try {
     const CsvLog log = joint_.rows(
-        "experiment", "sine_ladder every=10 cycles=1 repeats=1 frequencies=0.1Hz,0.2Hz amplitude=" +
+        "experiment", "sine_ladder every=10 cycles=1 repeats=1 frequencies=0.2Hz amplitude=" +
                           rounded(0.6 * options_.corridor_rad, 6) + "rad offset=" + rounded(home_rad_, 6) + "rad");
     joint_.disarm();
     const Eigen::VectorXd off = joint_.column(log, "q2_ref_rad") - joint_.column(log, "q2_est_rad");

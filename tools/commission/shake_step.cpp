@@ -34,12 +34,13 @@ constexpr double kFastWayCounts = 10.0;
 constexpr double kGrowth = 1.5;
 constexpr double kAnswerCounts = 3.0;      // rms of the motor about its mean ...
 constexpr double kFastAnswerCounts = 1.5;  // ... and where it may not go far
-constexpr int kGlanceS = 5;                // of shaking, while it is too little for the motor to answer ...
-constexpr int kShakeS = 11;                // ... and for its response: four periods, and one to settle
-constexpr double kFollows = 0.3;           // measured current over the wanted one
-constexpr double kFits = 0.2;              // of the answer that motor, spring and delay leave
-constexpr double kSettled = 0.12;          // from one amplitude to the next, a half larger
-constexpr double kTellsTo = 120.0;         // Hz; above, the delay turns the answer round
+// Of shaking, while it is too little for the motor to answer: two periods, the least, for the board goes on to a whole
+// one. And for its response: four, one to settle, and the ramp's.
+constexpr int kGlanceS = 4, kShakeS = 11;
+constexpr double kFollows = 0.3;    // measured current over the wanted one
+constexpr double kFits = 0.2;       // of the answer that motor, spring and delay leave
+constexpr double kSettled = 0.12;   // from one amplitude to the next, a half larger
+constexpr double kTellsTo = 120.0;  // Hz; above, the delay turns the answer round
 // Inertia by the shake over that of the data sheet; wrong counts are 2 or 4. Friction holds, so it passes for inertia.
 constexpr double kLeastApart = 0.82, kMostApart = 1.6;
 
@@ -176,6 +177,14 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
   return all;
 }
 
+/// Shaken harder by kGrowth. A loose motor is fast where it leaves its limits and runs on without torque: elbow 3009,
+/// without tendons, by 3.6 deg.
+auto CommissionSteps::would_leave(const Eigen::VectorXd& angle) const -> bool {
+  const double middle = 0.5 * (joint_.value("limits.motor_min") + joint_.value("limits.motor_max"));
+  const double way = (angle.array() - angle[0]).abs().maxCoeff();
+  return std::fabs(angle[angle.size() - 1] - middle) + kGrowth * way > kMotorWayRad;
+}
+
 void CommissionSteps::shake(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
@@ -231,6 +240,9 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     const Eigen::VectorXd angle = joint.column(*shaken, "q1_rad");
     counts = counts || angle.maxCoeff() - angle.minCoeff() > kCounts * joint.count_rad();
     steps.judge_current(*shaken);
+    if (answers && steps.would_leave(angle)) {
+      too_far = one.band;
+    }
     const std::optional<double> inertia = answers ? steps.inertia_of(*shaken) : std::nullopt;
     // Friction holds a motor that is shaken too little, and passes for inertia.
     if (inertia && !is_lighter(*inertia) && std::fabs(*inertia - last) < kSettled * std::fabs(*inertia)) {
@@ -249,6 +261,9 @@ void CommissionSteps::shake(CommissionSteps& steps) {
   }
   if (ever_answered) {
     throw Refusal(
+        std::string(too_far.empty() ? ""
+                                    : "shaken harder the motor would run further than 2.9 deg, so see first that both "
+                                      "tendons are hooked; if they are, ") +
         "friction holds the motor: it only bends its tendons, so nothing can be said of its encoder's sign and scale; "
         "slacken the tendons for this step, " +
         std::string(steps.options_.inertia_kgm2

@@ -54,6 +54,8 @@ class CommissionSteps {
   static constexpr double kMotorWayRad = 0.05;
   /// To and fro with that torque, N m; nothing: the motor left its limits.
   [[nodiscard]] auto pressed(double torque_nm) -> std::optional<CsvLog>;
+  /// By what the motor did when it was shaken: whether it would leave its limits the next time.
+  [[nodiscard]] auto would_leave(const Eigen::VectorXd& angle) const -> bool;
   void judge_current(const CsvLog& log);
   /// kg m2, by the motor's answer; below 0 where the encoder counts against the torque. Nothing where it answers as a
   /// spring does, held by friction.

@@ -23,6 +23,7 @@ struct Outcome {
   Progress progress;
   double motor_rad = 0.0, joint_rad = 0.0;  ///< furthest
   double seconds = 0.0;
+  std::string steps_s;  ///< of that, each step's
   bool torque_off = false;
   double stiffness = 0.0;
 };
@@ -41,9 +42,16 @@ auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, P
   static_cast<void>(line.take_way());
   Outcome outcome;
   std::string step;
+  std::uint32_t since = line.board().machine().telemetry().tick;
   Operator person{.tell = [&](const std::string& text) { step = text; },
                   .agrees = [&](const std::string&) { return stop_before.empty() || !step.starts_with(stop_before); },
-                  .keep = [&](const Progress& now) { outcome.progress = now; }};
+                  .keep =
+                      [&](const Progress& now) {
+                        outcome.progress = now;
+                        const std::uint32_t tick = line.board().machine().telemetry().tick;
+                        outcome.steps_s += " " + now.done.back() + " " + rounded(1e-3 * (tick - since), 3);
+                        since = tick;
+                      }};
   try {
     commission(line, person,
                {.axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = scenario.plant.motor_inertia_kgm2, .key = {}},
@@ -71,8 +79,9 @@ TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorqu
   for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 2); ++seed) {
     const sim::Scenario scenario = draw(seed);
     const Outcome outcome = run(scenario, {});
-    std::printf("%llu | %s | joint %.2f rad, %.0f s | %s\n", static_cast<unsigned long long>(seed),
-                outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.sentence.c_str());
+    std::printf("%llu | %s | joint %.2f rad, %.0f s |%s | %s\n", static_cast<unsigned long long>(seed),
+                outcome.done ? "done" : "stopped", outcome.joint_rad, outcome.seconds, outcome.steps_s.c_str(),
+                outcome.sentence.c_str());
     for (const std::string& found : outcome.progress.found) {
       std::printf("  %s\n", found.c_str());
     }
@@ -256,6 +265,14 @@ TEST(Commission, TendonsAreToldFromNoneByMoreThanACount) {
     EXPECT_NE(off.sentence.find("no tendon pulls at it"), std::string::npos) << seed << ": " << off.sentence;
     EXPECT_LT(off.motor_rad, kFiveDegrees) << seed;
   }
+}
+
+// Shaken harder, it left its limits fast and ran on to 6.6 deg.
+TEST(Commission, ALightMotorWithoutTendonsIsNotShakenOutOfItsLimits) {
+  const Outcome off =
+      run(draw(3009, joint_of("raven2:1")), {"fail tendon_top snap", "fail tendon_bottom snap"}, {}, "travel");
+  EXPECT_NE(off.sentence.find("no tendon pulls at it"), std::string::npos) << off.sentence;
+  EXPECT_LT(off.motor_rad, kFiveDegrees);
 }
 
 // Without its upper tendon this elbow has fallen further than the limits of the motor from its zero.

@@ -63,11 +63,14 @@ auto number_from(const char* variable, long usual) -> std::uint64_t {
   return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
 }
 
-/// For a table: CAPSTAN_SEED=1700 CAPSTAN_PLANTS=10 promised_margins_test
+/// For a table: CAPSTAN_SEED=1700 CAPSTAN_PLANTS=10 promised_margins_test; of one joint CAPSTAN_INSTRUMENT=raven2:1
 TEST(PromisedMargins, AreMeasuredOnDrawnJointsOfAllInstruments) {
   const std::uint64_t first = number_from("CAPSTAN_SEED", 1690);
   const std::uint64_t plants = number_from("CAPSTAN_PLANTS", 1);
   for (const char* name : {"micro_forceps:0", "da_vinci_wrist:0", "robot_finger:0", "raven2:1"}) {
+    if (const char* only = std::getenv("CAPSTAN_INSTRUMENT"); only != nullptr && std::string(only) != name) {
+      continue;
+    }
     std::uint64_t within = 0;
     std::uint64_t tuned = 0;
     for (std::uint64_t seed = first; seed < first + plants; ++seed) {
