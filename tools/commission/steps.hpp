@@ -69,8 +69,8 @@ class CommissionSteps {
   void judge_inertia(double inertia);
   /// Shakes the joint while it travels, louder or less until the response can be used and `take` takes it.
   void respond(const std::function<void(const Response&)>& take);
-  /// Rms of reference less estimate in a slow sine, rad; nothing: a fault ended it.
-  [[nodiscard]] auto tracking() -> std::optional<double>;
+  /// Rms of reference less estimate in a sine of that frequency, rad; nothing: a fault ended it.
+  [[nodiscard]] auto tracking(const char* frequency) -> std::optional<double>;
 
   JointConsole& joint_;
   const Operator& person_;
