@@ -28,17 +28,8 @@ auto jaw_tip(const JawLinks<Scalar>& links, Scalar pitch_rad, Scalar jaw_rad) ->
 }
 
 using Vector3 = std::array<double, 3>;
-/// Row by row.
+/// Of a jaw's frame, row by row: its columns are the jaw, across it, and the jaws' axis.                   (6.11)
 using Rotation = std::array<Vector3, 3>;
-
-/// Rotation of a jaw's frame, (6.11): its columns are the jaw, across it, and the jaws' axis. Host only.
-inline auto jaw_rotation(double pitch, double jaw) -> Rotation {
-  const double cp = std::cos(pitch);
-  const double sp = std::sin(pitch);
-  const double cj = std::cos(jaw);
-  const double sj = std::sin(jaw);
-  return {{{cp * cj, -cp * sj, -sp}, {sp * cj, -sp * sj, cp}, {-sj, -cj, 0.0}}};
-}
 
 struct WristAngles {
   double pitch;

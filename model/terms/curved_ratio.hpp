@@ -153,19 +153,12 @@ class CurveInverse {
   Reciprocal<Scalar> per_low_{};
 };
 
-/// The least slope of beta h + c2 phi2 + c3 phi3 anywhere, over beta: above 0 the joint follows its motor everywhere,
-/// and the law can be turned round. In closed form: the slope is a parabola in u between the ends, and stays outside.
-constexpr auto least_slope_share(double beta, double c2, double c3, double span) -> double {
-  const auto slope = [&](double u) { return 1.0 + (2.0 * c2 + 3.0 * c3 * u) * u / (span * beta); };
-  const double ends = slope(-1.0) < slope(1.0) ? slope(-1.0) : slope(1.0);
-  const double vertex = c3 != 0.0 ? -c2 / (3.0 * c3) : 2.0;
-  return -1.0 < vertex && vertex < 1.0 && slope(vertex) < ends ? slope(vertex) : ends;
-}
-/// Of a ratio that can be turned round the least slope is a twentieth of beta and more.
-inline constexpr double kLeastSlopeShare = 0.05;
+/// Of a ratio that can be turned round the least slope anywhere is more than a twentieth of beta.
+inline constexpr std::int64_t kStraightPerLeastSlope = 20;
 
-/// The same question on the target: whether the least slope is that of a ratio. In units of 2^-16, so that the square
-/// of a coefficient fits.
+/// Whether the least slope of beta h + c2 phi2 + c3 phi3 is that of such a ratio: then the joint follows its motor
+/// everywhere. In closed form: the slope is a parabola in u between the ends, and stays outside. In units of 2^-16, so
+/// that the square of a coefficient fits.
 constexpr auto follows_everywhere(Q24 beta, Q24 c2, Q24 c3, Q24 span) -> bool {
   const bool crossed = beta < Q24{};
   const auto coarse = [crossed](Q24 x) { return (crossed ? -std::int64_t{x.raw()} : std::int64_t{x.raw()}) >> 8; };
@@ -177,8 +170,7 @@ constexpr auto follows_everywhere(Q24 beta, Q24 c2, Q24 c3, Q24 span) -> bool {
       (linear < 0 ? -linear : linear)) {  // the parabola opens upwards, its lowest point is between the ends
     least = straight - linear * linear / (4 * square);
   }
-  return 20 * least > straight;
+  return kStraightPerLeastSlope * least > straight;
 }
-static_assert(kLeastSlopeShare * 20.0 == 1.0);
 
 }  // namespace capstan

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formulas that the thesis prints otherwise than they must be. (5.26), (5.29) are in tendon_test.cpp, (2.21) in
-// pull_push_plant_test.cpp, (3.22) and (3.26) in stiffness_test.cpp.
+// Formulas that the thesis prints otherwise than they must be. (2.21) is in pull_push_plant_test.cpp, (3.22) and (3.26)
+// in stiffness_test.cpp.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -21,6 +21,26 @@ TEST(Erratum510, FrontIsWhereInputTensionTimesDecayIsTheOldTension) {
     profile.pull_to(pull);
     EXPECT_NEAR(integrate(1.1414, 1.0, pull, profile.front()).end_tension, 10.0, 1e-8);
     EXPECT_LT(std::exp(-1.1414 * profile.front()), 1.0) << "never the 10 N that (5.10) asks for";
+  }
+}
+
+// (5.26), (5.29) print e^+eta, and the other sign for the bottom tendon. By (5.24), (5.25) and compatibility whatever a
+// pulled tendon stretches the joint lags, so both coefficients are negative, and both have e^-eta.
+TEST(Erratum529, BothCoefficientsAreNegativeAndTheExponentIsToo) {
+  constexpr double kR1 = 0.0026;
+  constexpr double kR2 = 0.0024;
+  constexpr double kStiffness = 5.0664e4;
+  for (const double eta : {0.03, 0.7, 1.1414, 2.5}) {
+    for (const double tau : {0.1, -0.1}) {  // the top tendon pulls, or the bottom one
+      TensionProfile pulled({eta, kStiffness}, 0.0);
+      pulled.pull_to(std::fabs(tau) / kR1);
+      const double lag = (tau > 0.0 ? -1.0 : 1.0) * pulled.integral() / kStiffness / kR2;
+      const double expected =
+          -integrate(eta, 1.0, std::fabs(tau) / kR1).area / (kStiffness * kR2 * std::fabs(tau));  // rad/(N m)
+      EXPECT_NEAR(lag / tau, expected, -1e-9 * expected) << eta;
+      const double printed = (1.0 - std::exp(eta)) / (kR1 * kR2 * eta * kStiffness);
+      EXPECT_LT(printed, 1.01 * expected) << "the printed exponent gives another number";
+    }
   }
 }
 

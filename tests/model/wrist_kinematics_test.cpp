@@ -22,21 +22,34 @@ auto turned(const Vector3& v, const Vector3& k, double angle) -> Vector3 {
   return result;
 }
 
-// Pitch about z1 = (0, 0, 1); the jaw's axis, (-sin p, cos p, 0) after it, is that of z2, and the tip lies l2 from it.
+/// Where the turns of pitch and jaw take what lay along the shaft (the link), across it in its plane (the jaws' axis),
+/// and the jaw: pitch about z1 = (0, 0, 1), the jaw about the axis that pitch has turned.
+struct Chain {
+  Chain(double pitch, double jaw)
+      : link(turned({1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}, pitch)),
+        jaw_axis(turned({0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, pitch)),
+        finger(turned(link, jaw_axis, jaw)),
+        across(turned(turned({0.0, 0.0, -1.0}, {0.0, 0.0, 1.0}, pitch), jaw_axis, jaw)) {}
+  /// The jaw's frame as a camera measures it: its axes are the columns.
+  [[nodiscard]] auto rotation() const -> Rotation {
+    Rotation r{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      r[i] = {finger[i], across[i], jaw_axis[i]};
+    }
+    return r;
+  }
+  Vector3 link, jaw_axis, finger, across;
+};
+
 TEST(JawTip, IsTheChainOfItsTwoTurns) {
   for (double pitch = -1.2; pitch < 1.3; pitch += 0.3) {
     for (double jaw = -1.2; jaw < 1.3; jaw += 0.3) {
-      const Vector3 z = {0.0, 0.0, 1.0};
-      const Vector3 jaw_axis = turned({0.0, 1.0, 0.0}, z, pitch);
-      const Vector3 link = turned({1.0, 0.0, 0.0}, z, pitch);
-      const Vector3 finger = turned(link, jaw_axis, jaw);
-      const Rotation rotation = jaw_rotation(pitch, jaw);
+      const Chain chain(pitch, jaw);
       const Vector3 tip_m = jaw_tip(kWrist, pitch, jaw);
       for (std::size_t i = 0; i < 3; ++i) {
-        EXPECT_NEAR(rotation[i][0], finger[i], 1e-12);
-        EXPECT_NEAR(rotation[i][2], jaw_axis[i], 1e-12);
-        EXPECT_NEAR(tip_m[i],
-                    kWrist.pitch_to_jaw_m * link[i] + kWrist.offset_m * jaw_axis[i] + kWrist.jaw_m * finger[i], 1e-12);
+        const double expected_m = kWrist.pitch_to_jaw_m * chain.link[i] + kWrist.offset_m * chain.jaw_axis[i] +
+                                  kWrist.jaw_m * chain.finger[i];
+        EXPECT_NEAR(tip_m[i], expected_m, 1e-12);
       }
     }
   }
@@ -60,7 +73,7 @@ TEST(JawTip, IsWithinThreeTenthsOfAMicrometreInFixedPoint) {
 TEST(AnglesOf, GivesTheAnglesOfAnExactRotationBack) {
   for (double pitch = -3.1; pitch < 3.1; pitch += 0.31) {
     for (double jaw = -3.1; jaw < 3.1; jaw += 0.31) {
-      const WristAngles angles = angles_of(jaw_rotation(pitch, jaw));
+      const WristAngles angles = angles_of(Chain(pitch, jaw).rotation());
       EXPECT_NEAR(std::remainder(angles.pitch - pitch, 2.0 * kPi), 0.0, 1e-9) << pitch << ", " << jaw;
       EXPECT_NEAR(std::remainder(angles.jaw - jaw, 2.0 * kPi), 0.0, 1e-9) << pitch << ", " << jaw;
     }
@@ -75,7 +88,7 @@ TEST(AnglesOf, AveragesNoiseThatTwoEntriesAloneWouldPassOn) {
   for (int i = 0; i < 3000; ++i) {
     const double pitch = 0.6;
     const double jaw = -0.4;
-    Rotation r = jaw_rotation(pitch, jaw);
+    Rotation r = Chain(pitch, jaw).rotation();
     for (auto& row : r) {
       for (double& entry : row) {
         entry += noise(engine);

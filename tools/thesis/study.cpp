@@ -62,10 +62,12 @@ auto built_in(const char* name) -> Instrument {
 auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& estimated_rad, int parameters)
     -> FitQuality {
   const Eigen::VectorXd error = measured_rad - estimated_rad;
-  const double total = (measured_rad.array() - measured_rad.mean()).matrix().squaredNorm();
+  const auto spread = [](const Eigen::VectorXd& angle) { return (angle.array() - angle.mean()).matrix().norm(); };
+  const double total = std::pow(spread(measured_rad), 2.0);
   const auto n = static_cast<double>(error.size());
   return {rms(error) * kPerDegree, 100.0 * (1.0 - std::sqrt(error.squaredNorm() / total)),
-          1.0 - (n - 1.0) * error.squaredNorm() / ((n - parameters) * total)};
+          1.0 - (n - 1.0) * error.squaredNorm() / ((n - parameters) * total),
+          100.0 * (1.0 - error.norm() / spread(estimated_rad))};
 }
 
 auto implied_rms_deg(const FitQuality& printed) -> double {
@@ -153,11 +155,12 @@ auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Stud
               const std::vector<StudyTrial>& trials) -> StudyErrors {
   std::vector<StudyErrors> all = {run_study(study, signals)};
   for (const StudyTrial& t : trials) {
+    const std::vector<Signal>& whole = t.instead.empty() ? signals : t.instead;
     std::vector<Signal> tried;
     for (const std::size_t i : t.only) {
-      tried.push_back(signals[i]);
+      tried.push_back(whole[i]);
     }
-    StudyErrors errors = run_study(t.study, t.only.empty() ? signals : tried);
+    StudyErrors errors = run_study(t.study, t.only.empty() ? whole : tried);
     if (!t.only.empty()) {
       std::vector<SignalErrors> spread(signals.size(), not_tried());
       for (std::size_t k = 0; k < t.only.size(); ++k) {

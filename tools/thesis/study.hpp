@@ -28,6 +28,7 @@ struct FitQuality {
   double rmse_deg = 0.0;
   double gof_percent = 0.0;
   double adjusted_r2 = 0.0;  ///< with the sum of squares of the estimate, which is what the printed figures follow
+  double gof_as_written_percent = 0.0;  ///< over the estimate's spread, as 5.5.2 and 6.4 write it
 };
 
 auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& estimated_rad, int parameters)
@@ -78,6 +79,7 @@ struct StudyTrial {
   ThesisTable::Trial trial;
   Study study;
   std::vector<std::size_t> only = {};  ///< the signals that it is tried on; empty: all
+  std::vector<Signal> instead = {};    ///< the signals themselves, where they are what is changed
 };
 
 /// Columns km, pm, less, gof_km, gof_pm and, if printed, r2_km and r2_pm for the print, the simulator and every trial;

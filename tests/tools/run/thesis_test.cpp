@@ -36,6 +36,8 @@ TEST(Thesis, SlackInstantsOfTable21And22AreAsPrinted) {
     EXPECT_NEAR(value(table, i, "simulated", "eta"), 1.141, 0.05 * 1.141);
     expect_near_share(value(table, i, "simulated", "I"), kConstant[i], 0.10, table.rows[i].name);
     EXPECT_NEAR(value(table, i, "simulated", "tau_in"), kTau[i], 0.015) << table.rows[i].name;
+    expect_near_share(value(table, i, "tendons alone", "tau_in"), kTau[i], 0.10, table.rows[i].name);
+    EXPECT_NEAR(value(table, i, "tendons alone", "eta"), 1.141, 0.02 * 1.141) << "the friction is the motor's";
   }
 }
 
@@ -109,6 +111,10 @@ TEST(Thesis, Table53HasOneFittedRowAndTheFirmwareTracksFortyPercentAndMoreBelowT
     EXPECT_LT(ours, 0.6 * value(table, i, "printed", "control")) << table.rows[i].name;
     EXPECT_LT(ours, 0.6 * value(table, i, "printed", "pm")) << "not even the estimate of PM was better";
   }
+  // The decaying motion alone is run on until it has died out.
+  expect_near_share(value(table, 4, "to the end", "km"), 1.7045, 0.10, "decaying");
+  EXPECT_LT(value(table, 4, "to the end", "control"), value(table, 4, "simulated", "control"));
+  EXPECT_TRUE(std::isnan(table.value(5, "to the end", "km")));
   // What grows with frequency is what pictures 0.3 s late make it, by one number fitted to PM of the fourth row.
   for (const std::size_t i : {0U, 1U, 2U, 3U, 5U}) {
     expect_near_share(value(table, i, "later camera", "km"), value(table, i, "printed", "km"), 0.10,
@@ -118,6 +124,16 @@ TEST(Thesis, Table53HasOneFittedRowAndTheFirmwareTracksFortyPercentAndMoreBelowT
     expect_near_share(value(table, i, "later camera", "pm"), value(table, i, "printed", "pm"), 0.10,
                       table.rows[i].name);
   }
+}
+
+// The estimate holds alpha tau: with the motor stuck, kp times what a torque adds to it is fed back as torque.
+TEST(Thesis, LoopOfTable53IsUnstableWhereTheEstimateFeedsMoreTorqueBackThanItGot) {
+  constexpr double kPrintedAlpha = 1.626;
+  const double most = 1.0 / (thesis_gains().kp_a_per_rad * kPrintedAlpha);  // N m/A
+  constexpr std::size_t kSine005Hz = 1;
+  constexpr double kWantedDeg = 10.6;  // root mean square of 15 deg
+  EXPECT_LT(control_error_deg(0.7 * most, kSine005Hz, true), 0.6 * kWantedDeg);
+  EXPECT_GT(control_error_deg(1.2 * most, kSine005Hz, true), 2.0 * kWantedDeg);
 }
 
 TEST(Thesis, Table61ComesBackFromTheFittedTendonsAndNotFromTheFormulaForAnEndLoad) {
@@ -131,6 +147,7 @@ TEST(Thesis, Table61ComesBackFromTheFittedTendonsAndNotFromTheFormulaForAnEndLoa
     expect_near_share(value(table, i, "simulated", "beta"), kPrinted[i][2], 0.10, "beta");
     expect_near_share(value(table, i, "simulated", "gof_mean"), kPrinted[i][3], 0.05, "goodness of fit");
   }
+  expect_near_share(value(table, 2, "as written", "gof_deviation"), kPrinted[2][4], 0.10, "by the formula of 6.4");
   EXPECT_GT(value(table, 0, "(5.29)", "alpha_1"), 0.5 * -1.907) << "the question was why this is far too small";
 }
 
@@ -178,6 +195,8 @@ TEST(Thesis, Table71And72AreAsPrintedForTheSlowSignals) {
   expect_near_share(value(table, 2, "simulated", "km"), 1.4977, 0.10, "III");
   expect_near_share(value(table, 4, "simulated", "km"), 1.2557, 0.10, "V");
   expect_near_share(value(table, 2, "simulated", "gof_pm"), 92.0, 0.05, "III");
+  expect_near_share(value(table, 0, "longer", "pm"), 0.5073, 0.10, "I, four periods");
+  EXPECT_TRUE(std::isnan(table.value(2, "longer", "pm"))) << "the multisines are whole periods already";
 }
 
 TEST(ThesisPulleys, StopAndGoOverIdlersKeepsTheClosedFormWhileTheyMoveAndMostOfTheLossWhileTheyStand) {
@@ -240,6 +259,7 @@ TEST(ThesisStudy, AmplitudesFollowFromTheMeasurementsSpreadThatThePrintDividedBy
   const double spread = std::hypot(0.2, 0.04);
   const FitQuality q = fit_quality(measured, estimated, 3);
   EXPECT_NEAR(q.gof_percent, 100.0 * (1.0 - 0.04 / spread), 1e-6);
+  EXPECT_NEAR(q.gof_as_written_percent, 100.0 * (1.0 - 0.04 / 0.2), 1e-6);
   EXPECT_NEAR(q.adjusted_r2, 1.0 - std::pow(0.04 / spread, 2.0), 1e-4);
   EXPECT_NEAR(implied_rms_deg(q), spread / std::sqrt(2.0) * 180.0 / M_PI, 1e-6);
 }
