@@ -30,6 +30,7 @@ void Controller::rt_configure(const ControlConfig& gains) {
   rate_gain_ = kPeriod.filter_gain(gains.rate_time_constant_s);
   per_reversal_angle_ = Reciprocal<Q24>(gains.reversal_angle_rad);
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
+  settled_ = false;
 }
 
 auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm,
@@ -40,6 +41,7 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   last_q2_ = q2_rad;
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
+  settled_ = false;
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
   integral_ = rest.q1 - pull_extreme_;
@@ -74,7 +76,16 @@ auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward)
          gains.damping_nms_per_rad * (rate - motor_rate_);
 }
 
+void Controller::rt_settle(const ControlConfig& gains, const MotionLaw<Q24>& law) {
+  if (!settled_) {
+    settled_ = true;
+    settled_backward_ = law.settled(gains.torque_backward_nm, false);
+    settled_forward_ = law.settled(gains.torque_forward_nm, true);
+  }
+}
+
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion) -> Q24 {
+  rt_settle(gains, law);
   const Q24 shared = law.rest_either_way(q2, motion);
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
@@ -85,7 +96,7 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
     // On the other branch it will have turned out of the other steady motion.
     const Q24 other_torque = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
     motion.tau_reversal = forward == went_forward ? turned_at : other_torque;
-    return law.rest_one_way(motion);
+    return law.rest_one_way(motion, forward ? settled_forward_ : settled_backward_);
   };
   const Q24 backward = rest_on(std::false_type{});
   const Q24 forward = rest_on(std::true_type{});
