@@ -41,6 +41,7 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   last_q2_ = q2_rad;
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
+  h_ = rest.q1;
   settled_ = false;
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
@@ -102,9 +103,9 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
   const Q24 forward = rest_on(std::true_type{});
   // The ratio's curve is turned round once, half way between the branches or where they are mixed; what lies in front
   // of the ratio is a way of the motor.
-  const Q24 h = law.through_ratio(q2 - (shared + mix(backward, forward, branch_)), motion.q1);
-  const Q24 behind = law.undone(h, false);
-  const Q24 ahead = law.undone(h, true);
+  h_ = law.through_ratio(q2 - (shared + mix(backward, forward, branch_)), h_);
+  const Q24 behind = law.undone(h_, false);
+  const Q24 ahead = law.undone(h_, true);
   branches_apart_ = forward - backward;
   ways_apart_ = ahead - behind;
   return mix(behind, ahead, branch_);

@@ -81,6 +81,7 @@ class Controller {
   Q24 integral_;
   Q24 last_q2_;
   Q24 motor_reference_;                // of the last cycle
+  Q24 h_;                              // of that, behind the input terms: the ratio's curve is turned round from there
   Q24 last_q1_;                        // of the motor
   Q24 motor_rate_;                     // filtered, rad/s
   Q24 pull_extreme_;                   // of the inverse half way between the branches, in the present direction
