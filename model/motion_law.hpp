@@ -100,6 +100,7 @@ class MotionLaw {
     for_each_active(terms_, [](auto& term, std::size_t /*first*/) { capstan::restart(term); });
     std::apply([](auto&... term) { (capstan::restart(term), ...); }, output_terms_);
     q2_ = Scalar{};
+    as_it_is_ = {};
     started_ = false;
   }
 
@@ -126,11 +127,9 @@ class MotionLaw {
         conditioner_.sample();  // as a part of this, so that what is read of it once is known
     const Scalar* const pulled = pulled_by(sample);
     WeightedSum<Scalar> y;
-    // Inlined, or the sum is kept in memory.
-    for_each_active(
-        terms_, [&]<typename Term>(Term & term, std::size_t first) __attribute__((always_inline)) {
-          add<!stays_in_range<Term>()>(term.update(sample), first, pulled, y);
-        });
+    update_terms<true>(sample, pulled, y);
+    as_it_is_ = y;
+    update_terms<false>(sample, pulled, y);
     q2_ = y.value();
     Estimate<Scalar> estimate{.q2 = q2_, .q2_reported = q2_};
     std::apply([&](auto&... term) { ((estimate.q2_reported = term.update(estimate.q2_reported)), ...); },
@@ -163,7 +162,8 @@ class MotionLaw {
   /// periodic in it, for a table of it, and for the curve to be turned round from; its q2 is not read.
   /// @pre beta is not zero; if it is, the result saturates.
   [[nodiscard]] constexpr auto invert(Scalar q2, Sample<Scalar> motion) const -> Scalar {
-    const Scalar left = q2 - (rest_either_way(q2, motion) + rest_one_way(motion));
+    const WeightedSum<Scalar> lasting = settled(motion.tau, motion.forward);
+    const Scalar left = q2 - (rest_either_way(q2, motion) + rest_one_way(motion, lasting));
     return undone(through_ratio(left, motion.q1), motion.forward);
   }
   /// What is left of the joint angle after the rest, taken back through ratio and curve: h, rad.
@@ -180,14 +180,26 @@ class MotionLaw {
   /// as much as a term.
   [[nodiscard, gnu::always_inline]] constexpr auto rest_either_way(Scalar q2, Sample<Scalar>& motion) const -> Scalar {
     motion.q2 = q2;
-    return steady_state<true>(motion);
+    WeightedSum<Scalar> rest = as_it_is_;
+    add_steady<SteadyState::kEitherWay>(motion, rest);
+    return rest.value();
   }
-  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar>& motion) const -> Scalar {
+  /// @param settled  of the motion's torque and direction
+  [[nodiscard, gnu::always_inline]] constexpr auto rest_one_way(Sample<Scalar>& motion,
+                                                                const WeightedSum<Scalar>& settled) const -> Scalar {
     motion.h = motion.q1;
     if (input_on_) {
       input_.settle(motion);
     }
-    return steady_state<false>(motion);
+    WeightedSum<Scalar> rest = settled;
+    add_steady<SteadyState::kOfMotion>(motion, rest);
+    return rest.value();
+  }
+  /// The part of the rest one way that every motion with this torque and direction has, as long as the law stays.
+  [[nodiscard]] constexpr auto settled(Scalar tau, bool forward) const -> WeightedSum<Scalar> {
+    WeightedSum<Scalar> rest;
+    add_steady<SteadyState::kOfDirection>({.tau = tau, .forward = forward}, rest);
+    return rest;
   }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
   [[nodiscard]] constexpr auto per_beta(Scalar joint_side) const -> Scalar { return joint_side * per_beta_; }
@@ -308,18 +320,28 @@ class MotionLaw {
     return std::is_same_v<Term, MotorAngle<Scalar>> || std::is_same_v<Term, CurvedRatio<Scalar>>;
   }
 
-  /// What the terms that settle alike, or those that do not, show once a motion has lasted; never beta h and its curve.
-  template <bool Alike>
-  [[nodiscard, gnu::always_inline]] constexpr auto steady_state(const Sample<Scalar>& motion) const -> Scalar {
+  // Both inlined, or the sum is kept in memory.
+  /// Those that are as they are to the inverse too, or all others.
+  template <bool AsTheyAre>
+  [[gnu::always_inline]] constexpr void update_terms(const Sample<Scalar>& sample, const Scalar* pulled,
+                                                     WeightedSum<Scalar>& sum) {
+    for_each_active(
+        terms_, [&]<typename Term>(Term & term, std::size_t first) __attribute__((always_inline)) {
+          if constexpr ((steady_state_of<Term>() == SteadyState::kAsItIs) == AsTheyAre) {
+            add<!stays_in_range<Term>()>(term.update(sample), first, pulled, sum);
+          }
+        });
+  }
+  /// What the terms of a kind show once a motion has lasted; never beta h and its curve.
+  template <SteadyState Kind>
+  [[gnu::always_inline]] constexpr void add_steady(const Sample<Scalar>& motion, WeightedSum<Scalar>& rest) const {
     const Scalar* const pulled = pulled_by(motion);
-    WeightedSum<Scalar> rest;
     for_each_active(
         terms_, [&]<typename Term>(const Term& term, std::size_t first) __attribute__((always_inline)) {
-          if constexpr (!is_of_ratio<Term>() && same_steady_state<Term>() == Alike) {
+          if constexpr (!is_of_ratio<Term>() && steady_state_of<Term>() == Kind) {
             add<false>(term.steady_state(motion), first, pulled, rest);
           }
         });
-    return rest.value();
   }
 
   bool unfit_;
@@ -332,7 +354,8 @@ class MotionLaw {
   bool input_on_;
   typename SumTerms::Tuple<Scalar> terms_;
   typename OutputTerms::Tuple<Scalar> output_terms_;
-  Scalar q2_{};  ///< last estimate
+  WeightedSum<Scalar> as_it_is_;  ///< what the inverse takes of the last update
+  Scalar q2_{};                   ///< last estimate
   bool started_ = false;
 };
 

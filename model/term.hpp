@@ -216,13 +216,21 @@ consteval auto reads_input() -> bool {
   };
 }
 
-/// The steady state of a term does not depend on the direction or the torque of the motion: it says so with
-/// `static constexpr bool kSameSteadyState = true`, and the inverse for both directions then asks it once.
+/// What the steady state of a term depends on. A term says so with `static constexpr SteadyState kSteadyState`, so that
+/// the inverse, which runs for both directions in every cycle, works out no more of it than it has to.
+enum class SteadyState : std::uint8_t {
+  kOfMotion,     ///< anything in the sample; of who says nothing
+  kEitherWay,    ///< not direction and torque: the inverse asks once for both directions
+  kAsItIs,       ///< nor the motion: it is what the last update gave
+  kOfDirection,  ///< direction and torque alone, and no memory: it stays as long as the law
+};
 template <typename Term>
-consteval auto same_steady_state() -> bool {
-  return requires {
-    requires Term::kSameSteadyState;
-  };
+consteval auto steady_state_of() -> SteadyState {
+  if constexpr (requires { Term::kSteadyState; }) {
+    return Term::kSteadyState;
+  } else {
+    return SteadyState::kOfMotion;
+  }
 }
 
 /// As long as the sample is not `saturated`, no regressor of the term meets an end of the range, whatever came before:

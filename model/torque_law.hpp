@@ -109,7 +109,10 @@ class TorqueLaw {
   constexpr TorqueLaw(SamplePeriod<Scalar> dt, const TorqueLawParameters<Scalar>& parameters)
       : coefficients_(fits(parameters) ? parameters.coefficients : decltype(coefficients_){}),
         active_(active_terms(coefficients_)),
-        terms_(make_terms<TorqueTerms, 0>(dt, parameters.shapes)) {}
+        terms_(make_terms<TorqueTerms, 0>(dt, parameters.shapes)) {
+    add_steady<SteadyState::kOfDirection>({.forward = false}, settled_backward_);
+    add_steady<SteadyState::kOfDirection>({.forward = true}, settled_forward_);
+  }
 
   /// False: every coefficient is zero, there is no law.
   [[nodiscard]] constexpr auto is_on() const -> bool { return active_ != 0; }
@@ -132,24 +135,21 @@ class TorqueLaw {
   /// direction to the other: what does not depend on motion.forward, and what does.
   [[nodiscard, gnu::flatten]] constexpr auto either_way(const Sample<Scalar>& motion) const -> Scalar {
     WeightedSum<Scalar> sum;
-    visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (same_steady_state<Term>()) {
-        add<false>(term.steady_state(motion), first, sum);
-      }
-    });
+    add_steady<SteadyState::kEitherWay>(motion, sum);
+    add_steady<SteadyState::kAsItIs>(motion, sum);
     return sum.value();
   }
   struct EachWay {
     Scalar backward{};
     Scalar forward{};
   };
-  /// Both directions at once: what a term works out of speed and angle (`undirected`) is the same in both. Of `motion`
-  /// forward is not read, and changed.
+  /// Both directions at once: what a term works out of speed and angle (`undirected`) is the same in both, and what
+  /// depends on the direction alone is known. Of `motion` forward is not read, and changed.
   [[nodiscard, gnu::flatten]] constexpr auto each_way(Sample<Scalar>& motion) const -> EachWay {
-    WeightedSum<Scalar> backward;
-    WeightedSum<Scalar> forward;
+    WeightedSum<Scalar> backward = settled_backward_;
+    WeightedSum<Scalar> forward = settled_forward_;
     visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
-      if constexpr (!same_steady_state<Term>()) {
+      if constexpr (steady_state_of<Term>() == SteadyState::kOfMotion) {
         const auto common = undirected(term, motion);
         motion.forward = false;
         add<false>(directed(term, motion, common), first, backward);
@@ -217,6 +217,15 @@ class TorqueLaw {
     }
     (std::make_index_sequence<kTerms>{});
   }
+  /// What the terms of a kind show once a motion has lasted.
+  template <SteadyState Kind>
+  [[gnu::always_inline]] constexpr void add_steady(const Sample<Scalar>& motion, WeightedSum<Scalar>& sum) const {
+    visit(terms_, [&]<typename Term>(const Term& term, std::size_t first) {
+      if constexpr (steady_state_of<Term>() == Kind) {
+        add<false>(term.steady_state(motion), first, sum);
+      }
+    });
+  }
   template <bool Checked, std::size_t Count>
   [[gnu::always_inline]] constexpr void add(const std::array<Scalar, Count>& regressors, std::size_t first,
                                             WeightedSum<Scalar>& sum) const {
@@ -233,6 +242,8 @@ class TorqueLaw {
   std::array<Scalar, TorqueTerms::kCoefficients> coefficients_;
   std::uint32_t active_;  ///< a bit for each term, in the order of TorqueTerms
   Terms terms_;
+  WeightedSum<Scalar> settled_backward_;  ///< what depends on the direction alone
+  WeightedSum<Scalar> settled_forward_;
 };
 
 }  // namespace capstan

@@ -30,6 +30,7 @@ void Controller::rt_configure(const ControlConfig& gains) {
   rate_gain_ = kPeriod.filter_gain(gains.rate_time_constant_s);
   per_reversal_angle_ = Reciprocal<Q24>(gains.reversal_angle_rad);
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
+  settled_ = false;
 }
 
 auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm,
@@ -40,6 +41,8 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   last_q2_ = q2_rad;
   Sample<Q24> rest = law.sample();
   rest.dq1 = rest.ddq1 = Q24{};
+  h_ = rest.q1;
+  settled_ = false;
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
   integral_ = rest.q1 - pull_extreme_;
@@ -74,7 +77,16 @@ auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward)
          gains.damping_nms_per_rad * (rate - motor_rate_);
 }
 
+void Controller::rt_settle(const ControlConfig& gains, const MotionLaw<Q24>& law) {
+  if (!settled_) {
+    settled_ = true;
+    settled_backward_ = law.settled(gains.torque_backward_nm, false);
+    settled_forward_ = law.settled(gains.torque_forward_nm, true);
+  }
+}
+
 auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion) -> Q24 {
+  rt_settle(gains, law);
   const Q24 shared = law.rest_either_way(q2, motion);
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
@@ -85,15 +97,15 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
     // On the other branch it will have turned out of the other steady motion.
     const Q24 other_torque = forward ? gains.torque_backward_nm : gains.torque_forward_nm;
     motion.tau_reversal = forward == went_forward ? turned_at : other_torque;
-    return law.rest_one_way(motion);
+    return law.rest_one_way(motion, forward ? settled_forward_ : settled_backward_);
   };
   const Q24 backward = rest_on(std::false_type{});
   const Q24 forward = rest_on(std::true_type{});
   // The ratio's curve is turned round once, half way between the branches or where they are mixed; what lies in front
   // of the ratio is a way of the motor.
-  const Q24 h = law.through_ratio(q2 - (shared + mix(backward, forward, branch_)), motion.q1);
-  const Q24 behind = law.undone(h, false);
-  const Q24 ahead = law.undone(h, true);
+  h_ = law.through_ratio(q2 - (shared + mix(backward, forward, branch_)), h_);
+  const Q24 behind = law.undone(h_, false);
+  const Q24 ahead = law.undone(h_, true);
   branches_apart_ = forward - backward;
   ways_apart_ = ahead - behind;
   return mix(behind, ahead, branch_);

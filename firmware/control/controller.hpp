@@ -54,6 +54,8 @@ class Controller {
   /// direction and torque are changed, as a copy of a sample costs as much as a term.
   [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion)
       -> Q24;
+  /// Before the law is turned round, if gains or law may be others.
+  void rt_settle(const ControlConfig& gains, const MotionLaw<Q24>& law);
   /// The torque that a motion takes, on the branch that the feedforward is on. `motion`: its q2 is changed.
   [[nodiscard]] auto rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, Sample<Q24>& motion) const
       -> Q24;
@@ -78,12 +80,16 @@ class Controller {
   Reciprocal<Q24> per_stiffness_;
   Q24 integral_;
   Q24 last_q2_;
-  Q24 motor_reference_;  // of the last cycle
-  Q24 last_q1_;          // of the motor
-  Q24 motor_rate_;       // filtered, rad/s
-  Q24 pull_extreme_;     // of the inverse half way between the branches, in the present direction
-  Q24 branches_apart_;   // of the joint, the motor being where it is
-  Q24 ways_apart_;       // of the motor, by what lies in front of the ratio
+  Q24 motor_reference_;                // of the last cycle
+  Q24 h_;                              // of that, behind the input terms: the ratio's curve is turned round from there
+  Q24 last_q1_;                        // of the motor
+  Q24 motor_rate_;                     // filtered, rad/s
+  Q24 pull_extreme_;                   // of the inverse half way between the branches, in the present direction
+  Q24 branches_apart_;                 // of the joint, the motor being where it is
+  Q24 ways_apart_;                     // of the motor, by what lies in front of the ratio
+  WeightedSum<Q24> settled_backward_;  // of the law's rest what only other gains or another law change
+  WeightedSum<Q24> settled_forward_;
+  bool settled_ = false;
   bool pull_known_ = false;
   bool pull_forward_ = true;
   Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet

@@ -27,7 +27,7 @@ class AnglePeriodic {
                     .shown_by = Motion::kSpeeds | Motion::kTurns},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr AnglePeriodic(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : phase_(shape[0]) {}

@@ -33,7 +33,7 @@ class AxisCouplingOf {
                     .placed = Slot > 0},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kAsItIs;
 
   constexpr AxisCouplingOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1, false> { return steady_state(s); }

@@ -31,7 +31,7 @@ class CoupledHysteresisOf {
                     .placed = true},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kAsItIs;
 
   constexpr CoupledHysteresisOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : half_width_(clamp(shape[0], Scalar{}, kMost)) {}

@@ -34,7 +34,7 @@ class CurvedRatio {
                     .placed = true},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kReadsInput = true;
 
   constexpr CurvedRatio(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)

@@ -20,7 +20,7 @@ class JointOffset {
       .relations = {.doubles = {"gravity", "thermal_drift"}},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr JointOffset(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -29,7 +29,7 @@ class LoadInertia {
       .relations = {.doubles = {"transport_delay", "transmission_viscous"}, .shown_by = Motion::kFast},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr LoadInertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -24,6 +24,7 @@ class Play {
       .relations = {.doubles = {"presliding", "tendon_elongation"}, .shown_by = Motion::kLoops | Motion::kSmall},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr Play(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape) : half_width_(shape[0]) {}

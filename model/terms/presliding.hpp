@@ -28,6 +28,7 @@ class Presliding {
       .relations = {.doubles = {"play", "slip_propagation"}, .shown_by = Motion::kLoops | Motion::kSmall},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr Presliding(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)

@@ -32,6 +32,7 @@ class PretensionOffset {
       .relations = {.doubles = {"tendon_elongation"}, .shown_by = Motion::kLoops},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr PretensionOffset(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

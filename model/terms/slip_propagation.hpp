@@ -53,6 +53,7 @@ class SlipPropagation {
                     .shown_by = Motion::kLoops | Motion::kSmall},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr SlipPropagation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)

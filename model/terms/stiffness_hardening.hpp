@@ -29,6 +29,8 @@ class StiffnessHardening {
                     .open_shapes = true},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
+
   constexpr StiffnessHardening(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)
       : torque_(shape[0]), share_of_torque_(shape[0]) {}
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar> { return steady_state(s); }

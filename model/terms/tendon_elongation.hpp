@@ -25,6 +25,7 @@ class TendonElongation {
       .relations = {.doubles = {"play", "hysteresis"}, .shown_by = Motion::kLoops},
   };
 
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr TendonElongation(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -32,7 +32,7 @@ class ThermalDrift {
                     .open_shapes = true},
   };
 
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kAsItIs;
 
   constexpr ThermalDrift(SamplePeriod<Scalar> dt, const std::array<Scalar, 1>& shape) : warmed_(dt, shape[0]) {}
   constexpr void restart() { warmed_.start(Scalar{}); }

@@ -20,6 +20,7 @@ class CoulombFriction {
       .shapes = {},
       .relations = {.doubles = {"stribeck_friction", "play_friction"}, .shown_by = Motion::kSpeeds | Motion::kSmall},
   };
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr CoulombFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -20,7 +20,7 @@ class Inertia {
       .shapes = {},
       .relations = {.doubles = {"transport_delay"}, .shown_by = Motion::kFast},
   };
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr Inertia(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -19,7 +19,7 @@ class Offset {
       .shapes = {},
       .relations = {.doubles = {"gravity", "friction_asymmetry"}},
   };
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr Offset(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -34,6 +34,7 @@ class PlayFriction {
                     .special_cases_of_effort = {"coulomb_friction"},
                     .shown_by = Motion::kSmall | Motion::kLoops},
   };
+  static constexpr SteadyState kSteadyState = SteadyState::kOfDirection;
   static constexpr bool kStaysInRange = true;
 
   constexpr PlayFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 1>& shape)

@@ -22,7 +22,7 @@ class PowerLawFriction {
       .shapes = {{{"exponent", "1", 0.02, 4.0, 0.5, "p: below 1 it grows less than linearly"},
                   {"speed", "rad/s", 0.0001, 120.0, 1.0, "v: the reference speed"}}},
   };
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr PowerLawFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)

@@ -22,7 +22,7 @@ class Spring {
       .shapes = {{{"centre", "rad", -120.0, 120.0, 0.0, "middle of the motion"},
                   {"span", "rad", 0.0001, 120.0, 1.0, "half of its range"}}},
   };
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr Spring(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 2>& shape)

@@ -19,7 +19,7 @@ class ViscousFriction {
       .shapes = {},
       .relations = {.doubles = {"coulomb_friction", "offset"}, .shown_by = Motion::kSpeeds},
   };
-  static constexpr bool kSameSteadyState = true;
+  static constexpr SteadyState kSteadyState = SteadyState::kEitherWay;
   static constexpr bool kStaysInRange = true;
 
   constexpr ViscousFriction(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 0>& /*shape*/) {}

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes a run to replay: replay_fixture SECONDS INPUT EXPECTED. The firmware's cycle controls the simulated plant, with
-// every effect of its law switched on, through moves, streamed references and every kind of sensor trouble. INPUT gets
-// what the cycle was given, EXPECTED what this machine's cycle made of it when it replayed that file. Status 1 when the
-// run did not visit all it is meant to visit, since a comparison of idle cycles would prove nothing.
+// Makes a run to replay: replay_fixture SECONDS INPUT EXPECTED [motion]. The firmware's cycle controls the simulated
+// plant, with every effect of its laws switched on (`motion`: no laws of efforts, and every joint has its Preisach
+// model), through moves, streamed references and every kind of sensor trouble. INPUT gets what the cycle was given,
+// EXPECTED what this machine's cycle made of it when it replayed that file. Status 1 when the run did not visit all it
+// is meant to visit, since a comparison of idle cycles would prove nothing.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -195,12 +196,12 @@ struct Joint {
   SimIo io;
 };
 
-auto record(std::uint32_t seconds, const std::string& path, Visited& visited) -> bool {
+auto record(std::uint32_t seconds, const std::string& path, Joints kind, Visited& visited) -> bool {
   OutputFile file(path);
   Config<kAxes> config;
   std::vector<std::unique_ptr<Joint>> joints;
   for (std::size_t i = 0; i < kAxes; ++i) {
-    config[i] = lively_config(i);
+    config[i] = lively_config(i, kind);
     joints.push_back(std::make_unique<Joint>(5 + i));
   }
   bool good = file.write(head_of(config));
@@ -232,13 +233,14 @@ auto record(std::uint32_t seconds, const std::string& path, Visited& visited) ->
 }  // namespace
 
 int main(int count, char** words) {
-  if (count != 4) {
-    std::fprintf(stderr, "three arguments are needed: SECONDS INPUT EXPECTED\n");
+  const bool motion = count == 5 && std::string(words[4]) == "motion";
+  if (count != 4 && !motion) {
+    std::fprintf(stderr, "three arguments are needed, a fourth is `motion`: SECONDS INPUT EXPECTED [motion]\n");
     return 2;
   }
   const auto seconds = static_cast<std::uint32_t>(std::strtoul(words[1], nullptr, 10));
   Visited visited;
-  if (!record(seconds, words[2], visited)) {
+  if (!record(seconds, words[2], motion ? Joints::kMotion : Joints::kEverything, visited)) {
     std::fprintf(stderr, "%s: the run could not be recorded; is the disk full?\n", words[2]);
     return 1;
   }

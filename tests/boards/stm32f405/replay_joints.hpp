@@ -10,12 +10,17 @@
 /// The joints of the replayed run: every law and every effect of them is on somewhere.
 namespace capstan::stm32f405 {
 
+/// What the joints have beside every effect of a law of motion.
+enum class Joints {
+  kEverything,  ///< laws of efforts with every effect, half of them as feedforward; force laws of three kinds
+  kMotion,      ///< no laws of efforts; each its Preisach model
+};
+
 inline constexpr std::size_t kTendonAxis = 1;
 
-/// Pull-push on the even axes, Preisach's relays spread evenly on the odd ones: f_ab is the area below a and b.
-inline void give_force_law(ForceConfig& force, std::size_t axis) {
-  const ForceLawKind of_tendons = axis == 0 ? ForceLawKind::kBlend : ForceLawKind::kPullPush;
-  force.law = static_cast<std::int32_t>(axis % 2 == 0 ? of_tendons : ForceLawKind::kPreisach);
+/// Preisach's relays are spread evenly: f_ab is the area below a and b.
+inline void give_force_law(ForceConfig& force, ForceLawKind kind) {
+  force.law = static_cast<std::int32_t>(kind);
   force.pull_weight = Q24::from_double(0.5904);
   force.pull_push_weight = Q24::from_double(0.4686);
   force.eta_top = Q24::from_double(1.1414);
@@ -87,8 +92,16 @@ void give_tendons(std::size_t axis, Set&& set) {
   set("tendon.inertia", 0.02);
 }
 
+/// Pull-push on the even axes, Preisach on the odd ones.
+inline auto force_law_of(std::size_t axis, Joints joints) -> ForceLawKind {
+  if (axis % 2 == 1 || joints == Joints::kMotion) {
+    return ForceLawKind::kPreisach;
+  }
+  return axis == 0 ? ForceLawKind::kBlend : ForceLawKind::kPullPush;
+}
+
 /// A law with every effect of the catalogue on, a little different for each axis; each feels the one before it.
-inline auto lively_config(std::size_t axis) -> AxisConfig {
+inline auto lively_config(std::size_t axis, Joints joints) -> AxisConfig {
   AxisConfig config;
   const auto set = [&config](const char* name, double value) {
     const ParameterInfo* parameter = find_parameter(name);
@@ -98,7 +111,10 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
     }
     set_raw_value(config, *parameter, Q24::from_double(value).raw());
   };
-  give_effort_law(axis, set);
+  if (joints == Joints::kEverything) {
+    give_effort_law(axis, set);
+    config.effort.feedforward = axis % 2 == 0 ? 1 : 0;
+  }
   set("motor_angle.beta", 0.97 + 0.02 * static_cast<double>(axis));
   set("joint_offset.offset", 0.012);
   give_tendons(axis, set);
@@ -151,7 +167,7 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   set("table.low", -1.0);
   set("table.high", 1.0);
   set("monitor.torque_rms", 0.002);
-  give_force_law(config.force, axis);
+  give_force_law(config.force, force_law_of(axis, joints));
   for (std::size_t slot = 0; slot < config.coupled_to.size(); ++slot) {
     config.coupled_to[slot] = static_cast<std::int32_t>((axis + kAxes - 1 - slot) % kAxes);
   }
@@ -162,7 +178,6 @@ inline auto lively_config(std::size_t axis) -> AxisConfig {
   }
   set("control.torque_forward", 0.05);
   set("control.torque_backward", -0.04);
-  config.effort.feedforward = axis % 2 == 0 ? 1 : 0;
   return config;
 }
 

@@ -250,6 +250,24 @@ TEST(Controller, AStartValueBeyondTheLimitOnlyShrinks) {
   }
 }
 
+TEST(Controller, NewTorquesOfASteadyMotionReachTheInverse) {
+  AxisConfig config = lossy_config();
+  config.control.kp = config.control.ki_per_s = config.control.kd_s = Q24{};
+  Rig rig(config);
+  rig.start();
+  double reference = 0.0;
+  for (int i = 0; i < 2000; ++i) {  // long enough for the branch to be the forward one
+    reference += 0.0005;
+    static_cast<void>(rig.torque(q(reference), Q24{}));
+  }
+  const double before = rig.controller.motor_reference().to_double();
+  rig.config.control.torque_forward_nm += q(0.02);
+  rig.controller.rt_configure(rig.config.control);
+  static_cast<void>(rig.torque(q(reference + 0.0005), Q24{}));
+  // q1 = (q2 - a tau - rest) / beta, with a of -0.9 rad/Nm and beta of 1.08.
+  EXPECT_NEAR(rig.controller.motor_reference().to_double() - before, (0.0005 + 0.9 * 0.02) / 1.08, 1e-6);
+}
+
 TEST(Controller, TheDerivativeActsOnTheEstimateAndNotOnTheReference) {
   Rig rig(loop_only(0.0, 0.0, 0.1));
   rig.config.control.stiffness_nm_per_rad = q(1.0);

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "capstan/model/catalogue.hpp"
-#include "capstan/model/effort_catalogue.hpp"
 #include "capstan/model/terms/angle_periodic.hpp"
 #include "capstan/model/terms/axis_coupling.hpp"
 #include "capstan/model/terms/gravity.hpp"
@@ -17,6 +16,7 @@
 #include "capstan/model/terms/stiffness_hardening.hpp"
 #include "capstan/model/terms/thermal_drift.hpp"
 #include "capstan/model/terms/viscoelastic_creep.hpp"
+#include "capstan/model/torque_law.hpp"
 #include "capstan/tests/model/support.hpp"
 
 namespace capstan {
@@ -87,29 +87,61 @@ void expect_finite_with_no_shape() {
   }
 }
 
-// The inverse asks such a term once for both directions.
-TEST(TermInfo, WhatHasTheSameSteadyStateHasItWhateverDirectionAndTorque) {
-  int alike = 0;
-  SumTerms::for_each<Q24>([&alike]<typename Term>() {
-    std::array<Q24, kShapesOf<Term>> shape{};
-    std::transform(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end(), shape.begin(),
-                   [](const ShapeInfo& info) { return Q24::from_double(info.initial); });
-    Term term(test::one_khz<Q24>(), shape);
-    const auto on = [](bool forward, double tau) {
-      return Sample<Q24>{.q1 = test::number<Q24>(0.7),
-                         .dq1 = test::number<Q24>(1.5),
-                         .tau = test::number<Q24>(tau),
-                         .forward = forward,
-                         .tau_reversal = test::number<Q24>(-tau),
-                         .q2 = test::number<Q24>(0.3)};
-    };
-    term.update(on(true, 0.1));
-    const bool same = term.steady_state(on(true, 0.2)) == term.steady_state(on(false, -0.3));
-    EXPECT_EQ(same, same_steady_state<Term>() || std::string_view(Term::kInfo.name) == "motor_angle")
-        << Term::kInfo.name;
-    alike += same_steady_state<Term>() ? 1 : 0;
-  });
-  EXPECT_EQ(alike, 12);
+/// A term after two updates, with shapes that do something.
+template <typename Term>
+auto used_term(const Sample<Q24>& first, const Sample<Q24>& second) -> Term {
+  std::array<Q24, kShapesOf<Term>> shape{};
+  std::transform(Term::kInfo.shapes.begin(), Term::kInfo.shapes.end(), shape.begin(),
+                 [](const ShapeInfo& info) { return Q24::from_double(info.initial); });
+  Term term(test::one_khz<Q24>(), shape);
+  term.update(first);
+  term.update(second);
+  return term;
+}
+
+/// A motion at a place; the other motors and the temperature are where they are.
+auto motion_at(double place, bool forward, double tau) -> Sample<Q24> {
+  Sample<Q24> motion{.q1 = test::number<Q24>(place),
+                     .dq1 = test::number<Q24>(0.05 + place / 10.0),
+                     .tau = test::number<Q24>(tau),
+                     .forward = forward,
+                     .h = test::number<Q24>(place - 0.01),
+                     .dh = test::number<Q24>(0.04 + place / 10.0),
+                     .ddq1 = test::number<Q24>(place / 3.0),
+                     .tau_reversal = test::number<Q24>(-tau - place),
+                     .q2 = test::number<Q24>(place / 2.0),
+                     .warmth = test::number<Q24>(7.0)};
+  motion.others[0] = motion.others[1] = motion.others[2] = {test::number<Q24>(0.4), test::number<Q24>(0.05), false};
+  return motion;
+}
+
+// The inverse believes what a term says of its steady state, and asks no more than that.
+TEST(TermInfo, SteadyStatesDependOnWhatTheTermSays) {
+  std::array<int, 4> kinds{};
+  const auto check = [&kinds]<typename Term>() {
+    const Term term = used_term<Term>(motion_at(0.2, true, 0.1), motion_at(0.7, true, 0.1));
+    const Term other = used_term<Term>(motion_at(0.2, false, -0.1), motion_at(-0.4, false, -0.1));
+    const std::string_view name = Term::kInfo.name;
+    const auto kind = steady_state_of<Term>();
+    ++kinds[static_cast<std::size_t>(kind)];
+    const bool either_way =
+        term.steady_state(motion_at(0.7, true, 0.2)) == term.steady_state(motion_at(0.7, false, -0.3));
+    const bool said = kind == SteadyState::kEitherWay || kind == SteadyState::kAsItIs || name == "motor_angle";
+    EXPECT_EQ(either_way, said) << name;
+    if (kind == SteadyState::kAsItIs) {
+      Term updated = term;
+      const auto now = updated.update(motion_at(0.9, true, 0.2));
+      EXPECT_EQ(now, updated.steady_state(motion_at(-0.3, false, -0.3))) << name;
+    }
+    if (kind == SteadyState::kOfDirection) {
+      EXPECT_EQ(term.steady_state(motion_at(0.7, true, 0.2)), other.steady_state(motion_at(-0.4, true, 0.2))) << name;
+    }
+  };
+  SumTerms::for_each<Q24>(check);
+  EXPECT_EQ(kinds, (std::array{6, 5, 7, 6}));
+  kinds = {};
+  TorqueTerms::for_each<Q24>(check);
+  EXPECT_EQ(kinds, (std::array{4, 9, 1, 3}));
 }
 
 TEST(TermInfo, NoTermMindsShapesOfZero) {
