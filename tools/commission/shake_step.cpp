@@ -34,13 +34,12 @@ constexpr double kFastWayCounts = 10.0;
 constexpr double kGrowth = 1.5;
 constexpr double kAnswerCounts = 3.0;      // rms of the motor about its mean ...
 constexpr double kFastAnswerCounts = 1.5;  // ... and where it may not go far
-// Of shaking, while it is too little for the motor to answer: two periods, the least, for the board goes on to a whole
-// one. And for its response: four, one to settle, and the ramp's.
-constexpr int kGlanceS = 4, kShakeS = 11;
-constexpr double kFollows = 0.3;    // measured current over the wanted one
-constexpr double kFits = 0.2;       // of the answer that motor, spring and delay leave
-constexpr double kSettled = 0.12;   // from one amplitude to the next, a half larger
-constexpr double kTellsTo = 120.0;  // Hz; above, the delay turns the answer round
+constexpr int kGlanceS = 5;                // of shaking, while it is too little for the motor to answer ...
+constexpr int kShakeS = 11;                // ... and for its response: four periods, and one to settle
+constexpr double kFollows = 0.3;           // measured current over the wanted one
+constexpr double kFits = 0.2;              // of the answer that motor, spring and delay leave
+constexpr double kSettled = 0.12;          // from one amplitude to the next, a half larger
+constexpr double kTellsTo = 120.0;         // Hz; above, the delay turns the answer round
 // Inertia by the shake over that of the data sheet; wrong counts are 2 or 4. Friction holds, so it passes for inertia.
 constexpr double kLeastApart = 0.82, kMostApart = 1.6;
 
