@@ -171,8 +171,8 @@ void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::Vecto
 /// Of the change's energy, by a mass. What shakes the joint from outside goes with the joint's acceleration, too, so
 /// the motor's has to explain the change as well. It does not where a mass swings on its tendons after each turn of the
 /// motor: then it has to say as large a mass, for certain, and a swing comes and goes where a tremor keeps its pitch.
-auto share_of_mass(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike, TorqueChange& all)
-    -> double {
+auto share_of_mass(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike,
+                   const TorqueChange& all) -> double {
   const double by_joint = all.share_of(TorqueCause::kMass);
   const LinearFit motor = fitted(with_offset(rows.columns.col(kSpeedup)), change);
   const double by_motor = share_of(motor, change);

@@ -2,6 +2,7 @@
 #include "capstan/tools/support/tone_share.hpp"
 
 #include <algorithm>
+#include <complex>
 #include <numbers>
 
 namespace capstan::tools {
