@@ -69,8 +69,8 @@ auto speedup_noise(const AxisLog& log, Eigen::Index reach) -> double {
   return squares * std::pow(white_noise_level(log.q2_rad), 2);
 }
 
-auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& motion, RowRange rows, double through)
-    -> Row {
+auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& motion, RowRange rows, double through,
+              double time_s) -> Row {
   const auto mean = [&](const Eigen::VectorXd& signal) { return signal.segment(rows.begin, rows.size()).mean(); };
   const double s = last.forward ? 1.0 : -1.0;
   const double q1 = mean(log.q1_rad);
@@ -90,7 +90,7 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& moti
           std::abs(q1 - last.q1_reversal) - through,
           mean(motion.joint_speedup),
           mean(motion.torque_alike),
-          log.period_s * static_cast<double>(rows.begin)};
+          time_s};
 }
 
 /// Rows of 20 ms, for stretches, and slopes over as much to either side: a count of 4096 a turn is then 0.04 rad/s, and
@@ -100,7 +100,9 @@ auto reach_of(const AxisLog& log) -> Eigen::Index {
   return std::max<Eigen::Index>(1, std::lround(kReachS / log.period_s));
 }
 
-void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from, std::vector<Row>& all) {
+/// @param began_s  where the log begins in the time of all
+void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from, double began_s,
+             std::vector<Row>& all) {
   constexpr double kThrough = 2.2;   // half widths; a tenth for the knee
   constexpr double kResting = 0.05;  // of the speed's rms
   const Eigen::Index reach = reach_of(log);
@@ -118,7 +120,8 @@ void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from,
     }
     if (slides) {
       const auto& last = samples[static_cast<std::size_t>(begin + reach - 1)];
-      all.push_back(mean_row(log, last, motion, {begin, begin + reach}, 2.0 * from.half_width_rad));
+      all.push_back(mean_row(log, last, motion, {begin, begin + reach}, 2.0 * from.half_width_rad,
+                             began_s + log.period_s * static_cast<double>(begin)));
     }
   }
 }
@@ -134,9 +137,7 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
       return std::nullopt;
     }
     const std::size_t before = all.size();
-    add_log(log, from.samples[i], from, all);
-    std::for_each(all.begin() + static_cast<std::ptrdiff_t>(before), all.end(),
-                  [&](Row& row) { row.back() += began_s; });
+    add_log(log, from.samples[i], from, began_s, all);
     began_s += log.period_s * static_cast<double>(log.samples());
     noise += all.size() > before ? static_cast<double>(all.size() - before) * speedup_noise(log, reach_of(log)) : 0.0;
   }

@@ -62,12 +62,11 @@ auto built_in(const char* name) -> Instrument {
 auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& estimated_rad, int parameters)
     -> FitQuality {
   const Eigen::VectorXd error = measured_rad - estimated_rad;
-  const auto spread = [](const Eigen::VectorXd& angle) { return (angle.array() - angle.mean()).matrix().norm(); };
-  const double total = std::pow(spread(measured_rad), 2.0);
+  const double total = (measured_rad.array() - measured_rad.mean()).matrix().squaredNorm();
   const auto n = static_cast<double>(error.size());
   return {rms(error) * kPerDegree, 100.0 * (1.0 - std::sqrt(error.squaredNorm() / total)),
           1.0 - (n - 1.0) * error.squaredNorm() / ((n - parameters) * total),
-          100.0 * (1.0 - error.norm() / spread(estimated_rad))};
+          goodness_of_fit_percent(measured_rad, estimated_rad)};
 }
 
 auto implied_rms_deg(const FitQuality& printed) -> double {
