@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/tools/apply/model_lines.hpp"
@@ -169,14 +170,15 @@ auto table_5_3() -> ThesisTable {
     Study study;
     double torque_per_ampere;
     double later_s = 0.0;  ///< pictures under control, more than in identification
-    double decaying_s = kDecayingS;
+    std::vector<ControlSignal> signals = control_signals();
+    std::optional<std::size_t> only = {};  ///< the row that it is tried on; nothing: all
   };
   const std::vector<Case> cases = {
       {"simulated", grasper, kTorquePerAmpere},
       {"late camera", with_pictures(grasper), kTorquePerAmpere},
       {"later camera", with_pictures(grasper), kTorquePerAmpere, kPictureDelayUnderControlS - kPictureDelayS},
       {"motor of the file", grasper, grasper.instrument[0].plant.torque_constant_nm_per_a},
-      {"to the end", grasper, kTorquePerAmpere, 0.0, kDecayingToTheEndS}};
+      {"to the end", grasper, kTorquePerAmpere, 0.0, control_signals(kDecayingToTheEndS), kDecayingRow}};
   ThesisTable table{"5.3",
                     "micro-forceps (ch. 5), simulated with the tendons of the grasper of ch. 2: control through the "
                     "estimate, RMSE",
@@ -214,49 +216,45 @@ auto table_5_3() -> ThesisTable {
     studies.back().late_s += c.later_s;
   }
   constexpr double kDegrees = 57.29577951308232;
-  for (const ControlSignal& s : control_signals()) {
+  const double none = std::nan("");
+  for (const ControlSignal& s : cases[0].signals) {
+    const std::size_t at = table.rows.size();
     ThesisTable::Row row{s.name, {s.km_deg, s.pm_deg, s.control_deg}};
     for (std::size_t k = 0; k < cases.size(); ++k) {
-      const bool longer = cases[k].decaying_s != kDecayingS;
-      const double none = std::nan("");
-      const ControlErrors e = longer && table.rows.size() != kDecayingRow
-                                  ? ControlErrors{none, none, none}
-                                  : control(studies[k], laws[0].thesis, laws[k],
-                                            control_signals(cases[k].decaying_s)[table.rows.size()].motion);
+      const Case& c = cases[k];
+      const ControlErrors e = c.only.value_or(at) == at
+                                  ? control(studies[k], laws[0].thesis, laws[k], c.signals[at].motion)
+                                  : ControlErrors{none, none, none};
       row.values.insert(row.values.end(), {e.km_deg, e.pm_deg, e.control_deg});
     }
     const JointErrors by_pm = firmware_control(laws[0].thesis, s.motion);
     const JointErrors own = firmware_control(laws[0].augmented, s.motion);
     row.values.insert(row.values.end(), {by_pm.tracking_rmse_rad * kDegrees, own.estimation_rmse_rad * kDegrees,
                                          own.tracking_rmse_rad * kDegrees});
-    if (table.rows.size() == kFittedControlRow) {
+    if (at == kFittedControlRow) {
       row.fitted = {"control"};
     }
     table.rows.push_back(std::move(row));
   }
   table.conditions = {
       "simulated: the printed PID on the estimate of PM at 100 Hz. Its one unknown, torque per ampere, is fitted to "
-      "the "
-      "control error of the sine of 0.01 Hz (marked f): " +
+      "the control error of the sine of 0.01 Hz (marked f): " +
           rounded(kTorquePerAmpere, 3) +
           " N m/A; the other five are predicted. From 0.5 N m/A on the loop is unstable on the simulated motor.",
       "capstan: its firmware, by PM and by the law, on the same instrument. Amplitude 15 deg, multisine 7 deg RMS: "
       "table 5.3 prints no goodness of fit to take them from.",
-      "Why: the estimate holds alpha tau, so the loop feeds its own torque back, and a motor that still sticks runs "
-      "away "
-      "from 1 / (kp |alpha|) on: 0.55 N m/A here, 0.21 with the printed alphas. So the trial tendons of table 5.2 can "
-      "not "
-      "be used: the loop is unstable from 0.2 on, before the control error comes down to the print.",
+      "The loop is unstable there because the estimate holds alpha tau, so it feeds its own torque back, and a motor "
+      "that still sticks runs away from 1 / (kp |alpha|) on: 0.55 N m/A here, 0.21 with the printed alphas. So the "
+      "trial tendons of table 5.2 can not be used: the loop is unstable from 0.2 on, before the control error comes "
+      "down to the print.",
       "Excluded as reasons for the control errors: five and twenty times the motor's inertia at 0.45 to 1.3 N m/A, a "
       "hundred times its viscous friction at 1 N m/A, torque that reaches the estimate through a filter of 0.1 s at "
-      "0.7 "
-      "N m/A, a loop at the 20 Hz of the pictures (all unstable); amplitudes of 9 and 10 deg, twice as many periods, "
-      "the first quarter of a period left out, no friction in the motor or 10 mN m, play of 1.1 deg (the error at 0.05 "
-      "Hz stays 14 to 34 % high, that of the multisine 43 to 72 %). Two changes help them and harm the table: "
-      "amplitudes of 6 deg (6 and 27 % high, but their KM 34 and 28 % low), and friction compensated by 20 mN m in the "
-      "wanted "
-      "direction at 0.4 N m/A (6 and 32 %, but the sines of 0.1 and 0.2 Hz farther away, and the decaying motion "
-      "unstable)."};
+      "0.7 N m/A, a loop at the 20 Hz of the pictures (all unstable); amplitudes of 9 and 10 deg, twice as many "
+      "periods, the first quarter of a period left out, no friction in the motor or 10 mN m, play of 1.1 deg (the "
+      "error at 0.05 Hz stays 14 to 34 % high, that of the multisine 43 to 72 %). Two changes help them and harm the "
+      "table: amplitudes of 6 deg (6 and 27 % high, but their KM 34 and 28 % low), and friction compensated by 20 mN m "
+      "in the wanted direction at 0.4 N m/A (6 and 32 %, but the sines of 0.1 and 0.2 Hz farther away, and the "
+      "decaying motion unstable)."};
   return table;
 }
 
