@@ -153,6 +153,7 @@ class MotorObserver {
   std::int32_t interval_ = 0;   // between the two last ones
   bool forward_ = true;
   bool look_backward_ = false;
+  bool swung_ = false;  // the last count came while the motor swung back from a look
   bool watching_ = false;
 };
 

@@ -69,6 +69,53 @@ TEST(MotorObserver, AMotorThatFallsSilentDuringALookIsNotLookedAtASecondTime) {
   EXPECT_EQ(looked, 11);
 }
 
+/// Stands at a torque until a look comes, and through it.
+/// @param answers  cycles of the look's torque after which a count comes, and six later one back; 0: never
+/// @return cycles of the look's torque after which a fault came; 0: none
+auto stands_through_a_look(Rig& rig, double wanted_a, int answers) -> int {
+  int cycles = 0;
+  double look_a = 0.0;
+  for (int i = 0; i < 60 && cycles < 11; ++i) {
+    cycles += look_a != 0.0 ? 1 : 0;
+    const int with_look = cycles == answers ? 1 : cycles == answers + 6 ? -1 : 0;
+    const int moved = look_a == 0.0 || answers == 0 ? 0 : look_a > 0.0 ? with_look : -with_look;
+    if (rig.step(moved, wanted_a + look_a) != 0) {
+      return cycles;
+    }
+    look_a = rig.observer.rt_look().to_double();
+  }
+  EXPECT_EQ(cycles, 11) << "there was no look";
+  return 0;
+}
+
+// 0.13 A have to be answered, a look's fourth cycle takes 0.13 A away and its fifth 0.16 A. The last count came at 0.06
+// A, with which the motor swung back from the look before.
+TEST(MotorObserver, ALookIsJudgedFromTheTorqueThatIsLeftOfTheSwingOfTheLastOne) {
+  for (const int answers : {5, 0}) {
+    Rig rig;
+    rig.observer.rt_arm();
+    double look_a = 0.0;
+    for (int i = 0; i < 12; ++i) {
+      ASSERT_EQ(rig.step(look_a > 0.1 ? 1 : 0, look_a), 0U) << i;
+      look_a = rig.observer.rt_look().to_double();
+    }
+    for (const double swing_a : {0.0, 0.03, 0.06}) {
+      ASSERT_EQ(rig.step(-1, swing_a), 0U);
+    }
+    EXPECT_EQ(stands_through_a_look(rig, 0.005, answers), answers == 0 ? 5 : 0);
+  }
+}
+
+TEST(MotorObserver, TorqueThatWentOnABitBeforeALookIsAllowedAndADeadEncoderFoundInTheSameCycle) {
+  for (const double since_a : {0.0, 0.012}) {
+    for (const int answers : {5, 0}) {
+      Rig rig;
+      ASSERT_EQ(rig.steps(30, 1, 0.05), 0U);
+      EXPECT_EQ(stands_through_a_look(rig, 0.05 - since_a, answers), answers == 0 ? 5 : 0) << since_a;
+    }
+  }
+}
+
 // A motor that springs back answers with more than the look's torque.
 TEST(MotorObserver, ALookIsJudgedByItsAnswerWhereTheMotorStoodWhenTorqueCame) {
   for (const bool stood : {true, false}) {
