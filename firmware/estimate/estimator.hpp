@@ -36,8 +36,8 @@ class Estimator {
     monitor_.rt_unsettle();
     error_bar_.rt_forget();
   }
-  /// There is no joint here.
-  void rt_absent() { estimate_ = {}; }
+  /// In place of rt_step where there is no joint.
+  auto rt_absent() -> const JointEstimate& { return estimate_ = {}; }
   /// @param others         the motors that pull at this joint too
   /// @param temperature_c  the last that was measured, or the mark of a missing value
   /// @returns invalid with the last angles where a sensor failed: an estimate from an old value would be a guess

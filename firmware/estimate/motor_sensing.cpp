@@ -28,11 +28,12 @@ void MotorSensing::rt_zero(Q24 q1_rad) {
   lost_ = false;
 }
 
-void MotorSensing::rt_absent() {
+auto MotorSensing::rt_absent() -> const MotorState& {
   const std::int64_t counts = state_.counts;
   state_ = {};
   state_.counts = counts;
   counting_ = false;
+  return state_;
 }
 
 void MotorSensing::rt_count(const MotorConfig& motor, std::int32_t counts) {

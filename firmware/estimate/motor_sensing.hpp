@@ -28,8 +28,8 @@ class MotorSensing {
   void rt_configure(const MotorConfig& motor) { scale_ = EncoderScale(motor); }
   /// From now on the motor stands at this angle, rad, which clears an encoder jump.
   void rt_zero(Q24 q1_rad);
-  /// There is no joint here: nothing is remembered.
-  void rt_absent();
+  /// In place of rt_step where there is no joint: nothing is remembered but the counts.
+  auto rt_absent() -> const MotorState&;
   auto rt_step(const AxisConfig& config, const AxisSensed& sensed) -> const MotorState&;
 
  private:

@@ -88,19 +88,17 @@ void Axis::rt_zero(Q24 q1_rad) {
   effort_.rt_forget();
 }
 
-auto Axis::rt_sense(const AxisSensed& sensed) -> MotorState {
+auto Axis::rt_sense(const AxisSensed& sensed) -> const MotorState& {
   if (fitted()) {
     return sensing_.rt_step(config_, sensed);
   }
-  sensing_.rt_absent();
-  estimator_.rt_absent();
   effort_.rt_absent();
-  return {};
+  return sensing_.rt_absent();
 }
 
-auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c) -> JointEstimate {
+auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c) -> const JointEstimate& {
   if (!fitted()) {
-    return {};
+    return estimator_.rt_absent();
   }
   const JointEstimate& estimate = estimator_.rt_step(config_, motor, others, temperature_c);
   effort_.rt_step(motor, temperature_c);

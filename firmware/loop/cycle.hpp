@@ -86,25 +86,29 @@ struct CycleState {
 
 /// The motors that pull at axis `i` beside its own, by its parameters; none in most machines.
 template <std::size_t Axes>
-auto neighbours_of(const std::array<Axis, Axes>& axes, const std::array<MotorState, Axes>& motors, std::size_t i)
+auto neighbours_of(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i)
     -> Neighbours {
   Neighbours others;
+  FaultSet faults = 0;
   for (std::size_t slot = 0; slot < others.motors.size(); ++slot) {
     const auto other = static_cast<std::size_t>(axes[i].config().coupled_to[slot]);
     if (other < Axes && other != i) {
-      others.motors[slot] = axes[other].as_neighbour(motors[other]);
-      others.estimable &= motors[other].faults == 0;
+      others.motors[slot].q1 = motors[other]->q1_rad;
+      others.motors[slot].tau = motors[other]->tau_nm;
+      others.motors[slot].forward = axes[other].goes_forward();
+      faults |= motors[other]->faults;
     }
   }
+  others.estimable = faults == 0;
   return others;
 }
 
 /// The joint that axis `i` turns on as a wrist's jaw; nullptr if it is none.
 template <std::size_t Axes>
-auto pitch_of(const AxisConfig& jaw, const std::array<JointEstimate, Axes>& joints, std::size_t i)
+auto pitch_of(const AxisConfig& jaw, const std::array<const JointEstimate*, Axes>& joints, std::size_t i)
     -> const JointEstimate* {
   const auto pitch = static_cast<std::size_t>(jaw.tip.pitch);
-  return pitch < Axes && pitch != i ? &joints[pitch] : nullptr;
+  return pitch < Axes && pitch != i ? joints[pitch] : nullptr;
 }
 
 /// The law keeps the last temperature: a thermometer that is not there, or no longer, stops nothing.
@@ -122,8 +126,8 @@ inline void rt_update_temperature(MachineTelemetry& machine, Quality quality, Q2
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
   const bool had_torque = energised(state.supervisor.state());
-  std::array<MotorState, Axes> motor;
-  std::array<JointEstimate, Axes> joint;
+  std::array<const MotorState*, Axes> motor;
+  std::array<const JointEstimate*, Axes> joint;
   std::array<FaultSet, Axes> joint_faults;
   rt_update_temperature(state.telemetry, sensed.temperature, sensed.temperature_c);
 
@@ -131,7 +135,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     if (!had_torque && command.axis[i].kind == Request::Kind::kZero) {
       state.axis[i].rt_zero(command.axis[i].position_rad);
     }
-    motor[i] = state.axis[i].rt_sense(sensed.axis[i]);
+    motor[i] = &state.axis[i].rt_sense(sensed.axis[i]);
   }
 
   SupervisorInput machine{.faults = state.model_faults | state.drive_faults | state.board_faults |
@@ -144,11 +148,11 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   bool stops = false;
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
-    joint[i] = axis.rt_estimate(motor[i], neighbours_of(state.axis, motor, i), state.telemetry.temperature_c);
+    joint[i] = &axis.rt_estimate(*motor[i], neighbours_of(state.axis, motor, i), state.telemetry.temperature_c);
     if (had_torque) {
-      static_cast<void>(axis.rt_command(motor[i], joint[i], command.axis[i]));
+      static_cast<void>(axis.rt_command(*motor[i], *joint[i], command.axis[i]));
     }
-    joint_faults[i] = axis.rt_faults(motor[i], joint[i], had_torque);
+    joint_faults[i] = axis.rt_faults(*motor[i], *joint[i], had_torque);
     machine.faults |= joint_faults[i];
     machine.in_motion |= axis.in_motion();
     machine.braking &= !axis.in_motion() || axis.braking();
@@ -164,11 +168,11 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
     if (energised(now) && !had_torque) {
-      axis.rt_arm(joint[i], command.cautious);
+      axis.rt_arm(*joint[i], command.cautious);
     }
-    const JointReference& reference = axis.rt_reference(motor[i], joint[i], energised(now));
-    drive.axis[i] = axis.rt_drive(motor[i], reference.torque_nm, energised(now));
-    axis.rt_report(motor[i], joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
+    const JointReference& reference = axis.rt_reference(*motor[i], *joint[i], energised(now));
+    drive.axis[i] = axis.rt_drive(*motor[i], reference.torque_nm, energised(now));
+    axis.rt_report(*motor[i], *joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
   }
 
   ++state.telemetry.tick;
