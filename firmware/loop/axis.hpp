@@ -27,10 +27,8 @@ class Axis {
   void rt_zero(Q24 q1_rad);
   /// Converts the sensors.
   auto rt_sense(const AxisSensed& sensed) -> const MotorState&;
-  /// Runs the law. `other`: the motor that pulls at this joint too; nullptr if there is none. `temperature_c`: the last
-  /// that was measured, or the mark of a missing value.
-  auto rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c = ScalarTraits<Q24>::missing())
-      -> const JointEstimate&;
+  /// Runs the laws.
+  auto rt_estimate(const MotorState& motor, const LawInput& input) -> const JointEstimate&;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
   void rt_judge_law() { estimator_.rt_judge_law(config_); }
   /// Takes a request, as Modes::rt_command; false too where there is no joint.
@@ -58,12 +56,7 @@ class Axis {
 
  private:
   [[nodiscard]] auto view(const MotorState& motor, const JointEstimate& estimate) const -> JointView {
-    return {config_,
-            estimator_.law(),
-            motor,
-            estimate,
-            gate_.drive_a() * config_.motor.torque_per_current_nm_per_a,
-            effort_.feedforward(config_.effort)};
+    return {config_, estimator_.law(), motor, estimate, drive_nm_, effort_.feedforward(config_.effort)};
   }
 
   void rt_limit();
@@ -71,6 +64,7 @@ class Axis {
   AxisConfig config_;
   LimitConfig given_limits_;  // of the parameters; those in force are in config_
   bool cautious_ = false;
+  Q24 drive_nm_;  // torque that the motor was told last
   Q24 dither_nm_;
   bool looked_ = false;  // the observer's own torque was on in the last cycle
   MotorSensing sensing_;

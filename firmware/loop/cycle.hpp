@@ -84,23 +84,27 @@ struct CycleState {
   FaultSet board_faults = 0;  ///< set by whoever knows the board, since start
 };
 
-/// The motors that pull at axis `i` beside its own, by its parameters; none in most machines.
+/// What the law of axis `i` is given: its own motor and those that pull at the joint beside it, by its parameters; none
+/// in most machines.
 template <std::size_t Axes>
-auto neighbours_of(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i)
-    -> Neighbours {
-  Neighbours others;
-  FaultSet faults = 0;
-  for (std::size_t slot = 0; slot < others.motors.size(); ++slot) {
-    const auto other = static_cast<std::size_t>(axes[i].config().coupled_to[slot]);
-    if (other < Axes && other != i) {
-      others.motors[slot].q1 = motors[other]->q1_rad;
-      others.motors[slot].tau = motors[other]->tau_nm;
-      others.motors[slot].forward = axes[other].goes_forward();
-      faults |= motors[other]->faults;
+auto law_input(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i,
+               Q24 temperature_c) -> LawInput {
+  FaultSet faults = motors[i]->faults;
+  const auto pulls_at = [&](std::int32_t coupled_to) -> OtherMotor<Q24> {
+    const auto other = static_cast<std::size_t>(coupled_to);
+    if (other >= Axes || other == i) {
+      return {};
     }
-  }
-  others.estimable = faults == 0;
-  return others;
+    faults |= motors[other]->faults;
+    return {motors[other]->q1_rad, motors[other]->tau_nm, axes[other].goes_forward()};
+  };
+  const auto& [first, second, third] = axes[i].config().coupled_to;
+  LawInput input{.measured = {.q1 = motors[i]->q1_rad,
+                              .tau = motors[i]->tau_nm,
+                              .others = {pulls_at(first), pulls_at(second), pulls_at(third)},
+                              .temperature = temperature_c}};
+  input.faults = faults;
+  return input;
 }
 
 /// The joint that axis `i` turns on as a wrist's jaw; nullptr if it is none.
@@ -148,7 +152,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   bool stops = false;
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
-    joint[i] = &axis.rt_estimate(*motor[i], neighbours_of(state.axis, motor, i), state.telemetry.temperature_c);
+    joint[i] = &axis.rt_estimate(*motor[i], law_input(state.axis, motor, i, state.telemetry.temperature_c));
     if (had_torque) {
       static_cast<void>(axis.rt_command(*motor[i], *joint[i], command.axis[i]));
     }
