@@ -71,7 +71,7 @@ class Controller {
   /// asks would turn the motor back where the hysteresis has the other sign.
   void rt_follow_pull(Q24 asked);
   /// Both arguments in the motor's direction.
-  auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
+  [[gnu::always_inline]] inline auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "capstan/firmware/control/controller.hpp"
 #include "capstan/firmware/control/corridor.hpp"
 #include "capstan/firmware/control/force_control.hpp"
@@ -82,7 +84,7 @@ class Modes {
   /// No streamed reference has come for 100 ms. Once a cycle.
   auto rt_stream_lost() -> bool;
   /// Whether the reference has begun anew since this was asked last.
-  auto rt_took_begin() -> bool;
+  auto rt_took_begin() -> bool { return std::exchange(reference_.begins, false); }
 
   [[nodiscard]] auto reference() const -> const JointReference& { return reference_; }
   [[nodiscard]] auto force() const -> const ForceControl& { return force_; }

@@ -7,9 +7,6 @@ namespace capstan {
 namespace {
 
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
-// The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
-// that the gate does not rule.
-constexpr Q24 kTooHot = Q24::from_double(1.25);
 constexpr Q24 kOne = Q24::from_int(1);
 // Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
 // the two the limit would come and go with the sensor's noise.
@@ -30,10 +27,6 @@ Gate::Scales::Scales(const AxisConfig& config)
       per_continuous_current(config.limits.continuous_current_a),
       thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)),
       rate_a_per_cycle(std::min(config.limits.current_rate_a_per_cycle, MotorObserver::slew_limit(config))) {}
-
-auto Gate::faults() const -> FaultSet {
-  return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0;
-}
 
 void Gate::rt_update_i2t(Q24 current_a) {
   const Q24 load = current_a * scales_.per_continuous_current;
