@@ -38,7 +38,7 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
     return estimate_;
   }
   estimate_.error_bar_rad = error_bar_.rt_step(config.error_bar, law_.sample());
-  if (monitor_.watches()) {
+  if (monitor_.is_due(motor.q1_rad)) {
     rt_monitor(config, motor);
   }
   return estimate_;

@@ -47,7 +47,7 @@ class Estimator {
   [[nodiscard]] auto monitor() const -> const LawMonitor& { return monitor_; }
 
  private:
-  [[gnu::always_inline]] inline void rt_monitor(const AxisConfig& config, const MotorState& motor);
+  void rt_monitor(const AxisConfig& config, const MotorState& motor);
 
   MotionLaw<Q24> law_;
   LawMonitor monitor_;
