@@ -21,8 +21,8 @@ auto speed_of(Q24 speed_rad_s) -> std::int64_t {
 auto step_of(Q24 acceleration_rad_s2) -> std::int64_t {
   return std::max<std::int64_t>(acceleration_rad_s2.raw(), 1);
 }
-/// x as it is seen looking back, or forward; and what was so seen as it is.
-auto looking(bool back, std::int64_t x) -> std::int64_t {
+/// x with its sign turned where the way goes back; turned again it is what it was.
+auto turned(bool back, std::int64_t x) -> std::int64_t {
   return back ? -x : x;
 }
 
@@ -147,15 +147,15 @@ auto Trajectory::rt_pursue(const LimitConfig& limits, std::int64_t to_go, std::i
   const std::int64_t stream = std::clamp(along, -limit, limit);
   const std::int64_t distance = to_go - stream;
   const bool back = distance < 0;
-  const std::int64_t beside = next_speed(looking(back, speed_ - stream), std::abs(distance), 2 * limit, step);
-  const std::int64_t speed = stream + looking(back, beside);
+  const std::int64_t beside = next_speed(turned(back, speed_ - stream), std::abs(distance), 2 * limit, step);
+  const std::int64_t speed = stream + turned(back, beside);
   return std::clamp(std::clamp(speed, -limit, limit), speed_ - step, speed_ + step);
 }
 
 auto Trajectory::rt_before_end(const LimitConfig& limits, std::int64_t speed) const -> std::int64_t {
   const bool back = speed < 0;
   const Q24 end = back ? limits.joint_min_rad : limits.joint_max_rad;
-  const std::int64_t distance = std::max<std::int64_t>(looking(back, position_of(end) - position_), 0);
+  const std::int64_t distance = std::max<std::int64_t>(turned(back, position_of(end) - position_), 0);
   // Far from it no division is needed: v^2 < 2 a d for the largest v.
   const std::int64_t raw =
       (distance - std::min(distance, 2 * std::abs(speed))) >> 20;  // of 2^-24 rad, and a little less
@@ -164,9 +164,9 @@ auto Trajectory::rt_before_end(const LimitConfig& limits, std::int64_t speed) co
     return speed;
   }
   const std::int64_t step = step_of(limits.joint_acceleration_rad_s2);
-  const std::int64_t now = looking(back, speed_);
+  const std::int64_t now = turned(back, speed_);
   const std::int64_t most = next_speed(now, distance, speed_of(limits.joint_speed_rad_s), step);
-  return looking(back, std::min(std::abs(speed), std::max(most, now - step)));
+  return turned(back, std::min(std::abs(speed), std::max(most, now - step)));
 }
 
 auto Trajectory::rt_follow(const LimitConfig& limits) -> Q24 {
@@ -214,7 +214,7 @@ auto Trajectory::rt_step(Q24 acceleration_rad_s2) -> Q24 {
   const std::int64_t step = step_of(acceleration_rad_s2);
   const std::int64_t to_go = target_ - position_;
   const bool back = to_go < 0;
-  speed_ = looking(back, next_speed(looking(back, speed_), std::abs(to_go), speed_limit_, step));
+  speed_ = turned(back, next_speed(turned(back, speed_), std::abs(to_go), speed_limit_, step));
   position_ += speed_;
   to_settle_ = static_cast<std::uint8_t>(speed_ != 0 ? 1U << doublings_ : to_settle_ - (to_settle_ > 0 ? 1U : 0U));
   return rt_mean(angle_of(position_)) + ahead_;

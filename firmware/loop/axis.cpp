@@ -102,7 +102,7 @@ auto Axis::rt_estimate(const MotorState& motor, const LawInput& input) -> const 
   }
   const JointEstimate& estimate = estimator_.rt_step(config_, motor, input);
   effort_.rt_step(motor, input.measured.temperature);
-  modes_.rt_observe(drive_nm_, estimate.valid);
+  modes_.rt_observe(gate_.drive_nm(), estimate.valid);
   return estimate;
 }
 
@@ -163,19 +163,15 @@ auto Axis::rt_reference(const MotorState& motor, const JointEstimate& estimate, 
 auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> AxisDrive {
   const bool driven = energised && fitted();
   dither_nm_ = driven ? dither_nm_ : Q24{};
-  const Q24 nm_per_a = config_.motor.torque_per_current_nm_per_a;
   if (driven && !motor.follows) {
     observer_.rt_arm();
     AxisDrive waiting = gate_.rt_step(config_.limits, motor, Q24{}, false);
     waiting.enabled = true;
-    drive_nm_ = Q24{};
     return waiting;
   }
-  const Q24 look_nm = driven ? observer_.rt_look() * nm_per_a : Q24{};
+  const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
   looked_ = look_nm != Q24{};
-  const AxisDrive drive = gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven, dither_nm_);
-  drive_nm_ = drive.current_a * nm_per_a;
-  return drive;
+  return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven, dither_nm_);
 }
 
 void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, const JointEstimate* pitch,
@@ -194,7 +190,7 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, con
   telemetry_.mode = reference.mode;
   telemetry_.moving = reference.moving;
   telemetry_.drive_a = gate_.drive_a();
-  telemetry_.drive_nm = drive_nm_;
+  telemetry_.drive_nm = gate_.drive_nm();
   telemetry_.excitation_nm = dither_nm_;
   telemetry_.limits = static_cast<LimitSet>(reference.limits | gate_.limits());
   telemetry_.faults = faults;

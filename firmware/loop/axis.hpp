@@ -25,7 +25,7 @@ class Axis {
   /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
   /// jump, after which the position is not known. Torque must be off.
   void rt_zero(Q24 q1_rad);
-  /// Converts the sensors.
+  /// Converts the sensors. What this and rt_estimate return is good until they are called again.
   auto rt_sense(const AxisSensed& sensed) -> const MotorState&;
   /// Runs the laws.
   auto rt_estimate(const MotorState& motor, const LawInput& input) -> const JointEstimate&;
@@ -56,7 +56,7 @@ class Axis {
 
  private:
   [[nodiscard]] auto view(const MotorState& motor, const JointEstimate& estimate) const -> JointView {
-    return {config_, estimator_.law(), motor, estimate, drive_nm_, effort_.feedforward(config_.effort)};
+    return {config_, estimator_.law(), motor, estimate, gate_.drive_nm(), effort_.feedforward(config_.effort)};
   }
 
   void rt_limit();
@@ -64,7 +64,6 @@ class Axis {
   AxisConfig config_;
   LimitConfig given_limits_;  // of the parameters; those in force are in config_
   bool cautious_ = false;
-  Q24 drive_nm_;  // torque that the motor was told last
   Q24 dither_nm_;
   bool looked_ = false;  // the observer's own torque was on in the last cycle
   MotorSensing sensing_;

@@ -125,7 +125,7 @@ inline void rt_update_temperature(MachineTelemetry& machine, Quality quality, Q2
 }
 
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. What the
-/// sensors say becomes a state, the state a reference, the reference a drive, each handed on as a value. A pure
+/// sensors say becomes a state, the state a reference, the reference a drive, each handed on to the next stage. A pure
 /// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {

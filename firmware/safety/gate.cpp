@@ -23,7 +23,8 @@ auto pulls_outward(const LimitConfig& limits, Q24 q1_rad, Q24 current_a) -> bool
 }  // namespace
 
 Gate::Scales::Scales(const AxisConfig& config)
-    : per_torque_constant(config.motor.torque_per_current_nm_per_a),
+    : torque_constant_nm_per_a(config.motor.torque_per_current_nm_per_a),
+      per_torque_constant(config.motor.torque_per_current_nm_per_a),
       per_continuous_current(config.limits.continuous_current_a),
       thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)),
       rate_a_per_cycle(std::min(config.limits.current_rate_a_per_cycle, MotorObserver::slew_limit(config))) {}
@@ -77,6 +78,7 @@ auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torqu
   // The rate limit may delay a torque, never its removal.
   gated = pulls_outward(limits, motor.q1_rad, gated) ? Q24{} : clamp(gated, -peak, peak);
   drive_a_ = gated;
+  drive_nm_ = gated * scales_.torque_constant_nm_per_a;
   return {.current_a = gated, .enabled = true};
 }
 

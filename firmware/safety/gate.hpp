@@ -15,13 +15,15 @@ class Gate {
   auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm = Q24{})
       -> AxisDrive;
   /// The next torque rises from zero.
-  void rt_restart() { drive_a_ = wanted_a_ = servo_a_ = Q24{}; }
+  void rt_restart() { drive_a_ = drive_nm_ = wanted_a_ = servo_a_ = Q24{}; }
   /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.
   [[nodiscard]] auto faults() const -> FaultSet { return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0; }
   /// What was met in the last step.
   [[nodiscard]] auto limits() const -> LimitSet { return met_; }
   /// Current that was wanted in the last step, A.
   [[nodiscard]] auto drive_a() const -> Q24 { return drive_a_; }
+  /// The motor's torque of that, N m.
+  [[nodiscard]] auto drive_nm() const -> Q24 { return drive_nm_; }
 
  private:
   // The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
@@ -31,6 +33,7 @@ class Gate {
   /// What follows from the parameters, so that the cycle divides nothing.
   struct Scales {
     explicit Scales(const AxisConfig& config);
+    Q24 torque_constant_nm_per_a;
     Reciprocal<Q24> per_torque_constant;
     Reciprocal<Q24> per_continuous_current;
     Q30 thermal_gain;
@@ -46,6 +49,7 @@ class Gate {
   bool hot_ = false;
   LimitSet met_ = 0;
   Q24 drive_a_;
+  Q24 drive_nm_;
   Q24 wanted_a_;  // without the dither: before the rate limit,
   Q24 servo_a_;   // and after it
 };
