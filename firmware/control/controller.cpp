@@ -91,7 +91,7 @@ auto Controller::rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& la
   const bool went_forward = motion.forward;
   const Q24 turned_at = motion.tau_reversal;
   // The direction is a constant where it is called, so what the other direction's tendon adds falls away.
-  const auto rest_on = [&](auto forward) {
+  const auto rest_on = [&](auto forward) __attribute__((always_inline)) {
     motion.forward = forward;
     motion.tau = forward ? gains.torque_forward_nm : gains.torque_backward_nm;
     // On the other branch it will have turned out of the other steady motion.

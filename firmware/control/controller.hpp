@@ -51,9 +51,10 @@ class Controller {
  private:
   /// The motor angle at which the law puts the joint at q2, on the branch that the feedforward is on; branches_apart_
   /// goes with it. `motion`: the motor's angle, rate and acceleration there, the rest as the law last saw it; its
-  /// direction and torque are changed, as a copy of a sample costs as much as a term.
-  [[nodiscard]] auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2, Sample<Q24>& motion)
-      -> Q24;
+  /// direction and torque are changed, as a copy of a sample costs as much as a term. Inlined, for every cycle calls
+  /// it once.
+  [[nodiscard, gnu::always_inline]] inline auto rt_inverse(const ControlConfig& gains, const MotionLaw<Q24>& law,
+                                                           Q24 q2, Sample<Q24>& motion) -> Q24;
   /// Before the law is turned round, if gains or law may be others.
   void rt_settle(const ControlConfig& gains, const MotionLaw<Q24>& law);
   /// The torque that a motion takes, on the branch that the feedforward is on. `motion`: its q2 is changed.
@@ -71,7 +72,7 @@ class Controller {
   /// asks would turn the motor back where the hysteresis has the other sign.
   void rt_follow_pull(Q24 asked);
   /// Both arguments in the motor's direction.
-  auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
+  [[gnu::always_inline]] inline auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
 
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;

@@ -216,12 +216,6 @@ auto Modes::rt_stream_lost() -> bool {
   return following_ && ++cycles_since_reference_ > kLinkTimeoutCycles;
 }
 
-auto Modes::rt_took_begin() -> bool {
-  const bool began = reference_.begins;
-  reference_.begins = false;
-  return began;
-}
-
 /// Too far, or faster than moves may be.
 auto Modes::rt_runs_away(const JointView& joint) -> bool {
   constexpr Q30 kTrailGain = kPeriod.filter_gain(kTrailS);

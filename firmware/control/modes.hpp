@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
 #include "capstan/firmware/control/controller.hpp"
 #include "capstan/firmware/control/corridor.hpp"
 #include "capstan/firmware/control/force_control.hpp"
@@ -82,7 +84,7 @@ class Modes {
   /// No streamed reference has come for 100 ms. Once a cycle.
   auto rt_stream_lost() -> bool;
   /// Whether the reference has begun anew since this was asked last.
-  auto rt_took_begin() -> bool;
+  auto rt_took_begin() -> bool { return std::exchange(reference_.begins, false); }
 
   [[nodiscard]] auto reference() const -> const JointReference& { return reference_; }
   [[nodiscard]] auto force() const -> const ForceControl& { return force_; }
@@ -111,11 +113,12 @@ class Modes {
   auto rt_take_torque(const JointView& joint, const Request& request) -> bool;
   auto rt_take_force(const JointView& joint, const Request& request) -> bool;
   void rt_control_force(const JointView& joint);
-  auto rt_torque(const JointView& joint) -> Q24;
+  // Both are called once, in every cycle.
+  [[gnu::always_inline]] inline auto rt_torque(const JointView& joint) -> Q24;
+  [[gnu::always_inline]] inline void rt_guard_corridor(const JointView& joint);
   auto rt_force(const ForceConfig& config) -> Q24;
   auto rt_next_position(const LimitConfig& limits) -> Q24;
   auto rt_runs_away(const JointView& joint) -> bool;
-  void rt_guard_corridor(const JointView& joint);
   void rt_go_to_edge(const JointView& joint);
   [[nodiscard]] auto rt_motor_moves() const -> bool { return in_motor() && in_motion(); }
   void rt_flag(Limit limit) { reference_.limits = static_cast<LimitSet>(reference_.limits | bit(limit)); }

@@ -21,6 +21,10 @@ auto speed_of(Q24 speed_rad_s) -> std::int64_t {
 auto step_of(Q24 acceleration_rad_s2) -> std::int64_t {
   return std::max<std::int64_t>(acceleration_rad_s2.raw(), 1);
 }
+/// x with its sign turned where the way goes back; turned again it is what it was.
+auto turned(bool back, std::int64_t x) -> std::int64_t {
+  return back ? -x : x;
+}
 
 /// Nearest angle, without the long division: a product that is too small by less than twelve, and a short division of
 /// what is left. Beyond twice the range of an angle it saturates as well.
@@ -142,24 +146,27 @@ auto Trajectory::rt_pursue(const LimitConfig& limits, std::int64_t to_go, std::i
   // Beside the stream, which runs on meanwhile.
   const std::int64_t stream = std::clamp(along, -limit, limit);
   const std::int64_t distance = to_go - stream;
-  const std::int64_t sign = distance < 0 ? -1 : 1;
-  const std::int64_t speed = stream + sign * next_speed(sign * (speed_ - stream), sign * distance, 2 * limit, step);
+  const bool back = distance < 0;
+  const std::int64_t beside = next_speed(turned(back, speed_ - stream), std::abs(distance), 2 * limit, step);
+  const std::int64_t speed = stream + turned(back, beside);
   return std::clamp(std::clamp(speed, -limit, limit), speed_ - step, speed_ + step);
 }
 
 auto Trajectory::rt_before_end(const LimitConfig& limits, std::int64_t speed) const -> std::int64_t {
-  const std::int64_t sign = speed < 0 ? -1 : 1;
-  const Q24 end = speed < 0 ? limits.joint_min_rad : limits.joint_max_rad;
-  const std::int64_t distance = std::max<std::int64_t>(sign * (position_of(end) - position_), 0);
+  const bool back = speed < 0;
+  const Q24 end = back ? limits.joint_min_rad : limits.joint_max_rad;
+  const std::int64_t distance = std::max<std::int64_t>(turned(back, position_of(end) - position_), 0);
   // Far from it no division is needed: v^2 < 2 a d for the largest v.
-  const std::int64_t raw = (distance - std::min(distance, 2 * sign * speed)) >> 20;  // of 2^-24 rad, and a little less
+  const std::int64_t raw =
+      (distance - std::min(distance, 2 * std::abs(speed))) >> 20;  // of 2^-24 rad, and a little less
   if (wide_product(limits.joint_speed_rad_s.raw(), limits.joint_speed_rad_s.raw()) / 2 <
       raw * limits.joint_acceleration_rad_s2.raw()) {
     return speed;
   }
   const std::int64_t step = step_of(limits.joint_acceleration_rad_s2);
-  const std::int64_t most = next_speed(sign * speed_, distance, speed_of(limits.joint_speed_rad_s), step);
-  return sign * std::min(sign * speed, std::max(most, sign * speed_ - step));
+  const std::int64_t now = turned(back, speed_);
+  const std::int64_t most = next_speed(now, distance, speed_of(limits.joint_speed_rad_s), step);
+  return turned(back, std::min(std::abs(speed), std::max(most, now - step)));
 }
 
 auto Trajectory::rt_follow(const LimitConfig& limits) -> Q24 {
@@ -206,8 +213,8 @@ void Trajectory::rt_stop(Q24 acceleration_rad_s2) {
 auto Trajectory::rt_step(Q24 acceleration_rad_s2) -> Q24 {
   const std::int64_t step = step_of(acceleration_rad_s2);
   const std::int64_t to_go = target_ - position_;
-  const std::int64_t sign = to_go < 0 ? -1 : 1;
-  speed_ = sign * next_speed(sign * speed_, sign * to_go, speed_limit_, step);
+  const bool back = to_go < 0;
+  speed_ = turned(back, next_speed(turned(back, speed_), std::abs(to_go), speed_limit_, step));
   position_ += speed_;
   to_settle_ = static_cast<std::uint8_t>(speed_ != 0 ? 1U << doublings_ : to_settle_ - (to_settle_ > 0 ? 1U : 0U));
   return rt_mean(angle_of(position_)) + ahead_;

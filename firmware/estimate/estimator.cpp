@@ -18,16 +18,15 @@ void Estimator::rt_make_law(const LawParameters<Q24>& parameters) {
   error_bar_.rt_forget();
 }
 
-auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
+auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const LawInput& input)
     -> const JointEstimate& {
   estimate_.valid = false;
   estimate_.faults = 0;
   estimate_.error_bar_rad = ErrorBar::kUnknown;
-  if (motor.faults != 0 || !others.estimable) {
+  if (input.faults != 0) {
     return estimate_;  // the fault is the sensor's own
   }
-  const Estimate<Q24> estimate =
-      law_.update({.q1 = motor.q1_rad, .tau = motor.tau_nm, .others = others.motors, .temperature = temperature_c});
+  const Estimate<Q24> estimate = law_.update(input.measured);
   estimate_.q2_rad = estimate.q2;
   estimate_.q2_reported_rad = estimate.q2_reported;
   if (law_.has_tendons()) {
@@ -39,7 +38,7 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
     return estimate_;
   }
   estimate_.error_bar_rad = error_bar_.rt_step(config.error_bar, law_.sample());
-  if (monitor_.watches()) {
+  if (monitor_.is_due(motor.q1_rad)) {
     rt_monitor(config, motor);
   }
   return estimate_;

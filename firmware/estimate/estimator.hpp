@@ -7,10 +7,10 @@
 
 namespace capstan {
 
-/// The motors that pull at a joint beside its own, as that joint's law sees them.
-struct Neighbours {
-  std::array<OtherMotor<Q24>, kMostOthers> motors{};  ///< by the slots of the law's coupling
-  bool estimable = true;                              ///< the sensors of all of them are sound
+/// What the law of one joint is given in this cycle.
+struct LawInput {
+  Measured<Q24> measured;
+  FaultSet faults = 0;  ///< of the sensors of its motor and of those that pull at the joint beside it
 };
 
 /// What the law makes of one joint in this cycle.
@@ -36,13 +36,10 @@ class Estimator {
     monitor_.rt_unsettle();
     error_bar_.rt_forget();
   }
-  /// There is no joint here.
-  void rt_absent() { estimate_ = {}; }
-  /// @param others         the motors that pull at this joint too
-  /// @param temperature_c  the last that was measured, or the mark of a missing value
+  /// In place of rt_step where there is no joint.
+  auto rt_absent() -> const JointEstimate& { return estimate_ = {}; }
   /// @returns invalid with the last angles where a sensor failed: an estimate from an old value would be a guess
-  auto rt_step(const AxisConfig& config, const MotorState& motor, const Neighbours& others, Q24 temperature_c)
-      -> const JointEstimate&;
+  auto rt_step(const AxisConfig& config, const MotorState& motor, const LawInput& input) -> const JointEstimate&;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
   void rt_judge_law(const AxisConfig& config) { monitor_.rt_judge(config); }
 

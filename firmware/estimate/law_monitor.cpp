@@ -37,7 +37,7 @@ void LawMonitor::rt_configure(const MonitorConfig& config) {
 }
 
 void LawMonitor::rt_step(const MonitorConfig& config, const ControlConfig& control, const Input& now) {
-  if (abs(now.q1_rad - last_q1_) < kStride) {
+  if (!is_due(now.q1_rad)) {
     return;
   }
   last_q1_ = now.q1_rad;

@@ -49,8 +49,8 @@ class LawMonitor {
   void rt_configure(const MonitorConfig& config);
   /// The law's memory begins anew.
   void rt_unsettle() { settled_ = 0; }
-  /// It was told what error to expect.
-  [[nodiscard]] auto watches() const -> bool { return watches_; }
+  /// It was told what error to expect, and the motor has come a stride further: rt_step does something.
+  [[nodiscard]] auto is_due(Q24 q1_rad) const -> bool { return watches_ && abs(q1_rad - last_q1_) >= kStride; }
   void rt_step(const MonitorConfig& config, const ControlConfig& control, const Input& now);
   /// Judges the stretch if it is complete. It divides, so where there are many joints they take turns.
   void rt_judge(const AxisConfig& config);

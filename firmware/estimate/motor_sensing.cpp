@@ -28,19 +28,20 @@ void MotorSensing::rt_zero(Q24 q1_rad) {
   lost_ = false;
 }
 
-void MotorSensing::rt_absent() {
+auto MotorSensing::rt_absent() -> const MotorState& {
   const std::int64_t counts = state_.counts;
   state_ = {};
   state_.counts = counts;
   counting_ = false;
+  return state_;
 }
 
-void MotorSensing::rt_count(const MotorConfig& motor, std::int32_t counts) {
+void MotorSensing::rt_count(std::int32_t counts) {
   if (counting_) {
     // Unsigned difference: the counter may wrap between two cycles.
     const auto moved =
         static_cast<std::int32_t>(static_cast<std::uint32_t>(counts) - static_cast<std::uint32_t>(last_counts_));
-    lost_ |= abs(scale_.angle_of(moved)) > per_cycle(motor.speed_limit_rad_s);
+    lost_ |= abs(scale_.angle_of(moved)) > farthest_rad_;
     state_.counts = clamp<std::int64_t>(state_.counts + moved, -kCountLimit, kCountLimit);
   } else {
     state_.counts = zeroed_ ? state_.counts : counts;
@@ -52,7 +53,7 @@ void MotorSensing::rt_count(const MotorConfig& motor, std::int32_t counts) {
 auto MotorSensing::rt_step(const AxisConfig& config, const AxisSensed& sensed) -> const MotorState& {
   state_.faults = quality_fault(sensed.encoder) | quality_fault(sensed.current);
   if (sensed.encoder == Quality::kOk) {
-    rt_count(config.motor, sensed.encoder_counts);
+    rt_count(sensed.encoder_counts);
     state_.q1_rad = scale_.angle_of(state_.counts);
   }
   if (lost_) {

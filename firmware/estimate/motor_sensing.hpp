@@ -24,18 +24,22 @@ struct MotorState {
 /// Counts and currents to angles and torques.
 class MotorSensing {
  public:
-  explicit MotorSensing(const MotorConfig& motor) : scale_(motor) {}
-  void rt_configure(const MotorConfig& motor) { scale_ = EncoderScale(motor); }
+  explicit MotorSensing(const MotorConfig& motor) : scale_(motor), farthest_rad_(per_cycle(motor.speed_limit_rad_s)) {}
+  void rt_configure(const MotorConfig& motor) {
+    scale_ = EncoderScale(motor);
+    farthest_rad_ = per_cycle(motor.speed_limit_rad_s);
+  }
   /// From now on the motor stands at this angle, rad, which clears an encoder jump.
   void rt_zero(Q24 q1_rad);
-  /// There is no joint here: nothing is remembered.
-  void rt_absent();
+  /// In place of rt_step where there is no joint: nothing is remembered but the counts.
+  auto rt_absent() -> const MotorState&;
   auto rt_step(const AxisConfig& config, const AxisSensed& sensed) -> const MotorState&;
 
  private:
-  void rt_count(const MotorConfig& motor, std::int32_t counts);
+  void rt_count(std::int32_t counts);
 
   EncoderScale scale_;
+  Q24 farthest_rad_;  // that the motor gets in a cycle
   MotorState state_;
   std::int32_t last_counts_ = 0;
   bool counting_ = false;

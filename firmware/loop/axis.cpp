@@ -88,29 +88,27 @@ void Axis::rt_zero(Q24 q1_rad) {
   effort_.rt_forget();
 }
 
-auto Axis::rt_sense(const AxisSensed& sensed) -> MotorState {
+auto Axis::rt_sense(const AxisSensed& sensed) -> const MotorState& {
   if (fitted()) {
     return sensing_.rt_step(config_, sensed);
   }
-  sensing_.rt_absent();
-  estimator_.rt_absent();
   effort_.rt_absent();
-  return {};
+  return sensing_.rt_absent();
 }
 
-auto Axis::rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c) -> JointEstimate {
+auto Axis::rt_estimate(const MotorState& motor, const LawInput& input) -> const JointEstimate& {
   if (!fitted()) {
-    return {};
+    return estimator_.rt_absent();
   }
-  const JointEstimate& estimate = estimator_.rt_step(config_, motor, others, temperature_c);
-  effort_.rt_step(motor, temperature_c);
-  modes_.rt_observe(gate_.drive_a() * config_.motor.torque_per_current_nm_per_a, estimate.valid);
+  const JointEstimate& estimate = estimator_.rt_step(config_, motor, input);
+  effort_.rt_step(motor, input.measured.temperature);
+  modes_.rt_observe(gate_.drive_nm(), estimate.valid);
   return estimate;
 }
 
 auto Axis::rt_command(const MotorState& motor, const JointEstimate& estimate, const Request& request) -> bool {
   dither_nm_ = request.dither_nm;
-  return fitted() && modes_.rt_command(view(motor, estimate), request);
+  return fitted() && (request.kind == Request::Kind::kNone || modes_.rt_command(view(motor, estimate), request));
 }
 
 auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, bool energised) -> FaultSet {
@@ -192,7 +190,7 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, con
   telemetry_.mode = reference.mode;
   telemetry_.moving = reference.moving;
   telemetry_.drive_a = gate_.drive_a();
-  telemetry_.drive_nm = gate_.drive_a() * config_.motor.torque_per_current_nm_per_a;
+  telemetry_.drive_nm = gate_.drive_nm();
   telemetry_.excitation_nm = dither_nm_;
   telemetry_.limits = static_cast<LimitSet>(reference.limits | gate_.limits());
   telemetry_.faults = faults;

@@ -25,12 +25,10 @@ class Axis {
   /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
   /// jump, after which the position is not known. Torque must be off.
   void rt_zero(Q24 q1_rad);
-  /// Converts the sensors.
-  auto rt_sense(const AxisSensed& sensed) -> MotorState;
-  /// Runs the law. `other`: the motor that pulls at this joint too; nullptr if there is none. `temperature_c`: the last
-  /// that was measured, or the mark of a missing value.
-  auto rt_estimate(const MotorState& motor, const Neighbours& others, Q24 temperature_c = ScalarTraits<Q24>::missing())
-      -> JointEstimate;
+  /// Converts the sensors. What this and rt_estimate return is good until they are called again.
+  auto rt_sense(const AxisSensed& sensed) -> const MotorState&;
+  /// Runs the laws.
+  auto rt_estimate(const MotorState& motor, const LawInput& input) -> const JointEstimate&;
   /// Judges whether the law still fits, when enough has been seen since the last time. One joint in a cycle is enough.
   void rt_judge_law() { estimator_.rt_judge_law(config_); }
   /// Takes a request, as Modes::rt_command; false too where there is no joint.
@@ -47,10 +45,8 @@ class Axis {
   /// The last call of a cycle. `pitch`: of the joint that this one turns on as a wrist's jaw; nullptr if it is none.
   void rt_report(const MotorState& motor, const JointEstimate& estimate, const JointEstimate* pitch, FaultSet faults);
 
-  /// As another joint's law sees this motor.
-  [[nodiscard]] auto as_neighbour(const MotorState& motor) const -> OtherMotor<Q24> {
-    return {motor.q1_rad, motor.tau_nm, estimator_.law().sample().forward};
-  }
+  /// The motor's direction switch, by the law's last sample.
+  [[nodiscard]] auto goes_forward() const -> bool { return estimator_.law().sample().forward; }
   [[nodiscard]] auto in_motion() const -> bool { return modes_.in_motion(); }
   [[nodiscard]] auto braking() const -> bool { return modes_.braking(); }
   [[nodiscard]] auto in_torque() const -> bool { return modes_.in_torque(); }
@@ -60,12 +56,7 @@ class Axis {
 
  private:
   [[nodiscard]] auto view(const MotorState& motor, const JointEstimate& estimate) const -> JointView {
-    return {config_,
-            estimator_.law(),
-            motor,
-            estimate,
-            gate_.drive_a() * config_.motor.torque_per_current_nm_per_a,
-            effort_.feedforward(config_.effort)};
+    return {config_, estimator_.law(), motor, estimate, gate_.drive_nm(), effort_.feedforward(config_.effort)};
   }
 
   void rt_limit();

@@ -84,27 +84,35 @@ struct CycleState {
   FaultSet board_faults = 0;  ///< set by whoever knows the board, since start
 };
 
-/// The motors that pull at axis `i` beside its own, by its parameters; none in most machines.
+/// What the law of axis `i` is given: its own motor and those that pull at the joint beside it, by its parameters; none
+/// in most machines.
 template <std::size_t Axes>
-auto neighbours_of(const std::array<Axis, Axes>& axes, const std::array<MotorState, Axes>& motors, std::size_t i)
-    -> Neighbours {
-  Neighbours others;
-  for (std::size_t slot = 0; slot < others.motors.size(); ++slot) {
-    const auto other = static_cast<std::size_t>(axes[i].config().coupled_to[slot]);
-    if (other < Axes && other != i) {
-      others.motors[slot] = axes[other].as_neighbour(motors[other]);
-      others.estimable &= motors[other].faults == 0;
+auto law_input(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i,
+               Q24 temperature_c) -> LawInput {
+  FaultSet faults = motors[i]->faults;
+  const auto pulls_at = [&](std::int32_t coupled_to) -> OtherMotor<Q24> {
+    const auto other = static_cast<std::size_t>(coupled_to);
+    if (other >= Axes || other == i) {
+      return {};
     }
-  }
-  return others;
+    faults |= motors[other]->faults;
+    return {motors[other]->q1_rad, motors[other]->tau_nm, axes[other].goes_forward()};
+  };
+  const auto& [first, second, third] = axes[i].config().coupled_to;
+  LawInput input{.measured = {.q1 = motors[i]->q1_rad,
+                              .tau = motors[i]->tau_nm,
+                              .others = {pulls_at(first), pulls_at(second), pulls_at(third)},
+                              .temperature = temperature_c}};
+  input.faults = faults;
+  return input;
 }
 
 /// The joint that axis `i` turns on as a wrist's jaw; nullptr if it is none.
 template <std::size_t Axes>
-auto pitch_of(const AxisConfig& jaw, const std::array<JointEstimate, Axes>& joints, std::size_t i)
+auto pitch_of(const AxisConfig& jaw, const std::array<const JointEstimate*, Axes>& joints, std::size_t i)
     -> const JointEstimate* {
   const auto pitch = static_cast<std::size_t>(jaw.tip.pitch);
-  return pitch < Axes && pitch != i ? &joints[pitch] : nullptr;
+  return pitch < Axes && pitch != i ? joints[pitch] : nullptr;
 }
 
 /// The law keeps the last temperature: a thermometer that is not there, or no longer, stops nothing.
@@ -117,13 +125,13 @@ inline void rt_update_temperature(MachineTelemetry& machine, Quality quality, Q2
 }
 
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. What the
-/// sensors say becomes a state, the state a reference, the reference a drive, each handed on as a value. A pure
+/// sensors say becomes a state, the state a reference, the reference a drive, each handed on to the next stage. A pure
 /// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
   const bool had_torque = energised(state.supervisor.state());
-  std::array<MotorState, Axes> motor;
-  std::array<JointEstimate, Axes> joint;
+  std::array<const MotorState*, Axes> motor;
+  std::array<const JointEstimate*, Axes> joint;
   std::array<FaultSet, Axes> joint_faults;
   rt_update_temperature(state.telemetry, sensed.temperature, sensed.temperature_c);
 
@@ -131,7 +139,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     if (!had_torque && command.axis[i].kind == Request::Kind::kZero) {
       state.axis[i].rt_zero(command.axis[i].position_rad);
     }
-    motor[i] = state.axis[i].rt_sense(sensed.axis[i]);
+    motor[i] = &state.axis[i].rt_sense(sensed.axis[i]);
   }
 
   SupervisorInput machine{.faults = state.model_faults | state.drive_faults | state.board_faults |
@@ -144,11 +152,11 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   bool stops = false;
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
-    joint[i] = axis.rt_estimate(motor[i], neighbours_of(state.axis, motor, i), state.telemetry.temperature_c);
+    joint[i] = &axis.rt_estimate(*motor[i], law_input(state.axis, motor, i, state.telemetry.temperature_c));
     if (had_torque) {
-      static_cast<void>(axis.rt_command(motor[i], joint[i], command.axis[i]));
+      static_cast<void>(axis.rt_command(*motor[i], *joint[i], command.axis[i]));
     }
-    joint_faults[i] = axis.rt_faults(motor[i], joint[i], had_torque);
+    joint_faults[i] = axis.rt_faults(*motor[i], *joint[i], had_torque);
     machine.faults |= joint_faults[i];
     machine.in_motion |= axis.in_motion();
     machine.braking &= !axis.in_motion() || axis.braking();
@@ -164,11 +172,11 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
     if (energised(now) && !had_torque) {
-      axis.rt_arm(joint[i], command.cautious);
+      axis.rt_arm(*joint[i], command.cautious);
     }
-    const JointReference& reference = axis.rt_reference(motor[i], joint[i], energised(now));
-    drive.axis[i] = axis.rt_drive(motor[i], reference.torque_nm, energised(now));
-    axis.rt_report(motor[i], joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
+    const JointReference& reference = axis.rt_reference(*motor[i], *joint[i], energised(now));
+    drive.axis[i] = axis.rt_drive(*motor[i], reference.torque_nm, energised(now));
+    axis.rt_report(*motor[i], *joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
   }
 
   ++state.telemetry.tick;

@@ -7,9 +7,6 @@ namespace capstan {
 namespace {
 
 constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
-// The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
-// that the gate does not rule.
-constexpr Q24 kTooHot = Q24::from_double(1.25);
 constexpr Q24 kOne = Q24::from_int(1);
 // Heat at which the peak current is allowed again. At the continuous current it stays at 1, so without a gap between
 // the two the limit would come and go with the sensor's noise.
@@ -26,14 +23,11 @@ auto pulls_outward(const LimitConfig& limits, Q24 q1_rad, Q24 current_a) -> bool
 }  // namespace
 
 Gate::Scales::Scales(const AxisConfig& config)
-    : per_torque_constant(config.motor.torque_per_current_nm_per_a),
+    : torque_constant_nm_per_a(config.motor.torque_per_current_nm_per_a),
+      per_torque_constant(config.motor.torque_per_current_nm_per_a),
       per_continuous_current(config.limits.continuous_current_a),
       thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)),
       rate_a_per_cycle(std::min(config.limits.current_rate_a_per_cycle, MotorObserver::slew_limit(config))) {}
-
-auto Gate::faults() const -> FaultSet {
-  return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0;
-}
 
 void Gate::rt_update_i2t(Q24 current_a) {
   const Q24 load = current_a * scales_.per_continuous_current;
@@ -84,6 +78,7 @@ auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torqu
   // The rate limit may delay a torque, never its removal.
   gated = pulls_outward(limits, motor.q1_rad, gated) ? Q24{} : clamp(gated, -peak, peak);
   drive_a_ = gated;
+  drive_nm_ = gated * scales_.torque_constant_nm_per_a;
   return {.current_a = gated, .enabled = true};
 }
 

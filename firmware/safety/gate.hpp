@@ -15,25 +15,33 @@ class Gate {
   auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm = Q24{})
       -> AxisDrive;
   /// The next torque rises from zero.
-  void rt_restart() { drive_a_ = wanted_a_ = servo_a_ = Q24{}; }
+  void rt_restart() { drive_a_ = drive_nm_ = wanted_a_ = servo_a_ = Q24{}; }
   /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.
-  [[nodiscard]] auto faults() const -> FaultSet;
+  [[nodiscard]] auto faults() const -> FaultSet { return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0; }
   /// What was met in the last step.
   [[nodiscard]] auto limits() const -> LimitSet { return met_; }
   /// Current that was wanted in the last step, A.
   [[nodiscard]] auto drive_a() const -> Q24 { return drive_a_; }
+  /// The motor's torque of that, N m.
+  [[nodiscard]] auto drive_nm() const -> Q24 { return drive_nm_; }
 
  private:
+  // The gate brings the current down to the continuous one at a heat of 1, so more than noise above that is a current
+  // that the gate does not rule.
+  static constexpr Q24 kTooHot = Q24::from_double(1.25);
+
   /// What follows from the parameters, so that the cycle divides nothing.
   struct Scales {
     explicit Scales(const AxisConfig& config);
+    Q24 torque_constant_nm_per_a;
     Reciprocal<Q24> per_torque_constant;
     Reciprocal<Q24> per_continuous_current;
     Q30 thermal_gain;
     Q24 rate_a_per_cycle;  // limits.current_rate, or less where the observer asks for it
   };
-  void rt_update_i2t(Q24 current_a);
-  auto rt_limit_rate(Q24 wanted_a) -> Q24;
+  // Each is called once, in every cycle.
+  [[gnu::always_inline]] inline void rt_update_i2t(Q24 current_a);
+  [[gnu::always_inline]] inline auto rt_limit_rate(Q24 wanted_a) -> Q24;
   void rt_flag(Limit limit) { met_ = static_cast<LimitSet>(met_ | bit(limit)); }
 
   Scales scales_;
@@ -41,6 +49,7 @@ class Gate {
   bool hot_ = false;
   LimitSet met_ = 0;
   Q24 drive_a_;
+  Q24 drive_nm_;
   Q24 wanted_a_;  // without the dither: before the rate limit,
   Q24 servo_a_;   // and after it
 };

@@ -25,7 +25,7 @@ class LimitCycleWatch {
     Q24 extreme;
     bool rising = false;
     std::int32_t count = 0;
-    void rt_step(Q24 value, Q24 width);
+    [[gnu::always_inline]] inline void rt_step(Q24 value, Q24 width);
   };
   auto rt_end_window() -> FaultSet;
 

@@ -37,7 +37,8 @@ class AxisBench {
 
   void estimate(const AxisSensed& sensed) {
     motor_ = axis_.rt_sense(sensed);
-    joint_ = axis_.rt_estimate(motor_, {});
+    joint_ =
+        axis_.rt_estimate(motor_, {.measured = {.q1 = motor_.q1_rad, .tau = motor_.tau_nm}, .faults = motor_.faults});
     report();
   }
   auto faults(bool energised) -> FaultSet { return faults_ = axis_.rt_faults(motor_, joint_, energised); }
