@@ -87,6 +87,9 @@ auto LawDesign::behind(const LawForm& form) const -> LawDesign {
 }
 
 auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
+  if (samples_.size() == 1 && smoothing_ == 0) {
+    return term.columns(samples_.front(), periods_.front(), shapes);
+  }
   Eigen::MatrixXd result(rows_, static_cast<Eigen::Index>(term.coefficients.size()));
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
