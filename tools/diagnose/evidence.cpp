@@ -86,6 +86,21 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
   evidence.noise = fit_noise(pure_error(rest, cycles) + residual.resolution, pieces, kLargestOrder);
 }
 
+/// Makes a gram whole of which only what stands on and below the diagonal was worked out, by squares that fit into the
+/// processor's cache: along a row every value is far from its neighbour.
+void copy_below_to_above(Eigen::MatrixXd& gram) {
+  constexpr Eigen::Index kSide = 16;
+  for (Eigen::Index col = 0; col < gram.cols(); col += kSide) {
+    const Eigen::Index width = std::min(kSide, gram.cols() - col);
+    for (Eigen::Index above = 0; above < col; above += kSide) {
+      gram.block(above, col, kSide, width) = gram.block(col, above, width, kSide).transpose();
+    }
+    for (Eigen::Index i = 1; i < width; ++i) {
+      gram.col(col + i).segment(col, i) = gram.row(col + i).segment(col, i).transpose();
+    }
+  }
+}
+
 void sort_blocks(const Split& split, Evidence& evidence) {
   std::size_t next = 0;
   for (const auto& block : split.blocks) {
@@ -103,7 +118,8 @@ BlockGrams::BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, con
     const auto x = columns.middleRows(block.begin, block.size());
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout.total, layout.total);
     gram.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
-    grams_.push_back(gram.selfadjointView<Eigen::Lower>());
+    copy_below_to_above(gram);
+    grams_.push_back(std::move(gram));
     rows_.push_back(static_cast<double>(block.size()));
   }
 }
