@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "capstan/tools/diagnose/adequacy.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -235,13 +236,18 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   model_noise(p, residual, evidence);
   sort_blocks(p.split, evidence);
   const Blocks blocks = p.split.learned();
-  const Eigen::MatrixXd white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
-  evidence.white_error = white.col(evidence.layout.error());
   evidence.sensing.resize(residual.error.size(), 2);
   evidence.sensing << residual.resolution, residual.torque_noise;
   evidence.white_sensing = whitened(evidence.sensing, p.coarse_logs, evidence.noise);
-  evidence.raw_white.emplace_back(evidence.columns, evidence.layout, blocks);
-  evidence.raw_white.emplace_back(white, evidence.layout, blocks);
+  evidence.raw_white.resize(2);
+  Eigen::MatrixXd white;
+  two_at_a_time(2, [&](std::size_t i) {
+    if (i == 1) {
+      white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
+    }
+    evidence.raw_white[i] = BlockGrams(i == 1 ? white : evidence.columns, evidence.layout, blocks);
+  });
+  evidence.white_error = white.col(evidence.layout.error());
   const Projected all = evidence.white().projected(evidence.learned);
   const double dof = std::max(1.0, all.rows - static_cast<double>(evidence.layout.law));
   evidence.innovation_variance =
