@@ -2,7 +2,6 @@
 #include "capstan/tools/campaign/false_alarms.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -12,8 +11,8 @@
 #include "capstan/tools/campaign/commissioned.hpp"
 #include "capstan/tools/campaign/hazard.hpp"
 #include "capstan/tools/campaign/rig.hpp"
-#include "capstan/tools/campaign/side_by_side.hpp"
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -148,26 +147,22 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads, Gains gains
   const auto runs = static_cast<std::size_t>(std::ceil(hours * 3600.0 / kRunS));
   std::vector<Stop> stops(runs);
   std::vector<double> lasted_s(runs);
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < runs; i = next++) {
-      const std::uint64_t own = seed + i;
-      Random random(own * 7919);
-      JointSetup setup = drawn_setup(random);
-      if (gains == Gains::kTuned) {
-        take_tuned_gains(setup);
-      }
-      setup.config.limits.supply_min_v = Q24{};
-      setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
-      Session session(setup, own);
-      if (!session.run(kRunS)) {
-        stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share(),
-                    session.following_share()};
-      }
-      lasted_s[i] = session.time_s();
+  side_by_side(threads, runs, [&](std::size_t i) {
+    const std::uint64_t own = seed + i;
+    Random random(own * 7919);
+    JointSetup setup = drawn_setup(random);
+    if (gains == Gains::kTuned) {
+      take_tuned_gains(setup);
     }
-  };
-  run_side_by_side(threads, work);
+    setup.config.limits.supply_min_v = Q24{};
+    setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
+    Session session(setup, own);
+    if (!session.run(kRunS)) {
+      stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share(),
+                  session.following_share()};
+    }
+    lasted_s[i] = session.time_s();
+  });
   FalseAlarms alarms;
   alarms.plants = static_cast<int>(runs);
   for (std::size_t i = 0; i < runs; ++i) {

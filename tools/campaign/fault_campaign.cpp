@@ -2,9 +2,8 @@
 #include "capstan/tools/campaign/fault_campaign.hpp"
 
 #include <algorithm>
-#include <atomic>
 
-#include "capstan/tools/campaign/side_by_side.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -169,13 +168,7 @@ auto run_without_fault(Joint joint, Situation situation) -> CampaignRow {
 auto run_fault_campaign(Extent extent, int threads) -> Campaign {
   const std::vector<Job> jobs = jobs_of(extent);
   std::vector<std::vector<CampaignRow>> done(jobs.size());
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < jobs.size(); i = next++) {
-      done[i] = run_job(jobs[i]);
-    }
-  };
-  run_side_by_side(threads, work);
+  side_by_side(threads, jobs.size(), [&](std::size_t i) { done[i] = run_job(jobs[i]); });
   Campaign campaign;
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     auto& rows = jobs[i].pairs ? campaign.pairs : campaign.single;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -112,10 +113,11 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   result.law_energy = cross_validated(evidence.raw(), evidence.learned, law);
   const Eigen::VectorXd hidden = hidden_energy(p, evidence.sensing);
   result.hidden_energy = hidden.sum();
-  result.flexible_energy = flexible_model(evidence.raw(), evidence.learned) + hidden;
-  const Eigen::VectorXd white_gain = cross_validated(evidence.white(), evidence.learned, law) -
-                                     flexible_model(evidence.white(), evidence.learned) -
-                                     hidden_energy(p, evidence.white_sensing);
+  Eigen::VectorXd flexible[2];  // raw, white
+  two_at_a_time(2, [&](std::size_t i) { flexible[i] = flexible_model(evidence.raw_white[i], evidence.learned); });
+  result.flexible_energy = flexible[0] + hidden;
+  const Eigen::VectorXd white_gain =
+      cross_validated(evidence.white(), evidence.learned, law) - flexible[1] - hidden_energy(p, evidence.white_sensing);
   result.flexible_t = t_statistic(white_gain);
   const double left = result.law_energy.sum();
   result.reducible_share = left > 0.0 ? 1.0 - result.flexible_energy.sum() / left : 0.0;

@@ -6,6 +6,7 @@
 
 #include "capstan/tools/diagnose/candidate.hpp"
 #include "capstan/tools/select/selection_data.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -222,15 +223,16 @@ class Builder {
 auto catalogue_candidates(const Preparation& p, const LawForm& law, const LawResidual& residual)
     -> std::vector<Candidate> {
   const Builder builder(p, law, residual);
-  std::vector<Candidate> candidates;
+  std::vector<const CatalogueTerm*> terms;
   for (const auto& term : *law.catalogue) {
     if (!law.has(term.name) && !term.placed) {
-      Candidate candidate = builder.build(term);
-      if (!candidate.variants.empty()) {  // a term of the torque shows nothing where no torque was logged
-        candidates.push_back(std::move(candidate));
-      }
+      terms.push_back(&term);
     }
   }
+  std::vector<Candidate> candidates(terms.size());
+  two_at_a_time(terms.size(), [&](std::size_t i) { candidates[i] = builder.build(*terms[i]); });
+  // A term of the torque shows nothing where no torque was logged.
+  std::erase_if(candidates, [](const auto& candidate) { return candidate.variants.empty(); });
   return candidates;
 }
 

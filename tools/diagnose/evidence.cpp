@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "capstan/tools/diagnose/adequacy.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -86,6 +87,21 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
   evidence.noise = fit_noise(pure_error(rest, cycles) + residual.resolution, pieces, kLargestOrder);
 }
 
+/// Makes a gram whole of which only what stands on and below the diagonal was worked out, by squares that fit into the
+/// processor's cache: along a row every value is far from its neighbour.
+void copy_below_to_above(Eigen::MatrixXd& gram) {
+  constexpr Eigen::Index kSide = 16;
+  for (Eigen::Index col = 0; col < gram.cols(); col += kSide) {
+    const Eigen::Index width = std::min(kSide, gram.cols() - col);
+    for (Eigen::Index above = 0; above < col; above += kSide) {
+      gram.block(above, col, kSide, width) = gram.block(col, above, width, kSide).transpose();
+    }
+    for (Eigen::Index i = 1; i < width; ++i) {
+      gram.col(col + i).segment(col, i) = gram.row(col + i).segment(col, i).transpose();
+    }
+  }
+}
+
 void sort_blocks(const Split& split, Evidence& evidence) {
   std::size_t next = 0;
   for (const auto& block : split.blocks) {
@@ -103,7 +119,8 @@ BlockGrams::BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, con
     const auto x = columns.middleRows(block.begin, block.size());
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(layout.total, layout.total);
     gram.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
-    grams_.push_back(gram.selfadjointView<Eigen::Lower>());
+    copy_below_to_above(gram);
+    grams_.push_back(std::move(gram));
     rows_.push_back(static_cast<double>(block.size()));
   }
 }
@@ -219,13 +236,18 @@ auto gather_evidence(const Preparation& p, const LawForm& law, const LawResidual
   model_noise(p, residual, evidence);
   sort_blocks(p.split, evidence);
   const Blocks blocks = p.split.learned();
-  const Eigen::MatrixXd white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
-  evidence.white_error = white.col(evidence.layout.error());
   evidence.sensing.resize(residual.error.size(), 2);
   evidence.sensing << residual.resolution, residual.torque_noise;
   evidence.white_sensing = whitened(evidence.sensing, p.coarse_logs, evidence.noise);
-  evidence.raw_white.emplace_back(evidence.columns, evidence.layout, blocks);
-  evidence.raw_white.emplace_back(white, evidence.layout, blocks);
+  evidence.raw_white.resize(2);
+  Eigen::MatrixXd white;
+  two_at_a_time(2, [&](std::size_t i) {
+    if (i == 1) {
+      white = whitened(evidence.columns, p.coarse_logs, evidence.noise);
+    }
+    evidence.raw_white[i] = BlockGrams(i == 1 ? white : evidence.columns, evidence.layout, blocks);
+  });
+  evidence.white_error = white.col(evidence.layout.error());
   const Projected all = evidence.white().projected(evidence.learned);
   const double dof = std::max(1.0, all.rows - static_cast<double>(evidence.layout.law));
   evidence.innovation_variance =

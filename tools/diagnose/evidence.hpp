@@ -30,6 +30,7 @@ struct Projected {
 /// these.
 class BlockGrams {
  public:
+  BlockGrams() = default;
   BlockGrams(const Eigen::MatrixXd& columns, const Layout& layout, const Blocks& blocks);
 
   [[nodiscard]] auto count() const -> std::size_t { return grams_.size(); }

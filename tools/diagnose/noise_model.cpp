@@ -71,17 +71,20 @@ auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index
 
 auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise)
     -> Eigen::MatrixXd {
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(columns.rows(), columns.cols());
+  Eigen::MatrixXd result(columns.rows(), columns.cols());
   const Eigen::Index p = noise.order();
-  for (const auto& piece : pieces) {
-    const Eigen::Index n = piece.size() - p;
-    if (n <= 0) {
-      continue;
-    }
-    auto out = result.middleRows(piece.begin + p, n);
-    out = columns.middleRows(piece.begin + p, n);
-    for (Eigen::Index k = 1; k <= p; ++k) {
-      out.noalias() -= noise.coefficients[k - 1] * columns.middleRows(piece.begin + p - k, n);
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) {  // a column stays in the processor's cache for all lags
+    result.col(c).setZero();
+    for (const auto& piece : pieces) {
+      const Eigen::Index n = piece.size() - p;
+      if (n <= 0) {
+        continue;
+      }
+      auto out = result.col(c).segment(piece.begin + p, n);
+      out = columns.col(c).segment(piece.begin + p, n);
+      for (Eigen::Index k = 1; k <= p; ++k) {
+        out -= noise.coefficients[k - 1] * columns.col(c).segment(piece.begin + p - k, n);
+      }
     }
   }
   return result;

@@ -222,7 +222,8 @@ auto Preparation::interpolated(Eigen::MatrixXd columns) const -> Eigen::MatrixXd
 }
 
 auto Preparation::coarse(const Eigen::MatrixXd& columns) const -> Eigen::MatrixXd {
-  return interpolated(decimated(moving_mean(columns, noncausal.log_rows(), smoothing), factor));
+  return interpolated(smoothing == 0 ? decimated(columns, factor)
+                                     : decimated(moving_mean(columns, noncausal.log_rows(), smoothing), factor));
 }
 
 auto Preparation::certain() const -> Blocks {

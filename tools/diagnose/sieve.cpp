@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -29,10 +30,11 @@ auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd
     for (Eigen::Index i = 0; i < series.size(); ++i) {
       const auto at =
           std::min(pool.size() - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(pool.size())));
-      series[i] = pool[at];
+      double value = pool[at];
       for (Eigen::Index k = 1; k <= std::min(order, i); ++k) {
-        series[i] += evidence.noise.coefficients[k - 1] * series[i - k];
+        value += evidence.noise.coefficients[k - 1] * series[i - k];
       }
+      series[i] = value;
     }
     draws.col(draw) = series.tail(rows);
   }
@@ -80,8 +82,9 @@ class CrossFit {
   /// Energy left over both halves for one residual; negative if the signs forbid the fit.
   auto energy(Eigen::Index residual) const -> double {
     double total = 0.0;
+    const Eigen::VectorXd products[2] = {wanted(0, residual), wanted(1, residual)};
     for (std::size_t h = 0; h < 2; ++h) {
-      const Eigen::VectorXd theta = inverse_[h] * wanted(h, residual);
+      const Eigen::VectorXd theta = inverse_[h] * products[h];
       const auto law = theta.size() - static_cast<Eigen::Index>(signs_.size());
       for (std::size_t i = 0; i < signs_.size(); ++i) {
         if (!sign_holds(theta[law + static_cast<Eigen::Index>(i)], signs_[i])) {
@@ -93,7 +96,7 @@ class CrossFit {
       if (fixed_ >= 0) {
         energy += halves_[other].gram(fixed_, fixed_) - 2.0 * halves_[other].products(fixed_, residual);
       }
-      total += energy - 2.0 * theta.dot(wanted(other, residual)) + theta.dot(gram_[other] * theta);
+      total += energy - 2.0 * theta.dot(products[other]) + theta.dot(gram_[other] * theta);
     }
     return std::max(total, 0.0);
   }
@@ -119,7 +122,7 @@ auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<H
   const Eigen::Index step = std::max<Eigen::Index>(1, rows_in(learned) / kEnoughRows);
   const Eigen::MatrixXd draws = noise_draws(evidence, evidence.columns.rows());
   std::array<Half, 2> halves;
-  for (std::size_t h = 0; h < 2; ++h) {
+  two_at_a_time(2, [&](std::size_t h) {
     const Eigen::MatrixXd x = half_rows(evidence.columns, learned, h, step);
     const Eigen::MatrixXd luck = half_rows(draws, learned, h, step);
     Eigen::MatrixXd residuals(x.rows(), 1 + kDraws);
@@ -127,7 +130,7 @@ auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<H
     halves[h].gram.noalias() = x.transpose() * x;
     halves[h].products.noalias() = x.transpose() * residuals;
     halves[h].energies = residuals.colwise().squaredNorm();
-  }
+  });
   return halves;
 }
 
@@ -162,8 +165,8 @@ auto flexible_statistics(const std::array<Half, 2>& halves, const Layout& layout
   for (Eigen::Index i = layout.first_variant(); i < layout.total; ++i) {
     columns.push_back(i);
   }
-  Eigen::VectorXd left = Eigen::VectorXd::Zero(1 + kDraws);
-  for (std::size_t h = 0; h < 2; ++h) {
+  Eigen::VectorXd left[2];
+  two_at_a_time(2, [&](std::size_t h) {
     const Eigen::MatrixXd gram = halves[h].gram(columns, columns);
     const Eigen::VectorXd scale = gram.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
@@ -173,12 +176,12 @@ auto flexible_statistics(const std::array<Half, 2>& halves, const Layout& layout
         scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * halves[h].products(columns, Eigen::all));
     const Half& other = halves[1 - h];
     const Eigen::MatrixXd predicted = other.gram(columns, columns) * theta;
-    left += other.energies -
-            2.0 * (theta.cwiseProduct(other.products(columns, Eigen::all))).colwise().sum().transpose() +
-            theta.cwiseProduct(predicted).colwise().sum().transpose();
-  }
+    left[h] = other.energies -
+              2.0 * (theta.cwiseProduct(other.products(columns, Eigen::all))).colwise().sum().transpose() +
+              theta.cwiseProduct(predicted).colwise().sum().transpose();
+  });
   const Eigen::ArrayXd alone = law.array().max(1e-300);  // a residual of nothing is no luck
-  return -(left.array().max(1e-12 * alone) / alone).log();
+  return -((left[0] + left[1]).array().max(1e-12 * alone) / alone).log();
 }
 
 auto tail_p(const Eigen::VectorXd& draws, double observed) -> double {
@@ -197,13 +200,12 @@ auto sieve(const Preparation& p, const Evidence& evidence) -> SieveResult {
   }
   // Standardised per candidate: a candidate that luck favours must show more.
   Eigen::MatrixXd scores(1 + kDraws, static_cast<Eigen::Index>(evidence.candidates.size()));
-  for (Eigen::Index f = 0; f < scores.cols(); ++f) {
-    const Eigen::VectorXd statistics =
-        candidate_statistics(halves, evidence.layout, evidence.candidates[static_cast<std::size_t>(f)], law);
+  two_at_a_time(evidence.candidates.size(), [&](std::size_t f) {
+    const Eigen::VectorXd statistics = candidate_statistics(halves, evidence.layout, evidence.candidates[f], law);
     const auto draws = statistics.tail(kDraws).array();
     const double spread = std::sqrt((draws - draws.mean()).square().mean()) + 1e-12;
-    scores.col(f) = (statistics.array() - draws.mean()) / spread;
-  }
+    scores.col(static_cast<Eigen::Index>(f)) = (statistics.array() - draws.mean()) / spread;
+  });
   const Eigen::VectorXd null_maximum = scores.bottomRows(kDraws).rowwise().maxCoeff();
   SieveResult result;
   for (Eigen::Index f = 0; f < scores.cols(); ++f) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -38,15 +39,18 @@ auto null_maxima(const Evidence& evidence, const Projected& rows) -> std::vector
     value = random.normal();
   }
   const Eigen::MatrixXd products = root * normals;
-  std::vector<double> largest;
-  for (int draw = 0; draw < kDraws; ++draw) {
-    drawn.gram.col(0).segment(1, variants) = products.col(draw);
-    double gain = 0.0;
-    for (const auto& candidate : evidence.candidates) {
-      gain = std::max(gain, fit_candidate(drawn, evidence.layout, candidate).gain);
+  std::vector<double> largest(kDraws);
+  two_at_a_time(2, [&](std::size_t half) {
+    Projected own = drawn;
+    for (std::size_t draw = half; draw < largest.size(); draw += 2) {
+      own.gram.col(0).segment(1, variants) = products.col(static_cast<Eigen::Index>(draw));
+      double gain = 0.0;
+      for (const auto& candidate : evidence.candidates) {
+        gain = std::max(gain, fit_candidate(own, evidence.layout, candidate).gain);
+      }
+      largest[draw] = gain;
     }
-    largest.push_back(gain);
-  }
+  });
   std::sort(largest.begin(), largest.end());
   return largest;
 }
@@ -182,11 +186,11 @@ auto evidence_needed(const Evidence& evidence) -> double {
 auto try_candidates(const Preparation& p, const Evidence& evidence, const SieveResult& sieve)
     -> std::vector<CandidateTrial> {
   const TrialJudge judge(p, evidence);
-  std::vector<CandidateTrial> trials;
-  for (std::size_t i = 0; i < evidence.candidates.size(); ++i) {
-    trials.push_back(judge.try_candidate(i));
-    trials.back().p_sieve = sieve.candidate_p[i];
-  }
+  std::vector<CandidateTrial> trials(evidence.candidates.size());
+  two_at_a_time(trials.size(), [&](std::size_t i) {
+    trials[i] = judge.try_candidate(i);
+    trials[i].p_sieve = sieve.candidate_p[i];
+  });
   return trials;
 }
 

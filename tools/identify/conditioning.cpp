@@ -203,9 +203,18 @@ auto moving_mean(const Eigen::MatrixXd& columns, const std::vector<Eigen::Index>
       for (Eigen::Index i = 0; i < rows; ++i) {
         sums[i + 1] = sums[i] + columns(begin + i, c);
       }
-      for (Eigen::Index i = 0; i < rows; ++i) {
-        const Eigen::Index h = std::min({half_width, i, rows - 1 - i});
-        means(begin + i, c) = (sums[i + h + 1] - sums[i - h]) / static_cast<double>(2 * h + 1);
+      const Eigen::Index edge = std::min(half_width, (rows + 1) / 2);
+      for (Eigen::Index i = 0; i < edge; ++i) {
+        for (const Eigen::Index at : {i, rows - 1 - i}) {
+          const Eigen::Index h = std::min(at, rows - 1 - at);
+          means(begin + at, c) = (sums[at + h + 1] - sums[at - h]) / static_cast<double>(2 * h + 1);
+        }
+      }
+      const Eigen::Index whole = rows - 2 * edge;
+      const Eigen::Index width = 2 * half_width + 1;
+      if (whole > 0) {
+        means.col(c).segment(begin + edge, whole) =
+            (sums.segment(width, whole) - sums.head(whole)) / static_cast<double>(width);
       }
       begin += rows;
     }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -87,6 +88,9 @@ auto LawDesign::behind(const LawForm& form) const -> LawDesign {
 }
 
 auto LawDesign::columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
+  if (samples_.size() == 1 && smoothing_ == 0) {
+    return term.columns(samples_.front(), periods_.front(), shapes);
+  }
   Eigen::MatrixXd result(rows_, static_cast<Eigen::Index>(term.coefficients.size()));
   Eigen::Index row = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
@@ -211,13 +215,23 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
   return fit_columns(law_columns(design, form), target, blocks, law_signs(form));
 }
 
-auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd {
-  std::vector<Eigen::VectorXd> changes;
+namespace {
+
+/// A shape that is searched for, and the part of the law that moves with it.
+struct MovingPart {
+  const ShapeInfo* info;
+  std::size_t shape;  ///< its place among all
+  LawForm law;
+  Eigen::VectorXd weights;  ///< coefficients of the part's columns
+};
+
+auto moving_parts(const LawForm& form, const Eigen::VectorXd& theta) -> std::vector<MovingPart> {
+  std::vector<MovingPart> parts;
   Eigen::Index first = 0;  // of the term's own coefficients
   const Eigen::VectorXd all = untied(form, theta);
   for (const auto* term : ordered_terms(form)) {
     const auto own = static_cast<Eigen::Index>(term->coefficients.size());
-    LawForm part = form;  // of the law, that moves with the term's shapes
+    LawForm part = form;
     part.tied_compliance.reset();
     Eigen::VectorXd weights = all;
     if (!term->acts_on_output && !term->acts_on_input) {
@@ -229,24 +243,34 @@ auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::Ve
     }
     first += own;
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (!is_searched(form, *term, i)) {
-        continue;
+      if (is_searched(form, *term, i)) {
+        parts.push_back({&term->shapes[i], term->first_shape + i, part, weights});
       }
-      LawForm moved = part;
-      double& value = moved.shapes[term->first_shape + i];
-      const double step = shape_step(term->shapes[i], value);
-      value += step;
-      const Eigen::VectorXd above = law_columns(design, moved) * weights;
-      value = std::max(term->shapes[i].minimum, value - 2.0 * step);
-      const double span = form.shapes[term->first_shape + i] + step - value;
-      changes.emplace_back((above - law_columns(design, moved) * weights) / span);
     }
   }
-  Eigen::MatrixXd result(design.rows(), static_cast<Eigen::Index>(changes.size()));
-  for (std::size_t i = 0; i < changes.size(); ++i) {
-    result.col(static_cast<Eigen::Index>(i)) = changes[i];
-  }
-  return result;
+  return parts;
+}
+
+/// How the part's angle or effort changes with its shape, by a difference to either side.
+auto change_of(const LawDesign& design, const MovingPart& part) -> Eigen::VectorXd {
+  LawForm moved = part.law;
+  double& value = moved.shapes[part.shape];
+  const double step = shape_step(*part.info, value);
+  value += step;
+  const Eigen::VectorXd above = law_columns(design, moved) * part.weights;
+  value = std::max(part.info->minimum, value - 2.0 * step);
+  const double span = part.law.shapes[part.shape] + step - value;
+  return (above - law_columns(design, moved) * part.weights) / span;
+}
+
+}  // namespace
+
+auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd {
+  const std::vector<MovingPart> parts = moving_parts(form, theta);
+  Eigen::MatrixXd changes(design.rows(), static_cast<Eigen::Index>(parts.size()));
+  two_at_a_time(parts.size(),
+                [&](std::size_t i) { changes.col(static_cast<Eigen::Index>(i)) = change_of(design, parts[i]); });
+  return changes;
 }
 
 auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
