@@ -291,8 +291,7 @@ auto Experiment::rt_run_torque(const Axis& axis) -> Request {
   }
   if (!moving_) {  // from the torque that holds the joint
     moving_ = true;
-    torque_ =
-        (axis.telemetry().drive_a * axis.config().motor.torque_per_current_nm_per_a).raw() * std::int64_t{kCycleRateHz};
+    torque_ = axis.telemetry().drive_nm.raw() * std::int64_t{kCycleRateHz};
   }
   const std::int64_t step = std::max<std::int64_t>(setup_.rungs[0].raw(), 1);
   const std::int64_t target = std::int64_t{rt_corner().raw()} * kCycleRateHz;

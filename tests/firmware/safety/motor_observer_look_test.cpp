@@ -13,18 +13,24 @@ namespace {
 using observer_rig::commissioned_config;
 using observer_rig::Rig;
 
+/// Torque comes, and the motor goes on by a count in each cycle of its first look.
+/// @return the look's largest torque, A
+auto answers_the_first_look(Rig& rig) -> double {
+  rig.observer.rt_arm();
+  double largest = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    const double look = rig.observer.rt_look().to_double();
+    largest = std::max(largest, std::abs(look));
+    EXPECT_EQ(rig.step(look > 0.0 ? 1 : 0, look), 0U) << i;
+  }
+  return largest;
+}
+
 // 0.195 A, a look's torque here, explain 6.4 counts, and 3.5 are the quantisation's.
 TEST(MotorObserver, WhatALookHasStretchedExplainsAMotionUntilItHasFaded) {
   for (const int since : {12, 60}) {
     Rig rig;
-    rig.observer.rt_arm();
-    double largest = 0.0;
-    for (int i = 0; i < 12; ++i) {
-      const double look = rig.observer.rt_look().to_double();
-      largest = std::max(largest, std::abs(look));
-      ASSERT_EQ(rig.step(look > 0.0 ? 1 : 0, look), 0U) << i;
-    }
-    ASSERT_NEAR(largest, 0.195, 0.01);
+    ASSERT_NEAR(answers_the_first_look(rig), 0.195, 0.01);
     FaultSet faults = rig.steps(since, 2, 0.0);
     for (const int moved : {5, 8, 10, 10, 1}) {
       faults |= rig.step(moved, 0.0);
@@ -93,12 +99,7 @@ auto stands_through_a_look(Rig& rig, double wanted_a, int answers) -> int {
 TEST(MotorObserver, ALookIsJudgedFromTheTorqueThatIsLeftOfTheSwingOfTheLastOne) {
   for (const int answers : {5, 0}) {
     Rig rig;
-    rig.observer.rt_arm();
-    double look_a = 0.0;
-    for (int i = 0; i < 12; ++i) {
-      ASSERT_EQ(rig.step(look_a > 0.1 ? 1 : 0, look_a), 0U) << i;
-      look_a = rig.observer.rt_look().to_double();
-    }
+    static_cast<void>(answers_the_first_look(rig));
     for (const double swing_a : {0.0, 0.03, 0.06}) {
       ASSERT_EQ(rig.step(-1, swing_a), 0U);
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Diagnoses joints whose missing effect is drawn by chance, and counts how often the answer is right.
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <cstdio>
 #include <map>
 #include <mutex>
@@ -16,6 +15,7 @@
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/joint_file/table_section.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::blind {
@@ -295,25 +295,16 @@ auto tried(const Case& c) -> Outcome {
 
 void try_all(const std::vector<Case>& cases, bool verbose) {
   std::vector<Outcome> outcomes(cases.size());
-  std::atomic<std::size_t> next{0};
   std::mutex printing;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cases.size(); i = next++) {
-      outcomes[i] = tried(cases[i]);
-      if (verbose) {
-        const std::lock_guard<std::mutex> lock(printing);
-        print_outcome(outcomes[i]);
-        std::fflush(stdout);
-      }
+  const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  side_by_side(threads, cases.size(), [&](std::size_t i) {
+    outcomes[i] = tried(cases[i]);
+    if (verbose) {
+      const std::lock_guard<std::mutex> lock(printing);
+      print_outcome(outcomes[i]);
+      std::fflush(stdout);
     }
-  };
-  std::vector<std::thread> threads;
-  for (unsigned k = 0; k < std::max(1U, std::thread::hardware_concurrency()); ++k) {
-    threads.emplace_back(work);
-  }
-  for (auto& thread : threads) {
-    thread.join();
-  }
+  });
   print_table(outcomes);
 }
 
