@@ -23,14 +23,17 @@ class FrictionChain {
   };
 
   constexpr FrictionChain() = default;
-  constexpr FrictionChain(Scalar eta, Scalar tension) {
+  /// @param free  share of the length at the two ends that touches nothing, half of it at each
+  constexpr FrictionChain(Scalar eta, Scalar tension, Scalar free) {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
     constexpr Scalar kLength = ScalarTraits<Scalar>::from(1.0 / static_cast<double>(Nodes - 1));
     const Scalar step = eta * kLength;
     const auto decay = [&](Scalar x) { return kOne - kOne * share_gone(x, kOne); };
-    // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends; halved, as the sums
-    // below count every place but the ends twice.
-    weight_ = kLength * mean_decay(step) / (kOne + decay(step));
+    // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends. Each end belongs to one
+    // cell, the places between to two.
+    const Scalar half_cell = (kOne - free) * (kLength * mean_decay(step) / (kOne + decay(step)));
+    weight_ = half_cell + half_cell;
+    end_weight_ = half_cell + free * ScalarTraits<Scalar>::from(0.5);
     for (std::size_t i = 0; i < Nodes; ++i) {
       places_[i].low = decay(eta * kPlaces[i]);
       places_[i].high = kOne / places_[i].low;
@@ -48,25 +51,23 @@ class FrictionChain {
 
   /// What the integral would be with another tension at the input end; changes nothing.
   [[nodiscard]] constexpr auto trial(Scalar input) const -> Sum {
-    // Held tensions, and how many input tensions the places have that move.
-    Scalar held{};
-    Scalar slope{};
-    const auto add = [&](const Place& place) __attribute__((always_inline)) {
+    Parts inside;
+    Parts ends{Scalar{}, ScalarTraits<Scalar>::from(1.0)};  // the input end moves
+    const auto add = [&](Parts & parts, const Place& place) __attribute__((always_inline)) {
       if (place.up < input) {
-        slope += place.low;
+        parts.slope += place.low;
       } else if (input < place.down) {
-        slope += place.high;
+        parts.slope += place.high;
       } else {
-        held += place.tension;
+        parts.held += place.tension;
       }
     };
     for (std::size_t i = 1; i + 1 < Nodes; ++i) {
-      add(places_[i]);
+      add(inside, places_[i]);
     }
-    held += held;
-    slope += slope + ScalarTraits<Scalar>::from(1.0);
-    add(places_[Nodes - 1]);
-    return {(held + input * slope) * weight_, slope * weight_};
+    add(ends, places_[Nodes - 1]);
+    const Scalar slope = inside.slope * weight_ + ends.slope * end_weight_;
+    return {inside.held * weight_ + ends.held * end_weight_ + input * slope, slope};
   }
 
   /// Takes the input end to a tension. Returns whether every place has moved.
@@ -90,6 +91,18 @@ class FrictionChain {
     return all;
   }
 
+  /// The tendon moves over its guides: each place goes a share of the way to the tension that it has while all of it
+  /// slides after a pull or a push at the input end.
+  constexpr void slide(bool pulled, typename ScalarTraits<Scalar>::Gain share) {
+    for (std::size_t i = 1; i < Nodes; ++i) {
+      Place& place = places_[i];
+      const Scalar sliding = input() * (pulled ? place.low : place.high);
+      place.tension = ScalarTraits<Scalar>::between(place.tension, sliding, share);
+      place.down = place.tension * place.low;
+      place.up = place.tension * place.high;
+    }
+  }
+
   /// Mean tension along the tendon per tension of its input end, while all of it slides after a pull or a push there.
   [[nodiscard]] constexpr auto pulled() const -> Scalar { return mean(&Place::low); }
   [[nodiscard]] constexpr auto pushed() const -> Scalar { return mean(&Place::high); }
@@ -103,6 +116,11 @@ class FrictionChain {
   [[nodiscard]] constexpr auto output() const -> Scalar { return places_[Nodes - 1].tension; }
 
  private:
+  /// Held tensions, and how many input tensions the places have that move.
+  struct Parts {
+    Scalar held{};
+    Scalar slope{};
+  };
   struct Place {
     Scalar low{};  ///< tension per input tension while friction holds all it can against a pull
     Scalar high{};
@@ -124,11 +142,12 @@ class FrictionChain {
     for (std::size_t i = 1; i + 1 < Nodes; ++i) {
       inner += places_[i].*share;
     }
-    return (inner + inner + places_[0].*share + places_[Nodes - 1].*share) * weight_;
+    return inner * weight_ + (places_[0].*share + places_[Nodes - 1].*share) * end_weight_;
   }
 
   std::array<Place, Nodes> places_{};
-  Scalar weight_{};
+  Scalar weight_{};      ///< in the integral, of a place between the ends
+  Scalar end_weight_{};  ///< of either end
 };
 
 }  // namespace capstan

@@ -40,6 +40,7 @@ struct Sample {
   Scalar tau{};            ///< motor-side torque, N m
   bool forward = true;     ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
   bool advances = false;   ///< the motor is further in that direction than ever since it turned: it moves for certain
+  Scalar advance{};        ///< by how much, rad, below 0 backward
   bool saturated = false;  ///< this sample's angle, torque or rate met the end of its range
   /// The motor angle behind the input terms, rad: what is left of it after hysteresis in front of the ratio. q1 where
   /// there is none.
@@ -48,6 +49,7 @@ struct Sample {
   Scalar ddq1{};          ///< filtered acceleration, krad/s2: a jerk of the motor passes 128 rad/s2 easily
   Scalar tau_late{};      ///< torque through the acceleration's filters, N m: as late as `ddq1`. By delay_torque()
   Scalar course_late{};   ///< the direction switch, 1 forward and -1 backward, through the same. By delay_torque()
+  Scalar advance_late{};  ///< `advance` through the same. By delay_torque()
   Scalar q1_reversal{};   ///< motor angle where the present direction began (at first: where it all began), rad
   Scalar tau_reversal{};  ///< torque there, N m
   Scalar q2{};            ///< joint angle of the last cycle, rad
@@ -58,6 +60,7 @@ struct Sample {
   Scalar grip = kWhole;
   /// Gain of the acceleration's filter, for whoever makes up for how late `tau_late` is; 0: it is not late.
   typename ScalarTraits<Scalar>::Gain late_gain{};
+  Scalar direction_threshold{};  ///< how far back the direction switch turns over, rad
 
   static constexpr Scalar kWhole = ScalarTraits<Scalar>::from(1.0);  // the target converts no double at run time
   /// Direction of the dry friction, -1 to 1.
@@ -83,13 +86,13 @@ class SampleConditioner {
         threshold_(shape.direction_threshold_rad),
         gain_(dt.filter_gain(shape.rate_time_constant_s)),
         acceleration_gain_(dt.filter_gain(shape.rate_time_constant_s * kAccelerationFilter)) {
-    sample_.late_gain = acceleration_gain_;
+    begin();
   }
 
   /// As newly made: the next sample is the first.
   constexpr void restart() {
     sample_ = {};
-    sample_.late_gain = acceleration_gain_;
+    begin();
     started_ = false;
   }
 
@@ -115,13 +118,15 @@ class SampleConditioner {
     return sample_;
   }
 
-  /// Brings the last sample's `tau_late` and `course_late` up to date, once after each update; only tendons ask for
-  /// them.
+  /// Brings the last sample's `tau_late`, `course_late` and `advance_late` up to date, once after each update; only
+  /// tendons ask for them.
   [[gnu::always_inline]] constexpr void delay_torque() {
     filtered_torque_ = Traits::between(filtered_torque_, sample_.tau, gain_);
     sample_.tau_late = Traits::between(sample_.tau_late, filtered_torque_, acceleration_gain_);
     filtered_course_ = Traits::between(filtered_course_, sample_.forward ? kWhole : -kWhole, gain_);
     sample_.course_late = Traits::between(sample_.course_late, filtered_course_, acceleration_gain_);
+    filtered_advance_ = Traits::between(filtered_advance_, sample_.advance, gain_);
+    sample_.advance_late = Traits::between(sample_.advance_late, filtered_advance_, acceleration_gain_);
   }
 
   /// Lets what lies between the motor and the ratio act on the last sample.
@@ -140,6 +145,12 @@ class SampleConditioner {
   static constexpr Scalar kAccelerationFilter = Traits::from(4.0);
   static constexpr Scalar kWhole = Sample<Scalar>::kWhole;
   static constexpr Scalar kReferenceTemperature = Traits::from(25.0);
+
+  constexpr void begin() {
+    sample_.late_gain = acceleration_gain_;
+    sample_.direction_threshold = threshold_;
+    filtered_advance_ = {};
+  }
 
   /// What motor angle and torque make of a sample.
   [[gnu::always_inline]] constexpr void follow(Scalar q1, Scalar tau) {
@@ -175,6 +186,7 @@ class SampleConditioner {
       sample_.tau_reversal = torque_at_extreme_;
     }
     sample_.advances = turned || beyond > Scalar{};
+    sample_.advance = sample_.advances ? q1 - extreme_ : Scalar{};
     if (sample_.advances) {
       extreme_ = q1;
       torque_at_extreme_ = tau;
@@ -189,6 +201,7 @@ class SampleConditioner {
   Scalar torque_at_extreme_{};
   Scalar filtered_torque_{};  ///< by the rate's filter alone
   Scalar filtered_course_{};
+  Scalar filtered_advance_{};
   Sample<Scalar> sample_{};
   bool started_ = false;
 };

@@ -18,6 +18,7 @@ struct TensionBalanceParameters {
   Scalar pretension_nm{};      ///< I r1, N m
   Scalar compliance_top{};     ///< above 0
   Scalar compliance_bottom{};  ///< above 0
+  Scalar free_share{};         ///< of the length at each tendon's two ends together that touches nothing, 1, 0 to 0.5
 };
 
 /// The tension along both tendons under a torque of the motor (thesis 8.2.1). The torque gives the difference of their
@@ -41,8 +42,8 @@ class TensionBalance {
     const Scalar both = p.compliance_top + p.compliance_bottom;
     start_top_ = p.pretension_nm * (p.compliance_bottom / both);
     start_bottom_ = p.pretension_nm * (p.compliance_top / both);
-    top_ = Chain(p.eta_top, start_top_);
-    bottom_ = Chain(p.eta_bottom, start_bottom_);
+    top_ = Chain(p.eta_top, start_top_, p.free_share);
+    bottom_ = Chain(p.eta_bottom, start_bottom_, p.free_share);
     at_rest_ = p.compliance_top * start_top_;
     forward_ = sliding(top_.pulled(), bottom_.pushed());
     backward_ = sliding(top_.pushed(), bottom_.pulled());
@@ -63,6 +64,12 @@ class TensionBalance {
     bottom_known_ = bottom_.pull_to(now.top_in - torque) || bottom_known_;
     const bool on_top = !now.one_slack || Scalar{} < torque;
     return on_top ? compliance_top_ * now.top_integral - at_rest_ : at_rest_ - compliance_bottom_ * now.bottom_integral;
+  }
+
+  /// Both tendons move over their guides, by a share of what it takes them to slide everywhere.
+  constexpr void slide(bool forward, typename ScalarTraits<Scalar>::Gain share) {
+    top_.slide(forward, share);
+    bottom_.slide(!forward, share);
   }
 
   /// The stretch that `pull` comes to when both tendons slide in their whole length: (5.35) with its Lambda, and a

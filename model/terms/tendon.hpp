@@ -12,10 +12,12 @@ namespace capstan {
 /// the tensions those of TensionBalance under the torque that the motor gives to its pulley,
 ///   x = tau - b q1' - m q1'' less the motor's friction, -f or f while it moves, and while it stands what keeps x where
 ///   it was, as far as f goes: the torque changes by 2 f at each reversal before anything moves.
-/// Torque and friction are as late as q1'' is (Sample::tau_late, course_late), by both filters' time constants, 5 T:
-/// friction along the tendons keeps what a peak did to the tension, and a peak that the motor's mass took must not get
-/// there. What comes out has no memory any more and is brought ahead by as much, s + 5 T s', with the rate s' through
-/// the filter of 4 T.
+/// That the tension hangs on the torque alone holds for a joint that stands. Once it goes with the motor, its tendons
+/// move over their guides and friction acts against that motion everywhere, also while the torque falls: slide().
+/// Torque, friction and the motor's way are as late as q1'' is (Sample::tau_late, course_late, advance_late), by both
+/// filters' time constants, 5 T: friction along the tendons keeps what a peak did to the tension, and a peak that the
+/// motor's mass took must not get there. What comes out has no memory any more and is brought ahead by as much,
+/// s + 5 T s', with the rate s' through the filter of 4 T.
 /// Weight, inertia and drag of the joint need no terms of their own: they are in that torque, and the tendon that
 /// carries them is the one that stretches.
 /// @tparam Nodes  places along each tendon
@@ -25,7 +27,8 @@ class TendonsOf {
   /// Of pretension and of torque: sums over the places of what either may bring stay in fixed point's range.
   static constexpr double kMostNm = 8.0;
 
-  static constexpr TermInfo<1, 7> kInfo = {
+  static constexpr std::int8_t kFreeShare = 7;  // its place: laws of before it do without
+  static constexpr TermInfo<1, 8> kInfo = {
       .name = "tendon",
       .equation = "C (s Int T_t dphi - rest): both tendons' tensions under tau - b q1' - m q1'' less friction +-f",
       .source = "(2.4)-(2.16), (5.18); thesis 8.2.1 and 8.2.2 name it as open",
@@ -43,7 +46,9 @@ class TendonsOf {
              ShapeScale::kPeriods},
             {"viscous", "Nms/rad", 0.0, 8.0, 0.0, "viscous friction ahead of the tendons, within tau",
              ShapeScale::kPeriods},
-            {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau", ShapeScale::kPeriods}}},
+            {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau", ShapeScale::kPeriods},
+            {"free_share", "1", 0.0, 0.5, 0.0, "share of the length at each tendon's ends that touches nothing",
+             ShapeScale::kPeriods, ShapeOf::kNothing, kFreeShare}}},
       .relations = {.doubles = {"tendon_elongation", "play", "presliding"},
                     .special_cases = {"tendon_elongation", "pretension_offset", "slip_propagation"},
                     .shown_by = Motion::kLoops,
@@ -51,14 +56,15 @@ class TendonsOf {
                     .placed = true},
   };
 
-  constexpr TendonsOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 7>& shape)
+  constexpr TendonsOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 8>& shape)
       : friction_(shape[4]),
         viscous_(shape[5]),
         inertia_(shape[6]),
         tendons_(parameters_of(shape), clamp(shape[2], Scalar{}, kMost) * kTolerance) {}
   constexpr void restart() {
     tendons_.restart();
-    torque_ = smooth_ = {};
+    torque_ = smooth_ = most_torque_ = way_ = {};
+    goes_forward_ = true;
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
@@ -69,6 +75,7 @@ class TendonsOf {
     if (kMost < abs(torque_)) [[unlikely]] {
       return {kOutOfRange};
     }
+    slide(s);
     return {brought_ahead(tendons_.pull(torque_), s.late_gain)};
   }
   [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
@@ -85,14 +92,44 @@ class TendonsOf {
   /// Of the sum of both elongations, per pretension: the loop at rest is about as wide as that.
   static constexpr Scalar kTolerance = ScalarTraits<Scalar>::from(5e-5);
 
+  /// Direction thresholds that the motor goes on before the tendons slide, and that they slide by then: short enough
+  /// for a drag that changes with the speed, long enough for the torque's noise. Half or twice either changes nothing
+  /// by more than a tenth of a camera's noise (thresholds of 0.12 to 1 mrad).
+  static constexpr Scalar kBefore = ScalarTraits<Scalar>::from(8.0);
+  static constexpr Scalar kSlidesBy = ScalarTraits<Scalar>::from(32.0);
+  static constexpr Scalar kAll = ScalarTraits<Scalar>::from(1.0);
+
   /// Shapes that are out of their range count as the nearest that is in it.
-  static constexpr auto parameters_of(const std::array<Scalar, 7>& shape) -> TensionBalanceParameters<Scalar> {
+  static constexpr auto parameters_of(const std::array<Scalar, 8>& shape) -> TensionBalanceParameters<Scalar> {
     const auto within = [](Scalar x, double low, double high) {
       return clamp(x, ScalarTraits<Scalar>::from(low), ScalarTraits<Scalar>::from(high));
     };
     const Scalar top = within(shape[3], 0.1, 0.9);
-    return {within(shape[0], 0.0, 3.0), within(shape[1], 0.0, 3.0), clamp(shape[2], Scalar{}, kMost), top,
-            ScalarTraits<Scalar>::from(1.0) - top};
+    return {within(shape[0], 0.0, 3.0),
+            within(shape[1], 0.0, 3.0),
+            clamp(shape[2], Scalar{}, kMost),
+            top,
+            ScalarTraits<Scalar>::from(1.0) - top,
+            within(shape[kFreeShare], 0.0, 0.5)};
+  }
+  /// While the joint stands, a motor that goes on needs ever more torque: until then the tendons only stretch. A motor
+  /// that goes on without takes the joint with it, and with the joint all of the tendons over their guides.
+  constexpr void slide(const Sample<Scalar>& s) {
+    if (s.advance_late == Scalar{}) {
+      return;
+    }
+    const bool forward = Scalar{} < s.advance_late;
+    const Scalar advance = abs(s.advance_late);
+    if (forward != goes_forward_ || (forward ? most_torque_ < torque_ : torque_ < most_torque_)) {
+      goes_forward_ = forward;
+      most_torque_ = torque_;
+      way_ = {};
+    } else if (way_ <= s.direction_threshold * kBefore) {
+      way_ += advance;
+    } else {
+      const Scalar whole = s.direction_threshold * kSlidesBy;
+      tendons_.slide(forward, ScalarTraits<Scalar>::share_of(advance < whole ? rough_quotient(advance, whole) : kAll));
+    }
   }
   /// s + 5 T s' of a stretch that is late by 5 T: s less itself through a filter of 4 T is 4 T s'.
   constexpr auto brought_ahead(Scalar stretch, typename ScalarTraits<Scalar>::Gain gain) -> Scalar {
@@ -112,8 +149,11 @@ class TendonsOf {
   Scalar viscous_;
   Scalar inertia_;
   TensionBalance<Scalar, Nodes> tendons_;
-  Scalar torque_{};  ///< x
-  Scalar smooth_{};  ///< the stretch through a filter
+  Scalar torque_{};           ///< x
+  Scalar most_torque_{};      ///< since the motor turned
+  Scalar way_{};              ///< of the motor since then, rad
+  bool goes_forward_ = true;  ///< as late as the torque
+  Scalar smooth_{};           ///< the stretch through a filter
 };
 
 /// On the board. A front between two places is not seen, so friction and pretension have to be looked for with more of

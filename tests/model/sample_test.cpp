@@ -179,6 +179,28 @@ TYPED_TEST(Conditioner, LateDirectionTurnsOverAsATorqueThatTurnsOverWithIt) {
   EXPECT_EQ(conditioner.sample().late_gain, gain) << "a new start is as late";
 }
 
+// Counted from the extreme, so they add up to the way.
+TYPED_TEST(Conditioner, AdvancesAddUpToTheWaySinceTheTurnAndAreAsLateAsTheTorque) {
+  SampleConditioner<TypeParam> conditioner = this->make(kThreshold, 0.003);
+  double way = 0.0;
+  double way_late = 0.0;
+  for (int i = 0; i <= 700; ++i) {
+    const double there = 0.002 * std::min(i, 300);
+    const double back = 0.002 * std::max(0, std::min(i, 450) - 300);
+    const auto& s = conditioner.update(number<TypeParam>(there - back), TypeParam{});
+    conditioner.delay_torque();
+    way += value_of(s.advance);
+    way_late += value_of(s.advance_late);
+    if (i == 300) {
+      EXPECT_NEAR(way, 0.6, 1e-5);
+      EXPECT_NEAR(way_late, 0.6 - 0.002 * 15.0, 1e-3) << "both filters, 15 ms";
+    }
+  }
+  EXPECT_NEAR(way, 0.3, 1e-5);
+  EXPECT_NEAR(way_late, 0.3, 3e-4);  // a filter in fixed point stops short of its end
+  EXPECT_EQ(conditioner.sample().direction_threshold, number<TypeParam>(kThreshold));
+}
+
 TEST(ConditionerSaturation, IsFlaggedForAngleTorqueAndRateAndGoesWithItsCause) {
   SampleConditioner<Q24> conditioner(SamplePeriod<Q24>(1000), {});
   const Q24 zero;

@@ -65,7 +65,7 @@ TYPED_TEST(TensionStateIn, KeepsTorqueDifferenceAndSumOfElongationsWhateverTheTo
 // The exact profile, which has its fronts wherever they are, over the same input tensions.
 TEST(FrictionChain, HasTheTensionOfTheExactProfileAtItsPlaces) {
   constexpr std::size_t kNodes = 8;
-  FrictionChain<double, kNodes> chain(1.1414, 0.03);
+  FrictionChain<double, kNodes> chain(1.1414, 0.03, 0.0);
   TensionProfile profile({1.1414, 1.0}, 0.03);
   std::mt19937 engine(52);
   std::normal_distribution<double> walk(0.0, 0.004);
@@ -84,10 +84,10 @@ TEST(FrictionChain, HasTheTensionOfTheExactProfileAtItsPlaces) {
 
 TEST(FrictionChain, SumOfATendonThatSlidesInItsWholeLengthIsTheIntegral) {
   for (const double eta : {0.0, 0.3, 1.1414, 3.0}) {
-    FrictionChain<double, 4> chain(eta, 1e-9);
+    FrictionChain<double, 4> chain(eta, 1e-9, 0.0);
     chain.pull_to(0.05);
     EXPECT_NEAR(chain.trial(0.05).integral, test::integrate(eta, 1.0, 0.05).area, 1e-12);
-    FrictionChain<double, 4> let_go(eta, 50.0);
+    FrictionChain<double, 4> let_go(eta, 50.0, 0.0);
     let_go.pull_to(0.05);
     EXPECT_NEAR(let_go.trial(0.05).integral, test::integrate(eta, -1.0, 0.05).area, 1e-11);
     const double slope = (let_go.trial(0.04999).integral - let_go.trial(0.04997).integral) / 0.00002;

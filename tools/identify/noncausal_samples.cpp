@@ -217,6 +217,7 @@ auto noncausal_samples(const AxisLog& log, const ConditionerShape<double>& condi
   }
   for (auto& sample : result.samples) {
     sample.course_late = sample.forward ? 1.0 : -1.0;
+    sample.advance_late = sample.advance;
     sample.late_gain = 0.0;
   }
   remember_reversals(log, result.samples);

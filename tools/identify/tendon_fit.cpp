@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <utility>
 
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/thinned_design.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -14,6 +17,8 @@ namespace {
 /// Enough to tell one start from another, and to settle. Each trial goes through the whole motion.
 constexpr Eigen::Index kRowsToSearch = 2000;
 constexpr Eigen::Index kRowsToSettle = 8000;
+
+constexpr std::size_t kFreeShare = TendonsOf<double, 32>::kFreeShare;
 
 auto torque_range(const Thinned& data) -> double {
   double low = std::numeric_limits<double>::infinity();
@@ -29,7 +34,8 @@ auto torque_range(const Thinned& data) -> double {
 
 /// While both tendons slide and the tip is free, tau = eta I r1 (from (2.16) with equal tensions at the joint): so the
 /// friction seen gives the pretension to each friction number.
-auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
+/// @param free_share  of the tendons' ends; 0 stays 0
+auto starts(const Thinned& data, const LawForm& form, double free_share) -> std::vector<LawForm> {
   const CatalogueTerm& term = form.catalogue->term(kTendonModel);
   const double friction =
       std::max(friction_torque(data.design, pieces_of(data.design.log_rows())), 0.02 * torque_range(data));
@@ -41,6 +47,7 @@ auto starts(const Thinned& data, const LawForm& form) -> std::vector<LawForm> {
       shapes[2] = std::clamp((1.0 - share) * friction / eta, term.shapes[2].minimum, term.shapes[2].maximum);
       shapes[3] = 0.5;
       shapes[4] = share * friction;
+      shapes[kFreeShare] = free_share;
       all.push_back(form);
       all.back().set_shapes(term, shapes);
     }
@@ -72,25 +79,30 @@ auto friction_torque(const LawDesign& design, const Blocks& rows,
 
 auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
     -> LawForm {
-  constexpr std::size_t kFollowed = 3;
+  constexpr std::size_t kFollowed = 2;
   const Thinned few = thinned(design, target, rows, kRowsToSearch);
-  const auto left = [](const Thinned& data, const LawForm& law) {
-    return fit_law(data.design, data.target, data.rows, law).rmse;
-  };
-  std::vector<std::pair<double, LawForm>> tried;
   LawForm fine = form;
   fine.catalogue = &fine_tendon_catalogue();
-  for (auto& start : starts(few, fine)) {
-    tried.emplace_back(left(few, start), std::move(start));
-  }
-  const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
-  std::sort(tried.begin(), tried.end(), by_error);
-  tried.resize(std::min(kFollowed, tried.size()));
-  for (auto& [error, law] : tried) {
-    law = refine_shapes(few.design, few.target, few.rows, law);
-    error = left(few, law);
-  }
-  LawForm best = std::min_element(tried.begin(), tried.end(), by_error)->second;
+  const auto found = [&](double free_share) {
+    const auto fit = [&few](LawForm law) {
+      const double left = fit_law(few.design, few.target, few.rows, law).rmse;
+      return std::pair{left, std::move(law)};
+    };
+    const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
+    std::vector<std::pair<double, LawForm>> tried;
+    for (auto& start : starts(few, fine, free_share)) {
+      tried.push_back(fit(std::move(start)));
+    }
+    std::sort(tried.begin(), tried.end(), by_error);
+    tried.resize(std::min(kFollowed, tried.size()));
+    for (auto& [error, law] : tried) {
+      std::tie(error, law) = fit(refine_shapes(few.design, few.target, few.rows, std::move(law)));
+    }
+    return *std::min_element(tried.begin(), tried.end(), by_error);
+  };
+  const auto taut = found(0.0);
+  const auto with_free_ends = found(0.05);
+  LawForm best = with_free_ends.first < kWorthFreeEnds * taut.first ? with_free_ends.second : taut.second;
   best.catalogue = form.catalogue;
   return refine_tendon(design, target, rows, std::move(best));
 }

@@ -45,6 +45,7 @@ auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -
   Sample<double> mean = samples[begin + count - 1];
   mean.late_gain = 0.0;
   mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = mean.tau_late = mean.course_late = 0.0;
+  mean.advance = mean.advance_late = 0.0;  // these add up
   const double share = 1.0 / static_cast<double>(count);
   for (std::size_t i = begin; i < begin + count; ++i) {
     mean.q1 += share * samples[i].q1;
@@ -55,6 +56,8 @@ auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -
     mean.tau += share * samples[i].tau;
     mean.tau_late += share * samples[i].tau_late;
     mean.course_late += share * samples[i].course_late;
+    mean.advance += samples[i].advance;
+    mean.advance_late += samples[i].advance_late;
     mean.advances = mean.advances || samples[i].advances;
   }
   return mean;

@@ -21,6 +21,8 @@ auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> 
     sum.tau += first[i].tau;
     sum.tau_late += first[i].tau_late;
     sum.course_late += first[i].course_late;
+    sum.advance += first[i].advance;
+    sum.advance_late += first[i].advance_late;
     sum.warmth += first[i].warmth;
     for (std::size_t other = 0; other < kMostOthers; ++other) {
       sum.others[other].q1 += first[i].others[other].q1;
@@ -35,6 +37,8 @@ auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> 
   mean.tau = share * sum.tau;
   mean.tau_late = share * sum.tau_late;
   mean.course_late = share * sum.course_late;
+  mean.advance = sum.advance;  // these add up
+  mean.advance_late = sum.advance_late;
   mean.warmth = share * sum.warmth;
   mean.forward = 2 * forward >= count;
   for (std::size_t other = 0; other < kMostOthers; ++other) {

@@ -90,6 +90,7 @@ void give_tendons(std::size_t axis, Set&& set) {
   set("tendon.friction", 0.002);
   set("tendon.viscous", 0.0005);
   set("tendon.inertia", 0.02);
+  set("tendon.free_share", 0.1);
 }
 
 /// Pull-push on the even axes, Preisach on the odd ones.

@@ -21,15 +21,15 @@ static_assert(SumTerm<Tendons<double>, double> && SumTerm<Tendons<Q24>, Q24>);
 
 struct Joint {
   double eta_top = 1.1, eta_bottom = 0.9, pretension = 0.072, top_share = 0.55, friction = 0.0, viscous = 0.0,
-         inertia = 0.0;
+         inertia = 0.0, free_share = 0.0;
 };
 
 template <typename Scalar>
 auto make(const Joint& j) -> Tendons<Scalar> {
-  return Tendons<Scalar>(
-      one_khz<Scalar>(),
-      {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
-       number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous), number<Scalar>(j.inertia)});
+  return Tendons<Scalar>(one_khz<Scalar>(),
+                         {number<Scalar>(j.eta_top), number<Scalar>(j.eta_bottom), number<Scalar>(j.pretension),
+                          number<Scalar>(j.top_share), number<Scalar>(j.friction), number<Scalar>(j.viscous),
+                          number<Scalar>(j.inertia), number<Scalar>(j.free_share)});
 }
 template <typename Scalar>
 auto stretch(Tendons<Scalar>& term, double tau) -> double {
@@ -51,12 +51,14 @@ struct Pieces {
     }
     return next;
   }
-  [[nodiscard]] auto integral() const -> double {
-    double sum = 0.5 * (tension.front() + tension.back());
+  /// @param free  share of the length at the two ends that touches nothing
+  [[nodiscard]] auto integral(double free) const -> double {
+    const double ends = 0.5 * (tension.front() + tension.back());
+    double sum = ends;
     for (std::size_t i = 1; i + 1 < tension.size(); ++i) {
       sum += tension[i];
     }
-    return sum / kCount;
+    return (1.0 - free) * sum / kCount + free * ends;
   }
 };
 
@@ -66,7 +68,7 @@ struct SlowPair {
       : joint(j),
         top(j.eta_top, j.pretension * (1.0 - j.top_share)),
         bottom(j.eta_bottom, j.pretension * j.top_share),
-        rest(j.top_share * top.integral()) {}
+        rest(j.top_share * top.integral(j.free_share)) {}
   Joint joint;
   Pieces top, bottom;
   double rest;
@@ -74,8 +76,8 @@ struct SlowPair {
     double low = std::max(x, 0.0);
     double high = low + 10.0 * joint.pretension;
     const auto excess = [&](double input) {
-      return joint.top_share * top.pulled(input).integral() +
-             (1.0 - joint.top_share) * bottom.pulled(input - x).integral() - 2.0 * rest;
+      return joint.top_share * top.pulled(input).integral(joint.free_share) +
+             (1.0 - joint.top_share) * bottom.pulled(input - x).integral(joint.free_share) - 2.0 * rest;
     };
     const bool slack = excess(low) >= 0.0;
     for (int i = 0; i < 50 && !slack; ++i) {
@@ -84,14 +86,15 @@ struct SlowPair {
     }
     top = top.pulled(low);
     bottom = bottom.pulled(low - x);
-    return slack && x < 0.0 ? rest - (1.0 - joint.top_share) * bottom.integral()
-                            : joint.top_share * top.integral() - rest;
+    return slack && x < 0.0 ? rest - (1.0 - joint.top_share) * bottom.integral(joint.free_share)
+                            : joint.top_share * top.integral(joint.free_share) - rest;
   }
 };
 
 TEST(Tendon, FollowsManyShortPiecesThroughLoopsWithinLoops) {
-  for (const Joint& joint : {Joint{}, Joint{.eta_top = 0.3, .eta_bottom = 0.4, .pretension = 0.3, .top_share = 0.5},
-                             Joint{.eta_top = 2.0, .eta_bottom = 1.5, .pretension = 0.02, .top_share = 0.35}}) {
+  for (const Joint& joint :
+       {Joint{}, Joint{.eta_top = 0.3, .eta_bottom = 0.4, .pretension = 0.3, .top_share = 0.5},
+        Joint{.eta_top = 2.0, .eta_bottom = 1.5, .pretension = 0.02, .top_share = 0.35}, Joint{.free_share = 0.3}}) {
     const double size = 1.2 * joint.pretension * joint.eta_top;
     Tendons<double> term = make<double>(joint);
     SlowPair slow(joint);
@@ -173,12 +176,12 @@ TEST(Tendon, FrictionHoldsTheTensionWhileTheMotorStands) {
   EXPECT_LT(term.update({.forward = true, .tau_late = 0.03})[0], moving);
 }
 
-// After a quick turn the motor rings against its servo, here at 20 Hz: its own mass takes the torque's peaks, and
+// After a quick turn the motor rings against its servo, here at 60 Hz: its own mass takes the torque's peaks, and
 // friction would keep what they did to the tension. With the torque of now and a late acceleration it does.
 TEST(Tendon, PeaksThatTheMotorsMassTakesLeaveNothingBehind) {
   constexpr double kInertia = 3e-5;  // kg m2
   constexpr double kSteady = 0.06;   // Nm
-  const auto angle = [](double t) { return t <= 0.0 ? 0.0 : 15e-3 * std::exp(-t / 0.05) * std::sin(125.7 * t); };
+  const auto angle = [](double t) { return t <= 0.0 ? 0.0 : 1.5e-3 * std::exp(-t / 0.05) * std::sin(377.0 * t); };
   Tendons<double> term = make<double>(Joint{.inertia = 1e3 * kInertia});
   Tendons<double> of_now = term;
   Tendons<double> calm = make<double>(Joint{});
@@ -217,6 +220,7 @@ auto most_beside_after_a_turn(Change&& change) -> double {
     conditioner.update(1e-3 * (forward ? i : 2 * kTurn - i), kSteady + (forward ? kFriction : -kFriction));
     conditioner.delay_torque();
     Sample<double> s = conditioner.sample();
+    s.advance_late = 0.0;  // what the torque alone makes of them
     change(s);
     const double now = term.update(s)[0];
     wanted = i == kTurn ? now : wanted;
@@ -228,6 +232,51 @@ auto most_beside_after_a_turn(Change&& change) -> double {
 TEST(Tendon, FrictionOfTheMotorTurnsOverAsLateAsTheTorqueIsSeen) {
   EXPECT_LT(most_beside_after_a_turn([](auto&) {}), 1e-3);
   EXPECT_GT(most_beside_after_a_turn([](auto& s) { s.course_late = s.forward ? 1.0 : -1.0; }), 0.05);
+}
+
+/// A motor at 0.5 rad/s whose torque rises within `rise_ms`, stays for half a second and falls by a tenth within
+/// another one; what the stretch is over what it is while both tendons slide under that torque.
+template <typename Scalar>
+auto over_sliding_after_the_torque_fell(double rise_ms, double rad_per_ms) -> double {
+  const Joint joint{.eta_top = 1.1, .eta_bottom = 1.1, .pretension = 0.1, .top_share = 0.5, .free_share = 0.1};
+  constexpr double kSliding = 0.11;  // eta I r1
+  Tendons<Scalar> term = make<Scalar>(joint);
+  SampleConditioner<Scalar> conditioner(one_khz<Scalar>(), {.rate_time_constant_s = number<Scalar>(0.001)});
+  double now = 0.0;
+  for (int i = 0; i < 2100; ++i) {
+    const double torque =
+        kSliding * (i < 1000 ? std::min(1.0, i / rise_ms) : 1.0 - 0.1 * std::min(1.0, (i - 1000) / 400.0));
+    conditioner.update(number<Scalar>(rad_per_ms * std::min(i, 2000)), number<Scalar>(torque));
+    conditioner.delay_torque();
+    now = value_of(term.update(conditioner.sample())[0]);
+  }
+  return now / make<double>(joint).steady_state({.tau = 0.9 * kSliding, .forward = true})[0];
+}
+
+template <typename Scalar>
+class TendonSlide : public testing::Test {};
+using SlideFormats = testing::Types<double, Q24>;
+TYPED_TEST_SUITE(TendonSlide, SlideFormats);
+
+// Friction of a tendon that moves acts against its motion, whatever its tension did before: T = T_in e^(-eta phi).
+TYPED_TEST(TendonSlide, GoesOnWithAMotorThatGoesOnWithoutMoreTorque) {
+  EXPECT_NEAR(over_sliding_after_the_torque_fell<TypeParam>(100.0, 0.0005), 1.0, 0.003);
+  EXPECT_GT(over_sliding_after_the_torque_fell<TypeParam>(100.0, 0.0), 1.05) << "a motor that stands holds them";
+}
+
+// A torque that rises all the way stretches tendons of a joint that stands; and a motor that turned back a little and
+// goes on again has to come to the torque of before first.
+TEST(Tendon, SlidesNotWhileTheTorqueRises) {
+  Tendons<double> moving = make<double>(Joint{});
+  Tendons<double> standing = make<double>(Joint{});
+  Sample<double> s{.forward = true, .advances = true, .course_late = 1.0, .direction_threshold = 0.001};
+  for (int i = 0; i < 600; ++i) {
+    s.tau_late = i < 200 ? 0.0002 * i : i < 250 ? 0.04 - 0.0002 * (i - 200) : 0.03 + 0.0002 * (i - 250);
+    s.advance_late = i < 200 || i >= 250 ? 0.001 : -0.001;
+    s.forward = s.advance_late > 0.0;
+    s.course_late = s.forward ? 1.0 : -1.0;
+    ASSERT_DOUBLE_EQ(moving.update(s)[0], stretch(standing, s.tau_late)) << i;
+  }
 }
 
 // Without friction the stretch is a share of the torque, and of a torque that grows evenly nothing is left late.
@@ -263,7 +312,8 @@ RC_GTEST_PROP(TendonProperties, FixedPointFollowsDoubleAndStartsAnewAsNewlyMade,
   const Joint joint{.eta_top = share(0, 3000),
                     .eta_bottom = share(0, 3000),
                     .pretension = share(5, 4000),
-                    .top_share = share(150, 850)};
+                    .top_share = share(150, 850),
+                    .free_share = share(0, 500)};
   Tendons<double> exact = make<double>(joint);
   Tendons<Q24> fixed = make<Q24>(joint);
   const double size = 1.5 * joint.pretension;

@@ -14,6 +14,7 @@ auto ramp(std::size_t count) -> Samples {
     samples[i].tau = 10.0 * static_cast<double>(i);
     samples[i].forward = i % 4 > 1;
     samples[i].advances = i == 4;
+    samples[i].advance = samples[i].advance_late = 0.001 * static_cast<double>(i);
   }
   return samples;
 }
@@ -31,6 +32,7 @@ TEST(Thinned, IsMeansOverAsManySamplesAsLeaveTheRowsWanted) {
   EXPECT_TRUE(means[1].forward);   // as the last of them has it
   EXPECT_TRUE(means[2].advances);  // as any of them does
   EXPECT_FALSE(means[3].advances);
+  EXPECT_NEAR(means[1].advance_late, 0.005, 1e-12);  // ways add up
 }
 
 TEST(Thinned, NeverMakesMoreOfALog) {
