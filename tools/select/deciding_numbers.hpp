@@ -110,7 +110,7 @@ inline constexpr double kAsGoodABase = 1.025;
 /// And beside that this share of the loop's half width at the joint: by so much a law of tendons errs itself, noise
 /// aside 1.9 % on drawn joints 704, 705 and 741, whose loop is 52 noises of its camera (23 November 2026).
 inline constexpr double kTendonForm = 0.03;
-/// Or where it leaves this share, rms, of what the usual law with the effects found does: with seven shapes it has to
+/// Or where it leaves this share, rms, of what the usual law with the effects found does: with eight shapes it has to
 /// be clearly better.
 inline constexpr double kWorthABase = 0.8;
 /// A share of the tendons' ends that touches nothing has to leave this share, rms of means over few rows, of what is

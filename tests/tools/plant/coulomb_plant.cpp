@@ -32,8 +32,8 @@ class Tendon {
     motor_ = motor;
     joint_ = joint;
     const double bound = std::exp(eta_ * more);
-    constexpr int kSweeps =
-        25;  // which leaves points that slide 0.1 ms behind; 8 leave them 0.3 ms, 0.5 mrad at 1.25 rad/s
+    // Points that slide are 0.1 ms behind then; 8 sweeps leave them 0.3 ms, which is 0.5 mrad at 1.25 rad/s.
+    constexpr int kSweeps = 25;
     constexpr double kSettled = 1e-9;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       double most = 0.0;
