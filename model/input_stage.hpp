@@ -1,26 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <tuple>
+#include <utility>
 
 #include "capstan/model/catalogue.hpp"
 
 namespace capstan {
 
+/// Turns into a term where it is wanted, so that a tuple makes its terms in place: by value each of them would be on
+/// the stack as well.
+template <typename Term, typename Scalar>
+struct TermMaker {
+  SamplePeriod<Scalar> dt;
+  const Scalar* shapes;
+  constexpr operator Term() const {  // NOLINT(google-explicit-constructor): the conversion is all that it is for
+    std::array<Scalar, kShapesOf<Term>> own{};
+    std::copy_n(shapes, own.size(), own.begin());
+    return Term(dt, own);
+  }
+};
+
 /// Builds the terms of a list, each from its slice of the flat shapes.
 template <typename List, std::size_t FirstShape, typename Scalar, std::size_t Shapes>
 constexpr auto make_terms(SamplePeriod<Scalar> dt, const std::array<Scalar, Shapes>& shapes) {
   std::size_t next = FirstShape;
-  auto make_one = [&]<typename Term>(std::type_identity<Term>) {
-    std::array<Scalar, kShapesOf<Term>> shape{};
-    for (Scalar& value : shape) {
-      value = shapes[next++];
-    }
-    return Term(dt, shape);
-  };
+  const auto own_shapes = [&](std::size_t count) { return shapes.data() + std::exchange(next, next + count); };
   // Braces, not parentheses: they fix the order of evaluation.
   return [&]<typename... Term>(std::type_identity<std::tuple<Term...>>) {
-    return std::tuple<Term...>{make_one(std::type_identity<Term>{})...};
+    return std::tuple<Term...>{TermMaker<Term, Scalar>{dt, own_shapes(kShapesOf<Term>)}...};
   }(std::type_identity<typename List::template Tuple<Scalar>>{});
 }
 
