@@ -12,19 +12,21 @@ namespace capstan {
 /// keeps its tension as long as the input end's stays within the factor that friction holds there: that is the moving
 /// slip front, (2.6) and (2.7), exact at the places. Between them tension goes by e^(-eta phi) one way or the other,
 /// and the sum below is exact for both.
+/// Elongations are in the compliance's unit times N m.
 template <typename Scalar, std::size_t Nodes>
 class FrictionChain {
   static_assert(Nodes >= 2);
 
  public:
-  struct Sum {
-    Scalar integral{};  ///< of the tension over phi
-    Scalar slope{};     ///< d integral / d input tension
+  struct Stretch {
+    Scalar elongation{};  ///< compliance times the integral of the tension over phi
+    Scalar slope{};       ///< d elongation / d input tension
   };
 
   constexpr FrictionChain() = default;
-  /// @param free  share of the length at the two ends that touches nothing, half of it at each
-  constexpr FrictionChain(Scalar eta, Scalar tension, Scalar free) {
+  /// @param compliance  of the whole tendon   @param free  share of the length at the two ends that touches nothing,
+  /// half of it at each
+  constexpr FrictionChain(Scalar eta, Scalar tension, Scalar compliance, Scalar free) {
     constexpr Scalar kOne = ScalarTraits<Scalar>::from(1.0);
     constexpr Scalar kLength = ScalarTraits<Scalar>::from(1.0 / static_cast<double>(Nodes - 1));
     const Scalar step = eta * kLength;
@@ -32,8 +34,8 @@ class FrictionChain {
     // h tanh(eta h / 2) / (eta h / 2): the cell's share of the integral, per mean of its ends. Each end belongs to one
     // cell, the places between to two.
     const Scalar half_cell = (kOne - free) * (kLength * mean_decay(step) / (kOne + decay(step)));
-    weight_ = half_cell + half_cell;
-    end_weight_ = half_cell + free * ScalarTraits<Scalar>::from(0.5);
+    weight_ = compliance * (half_cell + half_cell);
+    end_weight_ = compliance * (half_cell + free * ScalarTraits<Scalar>::from(0.5));
     for (std::size_t i = 0; i < Nodes; ++i) {
       places_[i].low = decay(eta * kPlaces[i]);
       places_[i].high = kOne / places_[i].low;
@@ -49,8 +51,8 @@ class FrictionChain {
     }
   }
 
-  /// What the integral would be with another tension at the input end; changes nothing.
-  [[nodiscard]] constexpr auto trial(Scalar input) const -> Sum {
+  /// What the elongation would be with another tension at the input end; changes nothing.
+  [[nodiscard]] constexpr auto trial(Scalar input) const -> Stretch {
     Parts inside;
     Parts ends{Scalar{}, ScalarTraits<Scalar>::from(1.0)};  // the input end moves
     const auto add = [&](Parts & parts, const Place& place) __attribute__((always_inline)) {
@@ -93,19 +95,22 @@ class FrictionChain {
 
   /// The tendon moves over its guides: each place goes a share of the way to the tension that it has while all of it
   /// slides after a pull or a push at the input end.
-  constexpr void slide(bool pulled, typename ScalarTraits<Scalar>::Gain share) {
+  /// @return false if a tension met the end of its range
+  constexpr auto slide(bool pulled, typename ScalarTraits<Scalar>::Gain share) -> bool {
+    Scalar sliding{};
     for (std::size_t i = 1; i < Nodes; ++i) {
       Place& place = places_[i];
-      const Scalar sliding = input() * (pulled ? place.low : place.high);
+      sliding = input() * (pulled ? place.low : place.high);
       place.tension = ScalarTraits<Scalar>::between(place.tension, sliding, share);
       place.down = place.tension * place.low;
       place.up = place.tension * place.high;
     }
+    return !ScalarTraits<Scalar>::is_saturated(sliding);  // the last place's is the largest of a push
   }
 
-  /// Mean tension along the tendon per tension of its input end, while all of it slides after a pull or a push there.
-  [[nodiscard]] constexpr auto pulled() const -> Scalar { return mean(&Place::low); }
-  [[nodiscard]] constexpr auto pushed() const -> Scalar { return mean(&Place::high); }
+  /// Elongation per tension of the input end, while all of the tendon slides after a pull or a push there.
+  [[nodiscard]] constexpr auto pulled() const -> Scalar { return sum(&Place::low); }
+  [[nodiscard]] constexpr auto pushed() const -> Scalar { return sum(&Place::high); }
 
   /// The tendon slides, or is about to, in its whole length: the output end's tension hangs on the input end's.
   [[nodiscard]] constexpr auto is_active() const -> bool {
@@ -137,7 +142,7 @@ class FrictionChain {
     return places;
   }();
 
-  [[nodiscard]] constexpr auto mean(Scalar Place::*share) const -> Scalar {
+  [[nodiscard]] constexpr auto sum(Scalar Place::*share) const -> Scalar {
     Scalar inner{};
     for (std::size_t i = 1; i + 1 < Nodes; ++i) {
       inner += places_[i].*share;
@@ -146,7 +151,7 @@ class FrictionChain {
   }
 
   std::array<Place, Nodes> places_{};
-  Scalar weight_{};      ///< in the integral, of a place between the ends
+  Scalar weight_{};      ///< in the elongation, of a place between the ends
   Scalar end_weight_{};  ///< of either end
 };
 

@@ -35,12 +35,13 @@ struct Measured {
 /// What every term sees: one instant of one axis, with what many terms need worked out once.
 template <typename Scalar>
 struct Sample {
-  Scalar q1{};             ///< motor angle at the input pulley, rad
-  Scalar dq1{};            ///< its filtered rate, rad/s
-  Scalar tau{};            ///< motor-side torque, N m
-  bool forward = true;     ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
-  bool advances = false;   ///< the motor is further in that direction than ever since it turned: it moves for certain
-  Scalar advance{};        ///< by how much, rad, below 0 backward
+  Scalar q1{};          ///< motor angle at the input pulley, rad
+  Scalar dq1{};         ///< its filtered rate, rad/s
+  Scalar tau{};         ///< motor-side torque, N m
+  bool forward = true;  ///< J of (5.20): the top tendon is the pulled one; keeps its value at rest
+  /// By how much the motor is further in that direction than ever since it turned, rad, below 0 backward: unless 0, it
+  /// moves for certain.
+  Scalar advance{};
   bool saturated = false;  ///< this sample's angle, torque or rate met the end of its range
   /// The motor angle behind the input terms, rad: what is left of it after hysteresis in front of the ratio. q1 where
   /// there is none.
@@ -125,8 +126,11 @@ class SampleConditioner {
     sample_.tau_late = Traits::between(sample_.tau_late, filtered_torque_, acceleration_gain_);
     filtered_course_ = Traits::between(filtered_course_, sample_.forward ? kWhole : -kWhole, gain_);
     sample_.course_late = Traits::between(sample_.course_late, filtered_course_, acceleration_gain_);
-    filtered_advance_ = Traits::between(filtered_advance_, sample_.advance, gain_);
-    sample_.advance_late = Traits::between(sample_.advance_late, filtered_advance_, acceleration_gain_);
+    // The place is filtered, not its steps: these would be rounded each, and a motor at rest would creep on.
+    filtered_extreme_ = Traits::between(filtered_extreme_, extreme_, gain_);
+    const Scalar extreme_late = Traits::between(extreme_late_, filtered_extreme_, acceleration_gain_);
+    sample_.advance_late = extreme_late - extreme_late_;
+    extreme_late_ = extreme_late;
   }
 
   /// Lets what lies between the motor and the ratio act on the last sample.
@@ -149,14 +153,13 @@ class SampleConditioner {
   constexpr void begin() {
     sample_.late_gain = acceleration_gain_;
     sample_.direction_threshold = threshold_;
-    filtered_advance_ = {};
   }
 
   /// What motor angle and torque make of a sample.
   [[gnu::always_inline]] constexpr void follow(Scalar q1, Scalar tau) {
     if (!started_) {
       started_ = true;
-      extreme_ = sample_.q1 = sample_.q1_reversal = q1;
+      extreme_ = filtered_extreme_ = extreme_late_ = sample_.q1 = sample_.q1_reversal = q1;
       torque_at_extreme_ = sample_.tau_reversal = tau;
       filtered_torque_ = sample_.tau_late = tau;
       filtered_course_ = sample_.course_late = kWhole;
@@ -185,9 +188,9 @@ class SampleConditioner {
       sample_.q1_reversal = extreme_;
       sample_.tau_reversal = torque_at_extreme_;
     }
-    sample_.advances = turned || beyond > Scalar{};
-    sample_.advance = sample_.advances ? q1 - extreme_ : Scalar{};
-    if (sample_.advances) {
+    const bool advances = turned || beyond > Scalar{};
+    sample_.advance = advances ? q1 - extreme_ : Scalar{};
+    if (advances) {
       extreme_ = q1;
       torque_at_extreme_ = tau;
     }
@@ -201,7 +204,8 @@ class SampleConditioner {
   Scalar torque_at_extreme_{};
   Scalar filtered_torque_{};  ///< by the rate's filter alone
   Scalar filtered_course_{};
-  Scalar filtered_advance_{};
+  Scalar filtered_extreme_{};
+  Scalar extreme_late_{};
   Sample<Scalar> sample_{};
   bool started_ = false;
 };

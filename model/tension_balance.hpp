@@ -34,16 +34,13 @@ class TensionBalance {
   constexpr TensionBalance() = default;
   /// Starts evenly tensioned. @param tolerance  of the sum of both elongations, in the compliances' unit times N m
   constexpr TensionBalance(const TensionBalanceParameters<Scalar>& p, Scalar tolerance)
-      : tolerance_(tolerance),
-        compliance_top_(p.compliance_top),
-        compliance_bottom_(p.compliance_bottom),
-        pretension_(p.pretension_nm) {
+      : tolerance_(tolerance), pretension_(p.pretension_nm) {
     // Equally long at rest: c_t T_t = c_b T_b, and the two add up to I.
     const Scalar both = p.compliance_top + p.compliance_bottom;
     start_top_ = p.pretension_nm * (p.compliance_bottom / both);
     start_bottom_ = p.pretension_nm * (p.compliance_top / both);
-    top_ = Chain(p.eta_top, start_top_, p.free_share);
-    bottom_ = Chain(p.eta_bottom, start_bottom_, p.free_share);
+    top_ = Chain(p.eta_top, start_top_, p.compliance_top, p.free_share);
+    bottom_ = Chain(p.eta_bottom, start_bottom_, p.compliance_bottom, p.free_share);
     at_rest_ = p.compliance_top * start_top_;
     forward_ = sliding(top_.pulled(), bottom_.pushed());
     backward_ = sliding(top_.pushed(), bottom_.pulled());
@@ -63,13 +60,14 @@ class TensionBalance {
     top_known_ = top_.pull_to(now.top_in) || top_known_;
     bottom_known_ = bottom_.pull_to(now.top_in - torque) || bottom_known_;
     const bool on_top = !now.one_slack || Scalar{} < torque;
-    return on_top ? compliance_top_ * now.top_integral - at_rest_ : at_rest_ - compliance_bottom_ * now.bottom_integral;
+    return on_top ? now.top - at_rest_ : at_rest_ - now.bottom;
   }
 
   /// Both tendons move over their guides, by a share of what it takes them to slide everywhere.
-  constexpr void slide(bool forward, typename ScalarTraits<Scalar>::Gain share) {
-    top_.slide(forward, share);
-    bottom_.slide(!forward, share);
+  /// @return false if a tension met the end of its range
+  constexpr auto slide(bool forward, typename ScalarTraits<Scalar>::Gain share) -> bool {
+    const bool top_fits = top_.slide(forward, share);
+    return bottom_.slide(!forward, share) && top_fits;
   }
 
   /// The stretch that `pull` comes to when both tendons slide in their whole length: (5.35) with its Lambda, and a
@@ -107,8 +105,8 @@ class TensionBalance {
 
   struct Balance {
     Scalar top_in{};
-    Scalar top_integral{};
-    Scalar bottom_integral{};
+    Scalar top{};  ///< elongations
+    Scalar bottom{};
     Scalar error{};  ///< how much the elongations of both exceed those at rest
     Scalar slope{};  ///< of the error by the top tendon's input tension
     bool one_slack = false;
@@ -121,10 +119,8 @@ class TensionBalance {
     Scalar stretch_of_bottom{};
   };
 
-  /// @param top_mean  mean tension along the top tendon per tension of its input end; `bottom_mean` the bottom one's
-  [[nodiscard]] constexpr auto sliding(Scalar top_mean, Scalar bottom_mean) const -> Sliding {
-    const Scalar top = compliance_top_ * top_mean;
-    const Scalar bottom = compliance_bottom_ * bottom_mean;
+  /// @param top  elongation of the top tendon per tension of its input end; `bottom` the bottom one's
+  [[nodiscard]] constexpr auto sliding(Scalar top, Scalar bottom) const -> Sliding {
     const Scalar both = top + bottom;
     return {(at_rest_ + at_rest_) / both, bottom / both, top, bottom};
   }
@@ -155,10 +151,10 @@ class TensionBalance {
     const auto top = top_.trial(top_in);
     const auto bottom = bottom_.trial(top_in - x);
     return {top_in,
-            top.integral,
-            bottom.integral,
-            compliance_top_ * top.integral - at_rest_ + (compliance_bottom_ * bottom.integral - at_rest_),
-            compliance_top_ * top.slope + compliance_bottom_ * bottom.slope,
+            top.elongation,
+            bottom.elongation,
+            top.elongation - at_rest_ + (bottom.elongation - at_rest_),
+            top.slope + bottom.slope,
             false};
   }
 
@@ -167,8 +163,6 @@ class TensionBalance {
   static constexpr Scalar kLargestShare = ScalarTraits<Scalar>::from(7.0);
 
   Scalar tolerance_{};
-  Scalar compliance_top_{};
-  Scalar compliance_bottom_{};
   Scalar pretension_{};
   Scalar start_top_{};
   Scalar start_bottom_{};

@@ -6,6 +6,21 @@
 
 namespace capstan {
 
+/// Places of the tendons' shapes; laws of before the last one do without it.
+struct TendonShape {
+  enum Place : std::size_t {
+    kEtaTop,
+    kEtaBottom,
+    kPretension,
+    kTopShare,
+    kFriction,
+    kViscous,
+    kInertia,
+    kFreeShare,
+    kCount
+  };
+};
+
 /// Both tendons with the friction along them: the joint lags by how much longer than at rest the tendon is that it
 /// hangs on, whatever the tip touches,
 ///   -C (s Int T_t dphi - s T_t0),  s = c_t / (c_t + c_b),  C = beta (c_t + c_b),
@@ -27,8 +42,8 @@ class TendonsOf {
   /// Of pretension and of torque: sums over the places of what either may bring stay in fixed point's range.
   static constexpr double kMostNm = 8.0;
 
-  static constexpr std::int8_t kFreeShare = 7;  // its place: laws of before it do without
-  static constexpr TermInfo<1, 8> kInfo = {
+  using Shape = TendonShape;
+  static constexpr TermInfo<1, Shape::kCount> kInfo = {
       .name = "tendon",
       .equation = "C (s Int T_t dphi - rest): both tendons' tensions under tau - b q1' - m q1'' less friction +-f",
       .source = "(2.4)-(2.16), (5.18); thesis 8.2.1 and 8.2.2 name it as open",
@@ -48,7 +63,7 @@ class TendonsOf {
              ShapeScale::kPeriods},
             {"inertia", "gm2", 0.0, 100.0, 0.0, "the motor's inertia, its torque within tau", ShapeScale::kPeriods},
             {"free_share", "1", 0.0, 0.5, 0.0, "share of the length at each tendon's ends that touches nothing",
-             ShapeScale::kPeriods, ShapeOf::kNothing, kFreeShare}}},
+             ShapeScale::kPeriods, ShapeOf::kNothing, static_cast<std::int8_t>(Shape::kFreeShare)}}},
       .relations = {.doubles = {"tendon_elongation", "play", "presliding"},
                     .special_cases = {"tendon_elongation", "pretension_offset", "slip_propagation"},
                     .shown_by = Motion::kLoops,
@@ -56,11 +71,11 @@ class TendonsOf {
                     .placed = true},
   };
 
-  constexpr TendonsOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, 8>& shape)
-      : friction_(shape[4]),
-        viscous_(shape[5]),
-        inertia_(shape[6]),
-        tendons_(parameters_of(shape), clamp(shape[2], Scalar{}, kMost) * kTolerance) {}
+  constexpr TendonsOf(SamplePeriod<Scalar> /*dt*/, const std::array<Scalar, Shape::kCount>& shape)
+      : friction_(shape[Shape::kFriction]),
+        viscous_(shape[Shape::kViscous]),
+        inertia_(shape[Shape::kInertia]),
+        tendons_(parameters_of(shape), clamp(shape[Shape::kPretension], Scalar{}, kMost) * kTolerance) {}
   constexpr void restart() {
     tendons_.restart();
     torque_ = smooth_ = most_torque_ = way_ = {};
@@ -70,12 +85,11 @@ class TendonsOf {
   constexpr auto update(const Sample<Scalar>& s) -> std::array<Scalar, 1> {
     const Scalar given = given_torque(s, s.tau_late);
     const Scalar friction = friction_ * s.course_late;
-    torque_ = clamp(torque_, s.advances && !s.forward ? given - friction : given - friction_,
-                    s.advances && s.forward ? given - friction : given + friction_);
-    if (kMost < abs(torque_)) [[unlikely]] {
+    torque_ = clamp(torque_, s.advance < Scalar{} ? given - friction : given - friction_,
+                    Scalar{} < s.advance ? given - friction : given + friction_);
+    if (kMost < abs(torque_) || !slide(s)) [[unlikely]] {
       return {kOutOfRange};
     }
-    slide(s);
     return {brought_ahead(tendons_.pull(torque_), s.late_gain)};
   }
   [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> std::array<Scalar, 1> {
@@ -95,41 +109,49 @@ class TendonsOf {
   /// Direction thresholds that the motor goes on before the tendons slide, and that they slide by then: short enough
   /// for a drag that changes with the speed, long enough for the torque's noise. Half or twice either changes nothing
   /// by more than a tenth of a camera's noise (thresholds of 0.12 to 1 mrad).
-  static constexpr Scalar kBefore = ScalarTraits<Scalar>::from(8.0);
-  static constexpr Scalar kSlidesBy = ScalarTraits<Scalar>::from(32.0);
-  static constexpr Scalar kAll = ScalarTraits<Scalar>::from(1.0);
+  static constexpr double kBefore = 8.0;
+  static constexpr double kSlidesBy = 32.0;
+  /// They slide in steps of an eighth: a step at every cycle would cost more than all the rest.
+  static constexpr double kStep = 4.0;
 
   /// Shapes that are out of their range count as the nearest that is in it.
-  static constexpr auto parameters_of(const std::array<Scalar, 8>& shape) -> TensionBalanceParameters<Scalar> {
+  static constexpr auto parameters_of(const std::array<Scalar, Shape::kCount>& shape)
+      -> TensionBalanceParameters<Scalar> {
     const auto within = [](Scalar x, double low, double high) {
       return clamp(x, ScalarTraits<Scalar>::from(low), ScalarTraits<Scalar>::from(high));
     };
-    const Scalar top = within(shape[3], 0.1, 0.9);
-    return {within(shape[0], 0.0, 3.0),
-            within(shape[1], 0.0, 3.0),
-            clamp(shape[2], Scalar{}, kMost),
+    const Scalar top = within(shape[Shape::kTopShare], 0.1, 0.9);
+    return {within(shape[Shape::kEtaTop], 0.0, 3.0),
+            within(shape[Shape::kEtaBottom], 0.0, 3.0),
+            clamp(shape[Shape::kPretension], Scalar{}, kMost),
             top,
             ScalarTraits<Scalar>::from(1.0) - top,
-            within(shape[kFreeShare], 0.0, 0.5)};
+            within(shape[Shape::kFreeShare], 0.0, 0.5)};
   }
   /// While the joint stands, a motor that goes on needs ever more torque: until then the tendons only stretch. A motor
   /// that goes on without takes the joint with it, and with the joint all of the tendons over their guides.
-  constexpr void slide(const Sample<Scalar>& s) {
+  /// @return false if a tension met the end of its range
+  constexpr auto slide(const Sample<Scalar>& s) -> bool {
     if (s.advance_late == Scalar{}) {
-      return;
+      return true;
     }
     const bool forward = Scalar{} < s.advance_late;
-    const Scalar advance = abs(s.advance_late);
     if (forward != goes_forward_ || (forward ? most_torque_ < torque_ : torque_ < most_torque_)) {
       goes_forward_ = forward;
       most_torque_ = torque_;
       way_ = {};
-    } else if (way_ <= s.direction_threshold * kBefore) {
-      way_ += advance;
-    } else {
-      const Scalar whole = s.direction_threshold * kSlidesBy;
-      tendons_.slide(forward, ScalarTraits<Scalar>::share_of(advance < whole ? rough_quotient(advance, whole) : kAll));
+      return true;
     }
+    way_ += abs(s.advance_late);
+    if (way_ < s.direction_threshold * ScalarTraits<Scalar>::from(kBefore + kStep)) {
+      return true;
+    }
+    const Scalar before = s.direction_threshold * ScalarTraits<Scalar>::from(kBefore);
+    const Scalar step = way_ - before;
+    const Scalar whole = s.direction_threshold * ScalarTraits<Scalar>::from(kSlidesBy);
+    way_ = before;
+    return tendons_.slide(
+        forward, ScalarTraits<Scalar>::share_of(step < whole ? rough_quotient(step, whole) : Sample<Scalar>::kWhole));
   }
   /// s + 5 T s' of a stretch that is late by 5 T: s less itself through a filter of 4 T is 4 T s'.
   constexpr auto brought_ahead(Scalar stretch, typename ScalarTraits<Scalar>::Gain gain) -> Scalar {

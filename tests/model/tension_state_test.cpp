@@ -49,8 +49,8 @@ TYPED_TEST(TensionStateIn, KeepsTorqueDifferenceAndSumOfElongationsWhateverTheTo
     const double bottom = value_of(state.bottom().input());
     ASSERT_NEAR(top - bottom, tau, 4.0 * test::kLsb);
     ASSERT_GE(std::fmin(top, bottom), 0.0);
-    const double now = value_of(p.compliance_top) * value_of(state.top().trial(state.top().input()).integral) +
-                       value_of(p.compliance_bottom) * value_of(state.bottom().trial(state.bottom().input()).integral);
+    const double now = value_of(state.top().trial(state.top().input()).elongation) +
+                       value_of(state.bottom().trial(state.bottom().input()).elongation);
     if (estimate.phase == ForcePhase::kOneSlack) {
       ++slack;
       ASSERT_GE(now, sum - 1e-5) << "one tendon is slack only if the other alone is longer than both at rest";
@@ -65,7 +65,7 @@ TYPED_TEST(TensionStateIn, KeepsTorqueDifferenceAndSumOfElongationsWhateverTheTo
 // The exact profile, which has its fronts wherever they are, over the same input tensions.
 TEST(FrictionChain, HasTheTensionOfTheExactProfileAtItsPlaces) {
   constexpr std::size_t kNodes = 8;
-  FrictionChain<double, kNodes> chain(1.1414, 0.03, 0.0);
+  FrictionChain<double, kNodes> chain(1.1414, 0.03, 1.0, 0.0);
   TensionProfile profile({1.1414, 1.0}, 0.03);
   std::mt19937 engine(52);
   std::normal_distribution<double> walk(0.0, 0.004);
@@ -76,21 +76,21 @@ TEST(FrictionChain, HasTheTensionOfTheExactProfileAtItsPlaces) {
     chain.pull_to(tension);
     profile.pull_to(tension);
     ASSERT_NEAR(chain.output(), profile.at(1.0), 1e-12);
-    worst = std::fmax(worst, std::fabs(chain.trial(tension).integral - profile.integral()) / profile.integral());
+    worst = std::fmax(worst, std::fabs(chain.trial(tension).elongation - profile.integral()) / profile.integral());
   }
   EXPECT_LT(worst, 0.02) << "a front inside one of seven cells";
   EXPECT_EQ(profile.dropped(), 0U);
 }
 
-TEST(FrictionChain, SumOfATendonThatSlidesInItsWholeLengthIsTheIntegral) {
+TEST(FrictionChain, StretchesATendonThatSlidesInItsWholeLengthByTheIntegral) {
   for (const double eta : {0.0, 0.3, 1.1414, 3.0}) {
-    FrictionChain<double, 4> chain(eta, 1e-9, 0.0);
+    FrictionChain<double, 4> chain(eta, 1e-9, 2.0, 0.0);
     chain.pull_to(0.05);
-    EXPECT_NEAR(chain.trial(0.05).integral, test::integrate(eta, 1.0, 0.05).area, 1e-12);
-    FrictionChain<double, 4> let_go(eta, 50.0, 0.0);
+    EXPECT_NEAR(chain.trial(0.05).elongation, 2.0 * test::integrate(eta, 1.0, 0.05).area, 1e-12);
+    FrictionChain<double, 4> let_go(eta, 50.0, 2.0, 0.0);
     let_go.pull_to(0.05);
-    EXPECT_NEAR(let_go.trial(0.05).integral, test::integrate(eta, -1.0, 0.05).area, 1e-11);
-    const double slope = (let_go.trial(0.04999).integral - let_go.trial(0.04997).integral) / 0.00002;
+    EXPECT_NEAR(let_go.trial(0.05).elongation, 2.0 * test::integrate(eta, -1.0, 0.05).area, 1e-11);
+    const double slope = (let_go.trial(0.04999).elongation - let_go.trial(0.04997).elongation) / 0.00002;
     EXPECT_NEAR(let_go.trial(0.04998).slope, slope, 1e-6 * slope);
   }
 }

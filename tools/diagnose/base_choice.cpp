@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/noncausal_samples.hpp"
@@ -74,12 +75,11 @@ auto late_tendons(const Preparation& p, const LawForm& start, const Blocks& rows
 /// Without a lateness that is to be named: more than what the torque that grows with the motor's speed makes by
 /// stretching the tendons, and than a sample, by which two clocks may differ.
 auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Blocks& rows) -> LawForm {
-  constexpr std::size_t kViscous = 5;
   if (!tendons.has(kDelay)) {
     return tendons;
   }
   const auto loop = loop_by_law(p, tendons, rows);
-  const double drag = tendons.shapes_of(tendons.catalogue->term(kTendonModel))[kViscous];
+  const double drag = tendons.shapes_of(tendons.catalogue->term(kTendonModel))[TendonShape::kViscous];
   const double own_s = loop ? drag / (kTorqueOfStretch * loop->torque_stretching(1.0)) : 0.0;
   if (lateness_of(tendons) > std::max(own_s, p.causal.period_s(0))) {
     const std::size_t shape = tendons.catalogue->term(kDelay).first_shape;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -44,8 +45,7 @@ auto change_sentence(const std::string& name, const EffectSize& size) -> std::st
 
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
   if (name == kPretension) {
-    constexpr std::size_t kPlace = 2;
-    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + kPlace] *= width;
+    tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + TendonShape::kPretension] *= width;
   } else if (name == "stiffness_hardening") {
     *tendons.tied_compliance *= width;
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/identify/torque_balance.hpp"
@@ -13,11 +14,9 @@
 namespace capstan::tools {
 namespace {
 
-enum Shape : std::size_t { kEtaTop, kEtaBottom, kPretension, kTopShare, kMotorFriction };
-
 /// A shape of the law's tendons, known to the share that is known of it and to its interval. Where a fit held it, it is
 /// from a fit of the same logs before that.
-auto shape_of(const JointFile& joint, Shape place, double share) -> Gauged {
+auto shape_of(const JointFile& joint, TendonShape::Place place, double share) -> Gauged {
   const std::size_t at = joint.catalogue->term(kTendonModel).first_shape + place;
   const double value = joint.parameters.shapes[at];
   const auto& ci95 = joint.shape_ci95[at];
@@ -25,7 +24,7 @@ auto shape_of(const JointFile& joint, Shape place, double share) -> Gauged {
 }
 
 auto motor_friction(const JointFile& joint) -> double {
-  return joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + kMotorFriction];
+  return joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + TendonShape::kFriction];
 }
 
 auto range_text(const Gauged& number, const std::string& unit) -> std::string {
@@ -65,9 +64,9 @@ auto pretension_of(const JointFile& joint, bool held) -> std::optional<Pretensio
   if (!joint.has(kTendonModel)) {
     return std::nullopt;
   }
-  const Gauged top = shape_of(joint, kEtaTop, kTendonEtaKnown);
-  const Gauged bottom = shape_of(joint, kEtaBottom, kTendonEtaKnown);
-  const Gauged torque = shape_of(joint, kPretension, kTendonPretensionKnown);
+  const Gauged top = shape_of(joint, TendonShape::kEtaTop, kTendonEtaKnown);
+  const Gauged bottom = shape_of(joint, TendonShape::kEtaBottom, kTendonEtaKnown);
+  const Gauged torque = shape_of(joint, TendonShape::kPretension, kTendonPretensionKnown);
   const Gauged eta = {0.5 * (top.value + bottom.value), 0.5 * (top.half + bottom.half)};
   const double friction = eta.value * torque.value;
   if (friction <= 0.0) {

@@ -18,8 +18,6 @@ namespace {
 constexpr Eigen::Index kRowsToSearch = 2000;
 constexpr Eigen::Index kRowsToSettle = 8000;
 
-constexpr std::size_t kFreeShare = TendonsOf<double, 32>::kFreeShare;
-
 auto torque_range(const Thinned& data) -> double {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
@@ -43,11 +41,13 @@ auto starts(const Thinned& data, const LawForm& form, double free_share) -> std:
   for (const double eta : {0.15, 0.4, 0.8, 1.2, 2.0}) {
     for (const double share : {0.1, 0.4}) {  // of the friction, ahead of the tendons
       Shapes shapes = form.shapes_of(term);
-      shapes[0] = shapes[1] = eta;
-      shapes[2] = std::clamp((1.0 - share) * friction / eta, term.shapes[2].minimum, term.shapes[2].maximum);
-      shapes[3] = 0.5;
-      shapes[4] = share * friction;
-      shapes[kFreeShare] = free_share;
+      const auto& pretension = term.shapes[TendonShape::kPretension];
+      shapes[TendonShape::kEtaTop] = shapes[TendonShape::kEtaBottom] = eta;
+      shapes[TendonShape::kPretension] =
+          std::clamp((1.0 - share) * friction / eta, pretension.minimum, pretension.maximum);
+      shapes[TendonShape::kTopShare] = 0.5;
+      shapes[TendonShape::kFriction] = share * friction;
+      shapes[TendonShape::kFreeShare] = free_share;
       all.push_back(form);
       all.back().set_shapes(term, shapes);
     }
@@ -118,18 +118,18 @@ auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const
 
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
     -> LawForm {
-  constexpr std::size_t kPretension = 2;
   constexpr double kMostTimes = 4.0;
   constexpr int kHalvings = 24;  // of the golden section: to a thousandth
   constexpr double kGolden = 0.6180339887498949;
   const Thinned few = thinned(design, target, rows, kRowsToSearch);
   const CatalogueTerm& term = form.catalogue->term(kTendonModel);
-  const double now = form.shapes[term.first_shape + kPretension];
+  const auto& pretension = term.shapes[TendonShape::kPretension];
+  const std::size_t shape = term.first_shape + TendonShape::kPretension;
+  const double now = form.shapes[shape];
   LawForm fine = form;
   fine.catalogue = &fine_tendon_catalogue();
   const auto left = [&](double place) {
-    fine.shapes[term.first_shape + kPretension] =
-        std::clamp(now * std::exp(place), term.shapes[kPretension].minimum, term.shapes[kPretension].maximum);
+    fine.shapes[shape] = std::clamp(now * std::exp(place), pretension.minimum, pretension.maximum);
     return fit_law(few.design, few.target, few.rows, fine).rmse;
   };
   double low = -std::log(kMostTimes);

@@ -58,7 +58,6 @@ auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -
     mean.course_late += share * samples[i].course_late;
     mean.advance += samples[i].advance;
     mean.advance_late += samples[i].advance_late;
-    mean.advances = mean.advances || samples[i].advances;
   }
   return mean;
 }

@@ -158,17 +158,17 @@ TEST(Tendon, TakesFrictionAndInertiaAheadOfTheTendonsFromTheTorque) {
   Tendons<double> term = make<double>(with);
   Tendons<double> other = make<double>(bare);
   const Sample<double> sample{
-      .dq1 = 3.0, .forward = true, .advances = true, .ddq1 = 0.1, .tau_late = 0.09, .course_late = 1.0};
+      .dq1 = 3.0, .forward = true, .advance = 0.001, .ddq1 = 0.1, .tau_late = 0.09, .course_late = 1.0};
   EXPECT_DOUBLE_EQ(term.update(sample)[0], stretch(other, 0.09 - 0.01 - 0.006 - 0.002));
   const Sample<double> back{
-      .dq1 = -3.0, .forward = false, .advances = true, .ddq1 = 0.1, .tau_late = -0.09, .course_late = -1.0};
+      .dq1 = -3.0, .forward = false, .advance = -0.001, .ddq1 = 0.1, .tau_late = -0.09, .course_late = -1.0};
   EXPECT_DOUBLE_EQ(term.update(back)[0], stretch(other, -0.09 + 0.01 + 0.006 - 0.002));
 }
 
 // At a reversal the torque falls by twice the friction before the motor moves, and the tendons feel nothing of it.
 TEST(Tendon, FrictionHoldsTheTensionWhileTheMotorStands) {
   Tendons<double> term = make<double>(Joint{.friction = 0.01});
-  const double moving = term.update({.forward = true, .advances = true, .tau_late = 0.06, .course_late = 1.0})[0];
+  const double moving = term.update({.forward = true, .advance = 0.001, .tau_late = 0.06, .course_late = 1.0})[0];
   EXPECT_GT(moving, 0.0);
   for (const double tau : {0.055, 0.05, 0.0401}) {
     EXPECT_DOUBLE_EQ(term.update({.forward = true, .tau_late = tau})[0], moving) << tau;
@@ -264,19 +264,55 @@ TYPED_TEST(TendonSlide, GoesOnWithAMotorThatGoesOnWithoutMoreTorque) {
   EXPECT_GT(over_sliding_after_the_torque_fell<TypeParam>(100.0, 0.0), 1.05) << "a motor that stands holds them";
 }
 
+// What is left of the filters behind the way must not move the tendons of a motor that has come to rest.
+TYPED_TEST(TendonSlide, EndsWithTheMotorsMotion) {
+  Tendons<TypeParam> term = make<TypeParam>({.eta_top = 1.1, .eta_bottom = 1.1, .pretension = 0.1, .top_share = 0.5});
+  SampleConditioner<TypeParam> conditioner(one_khz<TypeParam>(), {.direction_threshold_rad = number<TypeParam>(0.0001),
+                                                                  .rate_time_constant_s = number<TypeParam>(0.002)});
+  double soon_after = 0.0;
+  double now = 0.0;
+  for (int i = 0; i < 61000; ++i) {
+    const double torque = i < 500 ? 0.0002 * i : 0.1 - 0.01 * std::min(1.0, (i - 500) / 500.0);
+    conditioner.update(number<TypeParam>(0.0005 * std::min(i, 505)), number<TypeParam>(torque));
+    conditioner.delay_torque();
+    now = value_of(term.update(conditioner.sample())[0]);
+    soon_after = i == 1100 ? now : soon_after;
+  }
+  EXPECT_NEAR(now, soon_after, 1e-6) << "a minute later";
+}
+
 // A torque that rises all the way stretches tendons of a joint that stands; and a motor that turned back a little and
 // goes on again has to come to the torque of before first.
 TEST(Tendon, SlidesNotWhileTheTorqueRises) {
   Tendons<double> moving = make<double>(Joint{});
   Tendons<double> standing = make<double>(Joint{});
-  Sample<double> s{.forward = true, .advances = true, .course_late = 1.0, .direction_threshold = 0.001};
+  Sample<double> s{.course_late = 1.0, .direction_threshold = 0.001};
   for (int i = 0; i < 600; ++i) {
     s.tau_late = i < 200 ? 0.0002 * i : i < 250 ? 0.04 - 0.0002 * (i - 200) : 0.03 + 0.0002 * (i - 250);
-    s.advance_late = i < 200 || i >= 250 ? 0.001 : -0.001;
-    s.forward = s.advance_late > 0.0;
+    s.advance = s.advance_late = i < 200 || i >= 250 ? 0.001 : -0.001;
+    s.forward = s.advance > 0.0;
     s.course_late = s.forward ? 1.0 : -1.0;
     ASSERT_DOUBLE_EQ(moving.update(s)[0], stretch(standing, s.tau_late)) << i;
   }
+}
+
+// A load that drives the motor's pulley through tendons of much friction: their far end would have e^3 times 6.5 Nm,
+// which is beyond fixed point. No tension is cut in silence.
+TEST(Tendon, SaysThatSlidingTakesATensionBeyondTheRange) {
+  Tendons<Q24> term = make<Q24>({.eta_top = 3.0, .eta_bottom = 3.0, .pretension = 0.1, .top_share = 0.5});
+  const auto goes_on = [&term](double torque, int cycles) {
+    Sample<Q24> s{.course_late = Sample<Q24>::kWhole};
+    s.tau_late = number<Q24>(torque);
+    s.advance = s.advance_late = s.direction_threshold = number<Q24>(0.001);
+    bool in_range = true;
+    for (int i = 0; i < cycles; ++i) {
+      in_range = !ScalarTraits<Q24>::is_saturated(term.update(s)[0]) && in_range;
+    }
+    return in_range;
+  };
+  EXPECT_TRUE(goes_on(-6.0, 50)) << "e^3 times 6 Nm are 120.5";
+  EXPECT_FALSE(goes_on(-6.5, 50)) << "and times 6.5 Nm 130.6";
+  EXPECT_TRUE(goes_on(-6.0, 50)) << "it is over with the torque that was too large";
 }
 
 // Without friction the stretch is a share of the torque, and of a torque that grows evenly nothing is left late.

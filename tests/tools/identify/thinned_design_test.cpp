@@ -13,8 +13,8 @@ auto ramp(std::size_t count) -> Samples {
     samples[i].q1 = samples[i].h = static_cast<double>(i);
     samples[i].tau = 10.0 * static_cast<double>(i);
     samples[i].forward = i % 4 > 1;
-    samples[i].advances = i == 4;
-    samples[i].advance = samples[i].advance_late = 0.001 * static_cast<double>(i);
+    samples[i].advance = 0.001 * static_cast<double>(i);
+    samples[i].advance_late = 2.0 * samples[i].advance;
   }
   return samples;
 }
@@ -29,10 +29,9 @@ TEST(Thinned, IsMeansOverAsManySamplesAsLeaveTheRowsWanted) {
   EXPECT_NEAR(means[1].q1, 2.5, 1e-12);
   EXPECT_NEAR(means[1].tau, 25.0, 1e-12);
   EXPECT_NEAR(few.target[1], 2.5, 1e-12);
-  EXPECT_TRUE(means[1].forward);   // as the last of them has it
-  EXPECT_TRUE(means[2].advances);  // as any of them does
-  EXPECT_FALSE(means[3].advances);
-  EXPECT_NEAR(means[1].advance_late, 0.005, 1e-12);  // ways add up
+  EXPECT_TRUE(means[1].forward);                // as the last of them has it
+  EXPECT_NEAR(means[1].advance, 0.005, 1e-12);  // ways add up
+  EXPECT_NEAR(means[1].advance_late, 0.010, 1e-12);
 }
 
 TEST(Thinned, NeverMakesMoreOfALog) {
