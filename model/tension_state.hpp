@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 
 #include "capstan/model/force_estimate.hpp"
 #include "capstan/model/tension_balance.hpp"
@@ -100,7 +101,11 @@ class TensionState {
     if (!usable_) {
       return;
     }
-    tendons_ = {{p.eta_top, p.eta_bottom, p.pretension_nm, p.compliance_top, p.compliance_bottom}, kTolerance};
+    // In place: an assignment would have both on the stack.
+    std::construct_at(&tendons_,
+                      TensionBalanceParameters<Scalar>{p.eta_top, p.eta_bottom, p.pretension_nm, p.compliance_top,
+                                                       p.compliance_bottom},
+                      kTolerance);
     ratio_ = ScalarTraits<Scalar>::from(1.0) / p.beta;
   }
 

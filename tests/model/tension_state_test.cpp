@@ -82,6 +82,64 @@ TEST(FrictionChain, HasTheTensionOfTheExactProfileAtItsPlaces) {
   EXPECT_EQ(profile.dropped(), 0U);
 }
 
+/// The same tendon without a front: each place is looked at, and what it stretches is added up.
+struct PlaceByPlace {
+  static constexpr std::size_t kNodes = 8;
+  PlaceByPlace(double eta_of, double tension) : eta(eta_of) { tensions.fill(tension); }
+  [[nodiscard]] auto low(std::size_t i) const -> double {
+    return std::exp(-eta * static_cast<double>(i) / (kNodes - 1));
+  }
+  void pull_to(double input) {
+    for (std::size_t i = 0; i < kNodes; ++i) {
+      tensions[i] = std::clamp(tensions[i], input * low(i), input / low(i));
+    }
+  }
+  void slide(bool pulled, double share) {
+    for (std::size_t i = 1; i < kNodes; ++i) {
+      tensions[i] += share * (tensions[0] * (pulled ? low(i) : 1.0 / low(i)) - tensions[i]);
+    }
+  }
+  /// Of unit compliance, per cell e^(-eta h) between its ends.
+  [[nodiscard]] auto elongation() const -> double {
+    const double step = eta / (kNodes - 1);
+    double sum = 0.0;
+    for (std::size_t i = 0; i + 1 < kNodes; ++i) {
+      sum += 0.5 * (tensions[i] + tensions[i + 1]) / (kNodes - 1) * std::tanh(0.5 * step) / (0.5 * step);
+    }
+    return sum;
+  }
+  double eta;
+  std::array<double, kNodes> tensions{};
+};
+
+// Beyond the front nothing is looked at: a place there that should have moved would show here.
+TYPED_TEST(TensionStateIn, ChainMovesWhatMovesPlaceByPlaceWhetherItSlidesOrNot) {
+  constexpr bool kIsFixed = std::is_same_v<TypeParam, Q24>;
+  std::mt19937 engine(53);
+  std::normal_distribution<double> walk(0.0, 0.2);
+  std::uniform_real_distribution<double> chance(0.0, 1.0);
+  for (const double eta : {0.05, 0.6, 1.5}) {
+    FrictionChain<TypeParam, PlaceByPlace::kNodes> chain(number<TypeParam>(eta), number<TypeParam>(0.5),
+                                                         number<TypeParam>(1.0), TypeParam{});
+    PlaceByPlace plain(eta, 0.5);
+    double log_tension = std::log(0.5);
+    for (int i = 0; i < 5000; ++i) {
+      log_tension = 0.98 * log_tension + walk(engine) * chance(engine);
+      const double tension = value_of(number<TypeParam>(std::exp(log_tension)));
+      const double trial = value_of(chain.trial(number<TypeParam>(tension)).elongation);
+      chain.pull_to(number<TypeParam>(tension));
+      plain.pull_to(tension);
+      ASSERT_NEAR(trial, plain.elongation(), (kIsFixed ? 2e-5 : 1e-12)) << eta << ", step " << i;
+      if (chance(engine) < 0.3) {
+        const bool pulled = chance(engine) < 0.5;
+        ASSERT_TRUE(chain.slide(pulled, ScalarTraits<TypeParam>::share_of(number<TypeParam>(0.125))));
+        plain.slide(pulled, 0.125);
+      }
+      ASSERT_NEAR(value_of(chain.output()), plain.tensions.back(), (kIsFixed ? 1e-5 : 1e-12)) << eta << ", step " << i;
+    }
+  }
+}
+
 TEST(FrictionChain, StretchesATendonThatSlidesInItsWholeLengthByTheIntegral) {
   for (const double eta : {0.0, 0.3, 1.1414, 3.0}) {
     FrictionChain<double, 4> chain(eta, 1e-9, 2.0, 0.0);
