@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 #include "capstan/model/terms/tendon.hpp"
@@ -81,30 +80,34 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
     -> LawForm {
   constexpr std::size_t kFollowed = 2;
   const Thinned few = thinned(design, target, rows, kRowsToSearch);
+  const Thinned many = thinned(design, target, rows, kRowsToSettle);
   LawForm fine = form;
   fine.catalogue = &fine_tendon_catalogue();
+  const auto fit = [](const Thinned& data, LawForm law) {
+    const double left = fit_law(data.design, data.target, data.rows, law).rmse;
+    return std::pair{left, std::move(law)};
+  };
+  const auto refined = [&fit](const Thinned& data, LawForm law) {
+    return fit(data, refine_shapes(data.design, data.target, data.rows, std::move(law)));
+  };
   const auto found = [&](double free_share) {
-    const auto fit = [&few](LawForm law) {
-      const double left = fit_law(few.design, few.target, few.rows, law).rmse;
-      return std::pair{left, std::move(law)};
-    };
     const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
     std::vector<std::pair<double, LawForm>> tried;
     for (auto& start : starts(few, fine, free_share)) {
-      tried.push_back(fit(std::move(start)));
+      tried.push_back(fit(few, std::move(start)));
     }
     std::sort(tried.begin(), tried.end(), by_error);
     tried.resize(std::min(kFollowed, tried.size()));
-    for (auto& [error, law] : tried) {
-      std::tie(error, law) = fit(refine_shapes(few.design, few.target, few.rows, std::move(law)));
+    for (auto& each : tried) {
+      each = refined(few, std::move(each.second));
     }
-    return *std::min_element(tried.begin(), tried.end(), by_error);
+    return refined(many, std::min_element(tried.begin(), tried.end(), by_error)->second);
   };
   const auto taut = found(0.0);
   const auto with_free_ends = found(0.05);
   LawForm best = with_free_ends.first < kWorthFreeEnds * taut.first ? with_free_ends.second : taut.second;
   best.catalogue = form.catalogue;
-  return refine_tendon(design, target, rows, std::move(best));
+  return best;
 }
 
 auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
