@@ -113,10 +113,10 @@ inline constexpr double kTendonForm = 0.03;
 /// Or where it leaves this share, rms, of what the usual law with the effects found does: with eight shapes it has to
 /// be clearly better.
 inline constexpr double kWorthABase = 0.8;
-/// A share of the tendons' ends that touches nothing has to leave this share, rms of means over few rows, of what is
-/// left without, for it can be exchanged for the motor's friction: on the simulated forceps it leaves 0.96 and the
-/// friction comes out as 4.3 mNm of 3 (2.7 without), on joints 24 and 30 of the third plant 0.77 and 0.53 and the
-/// friction as 3.3 mNm of 2.6 and 2.4 of 2.9 (0 without; November 2026).
+/// A share of the tendons' ends that touches nothing has to leave this share, rms of means over the rows to settle on,
+/// of what is left without, for it can be exchanged for the motor's friction: on the simulated forceps it leaves 0.98
+/// and the friction comes out as 4.2 mNm of 3 (2.8 without), on joints 24 and 28 of the third plant 0.55 and 0.94, on
+/// 25 0.97 (26 November 2026).
 inline constexpr double kWorthFreeEnds = 0.95;
 /// Change of a loop's width or torque, as a share, that counts as one. Healthy joints drawn by chance come out within
 /// 1 % (seeds 400 to 405, November 2026).
