@@ -91,7 +91,8 @@ TEST(TermsThatStayInRange, AreMostOfThem) {
   EXPECT_EQ(staying, 12) << "or the law asks about more than it need";
 }
 
-// All effects at once beside double, with torques up to the end of the range: until the first flag the two agree.
+// All effects at once beside double, with torques up to the end of the range: until the first flag the two agree. Just
+// at the torque that tendons bear at most they may decide otherwise; a little less of it and double does, too.
 RC_GTEST_PROP(MotionLawSaturation, IsFlaggedInTheCycleInWhichSomethingIsCut, ()) {
   LawParameters<Q24> parameters;
   LawParameters<double> exact;
@@ -114,6 +115,7 @@ RC_GTEST_PROP(MotionLawSaturation, IsFlaggedInTheCycleInWhichSomethingIsCut, ())
   }
   MotionLaw<Q24> law(one_khz<Q24>(), parameters);
   MotionLaw<double> reference(one_khz<double>(), exact);
+  MotionLaw<double> with_less_torque(one_khz<double>(), exact);
   const double size = 0.01 * *rc::gen::inRange(1, 12000);
   bool flagged = false;
   for (int i = 0; i < 40 && !flagged; ++i) {  // beyond the first flag a state may remember what was cut
@@ -122,9 +124,13 @@ RC_GTEST_PROP(MotionLawSaturation, IsFlaggedInTheCycleInWhichSomethingIsCut, ())
     const Q24 tau = Q24::from_double(1e-6 * *rc::gen::inRange(-1000000, 1000001) * size);
     const auto fixed = law.update(q1, tau);
     const auto wanted = reference.update(q1.to_double(), tau.to_double());
+    const auto nearly = with_less_torque.update(q1.to_double(), (1.0 - 1e-5) * tau.to_double());
     flagged = fixed.saturated;
-    RC_ASSERT(flagged || std::fabs(fixed.q2.to_double() - wanted.q2) < 1e-3);
-    RC_ASSERT(flagged || std::fabs(fixed.q2_reported.to_double() - wanted.q2_reported) < 1e-3);
+    const auto agrees = [&fixed](const Estimate<double>& law, double within) {
+      return std::fabs(fixed.q2.to_double() - law.q2) < within &&
+             std::fabs(fixed.q2_reported.to_double() - law.q2_reported) < within;
+    };
+    RC_ASSERT(flagged || agrees(wanted, 1e-3) || agrees(nearly, 5e-3));
   }
 }
 
