@@ -15,7 +15,7 @@ template <typename Term, typename Scalar>
 struct TermMaker {
   SamplePeriod<Scalar> dt;
   const Scalar* shapes;
-  constexpr operator Term() const {  // NOLINT(google-explicit-constructor): the conversion is all that it is for
+  constexpr operator Term() const {  // implicit: the conversion is all that it is for
     std::array<Scalar, kShapesOf<Term>> own{};
     std::copy_n(shapes, own.size(), own.begin());
     return Term(dt, own);

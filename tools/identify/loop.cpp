@@ -18,7 +18,7 @@ constexpr const char* kDelay = "transport_delay";
 /// Half the width of the loop at these torques, both tendons sliding.
 auto width_by_law(const JointFile& joint, const SteadyTorque& torque) -> double {
   const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
-  std::array<double, TendonsOf<double, 32>::kInfo.shapes.size()> shapes{};
+  std::array<double, TendonShape::kCount> shapes{};
   std::copy_n(joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape), shapes.size(),
               shapes.begin());
   const TendonsOf<double, 32> tendons(SamplePeriod<double>(1e-3), shapes);

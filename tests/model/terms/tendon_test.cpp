@@ -255,8 +255,8 @@ auto over_sliding_after_the_torque_fell(double rise_ms, double rad_per_ms) -> do
 
 template <typename Scalar>
 class TendonSlide : public testing::Test {};
-using SlideFormats = testing::Types<double, Q24>;
-TYPED_TEST_SUITE(TendonSlide, SlideFormats);
+using Formats = testing::Types<double, Q24>;
+TYPED_TEST_SUITE(TendonSlide, Formats);
 
 // Friction of a tendon that moves acts against its motion, whatever its tension did before: T = T_in e^(-eta phi).
 TYPED_TEST(TendonSlide, GoesOnWithAMotorThatGoesOnWithoutMoreTorque) {
@@ -318,7 +318,6 @@ TEST(Tendon, SaysThatSlidingTakesATensionBeyondTheRange) {
 // Without friction the stretch is a share of the torque, and of a torque that grows evenly nothing is left late.
 template <typename Scalar>
 class TendonLateness : public testing::Test {};
-using Formats = testing::Types<double, Q24>;
 TYPED_TEST_SUITE(TendonLateness, Formats);
 
 TYPED_TEST(TendonLateness, IsMadeUpForBehindTheTendons) {

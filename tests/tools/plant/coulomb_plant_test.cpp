@@ -50,7 +50,7 @@ auto left_of_lag(std::uint64_t seed, bool slides) -> double {
 }
 
 // Friction acts along the whole of a tendon that moves over its guides, whatever its tension did before.
-TEST(CoulombPlant, TheLawOfTendonsLeavesAHundredthOfTheLagWithItsOwnNumbers) {
+TEST(CoulombPlant, TheLawOfTendonsLeavesLessThanAFiftiethOfTheLagWithItsOwnNumbers) {
   for (const std::uint64_t seed : {24U, 31U}) {  // sines and a walk, large friction
     const double left = left_of_lag(seed, true);
     EXPECT_LT(left, 0.016) << seed;
