@@ -2,6 +2,7 @@
 #include "capstan/tools/identify/tendon_fit.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/thinned_design.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
+#include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -16,6 +18,9 @@ namespace {
 /// Enough to tell one start from another, and to settle. Each trial goes through the whole motion.
 constexpr Eigen::Index kRowsToSearch = 2000;
 constexpr Eigen::Index kRowsToSettle = 8000;
+
+/// Where the share of the tendons' ends that is free of friction is looked for from, if there are free ends.
+constexpr double kFreeShareToBegin = 0.05;
 
 auto torque_range(const Thinned& data) -> double {
   double low = std::numeric_limits<double>::infinity();
@@ -54,6 +59,26 @@ auto starts(const Thinned& data, const LawForm& form, double free_share) -> std:
   return all;
 }
 
+/// What a law leaves, and the law.
+using Fitted = std::pair<double, LawForm>;
+
+auto fitted(const Thinned& data, LawForm law) -> Fitted {
+  const double left = fit_law(data.design, data.target, data.rows, law).rmse;
+  return {left, std::move(law)};
+}
+auto refined(const Thinned& data, LawForm law) -> Fitted {
+  return fitted(data, refine_shapes(data.design, data.target, data.rows, std::move(law)));
+}
+
+/// A law whose tendons were seen at many places, to run with the few of the board: with the same numbers, which say
+/// what the tendons are made of, unless numbers of its own serve it much better.
+auto as_it_runs(const Thinned& data, const Catalogue& own, LawForm law) -> LawForm {
+  law.catalogue = &own;
+  Fitted same = fitted(data, std::move(law));
+  Fitted better = refined(data, same.second);
+  return better.first < kWorthOwnPlaces * same.first ? std::move(better.second) : std::move(same.second);
+}
+
 }  // namespace
 
 auto friction_torque(const LawDesign& design, const Blocks& rows,
@@ -83,18 +108,11 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
   const Thinned many = thinned(design, target, rows, kRowsToSettle);
   LawForm fine = form;
   fine.catalogue = &fine_tendon_catalogue();
-  const auto fit = [](const Thinned& data, LawForm law) {
-    const double left = fit_law(data.design, data.target, data.rows, law).rmse;
-    return std::pair{left, std::move(law)};
-  };
-  const auto refined = [&fit](const Thinned& data, LawForm law) {
-    return fit(data, refine_shapes(data.design, data.target, data.rows, std::move(law)));
-  };
-  const auto found = [&](double free_share) {
+  const auto find = [&](double free_share) {
     const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
-    std::vector<std::pair<double, LawForm>> tried;
+    std::vector<Fitted> tried;
     for (auto& start : starts(few, fine, free_share)) {
-      tried.push_back(fit(few, std::move(start)));
+      tried.push_back(fitted(few, std::move(start)));
     }
     std::sort(tried.begin(), tried.end(), by_error);
     tried.resize(std::min(kFollowed, tried.size()));
@@ -103,20 +121,18 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
     }
     return refined(many, std::min_element(tried.begin(), tried.end(), by_error)->second);
   };
-  const auto taut = found(0.0);
-  const auto with_free_ends = found(0.05);
-  LawForm best = with_free_ends.first < kWorthFreeEnds * taut.first ? with_free_ends.second : taut.second;
-  best.catalogue = form.catalogue;
-  return best;
+  std::array<Fitted, 2> found;
+  two_at_a_time(found.size(), [&](std::size_t i) { found[i] = find(i == 0 ? 0.0 : kFreeShareToBegin); });
+  const auto& [taut, with_free_ends] = found;
+  const bool has_free_ends = with_free_ends.first < kWorthFreeEnds * taut.first;
+  return as_it_runs(many, *form.catalogue, has_free_ends ? with_free_ends.second : taut.second);
 }
 
 auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
     -> LawForm {
   const Thinned many = thinned(design, target, rows, kRowsToSettle);
-  const Catalogue* coarse = std::exchange(form.catalogue, &fine_tendon_catalogue());
-  form = refine_shapes(many.design, many.target, many.rows, std::move(form));
-  form.catalogue = coarse;
-  return form;
+  const Catalogue* own = std::exchange(form.catalogue, &fine_tendon_catalogue());
+  return as_it_runs(many, *own, refined(many, std::move(form)).second);
 }
 
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
@@ -129,11 +145,9 @@ auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& targe
   const auto& pretension = term.shapes[TendonShape::kPretension];
   const std::size_t shape = term.first_shape + TendonShape::kPretension;
   const double now = form.shapes[shape];
-  LawForm fine = form;
-  fine.catalogue = &fine_tendon_catalogue();
   const auto left = [&](double place) {
-    fine.shapes[shape] = std::clamp(now * std::exp(place), pretension.minimum, pretension.maximum);
-    return fit_law(few.design, few.target, few.rows, fine).rmse;
+    form.shapes[shape] = std::clamp(now * std::exp(place), pretension.minimum, pretension.maximum);
+    return fit_law(few.design, few.target, few.rows, form).rmse;
   };
   double low = -std::log(kMostTimes);
   double high = std::log(kMostTimes);
@@ -153,7 +167,6 @@ auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& targe
     }
   }
   left(0.5 * (low + high));
-  form.shapes = fine.shapes;
   return form;
 }
 

@@ -24,7 +24,8 @@ auto friction_torque(
     const std::function<bool(const Sample<double>&)>& counts = [](const Sample<double>&) { return true; }) -> double;
 
 /// Finds the shapes of a law's term `tendon` from a motion of q1, tau and the target: from several starts that the
-/// torque of steady motion suggests, on means over few rows first. Leaves the other shapes as they are.
+/// torque of steady motion suggests, on means over few rows first, seen at more places than the board has. Leaves the
+/// other shapes as they are.
 /// @param rows  samples that take part, in order
 auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& form)
     -> LawForm;

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capstan/tools/identify/mean_sample.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -41,27 +43,6 @@ class Lateness {
   double second_;
 };
 
-auto mean_sample(const Samples& samples, std::size_t begin, std::size_t count) -> Sample<double> {
-  Sample<double> mean = samples[begin + count - 1];
-  mean.late_gain = 0.0;
-  mean.q1 = mean.h = mean.dq1 = mean.dh = mean.ddq1 = mean.tau = mean.tau_late = mean.course_late = 0.0;
-  mean.advance = mean.advance_late = 0.0;  // these add up
-  const double share = 1.0 / static_cast<double>(count);
-  for (std::size_t i = begin; i < begin + count; ++i) {
-    mean.q1 += share * samples[i].q1;
-    mean.h += share * samples[i].h;
-    mean.dq1 += share * samples[i].dq1;
-    mean.dh += share * samples[i].dh;
-    mean.ddq1 += share * samples[i].ddq1;
-    mean.tau += share * samples[i].tau;
-    mean.tau_late += share * samples[i].tau_late;
-    mean.course_late += share * samples[i].course_late;
-    mean.advance += samples[i].advance;
-    mean.advance_late += samples[i].advance_late;
-  }
-  return mean;
-}
-
 }  // namespace
 
 auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, Eigen::Index wanted)
@@ -84,7 +65,8 @@ auto thinned(const LawDesign& design, const Eigen::VectorXd& target, const Block
           static_cast<Eigen::Index>(means.size()) + std::min(i / factor, count);
     }
     for (Eigen::Index i = 0; i < count; ++i) {
-      own.push_back(mean_sample(all, static_cast<std::size_t>(i * factor), static_cast<std::size_t>(factor)));
+      own.push_back(mean_sample({&all[static_cast<std::size_t>(i * factor)], static_cast<std::size_t>(factor)}));
+      own.back().late_gain = 0.0;
       means.push_back(seen.segment(i * factor, factor).mean());
     }
     begin += static_cast<Eigen::Index>(all.size());

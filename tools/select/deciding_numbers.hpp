@@ -118,6 +118,10 @@ inline constexpr double kWorthABase = 0.8;
 /// and the friction comes out as 4.2 mNm of 3 (2.8 without), on joints 24 and 28 of the third plant 0.55 and 0.94, on
 /// 25 0.97 (26 November 2026).
 inline constexpr double kWorthFreeEnds = 0.95;
+/// Numbers fitted with as many places along the tendons as the board has must leave this share, rms of the same means,
+/// of what those fitted with 32 leave there, to take their place: these say what the tendons are made of. Where
+/// friction sits at a few points, as on the third plant, 32 places find twice the friction number.
+inline constexpr double kWorthOwnPlaces = 0.95;
 /// Change of a loop's width or torque, as a share, that counts as one. Healthy joints drawn by chance come out within
 /// 1 % (seeds 400 to 405, November 2026).
 inline constexpr double kLoopTold = 0.03;

@@ -4,49 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/identify/mean_sample.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
-
-/// One sample in the place of several: means, and the direction of most.
-auto mean_of(const Sample<double>* first, Eigen::Index count) -> Sample<double> {
-  Sample<double> mean = first[0];
-  Eigen::Index forward = 0;
-  Sample<double> sum{};
-  for (Eigen::Index i = 0; i < count; ++i) {
-    sum.q1 += first[i].q1;
-    sum.dq1 += first[i].dq1;
-    sum.ddq1 += first[i].ddq1;
-    sum.tau += first[i].tau;
-    sum.tau_late += first[i].tau_late;
-    sum.course_late += first[i].course_late;
-    sum.advance += first[i].advance;
-    sum.advance_late += first[i].advance_late;
-    sum.warmth += first[i].warmth;
-    for (std::size_t other = 0; other < kMostOthers; ++other) {
-      sum.others[other].q1 += first[i].others[other].q1;
-      sum.others[other].tau += first[i].others[other].tau;
-    }
-    forward += first[i].forward ? 1 : 0;
-  }
-  const double share = 1.0 / static_cast<double>(count);
-  mean.q1 = mean.h = share * sum.q1;
-  mean.dq1 = mean.dh = share * sum.dq1;
-  mean.ddq1 = share * sum.ddq1;
-  mean.tau = share * sum.tau;
-  mean.tau_late = share * sum.tau_late;
-  mean.course_late = share * sum.course_late;
-  mean.advance = sum.advance;  // these add up
-  mean.advance_late = sum.advance_late;
-  mean.warmth = share * sum.warmth;
-  mean.forward = 2 * forward >= count;
-  for (std::size_t other = 0; other < kMostOthers; ++other) {
-    mean.others[other].q1 = share * sum.others[other].q1;
-    mean.others[other].tau = share * sum.others[other].tau;
-  }
-  return mean;
-}
 
 /// How often a play of some half width turns round, so far as the rows go.
 auto turns(const Eigen::VectorXd& q1, const Blocks& logs, double half_width) -> int {
@@ -110,7 +72,10 @@ SelectionData::SelectionData(const Preparation& p, const Catalogue& catalogue, c
     const auto rows = static_cast<Eigen::Index>(samples.size()) / p.factor;
     logs_.push_back({static_cast<Eigen::Index>(coarse_.size()), static_cast<Eigen::Index>(coarse_.size()) + rows});
     for (Eigen::Index row = 0; row < rows; ++row) {
-      coarse_.push_back(mean_of(&samples[static_cast<std::size_t>(row * p.factor)], p.factor));
+      auto& mean = coarse_.emplace_back(
+          mean_sample({&samples[static_cast<std::size_t>(row * p.factor)], static_cast<std::size_t>(p.factor)}));
+      mean.h = mean.q1;
+      mean.dh = mean.dq1;
     }
   }
   q1_.resize(rows());

@@ -29,7 +29,7 @@ TEST(Thinned, IsMeansOverAsManySamplesAsLeaveTheRowsWanted) {
   EXPECT_NEAR(means[1].q1, 2.5, 1e-12);
   EXPECT_NEAR(means[1].tau, 25.0, 1e-12);
   EXPECT_NEAR(few.target[1], 2.5, 1e-12);
-  EXPECT_TRUE(means[1].forward);                // as the last of them has it
+  EXPECT_TRUE(means[1].forward);
   EXPECT_NEAR(means[1].advance, 0.005, 1e-12);  // ways add up
   EXPECT_NEAR(means[1].advance_late, 0.010, 1e-12);
 }
