@@ -33,6 +33,19 @@ auto goes_in_ratios(const ShapeInfo& info) -> bool {
   return info.scale == ShapeScale::kRatio && info.minimum > 0.0;
 }
 
+/// The places of a form's shapes that are searched for, in the order of its sensitivities.
+auto searched_places(const LawForm& form) -> std::vector<std::size_t> {
+  std::vector<std::size_t> places;
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (is_searched(form, *term, i)) {
+        places.push_back(term->first_shape + i);
+      }
+    }
+  }
+  return places;
+}
+
 /// The shapes of a form that are searched for. Where one is now always belongs to its range: a law may have been fitted
 /// to logs that went farther.
 auto shape_slots(const LawDesign& design, const LawForm& form) -> std::vector<ShapeSlot> {
@@ -87,10 +100,15 @@ class ShapeResidual final : public NonlinearResidual {
       }
     }
     project_out(columns_(Eigen::all, free), blocks_, changes);
-    Eigen::MatrixXd result(rows_in(blocks_), count);
+    // A shape that came to 0 on the way, where it or another is idle, has no sensitivity any more: it stays there.
+    const std::vector<std::size_t> moving = searched_places(form_);
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows_in(blocks_), count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const auto& slot = slots_[static_cast<std::size_t>(i)];
-      result.col(i) = -slot.slope(form_.shapes[slot.index]) * stacked(changes.col(i), blocks_);
+      const auto found = std::find(moving.begin(), moving.end(), slot.index);
+      if (found != moving.end()) {
+        result.col(i) = -slot.slope(form_.shapes[slot.index]) * stacked(changes.col(found - moving.begin()), blocks_);
+      }
     }
     return result;
   }
