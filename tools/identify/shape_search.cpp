@@ -33,32 +33,36 @@ auto goes_in_ratios(const ShapeInfo& info) -> bool {
   return info.scale == ShapeScale::kRatio && info.minimum > 0.0;
 }
 
-/// The places of a form's shapes that are searched for, in the order of its sensitivities.
-auto searched_places(const LawForm& form) -> std::vector<std::size_t> {
-  std::vector<std::size_t> places;
+/// A shape, and the term that it belongs to.
+struct TermShape {
+  const CatalogueTerm* term;
+  std::size_t own;  ///< place among the term's shapes
+
+  [[nodiscard]] auto info() const -> const ShapeInfo& { return term->shapes[own]; }
+  [[nodiscard]] auto index() const -> std::size_t { return term->first_shape + own; }
+};
+
+/// The shapes of a form that are searched for, in the order of its sensitivities.
+auto searched(const LawForm& form) -> std::vector<TermShape> {
+  std::vector<TermShape> shapes;
   for (const auto* term : ordered_terms(form)) {
     for (std::size_t i = 0; i < term->shapes.size(); ++i) {
       if (is_searched(form, *term, i)) {
-        places.push_back(term->first_shape + i);
+        shapes.push_back({term, i});
       }
     }
   }
-  return places;
+  return shapes;
 }
 
-/// The shapes of a form that are searched for. Where one is now always belongs to its range: a law may have been fitted
-/// to logs that went farther.
+/// Where one is now always belongs to its range: a law may have been fitted to logs that went farther.
 auto shape_slots(const LawDesign& design, const LawForm& form) -> std::vector<ShapeSlot> {
   std::vector<ShapeSlot> slots;
-  for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (is_searched(form, *term, i)) {
-        const ShapeInfo& info = term->shapes[i];
-        const std::size_t index = term->first_shape + i;
-        const double now = std::clamp(form.shapes[index], info.minimum, info.maximum);
-        slots.push_back({range_of(info, design.reach()).with(now), index, goes_in_ratios(info), term->acts_on_output});
-      }
-    }
+  for (const auto& shape : searched(form)) {
+    const ShapeInfo& info = shape.info();
+    const double now = std::clamp(form.shapes[shape.index()], info.minimum, info.maximum);
+    slots.push_back(
+        {range_of(info, design.reach()).with(now), shape.index(), goes_in_ratios(info), shape.term->acts_on_output});
   }
   return slots;
 }
@@ -101,11 +105,12 @@ class ShapeResidual final : public NonlinearResidual {
     }
     project_out(columns_(Eigen::all, free), blocks_, changes);
     // A shape that came to 0 on the way, where it or another is idle, has no sensitivity any more: it stays there.
-    const std::vector<std::size_t> moving = searched_places(form_);
+    const std::vector<TermShape> moving = searched(form_);
     Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows_in(blocks_), count);
     for (Eigen::Index i = 0; i < count; ++i) {
       const auto& slot = slots_[static_cast<std::size_t>(i)];
-      const auto found = std::find(moving.begin(), moving.end(), slot.index);
+      const auto found =
+          std::find_if(moving.begin(), moving.end(), [&](const auto& shape) { return shape.index() == slot.index; });
       if (found != moving.end()) {
         result.col(i) = -slot.slope(form_.shapes[slot.index]) * stacked(changes.col(found - moving.begin()), blocks_);
       }
@@ -183,14 +188,10 @@ auto hypercube(const std::vector<ShapeSlot>& slots, const LawForm& form, std::si
 
 /// The form with every shape that is searched for inside what the logs can tell.
 auto moved_inside(const LawDesign& design, LawForm form) -> LawForm {
-  for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (is_searched(form, *term, i)) {
-        const ShapeRange range = range_of(term->shapes[i], design.reach());
-        double& value = form.shapes[term->first_shape + i];
-        value = std::clamp(value, range.low, range.high);
-      }
-    }
+  for (const auto& shape : searched(form)) {
+    const ShapeRange range = range_of(shape.info(), design.reach());
+    double& value = form.shapes[shape.index()];
+    value = std::clamp(value, range.low, range.high);
   }
   return form;
 }
