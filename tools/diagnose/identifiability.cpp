@@ -116,16 +116,12 @@ auto identifiability_of(const std::vector<AxisLog>& logs, const JointFile& law) 
       }
     }
   }
-  const Eigen::MatrixXd changes = sensitivities(design, form, theta);
-  next = 0;
-  for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (is_searched(form, *term, i)) {
-        const std::size_t at = term->first_shape + i;
-        regressors.push_back(
-            {term, term->shapes[i].name, law.parameters.shapes[at], law.shape_ci95[at], changes.col(next++)});
-      }
-    }
+  const std::vector<TermShape> shapes = searched_shapes(form);
+  const Eigen::MatrixXd changes = sensitivities(design, form, theta, shapes);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const TermShape& shape = shapes[i];
+    regressors.push_back({shape.term, shape.info().name, law.parameters.shapes[shape.index()],
+                          law.shape_ci95[shape.index()], changes.col(static_cast<Eigen::Index>(i))});
   }
   return told(regressors, design.smoothed(stacked_target(logs)));
 }

@@ -217,65 +217,63 @@ auto fit_law(const LawDesign& design, const Eigen::VectorXd& target, const Block
 
 namespace {
 
-/// A shape that is searched for, and the part of the law that moves with it.
+/// The part of a law that moves with a shape of one of its terms.
 struct MovingPart {
-  const ShapeInfo* info;
-  std::size_t shape;  ///< its place among all
   LawForm law;
   Eigen::VectorXd weights;  ///< coefficients of the part's columns
 };
 
-auto moving_parts(const LawForm& form, const Eigen::VectorXd& theta) -> std::vector<MovingPart> {
-  std::vector<MovingPart> parts;
-  Eigen::Index first = 0;  // of the term's own coefficients
-  const Eigen::VectorXd all = untied(form, theta);
-  for (const auto* term : ordered_terms(form)) {
-    const auto own = static_cast<Eigen::Index>(term->coefficients.size());
-    LawForm part = form;
-    part.tied_compliance.reset();
-    Eigen::VectorXd weights = all;
-    if (!term->acts_on_output && !term->acts_on_input) {
-      std::erase_if(part.terms, [&](const auto& name) {
-        const auto& other = form.catalogue->term(name);
-        return name != term->name && !other.acts_on_output && !(other.acts_on_input && term->reads_input);
-      });
-      weights = all.segment(first, own);
-    }
-    first += own;
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (is_searched(form, *term, i)) {
-        parts.push_back({&term->shapes[i], term->first_shape + i, part, weights});
-      }
-    }
+/// The term alone, with what the law's output passes through. Terms at input or output move all of the law.
+auto part_that_moves(const LawForm& form, const CatalogueTerm& term, const Eigen::VectorXd& all) -> MovingPart {
+  MovingPart part{form, all};
+  part.law.tied_compliance.reset();
+  if (term.acts_on_output || term.acts_on_input) {
+    return part;
   }
-  return parts;
+  std::erase_if(part.law.terms, [&](const auto& name) {
+    const auto& other = form.catalogue->term(name);
+    return name != term.name && !other.acts_on_output && !(other.acts_on_input && term.reads_input);
+  });
+  Eigen::Index first = 0;
+  for (const auto* other : ordered_terms(form)) {
+    if (other == &term) {
+      break;
+    }
+    first += static_cast<Eigen::Index>(other->coefficients.size());
+  }
+  part.weights = all.segment(first, static_cast<Eigen::Index>(term.coefficients.size()));
+  return part;
 }
 
-/// How the part's angle or effort changes with its shape, by a difference to either side.
-auto change_of(const LawDesign& design, const MovingPart& part) -> Eigen::VectorXd {
-  LawForm moved = part.law;
-  double& value = moved.shapes[part.shape];
-  const double step = shape_step(*part.info, value);
-  value += step;
-  const Eigen::VectorXd above = law_columns(design, moved) * part.weights;
-  value = std::max(part.info->minimum, value - 2.0 * step);
-  const double span = part.law.shapes[part.shape] + step - value;
-  return (above - law_columns(design, moved) * part.weights) / span;
+/// How the part's angle or effort changes with the shape, by a difference to either side.
+auto change_of(const LawDesign& design, MovingPart part, const TermShape& shape) -> Eigen::VectorXd {
+  double& value = part.law.shapes[shape.index()];
+  const double middle = value;
+  const double step = shape_step(shape.info(), middle);
+  const auto at = [&](double place) -> Eigen::VectorXd {
+    value = place;
+    return law_columns(design, part.law) * part.weights;
+  };
+  const double below = std::max(shape.info().minimum, middle - step);
+  return (at(middle + step) - at(below)) / (middle + step - below);
 }
 
 }  // namespace
 
-auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd {
-  const std::vector<MovingPart> parts = moving_parts(form, theta);
-  Eigen::MatrixXd changes(design.rows(), static_cast<Eigen::Index>(parts.size()));
-  two_at_a_time(parts.size(),
-                [&](std::size_t i) { changes.col(static_cast<Eigen::Index>(i)) = change_of(design, parts[i]); });
+auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
+                   const std::vector<TermShape>& shapes) -> Eigen::MatrixXd {
+  const Eigen::VectorXd all = untied(form, theta);
+  Eigen::MatrixXd changes(design.rows(), static_cast<Eigen::Index>(shapes.size()));
+  two_at_a_time(shapes.size(), [&](std::size_t i) {
+    changes.col(static_cast<Eigen::Index>(i)) =
+        change_of(design, part_that_moves(form, *shapes[i].term, all), shapes[i]);
+  });
   return changes;
 }
 
 auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
                         const Eigen::MatrixXd& columns) -> Eigen::MatrixXd {
-  const Eigen::MatrixXd changes = sensitivities(design, form, theta);
+  const Eigen::MatrixXd changes = sensitivities(design, form, theta, searched_shapes(form));
   Eigen::MatrixXd result(columns.rows(), columns.cols() + changes.cols());
   result << columns, changes;
   return result;
@@ -316,17 +314,14 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
         joint.coefficient_ci95[term->first_coefficient + i] = Interval{theta[next] - half, theta[next] + half};
       }
     }
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (!is_searched(form, *term, i)) {
-        continue;
-      }
-      const double half = half_interval(full, shape);
-      const double value = form.shapes[term->first_shape + i];
-      if (full.tolerance[shape] > 0.0) {
-        joint.shape_ci95[term->first_shape + i] = Interval{value - half, value + half};
-      }
-      ++shape;
+  }
+  for (const TermShape& searched : searched_shapes(form)) {
+    const double half = half_interval(full, shape);
+    const double value = form.shapes[searched.index()];
+    if (full.tolerance[shape] > 0.0) {
+      joint.shape_ci95[searched.index()] = Interval{value - half, value + half};
     }
+    ++shape;
   }
   return joint;
 }

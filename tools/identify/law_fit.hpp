@@ -97,18 +97,28 @@ auto refine_shapes(const LawDesign& design, const Eigen::VectorXd& target, const
 auto search_shapes(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& blocks, const LawForm& form)
     -> LawForm;
 
-/// Whether a fit searches for a shape of a law: not for one that is given, nor for one that does nothing.
-auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool;
+/// A shape of a law, and the term that it belongs to.
+struct TermShape {
+  const CatalogueTerm* term;
+  std::size_t own;  ///< place among the term's shapes
+
+  [[nodiscard]] auto info() const -> const ShapeInfo& { return term->shapes[own]; }
+  /// Place among the shapes of all terms.
+  [[nodiscard]] auto index() const -> std::size_t { return term->first_shape + own; }
+};
+
+/// The shapes of a law that a fit searches for, in the order of its terms: none that is given, none that does nothing.
+auto searched_shapes(const LawForm& form) -> std::vector<TermShape>;
 /// Step for the derivative of a fit with respect to a shape, inside the shape's limits.
 auto shape_step(const ShapeInfo& info, double value) -> double;
 
 /// A shape that ended at a limit of what the logs can tell is not identified: names of those.
 auto shapes_at_limits(const LawDesign& design, const LawForm& form) -> std::vector<std::string>;
 
-/// How the law's angle or effort changes with each shape that is searched for, the coefficients held: a column per
-/// shape.
-auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta) -> Eigen::MatrixXd;
-/// The law's columns, then the sensitivities.
+/// How the law's angle or effort changes with each of these shapes of it, the coefficients held: a column per shape.
+auto sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
+                   const std::vector<TermShape>& shapes) -> Eigen::MatrixXd;
+/// The law's columns, then its sensitivities to the shapes that are searched for.
 auto with_sensitivities(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& theta,
                         const Eigen::MatrixXd& columns) -> Eigen::MatrixXd;
 

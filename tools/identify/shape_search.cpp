@@ -13,14 +13,25 @@
 namespace capstan::tools {
 namespace {
 
-/// A shape that is searched for, and where it stands among all shapes. A search goes along its scale: the logarithm
+/// Not for one that is given, nor for one that does nothing.
+auto is_searched(const LawForm& form, const TermShape& shape) -> bool {
+  const CatalogueTerm& term = *shape.term;
+  const int switched = shape.info().idle_without;
+  const bool held = std::find(form.held.begin(), form.held.end(), term.name) != form.held.end();
+  return !held && !term.shapes_are_given && shape.info().of != ShapeOf::kGiven &&
+         (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
+}
+
+/// A shape that is searched for. A search goes along its scale: the logarithm
 /// where settings lie in equal ratios, else the share of its range.
 struct ShapeSlot {
+  TermShape shape;
   ShapeRange range;
-  std::size_t index;
   bool in_ratio;
-  bool is_delay;  ///< of the law's output
 
+  [[nodiscard]] auto index() const -> std::size_t { return shape.index(); }
+  /// Of the law's output.
+  [[nodiscard]] auto is_delay() const -> bool { return shape.term->acts_on_output; }
   [[nodiscard]] auto place(double value) const -> double { return in_ratio ? std::log(value) : value / range.size(); }
   [[nodiscard]] auto value(double place) const -> double {
     return std::clamp(in_ratio ? std::exp(place) : place * range.size(), range.low, range.high);
@@ -33,36 +44,13 @@ auto goes_in_ratios(const ShapeInfo& info) -> bool {
   return info.scale == ShapeScale::kRatio && info.minimum > 0.0;
 }
 
-/// A shape, and the term that it belongs to.
-struct TermShape {
-  const CatalogueTerm* term;
-  std::size_t own;  ///< place among the term's shapes
-
-  [[nodiscard]] auto info() const -> const ShapeInfo& { return term->shapes[own]; }
-  [[nodiscard]] auto index() const -> std::size_t { return term->first_shape + own; }
-};
-
-/// The shapes of a form that are searched for, in the order of its sensitivities.
-auto searched(const LawForm& form) -> std::vector<TermShape> {
-  std::vector<TermShape> shapes;
-  for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
-      if (is_searched(form, *term, i)) {
-        shapes.push_back({term, i});
-      }
-    }
-  }
-  return shapes;
-}
-
 /// Where one is now always belongs to its range: a law may have been fitted to logs that went farther.
 auto shape_slots(const LawDesign& design, const LawForm& form) -> std::vector<ShapeSlot> {
   std::vector<ShapeSlot> slots;
-  for (const auto& shape : searched(form)) {
+  for (const auto& shape : searched_shapes(form)) {
     const ShapeInfo& info = shape.info();
     const double now = std::clamp(form.shapes[shape.index()], info.minimum, info.maximum);
-    slots.push_back(
-        {range_of(info, design.reach()).with(now), shape.index(), goes_in_ratios(info), shape.term->acts_on_output});
+    slots.push_back({shape, range_of(info, design.reach()).with(now), goes_in_ratios(info)});
   }
   return slots;
 }
@@ -86,7 +74,7 @@ class ShapeResidual final : public NonlinearResidual {
 
   auto at(const Eigen::VectorXd& places) -> Eigen::VectorXd override {
     for (std::size_t i = 0; i < slots_.size(); ++i) {
-      form_.shapes[slots_[i].index] = slots_[i].value(places[static_cast<Eigen::Index>(i)]);
+      form_.shapes[slots_[i].index()] = slots_[i].value(places[static_cast<Eigen::Index>(i)]);
     }
     columns_ = law_columns(design_, form_);
     fit_ = fit_columns(columns_, target_, blocks_, law_signs(form_));
@@ -95,8 +83,16 @@ class ShapeResidual final : public NonlinearResidual {
 
   /// The law's sensitivities clear of the columns that the fit is free to use (Kaufman 1975).
   auto jacobian() -> Eigen::MatrixXd override {
-    const auto count = static_cast<Eigen::Index>(slots_.size());
-    Eigen::MatrixXd changes = sensitivities(design_, form_, fit_.theta);
+    // A shape that came to 0 on the way, where it or another is idle, has no sensitivity any more: it stays there.
+    std::vector<Eigen::Index> moving;
+    std::vector<TermShape> shapes;
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      if (is_searched(form_, slots_[i].shape)) {
+        moving.push_back(static_cast<Eigen::Index>(i));
+        shapes.push_back(slots_[i].shape);
+      }
+    }
+    Eigen::MatrixXd changes = sensitivities(design_, form_, fit_.theta, shapes);
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < columns_.cols(); ++i) {
       if (!fit_.at_bound[static_cast<std::size_t>(i)]) {
@@ -104,16 +100,11 @@ class ShapeResidual final : public NonlinearResidual {
       }
     }
     project_out(columns_(Eigen::all, free), blocks_, changes);
-    // A shape that came to 0 on the way, where it or another is idle, has no sensitivity any more: it stays there.
-    const std::vector<TermShape> moving = searched(form_);
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows_in(blocks_), count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const auto& slot = slots_[static_cast<std::size_t>(i)];
-      const auto found =
-          std::find_if(moving.begin(), moving.end(), [&](const auto& shape) { return shape.index() == slot.index; });
-      if (found != moving.end()) {
-        result.col(i) = -slot.slope(form_.shapes[slot.index]) * stacked(changes.col(found - moving.begin()), blocks_);
-      }
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows_in(blocks_), static_cast<Eigen::Index>(slots_.size()));
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const auto& slot = slots_[static_cast<std::size_t>(moving[i])];
+      result.col(moving[i]) =
+          -slot.slope(form_.shapes[slot.index()]) * stacked(changes.col(static_cast<Eigen::Index>(i)), blocks_);
     }
     return result;
   }
@@ -136,12 +127,12 @@ auto descended(const LawDesign& design, const Eigen::VectorXd& target, const Blo
   const auto slots = shape_slots(design, form);
   Eigen::VectorXd start(static_cast<Eigen::Index>(slots.size()));
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    start[static_cast<Eigen::Index>(i)] = slots[i].place(form.shapes[slots[i].index]);
+    start[static_cast<Eigen::Index>(i)] = slots[i].place(form.shapes[slots[i].index()]);
   }
   ShapeResidual residual(design, target, blocks, form);
   const SearchResult found = least_squares_within(bounds_of(slots), start, residual);
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    form.shapes[slots[i].index] = slots[i].value(found.parameters[static_cast<Eigen::Index>(i)]);
+    form.shapes[slots[i].index()] = slots[i].value(found.parameters[static_cast<Eigen::Index>(i)]);
   }
   return {std::sqrt(found.squares / static_cast<double>(rows_in(blocks))), std::move(form)};
 }
@@ -153,11 +144,11 @@ auto followed(const LawDesign& design, const Eigen::VectorXd& target, const Bloc
   Fitted best = descended(design, target, blocks, form);
   const double period_s = design.period_s(0);
   for (const auto& slot : shape_slots(design, form)) {
-    const double here = std::floor(best.second.shapes[slot.index] / period_s);
+    const double here = std::floor(best.second.shapes[slot.index()] / period_s);
     for (const double sample : {here - 1.0, here + 1.0}) {
       LawForm next = best.second;
-      next.shapes[slot.index] = (sample + 0.5) * period_s;
-      if (slot.is_delay && sample >= 0.0 && next.shapes[slot.index] < slot.range.high &&
+      next.shapes[slot.index()] = (sample + 0.5) * period_s;
+      if (slot.is_delay() && sample >= 0.0 && next.shapes[slot.index()] < slot.range.high &&
           fit_law(design, target, blocks, next).rmse < best.first) {
         return followed(design, target, blocks, next);
       }
@@ -180,7 +171,7 @@ auto hypercube(const std::vector<ShapeSlot>& slots, const LawForm& form, std::si
     const double high = slot.place(slot.range.high);
     for (std::size_t i = 0; i < count; ++i) {
       const double share = (static_cast<double>(order[i]) + random.uniform()) / static_cast<double>(count);
-      starts[i].shapes[slot.index] = slot.value(low + share * (high - low));
+      starts[i].shapes[slot.index()] = slot.value(low + share * (high - low));
     }
   }
   return starts;
@@ -188,7 +179,7 @@ auto hypercube(const std::vector<ShapeSlot>& slots, const LawForm& form, std::si
 
 /// The form with every shape that is searched for inside what the logs can tell.
 auto moved_inside(const LawDesign& design, LawForm form) -> LawForm {
-  for (const auto& shape : searched(form)) {
+  for (const auto& shape : searched_shapes(form)) {
     const ShapeRange range = range_of(shape.info(), design.reach());
     double& value = form.shapes[shape.index()];
     value = std::clamp(value, range.low, range.high);
@@ -235,28 +226,30 @@ auto shape_step(const ShapeInfo& info, double value) -> double {
   return value + step > info.maximum ? -step : step;
 }
 
-auto is_searched(const LawForm& form, const CatalogueTerm& term, std::size_t shape) -> bool {
-  const ShapeInfo& info = term.shapes[shape];
-  const int switched = info.idle_without;
-  const bool held = std::find(form.held.begin(), form.held.end(), term.name) != form.held.end();
-  return !held && !term.shapes_are_given && info.of != ShapeOf::kGiven &&
-         (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
+auto searched_shapes(const LawForm& form) -> std::vector<TermShape> {
+  std::vector<TermShape> shapes;
+  for (const auto* term : ordered_terms(form)) {
+    for (std::size_t i = 0; i < term->shapes.size(); ++i) {
+      if (is_searched(form, {term, i})) {
+        shapes.push_back({term, i});
+      }
+    }
+  }
+  return shapes;
 }
 
 auto shapes_at_limits(const LawDesign& design, const LawForm& form) -> std::vector<std::string> {
   constexpr double kMargin = 2e-3;       // of the range, at its upper end
   constexpr double kMarginBelow = 0.02;  // of the lower end
   std::vector<std::string> names;
-  for (const auto* term : ordered_terms(form)) {
-    for (std::size_t i = 0; !term->shapes_are_open && i < term->shapes.size(); ++i) {
-      if (!is_searched(form, *term, i)) {
-        continue;
-      }
-      const ShapeRange range = range_of(term->shapes[i], design.reach());
-      const double value = form.shapes[term->first_shape + i];
-      if (value > range.high - kMargin * range.size() || value < range.low + kMarginBelow * std::max(0.0, range.low)) {
-        names.push_back(term->name + "." + term->shapes[i].name);
-      }
+  for (const auto& shape : searched_shapes(form)) {
+    if (shape.term->shapes_are_open) {
+      continue;
+    }
+    const ShapeRange range = range_of(shape.info(), design.reach());
+    const double value = form.shapes[shape.index()];
+    if (value > range.high - kMargin * range.size() || value < range.low + kMarginBelow * std::max(0.0, range.low)) {
+      names.push_back(shape.term->name + "." + shape.info().name);
     }
   }
   return names;
