@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "capstan/tools/support/statistics.hpp"
 
@@ -16,12 +17,16 @@ using Eigen::VectorXd;
 constexpr Index kMemory = 10;        // seen rows that the noise's model looks back
 constexpr Index kMostRows = 5000;    // of one part
 constexpr Index kRowsPerColumn = 4;  // seen rows of all parts
-constexpr Index kShifts = 2 * kLongestShift + 1;
-constexpr double kRidge = 1e-10;  // of each column's squares
+constexpr double kRidge = 1e-10;     // of each column's squares
 
 /// What is seen through a window is as good as independent so many rows apart.
 auto stride_of(Index window) -> Index {
   return (3 * window + 1) / 2;
+}
+
+/// Row of a part as cut for a row as seen.
+auto row_of(Index seen, const LogParts& parts) -> Index {
+  return parts.beside + (seen - kMemory) * stride_of(parts.window);
 }
 
 auto boxed(const VectorXd& x, Index half) -> VectorXd {
@@ -42,25 +47,38 @@ auto boxed(const VectorXd& x, Index half) -> VectorXd {
 /// One part through the window, with kMemory rows before it.
 struct Seen {
   MatrixXd law, slope;  // by column; slope: per row of the log
-  MatrixXd target;      // by shift
+  MatrixXd target;      // by shift; the last is not shifted
 };
 
-auto seen(const std::vector<MatrixXd>& law, const MatrixXd& target, const LogParts& parts, Index part) -> Seen {
-  const Index stride = stride_of(parts.window);
-  const Index rows = parts.rows / stride + kMemory;
+auto doubly_boxed(const VectorXd& x, Index half) -> VectorXd {
+  return boxed(boxed(x, half), half);
+}
+
+auto seen_law(const std::vector<MatrixXd>& law, const LogParts& parts, Index part) -> Seen {
+  const Index rows = parts.rows / stride_of(parts.window) + kMemory;
   const auto columns = static_cast<Index>(law.size());
-  const auto at = [&](Index row) { return parts.beside + (row - kMemory) * stride; };
-  Seen result{MatrixXd(rows, columns), MatrixXd(rows, columns), MatrixXd(rows, kShifts)};
+  Seen result{MatrixXd(rows, columns), MatrixXd(rows, columns), {}};
   for (Index c = 0; c < columns; ++c) {
-    const VectorXd x = boxed(boxed(law[static_cast<std::size_t>(c)].col(part), parts.window), parts.window);
+    const VectorXd x = doubly_boxed(law[static_cast<std::size_t>(c)].col(part), parts.window);
     for (Index i = 0; i < rows; ++i) {
-      result.law(i, c) = x[at(i)];
-      result.slope(i, c) = 0.5 * (x[at(i) + 1] - x[at(i) - 1]);
+      const Index at = row_of(i, parts);
+      result.law(i, c) = x[at];
+      result.slope(i, c) = 0.5 * (x[at + 1] - x[at - 1]);
     }
   }
-  const VectorXd y = boxed(boxed(target.col(part), parts.window), parts.window);
+  return result;
+}
+
+auto seen_target(const MatrixXd& target, const LogParts& parts, Index part, const std::vector<Index>& shifts)
+    -> MatrixXd {
+  const Index rows = parts.rows / stride_of(parts.window) + kMemory;
+  const VectorXd y = doubly_boxed(target.col(part), parts.window);
+  MatrixXd result(rows, std::ssize(shifts) + 1);
   for (Index i = 0; i < rows; ++i) {
-    result.target.row(i) = y.segment(at(i) - kLongestShift, kShifts).transpose();
+    for (Index k = 0; k < std::ssize(shifts); ++k) {
+      result(i, k) = y[row_of(i, parts) + shifts[static_cast<std::size_t>(k)]];
+    }
+    result(i, result.cols() - 1) = y[row_of(i, parts)];
   }
   return result;
 }
@@ -121,51 +139,92 @@ class Profile {
       const MatrixXd law = whitened(part.law, memory);
       const MatrixXd rest = whitened(part.target.colwise() - part.law * weights, memory);
       parts_.push_back({law.transpose() * law, law.transpose() * rest, rest.colwise().squaredNorm().transpose()});
-      rows_ = static_cast<double>(law.rows());
     }
   }
-  /// -2 log likelihood by shift, of all parts but one (-1: of all), less that of no shift.
-  [[nodiscard]] auto deviance(Index without) const -> VectorXd {
+  /// Squares that are left by shift, of all parts but one (-1: of all), per those of no shift.
+  [[nodiscard]] auto left(Index without) const -> VectorXd {
+    const Index shifts = parts_[0].squares.size();
     Sums sum{MatrixXd::Zero(parts_[0].gram.rows(), parts_[0].gram.cols()),
-             MatrixXd::Zero(parts_[0].right.rows(), kShifts), VectorXd::Zero(kShifts)};
-    double rows = 0.0;
+             MatrixXd::Zero(parts_[0].right.rows(), shifts), VectorXd::Zero(shifts)};
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       if (static_cast<Index>(p) != without) {
         sum.gram += parts_[p].gram;
         sum.right += parts_[p].right;
         sum.squares += parts_[p].squares;
-        rows += rows_;
       }
     }
     const MatrixXd weights = Normal(sum.gram).solve(sum.right);
     const VectorXd taken = sum.right.cwiseProduct(weights).colwise().sum().transpose();
     const VectorXd left = (sum.squares - taken).cwiseMax(1e-14 * sum.squares);
-    return rows * (left.array() / left[kLongestShift]).log().matrix();
+    return left.head(shifts - 1) / left[shifts - 1];
   }
 
  private:
   std::vector<Sums> parts_;
-  double rows_ = 0.0;  // of each part
 };
 
-/// The minimum, between the rows by a parabola; nothing at the end of the range.
-auto lowest(const VectorXd& deviance) -> std::optional<double> {
+/// Where the minimum is; nothing at the end of the range.
+auto lowest(const VectorXd& left) -> std::optional<Index> {
   Index best = 0;
-  deviance.minCoeff(&best);
-  if (best == 0 || best + 1 == deviance.size()) {
+  left.minCoeff(&best);
+  return best == 0 || best + 1 == left.size() ? std::nullopt : std::optional(best);
+}
+
+/// The same between the shifts, by a parabola.
+auto lowest_between(const VectorXd& left) -> std::optional<double> {
+  const auto best = lowest(left);
+  if (!best) {
     return std::nullopt;
   }
-  const double bend = deviance[best - 1] - 2.0 * deviance[best] + deviance[best + 1];
-  return static_cast<double>(best - kLongestShift) + 0.5 * (deviance[best - 1] - deviance[best + 1]) / bend;
+  const auto near = left.segment(*best - 1, 3);
+  return static_cast<double>(*best) + 0.5 * (near[0] - near[2]) / (near[0] - 2.0 * near[1] + near[2]);
+}
+
+/// Of the 95 % interval, by leaving out one part after the other (jackknife).
+auto half_interval(const Profile& profile) -> std::optional<double> {
+  VectorXd without(LogParts::kCount);
+  for (Index p = 0; p < LogParts::kCount; ++p) {
+    const auto shift = lowest_between(profile.left(p));
+    if (!shift) {
+      return std::nullopt;
+    }
+    without[p] = *shift;
+  }
+  constexpr double kParts = static_cast<double>(LogParts::kCount);
+  const double error = std::sqrt((kParts - 1.0) / kParts * (without.array() - without.mean()).square().sum());
+  return student_t95(kParts - 1.0) * error;
+}
+
+/// Rows from no shift to either side: a row each, then four, then sixteen.
+auto shifts_up_to(Index reach) -> std::vector<Index> {
+  std::vector<Index> shifts{0};
+  constexpr Index kRowByRow = kShortReach;
+  constexpr Index kByFour = 60;
+  while (shifts.back() < reach) {
+    const Index last = shifts.back();
+    shifts.push_back(std::min(reach, last + (last < kRowByRow ? 1 : last < kByFour ? 4 : 16)));
+  }
+  for (Index i = std::ssize(shifts) - 1; i > 0; --i) {
+    shifts.push_back(-shifts[static_cast<std::size_t>(i)]);
+  }
+  std::sort(shifts.begin(), shifts.end());
+  return shifts;
+}
+
+auto shifts_around(Index centre) -> std::vector<Index> {
+  std::vector<Index> shifts(2 * kShortReach + 1);
+  std::iota(shifts.begin(), shifts.end(), centre - kShortReach);
+  return shifts;
 }
 
 struct Weights {
   VectorXd law, memory;
-  double bound = 0.0, first = 0.0;
+  double bound = 0.0;  // no unbiased estimate of a shift has a smaller standard deviation, the law being right; rows
+  double first = 0.0;  // as in ShiftFit
 };
 
-/// Weights of the law at no shift and the noise's model, in turns; then what they let a shift be known to.
-auto weights_of(const std::vector<Seen>& parts) -> Weights {
+/// Weights of the law for one of the shifts and the noise's model, in turns; then what they let a shift be known to.
+auto weights_of(const std::vector<Seen>& parts, Index shift) -> Weights {
   Weights found{{}, VectorXd::Zero(kMemory)};
   const Index columns = parts[0].law.cols();
   constexpr int kTurns = 3;
@@ -175,13 +234,13 @@ auto weights_of(const std::vector<Seen>& parts) -> Weights {
     for (const Seen& part : parts) {
       const MatrixXd law = whitened(part.law, found.memory);
       gram += law.transpose() * law;
-      right += law.transpose() * whitened(part.target.col(kLongestShift), found.memory);
+      right += law.transpose() * whitened(part.target.col(shift), found.memory);
     }
     found.law = Normal(gram).solve(right);
     if (turn + 1 < kTurns) {
       std::vector<VectorXd> residual;
       for (const Seen& part : parts) {
-        residual.emplace_back(part.target.col(kLongestShift) - part.law * found.law);
+        residual.emplace_back(part.target.col(shift) - part.law * found.law);
       }
       found.memory = memory_of(residual);
     }
@@ -197,7 +256,7 @@ auto weights_of(const std::vector<Seen>& parts) -> Weights {
     gram += law.transpose() * law;
     beside += law.transpose() * slope;
     moved += slope.squaredNorm();
-    noise += whitened(part.target.col(kLongestShift) - part.law * found.law, found.memory).squaredNorm();
+    noise += whitened(part.target.col(shift) - part.law * found.law, found.memory).squaredNorm();
     rows += static_cast<double>(law.rows());
   }
   const Normal normal(gram);
@@ -210,10 +269,11 @@ auto weights_of(const std::vector<Seen>& parts) -> Weights {
 
 }  // namespace
 
-auto parts_of_log(Index rows, Index window) -> LogParts {
+auto parts_of_log(Index rows, Index window, Index reach) -> LogParts {
   LogParts parts;
   parts.window = window;
-  parts.beside = kLongestShift + 2 * window + kMemory * stride_of(window) + 2;
+  parts.reach = reach;
+  parts.beside = reach + kShortReach + 2 * window + kMemory * stride_of(window) + 2;
   const Index usable = rows - 2 * parts.beside;
   parts.rows = std::clamp<Index>(usable / LogParts::kCount, 0, kMostRows);
   for (Index p = 0; p < LogParts::kCount; ++p) {
@@ -238,26 +298,37 @@ auto shift_behind(const std::vector<MatrixXd>& law, const MatrixXd& target, cons
   }
   std::vector<Seen> all;
   for (Index p = 0; p < LogParts::kCount; ++p) {
-    all.push_back(seen(law, target, parts, p));
+    all.push_back(seen_law(law, parts, p));
   }
-  const Weights weights = weights_of(all);
-  const Profile profile(all, weights.memory, weights.law);
-  const VectorXd deviance = profile.deviance(-1);
-  const auto whole = lowest(deviance);
-  if (!whole) {
+  const auto look_at = [&](const std::vector<Index>& shifts) {
+    for (Index p = 0; p < LogParts::kCount; ++p) {
+      all[static_cast<std::size_t>(p)].target = seen_target(target, parts, p, shifts);
+    }
+  };
+  const std::vector<Index> shifts = shifts_up_to(parts.reach);
+  look_at(shifts);
+  const Weights unshifted = weights_of(all, std::ssize(shifts));
+  const auto coarse = lowest(Profile(all, unshifted.memory, unshifted.law).left(-1));
+  if (!coarse) {
     return std::nullopt;
   }
-  VectorXd without(LogParts::kCount);
-  for (Index p = 0; p < LogParts::kCount; ++p) {
-    const auto shift = lowest(profile.deviance(p));
-    if (!shift) {
-      return std::nullopt;
-    }
-    without[p] = *shift;
+  const std::vector<Index> around = shifts_around(shifts[static_cast<std::size_t>(*coarse)]);
+  look_at(around);
+  const Weights weights = weights_of(all, kShortReach);
+  const Profile profile(all, weights.memory, weights.law);
+  const VectorXd left = profile.left(-1);
+  const auto whole = lowest_between(left);
+  const auto half = half_interval(profile);
+  if (!whole || !half) {
+    return std::nullopt;
   }
-  constexpr double kParts = static_cast<double>(LogParts::kCount);
-  const double error = std::sqrt((kParts - 1.0) / kParts * (without.array() - without.mean()).square().sum());
-  return ShiftFit{*whole, student_t95(kParts - 1.0) * error, -deviance.minCoeff(), weights.bound, weights.first};
+  const double shift = static_cast<double>(around.front()) + *whole;
+  if (std::abs(shift) > static_cast<double>(parts.reach)) {
+    return std::nullopt;
+  }
+  const auto seen_rows = static_cast<double>(rows);
+  return ShiftFit{shift, *half, -seen_rows * std::log(left.minCoeff()),
+                  seen_rows * std::log1p(std::pow(shift / unshifted.bound, 2) / seen_rows), unshifted.first};
 }
 
 }  // namespace capstan::tools

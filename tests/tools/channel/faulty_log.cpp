@@ -103,8 +103,8 @@ void hurt(NamedSignal& signal, Injury injury, Draw& draw, double& size) {
   if (injury == Injury::kHeld) {
     size = 2 + draw.one_of(19);
     hold(x, static_cast<Index>(size), draw.one_of(static_cast<int>(size)));
-  } else if (injury == Injury::kLate) {
-    size = draw.ratio_between(1.0, 8.0);
+  } else if (injury == Injury::kLate || injury == Injury::kVeryLate) {
+    size = injury == Injury::kLate ? draw.ratio_between(1.0, 8.0) : draw.ratio_between(8.0, 40.0);
     x = delayed(x, size);
   } else if (injury == Injury::kUnsigned) {
     x = x.cwiseAbs();
@@ -124,7 +124,7 @@ void hurt(NamedSignal& signal, Injury injury, Draw& draw, double& size) {
 }  // namespace
 
 auto injury_word(Injury injury) -> const char* {
-  constexpr const char* kWords[] = {"clean", "held", "late", "unsigned", "spiked", "degrees", "time unit"};
+  constexpr const char* kWords[] = {"clean", "held", "late", "unsigned", "spiked", "degrees", "time unit", "very late"};
   return kWords[static_cast<std::size_t>(injury)];
 }
 
@@ -203,6 +203,7 @@ auto is_named(const Verdicts& verdicts, Injury injury, const std::string& channe
   }
   const auto fault = injury == Injury::kHeld       ? ChannelFault::kHeld
                      : injury == Injury::kLate     ? ChannelFault::kLate
+                     : injury == Injury::kVeryLate ? ChannelFault::kLate
                      : injury == Injury::kUnsigned ? ChannelFault::kUnsigned
                      : injury == Injury::kSpiked   ? ChannelFault::kSpikes
                                                    : ChannelFault::kDegrees;

@@ -10,9 +10,9 @@
 namespace capstan::tools::test {
 
 /// What was done to a log. The first is nothing.
-enum class Injury { kNone, kHeld, kLate, kUnsigned, kSpiked, kDegrees, kTimeUnit };
-inline constexpr Injury kInjuries[] = {Injury::kHeld,   Injury::kLate,    Injury::kUnsigned,
-                                       Injury::kSpiked, Injury::kDegrees, Injury::kTimeUnit};
+enum class Injury { kNone, kHeld, kLate, kUnsigned, kSpiked, kDegrees, kTimeUnit, kVeryLate };
+inline constexpr Injury kInjuries[] = {Injury::kHeld,    Injury::kLate,     Injury::kUnsigned, Injury::kSpiked,
+                                       Injury::kDegrees, Injury::kTimeUnit, Injury::kVeryLate};
 auto injury_word(Injury injury) -> const char*;
 
 struct NamedSignal {

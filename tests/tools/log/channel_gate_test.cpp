@@ -141,7 +141,7 @@ auto held_back(const VectorXd& x, Index rows) -> VectorXd {
 }
 
 TEST(ChannelGate, EachLateChannelIsNamedWithItsDelay) {
-  constexpr double kHalfRow = 0.5;  // of what the law does not have, a friction that is smooth in speed
+  constexpr double kRow = 1.0;  // as far pulls what the law does not have, a friction that is smooth in speed
   for (const auto& [member, late, name] : {std::tuple(&Log::q1, LateChannel::kMotorAngle, "late q1"),
                                            {&Log::tau, LateChannel::kMotorEffort, "late tau"},
                                            {&Log::q2, LateChannel::kTarget, "late q2"}}) {
@@ -152,10 +152,32 @@ TEST(ChannelGate, EachLateChannelIsNamedWithItsDelay) {
       const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
       ASSERT_TRUE(delay) << name << rows;
       EXPECT_EQ(delay->channel, late) << name << rows;
-      EXPECT_LE(delay->low - kHalfRow, static_cast<double>(rows)) << name;
-      EXPECT_GE(delay->high + kHalfRow, static_cast<double>(rows)) << name;
+      EXPECT_LE(delay->low - kRow, static_cast<double>(rows)) << name;
+      EXPECT_GE(delay->high + kRow, static_cast<double>(rows)) << name;
     }
   }
+}
+
+// A camera at 1 kHz is late by many rows.
+TEST(ChannelGate, AChannelThatIsManyRowsLateIsNamedWithItsDelay) {
+  for (const auto& [member, name] : {std::pair(&Log::q1, "late q1"), {&Log::tau, "late tau"}, {&Log::q2, "late q2"}}) {
+    for (const Index rows : {16, 40}) {
+      Log log;
+      log.*member = held_back(log.*member, rows);
+      EXPECT_EQ(found(log), Words{name}) << rows;
+      const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
+      ASSERT_TRUE(delay) << name << rows;
+      EXPECT_NEAR(delay->rows, static_cast<double>(rows), 0.5) << name;
+    }
+  }
+}
+
+// Several strokes late: a wrong delay would be worse than none.
+TEST(ChannelGate, NoDelayIsNamedWhereItIsFartherThanAStroke) {
+  Log log;
+  log.q2 = held_back(log.q2, kRows / 4);
+  const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
+  EXPECT_FALSE(delay) << delay->rows;
 }
 
 TEST(ChannelGate, TheIntervalOfALateEffortHoldsItsDelay) {
@@ -226,13 +248,29 @@ TEST(ShiftFit, ATurnIsPutWhereTheWayBackBegan) {
   EXPECT_LT(turns.direction[920], 0.0);
 }
 
-TEST(ShiftFit, ACouplingWithoutADelayHasNoneAndABoundBelowItsError) {
-  const VectorXd x = signal(motor);
-  const LogParts parts = parts_of_log(kRows, 2);
-  const auto fit = shift_behind({cut(x, parts)}, cut(2.0 * x + signal(torque) * 0.1, parts), parts);
-  ASSERT_TRUE(fit);
-  EXPECT_GT(fit->bound, 0.0);
-  EXPECT_FALSE(shift_behind({cut(x, parts_of_log(50, 2))}, cut(x, parts_of_log(50, 2)), parts_of_log(50, 2)));
+TEST(ShiftFit, ALogThatIsTooShortHasNone) {
+  const LogParts parts = parts_of_log(50, 2);
+  EXPECT_FALSE(shift_behind({cut(signal(motor), parts)}, cut(signal(motor), parts), parts));
+}
+
+TEST(ShiftFit, AShiftIsFoundBetweenTheRowsNearAndFar) {
+  const auto at = [](double rows) {
+    VectorXd x(kRows);
+    for (Index i = 0; i < kRows; ++i) {
+      x[i] = motor(kPeriod * (static_cast<double>(i) - rows));
+    }
+    return x;
+  };
+  const VectorXd noise = signal([](double) { return 0.0; });
+  const LogParts parts = parts_of_log(kRows, 2, kLongReach);
+  for (const double rows : {0.0, 0.3, 9.5, -33.7, 120.4, -201.0}) {
+    const auto fit = shift_behind({cut(at(0.0), parts)}, cut(3.0 * at(rows) + noise, parts), parts);
+    ASSERT_TRUE(fit) << rows;
+    EXPECT_NEAR(fit->rows, rows, 0.05);
+    EXPECT_LT(fit->half, 0.2) << rows;
+  }
+  const auto beyond = shift_behind({cut(at(0.0), parts)}, cut(at(300.0) + noise, parts), parts);
+  EXPECT_TRUE(!beyond || std::abs(beyond->rows) <= static_cast<double>(kLongReach));
 }
 
 auto text_of(const Log& log, double unit, bool slow_joint = false, Index repeat = 1) -> std::string {
