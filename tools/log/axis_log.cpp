@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capstan/tools/log/channel_gate.hpp"
+#include "capstan/tools/log/axis_gate.hpp"
 #include "capstan/tools/log/common_rows.hpp"
 #include "capstan/tools/log/time_scale.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -160,92 +160,7 @@ void read_effort(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   }
 }
 
-/// Rows at which something has changed: of a log that repeats its rows, those that were measured.
-void keep_frames(AxisLog& axis) {
-  std::vector<Eigen::Index> frames = {0};
-  for (Eigen::Index i = 1; i < axis.samples(); ++i) {
-    bool changed = false;
-    for (const Eigen::VectorXd* x : {&axis.q1_rad, &axis.tau_nm, &axis.q2_rad, &axis.effort}) {
-      changed = changed || (x->size() > 0 && (*x)[i] != (*x)[i - 1]);
-    }
-    if (changed) {
-      frames.push_back(i);
-    }
-  }
-  for_each_signal(axis, [&](Eigen::VectorXd& signal) {
-    if (signal.size() > 0) {
-      signal = Eigen::VectorXd(signal(frames));
-    }
-  });
-  axis.period_s = median(axis.time_s.tail(axis.samples() - 1) - axis.time_s.head(axis.samples() - 1));
-  axis.warnings.push_back(axis.name + ": the rows repeat; only the " + std::to_string(frames.size()) +
-                          " that were measured are used, " + rounded(axis.rate_hz()) + " Hz");
-}
-
-/// Every channel is looked at; what is wrong is said, and single wild values and rows that repeat are left out.
-void pass_gate(const CsvLog& csv, const AxisRequest& request, const std::string& q1, AxisLog& axis) {
-  const bool effort = axis.effort.size() > 0;
-  const std::string tau = axis_column(request.axis, "tau_Nm");
-  const std::vector<GateChannel> channels = {
-      {q1, ChannelRole::kMotorAngle, &axis.q1_rad},
-      {tau, ChannelRole::kMotorEffort, axis.has_torque ? &axis.tau_nm : nullptr},
-      {effort ? axis.target : "", request.force ? ChannelRole::kJointEffort : ChannelRole::kMotorEffort,
-       effort ? &axis.effort : nullptr},
-      {effort ? axis_column(request.axis, "q2_rad") : axis.target, ChannelRole::kJointAngle,
-       axis.q2_rad.size() > 0 ? &axis.q2_rad : nullptr}};
-  std::vector<Eigen::Index> wild;
-  std::vector<double> held;
-  for (const auto& finding : inspect_channels(axis.period_s, channels)) {
-    const std::string where = finding.rows.empty()
-                                  ? csv.name() + ": "
-                                  : place(csv.name(), csv.line_of(static_cast<std::size_t>(finding.rows.front())));
-    axis.warnings.push_back(where + finding.channel + " " + finding.what);
-    if (finding.fault == ChannelFault::kSpikes) {
-      wild.insert(wild.end(), finding.rows.begin(), finding.rows.end());
-    } else if (finding.fault == ChannelFault::kHeld) {
-      held.push_back(finding.value);
-    }
-  }
-  if (request.every_row) {
-    return;
-  }
-  leave_out(axis, wild);
-  const auto given = std::count_if(channels.begin(), channels.end(), [](const auto& c) {
-    return c.values != nullptr && c.values->maxCoeff() > c.values->minCoeff();
-  });
-  constexpr double kSameBeat = 0.02;  // of the rows per value
-  if (held.size() == static_cast<std::size_t>(given) &&
-      *std::max_element(held.begin(), held.end()) <= (1.0 + kSameBeat) * *std::min_element(held.begin(), held.end())) {
-    keep_frames(axis);
-  }
-}
-
 }  // namespace
-
-void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows) {
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  // Neighbours on a straight line: a row less would be a gap in time, which the laws' memory would feel.
-  for_each_signal(axis, [&](Eigen::VectorXd& signal) {
-    if (&signal == &axis.time_s || signal.size() == 0) {
-      return;
-    }
-    for (std::size_t i = 0; i < rows.size();) {
-      std::size_t j = i;
-      while (j + 1 < rows.size() && rows[j + 1] == rows[j] + 1) {
-        ++j;
-      }
-      const Eigen::Index before = rows[i] - 1;
-      const Eigen::Index after = rows[j] + 1;
-      const bool inside = before >= 0 && after < signal.size();
-      for (Eigen::Index row = rows[i]; inside && row < after; ++row) {
-        const double part = static_cast<double>(row - before) / static_cast<double>(after - before);
-        signal[row] = (1.0 - part) * signal[before] + part * signal[after];
-      }
-      i = j + 1;
-    }
-  });
-}
 
 auto is_effort_column(const std::string& name) -> bool {
   return name.ends_with("_Nm") || name.ends_with("_N");

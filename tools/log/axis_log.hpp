@@ -85,9 +85,6 @@ auto common_rows_of(const CsvLog& log, const AxisRequest& request, std::vector<s
 /// moves.
 auto read_axis(const CsvLog& log, const AxisRequest& request) -> AxisLog;
 
-/// Puts a straight line through these rows of every signal, from the row before to the row after.
-void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows);
-
 /// Whether a column's name says that it is a torque or a force.
 auto is_effort_column(const std::string& name) -> bool;
 

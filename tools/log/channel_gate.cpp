@@ -74,9 +74,7 @@ class Gate {
           "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
     }
     if (const auto beat = rows_per_value(x)) {
-      add(ChannelFault::kHeld, channel, {}, *beat,
-          "has a new value only every " + rounded(*beat) +
-              " samples, so it is late by half of that on average; log the sensor's own rate");
+      add(ChannelFault::kHeld, channel, {}, *beat, "has a new value only every " + rounded(*beat) + " samples");
     } else if (auto clipped = clipped_rows(x); !clipped.empty()) {
       const auto count = std::to_string(clipped.size());
       add(ChannelFault::kClipped, channel, std::move(clipped), x.maxCoeff(),

@@ -185,6 +185,23 @@ auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {
   return std::abs(exact_beat - beat) < 1.0 ? exact_beat : beat;
 }
 
+auto frame_rows(const Eigen::VectorXd& values, double beat) -> Rows {
+  constexpr double kOverdue = 1.5;  // beats: a new value that comes a little late is no rest
+  Rows frames;
+  double last = 0.0;
+  for (Index i = 1; i < values.size(); ++i) {
+    const auto row = static_cast<double>(i);
+    if (values[i] != values[i - 1]) {
+      last = row;
+      frames.push_back(i);
+    } else if (!frames.empty() && row >= last + kOverdue * beat) {
+      last += beat;
+      frames.push_back(static_cast<Index>(last));
+    }
+  }
+  return frames;
+}
+
 auto stuck_rows(const Eigen::VectorXd& x, const Eigen::VectorXd& motion) -> Rows {
   struct Standstill {
     Run run;

@@ -16,6 +16,10 @@ auto spike_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 /// Rows per new value of a channel that is held by a clock; nothing if it is not.
 auto rows_per_value(const Eigen::VectorXd& values) -> std::optional<double>;
 
+/// Rows at which a held channel has a new value: where it changes, and while it rests, where one was due.
+/// @param beat  rows per new value, from rows_per_value()
+auto frame_rows(const Eigen::VectorXd& values, double beat) -> std::vector<Eigen::Index>;
+
 /// Rows of the stretches in which a channel has one value although the motion goes on.
 auto stuck_rows(const Eigen::VectorXd& values, const Eigen::VectorXd& motion) -> std::vector<Eigen::Index>;
 

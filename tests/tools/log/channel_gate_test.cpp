@@ -8,46 +8,16 @@
 #include <numbers>
 #include <tuple>
 
-#include "capstan/tools/log/axis_log.hpp"
+#include "capstan/tests/tools/log/small_log.hpp"
 #include "capstan/tools/log/channel_delay.hpp"
 #include "capstan/tools/log/delay_law.hpp"
-#include "capstan/tools/log/time_scale.hpp"
-#include "capstan/tools/support/errors.hpp"
-#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr Index kRows = 4000;
-constexpr double kPeriod = 0.005;
-
-auto signal(double (*of)(double)) -> VectorXd {
-  VectorXd x(kRows);
-  std::uint32_t noise = 1;
-  for (Index i = 0; i < kRows; ++i) {
-    noise = noise * 1664525U + 1013904223U;
-    x[i] = of(kPeriod * static_cast<double>(i)) + 1e-4 * (static_cast<double>(noise >> 8U) / 16777216.0 - 0.5);
-  }
-  return x;
-}
-
-auto motor(double t) -> double {
-  return 0.8 * std::sin(1.3 * t) + 0.3 * std::sin(4.1 * t + 1.0);
-}
-auto torque(double t) -> double {
-  const double speed = 1.04 * std::cos(1.3 * t) + 1.23 * std::cos(4.1 * t + 1.0);
-  return 0.4 * motor(t) + 0.2 * std::tanh(20.0 * speed) + 0.05;
-}
-auto joint(double t) -> double {
-  return 0.7 * motor(t) - 0.05 * torque(t);
-}
-
-struct Log {
-  VectorXd q1 = signal(motor), tau = signal(torque), q2 = signal(joint);
-};
+using namespace test;
 
 auto found(const Log& log) -> std::vector<std::string> {
   std::vector<std::string> words;
@@ -132,12 +102,6 @@ TEST(ChannelGate, UnitsDoNotMatter) {
   log.q1 *= 1e-4;
   log.q2 *= 1e-4;
   EXPECT_EQ(found(log), Words{"spikes tau"});
-}
-
-auto held_back(const VectorXd& x, Index rows) -> VectorXd {
-  VectorXd late = x;
-  late.tail(x.size() - rows) = x.head(x.size() - rows);
-  return late;
 }
 
 TEST(ChannelGate, EachLateChannelIsNamedWithItsDelay) {
@@ -271,62 +235,6 @@ TEST(ShiftFit, AShiftIsFoundBetweenTheRowsNearAndFar) {
   }
   const auto beyond = shift_behind({cut(at(0.0), parts)}, cut(at(300.0) + noise, parts), parts);
   EXPECT_TRUE(!beyond || std::abs(beyond->rows) <= static_cast<double>(kLongReach));
-}
-
-auto text_of(const Log& log, double unit, bool slow_joint = false, Index repeat = 1) -> std::string {
-  std::string text = "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/q2_rad\n";
-  for (Index i = 0; i < kRows; ++i) {
-    const Index k = i - i % repeat;
-    text += exact(unit * kPeriod * static_cast<double>(i)) + "," + exact(log.q1[k]) + "," + exact(log.tau[k]) + "," +
-            (slow_joint && i % 4 != 0 ? "" : exact(log.q2[k])) + "\n";
-  }
-  return text;
-}
-
-TEST(AxisLogGate, TimeInAnotherUnitIsRefusedWithTheCureAndTakesNoLonger) {
-  for (const auto& [unit, word] : {std::pair{1e3, "1e-3"}, {1e6, "1e-6"}, {1e9, "1e-9"}}) {
-    const std::string text = text_of({}, unit);
-    try {
-      read_axis(CsvLog::parse(text, "x.csv"), {});
-      FAIL() << unit;
-    } catch (const BadInput& refusal) {
-      EXPECT_NE(std::string(refusal.what()).find("--map \"time_s=time_s*" + std::string(word)), std::string::npos)
-          << refusal.what();
-    }
-    const auto cured =
-        read_axis(CsvLog::parse(text, "x.csv", parse_mappings({"time_s=time_s*" + std::string(word)})), {});
-    EXPECT_NEAR(cured.period_s, kPeriod, 1e-9);
-    EXPECT_GT(read_axis(CsvLog::parse(text, "x.csv", parse_mappings({"time_s=time_s*1"})), {}).period_s, 1.0);
-  }
-  EXPECT_TRUE(time_unit_fault(0.25).empty());
-}
-
-TEST(AxisLogGate, AWildValueIsNamedByItsLineAndAStraightLineTakesItsPlace) {
-  Log log;
-  log.q2[100] = 50.0;
-  const AxisLog axis = read_axis(CsvLog::parse(text_of(log, 1.0), "x.csv"), {});
-  ASSERT_EQ(axis.warnings.size(), 1U);
-  EXPECT_NE(axis.warnings[0].find("x.csv:102: axis0/q2_rad stands out"), std::string::npos) << axis.warnings[0];
-  EXPECT_LT(std::abs(axis.q2_rad[100]), 1.0);
-  AxisRequest all;
-  all.every_row = true;
-  EXPECT_EQ(read_axis(CsvLog::parse(text_of(log, 1.0), "x.csv"), all).q2_rad[100], 50.0);
-}
-
-TEST(AxisLogGate, OfRowsThatRepeatOnlyTheMeasuredOnesAreUsed) {
-  const AxisLog axis = read_axis(CsvLog::parse(text_of({}, 1.0, false, 5), "x.csv"), {});
-  EXPECT_EQ(axis.samples(), kRows / 5);
-  EXPECT_NEAR(axis.period_s, 5 * kPeriod, 1e-9);
-  EXPECT_NE(axis.warnings.back().find("40 Hz"), std::string::npos) << axis.warnings.back();
-}
-
-TEST(AxisLogGate, OfTwoRatesTheSlowersRowsAreUsed) {
-  const Log log;
-  const AxisLog axis = read_axis(CsvLog::parse(text_of(log, 1.0, true), "x.csv"), {});
-  EXPECT_EQ(axis.samples(), kRows / 4);
-  EXPECT_EQ(axis.q1_rad[10], log.q1[40]);
-  ASSERT_FALSE(axis.warnings.empty());
-  EXPECT_NE(axis.warnings[0].find("1000 rows of axis0/q2_rad, the slowest"), std::string::npos) << axis.warnings[0];
 }
 
 }  // namespace
