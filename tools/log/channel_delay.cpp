@@ -18,18 +18,20 @@ constexpr Index kFewestTurns = 8;
 /// A motor whose acceleration takes away less than this share of the noise's squares has no inertia to speak of, and
 /// needs no window that calms the acceleration.
 constexpr double kInertia = 0.02;
-/// From how many rows on, and from how many errors on if it runs ahead, a shift counts. Where a joint is seen, the
-/// torque is a tendon's, whose friction builds up on the way, and a turn that is seen late lets it run ahead; and one
-/// that sticks at rest turns its torque before it moves.
+/// From how many rows on a shift counts. Where a joint is seen, the torque is a tendon's, whose friction builds up on
+/// the way, and a turn that is seen late lets it run ahead; and one that sticks at rest turns its torque before it
+/// moves.
 struct LeastShift {
-  double behind, ahead, certain_ahead;
+  double behind, ahead;
 };
 /// These and what follows were chosen 2026-11-23 and 2026-11-26 on seeds 3000 to 3499 and 104000 to 104499 of
 /// tools/channel_benchmark. What runs ahead is doubted more: friction that sticks at rest looks like it.
-constexpr LeastShift kOfAxis = {0.5, 0.5, 4.0};
-constexpr LeastShift kOfTendonMotor = {0.7, 1.2, 4.0};
-constexpr LeastShift kOfJoint = {0.5, 0.5, 2.0};
-constexpr double kCertain = 2.3;  // errors in a shift that is behind; 1.5 accused four of seeds 104000 to 104499
+constexpr LeastShift kOfAxis = {0.5, 0.5};
+constexpr LeastShift kOfTendonMotor = {0.7, 1.2};
+constexpr LeastShift kOfJoint = {0.5, 0.5};
+/// From how many errors on, behind and ahead.
+constexpr double kCertain = 2.3;
+constexpr double kCertainAhead = 4.0;
 /// Where every stroke is like the last, a law that lacks something lacks it everywhere alike, so leaving parts out
 /// shows nothing of it (clean logs were accused at 1.5 to 6.6 errors), and a shift of many rows looks like other drag
 /// and inertia.
@@ -56,7 +58,7 @@ auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const Leas
   }
   const double of_turns = kTurnErrors * turns.unsure / std::sqrt(static_cast<double>(turns.count));
   const Shift shift{fit->rows, std::hypot(fit->half, of_turns)};
-  const double usual = fit->rows > 0.0 ? kCertain : fewest.certain_ahead;
+  const double usual = fit->rows > 0.0 ? kCertain : kCertainAhead;
   const double certain = turns.spread < kOneStroke ? kCertainOfOneStroke : usual;
   const double least = std::max(fit->rows > 0.0 ? fewest.behind : fewest.ahead, certain * shift.half);
   const bool good = std::abs(fit->rows) > least && fit->gain > std::max(kFewestGain, kExplained * fit->expected);

@@ -27,7 +27,7 @@ constexpr std::array<Index, 10> kWindows = {2, 3, 4, 6, 8, 12, 16, 24, 32, 48};
 constexpr std::array<double, 8> kPlays = {0.0007, 0.0015, 0.003, 0.006, 0.015, 0.04, 0.1, 0.25};
 constexpr std::array<double, 4> kBristles = {0.0025, 0.006, 0.015, 0.05};
 constexpr std::array<double, 3> kTorquePlays = {0.02, 0.06, 0.2};  // of the torque's range
-constexpr std::array<double, 2> kSlowSpeeds = {0.1, 0.4};          // of the speed's rms: friction falls over it
+constexpr std::array<double, 2> kSlowSpeeds = {0.1, 0.4};          // of the speed's rms: friction changes over it
 constexpr std::array<double, 2> kCreepTimes = {0.3, 1.5};          // s
 constexpr Index kAngleKnots = 24;                                  // of any function of the angle
 constexpr Index kFrictionKnots = 6;                                // of friction by angle
@@ -243,6 +243,8 @@ auto delay_law(const LawChannels& channels, const Turns& turns, const LogParts& 
   for (const double share : kSlowSpeeds) {
     const auto slow = (-(speed.array() / (share * rms(speed))).square()).exp();
     columns.add(turns.direction.cwiseProduct(VectorXd(slow)));
+    // Friction that is smooth in speed turns before the motion does, and would look as if it ran ahead.
+    columns.add((speed.array() / (share * rms(speed))).tanh());
   }
   const VectorXd time = VectorXd::LinSpaced(q1.size(), -1.0, 1.0);
   columns.add(time);

@@ -109,7 +109,7 @@ TEST(AxisLogGate, WhoReplaysALogHasEveryRowOfACamera) {
 }
 
 TEST(AxisLogGate, ACameraThatIsLateByItselfIsSaidToBe) {
-  const AxisLog axis = read_axis(CsvLog::parse(text_of(with_camera(4, 12), 1.0), "x.csv"), {});
+  const AxisLog axis = read_axis(CsvLog::parse(text_of(with_camera(2, 12), 1.0), "x.csv"), {});
   ASSERT_EQ(axis.warnings.size(), 2U);
   EXPECT_NE(axis.warnings[1].find("axis0/q2_rad is late against the other channels by"), std::string::npos)
       << axis.warnings[1];

@@ -213,8 +213,11 @@ TEST(ShiftFit, ATurnIsPutWhereTheWayBackBegan) {
 }
 
 TEST(ShiftFit, ALogThatIsTooShortHasNone) {
-  const LogParts parts = parts_of_log(50, 2);
-  EXPECT_FALSE(shift_behind({cut(signal(motor), parts)}, cut(signal(motor), parts), parts));
+  EXPECT_EQ(parts_of_log(50, 2).rows, 0);
+  constexpr Index kFew = 200;
+  const LogParts parts = parts_of_log(kFew, 2);
+  const VectorXd x = signal(motor).head(kFew);
+  EXPECT_FALSE(shift_behind(std::vector(5, cut(x, parts)), cut(x, parts), parts));
 }
 
 TEST(ShiftFit, AShiftIsFoundBetweenTheRowsNearAndFar) {
