@@ -2,8 +2,8 @@
 #include "capstan/tools/log/axis_gate.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
+#include <ranges>
 
 #include "capstan/tools/log/channel_gate.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
@@ -55,16 +55,13 @@ using Beats = std::map<std::string, double>;
 /// Whether all that varies comes on one beat: a recorder that is slower than its log.
 auto rows_repeat(const Beats& beats, const std::vector<GateChannel>& channels) -> bool {
   constexpr double kSameBeat = 0.02;  // of the rows per value
-  double low = std::numeric_limits<double>::infinity();
-  double high = 0.0;
-  for (const auto& [name, beat] : beats) {
-    low = std::min(low, beat);
-    high = std::max(high, beat);
+  const auto given = std::count_if(channels.begin(), channels.end(),
+                                   [](const auto& c) { return c.values != nullptr && varies(*c.values); });
+  if (beats.empty() || beats.size() != static_cast<std::size_t>(given)) {
+    return false;
   }
-  const auto given = std::count_if(channels.begin(), channels.end(), [](const auto& c) {
-    return c.values != nullptr && c.values->maxCoeff() > c.values->minCoeff();
-  });
-  return beats.size() == static_cast<std::size_t>(given) && high <= (1.0 + kSameBeat) * low;
+  const auto [low, high] = std::ranges::minmax(beats | std::views::values);
+  return high <= (1.0 + kSameBeat) * low;
 }
 
 /// What is measured at the joint may be slower than the rest, as a camera is; between its values it tells nothing new.

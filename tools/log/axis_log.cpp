@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/log/axis_gate.hpp"
+#include "capstan/tools/log/channel_shape.hpp"
 #include "capstan/tools/log/common_rows.hpp"
 #include "capstan/tools/log/time_scale.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -47,16 +48,12 @@ void check_timing(const CsvLog& csv, AxisLog& axis) {
 }
 
 void check_motion(const CsvLog& csv, const AxisLog& axis, const std::string& name, const Eigen::VectorXd& values) {
-  if (values.maxCoeff() - values.minCoeff() > 0.0) {
+  if (varies(values)) {
     return;
   }
   throw BadInput(place(csv.name(), 2) + name + " stands at " + rounded(values[0]) + " from here to line " +
                  std::to_string(csv.line_of(static_cast<std::size_t>(axis.samples()) - 1)) +
                  "; record the joint while it moves, or name another column with --map");
-}
-
-auto varies(const Eigen::VectorXd& values) -> bool {
-  return values.maxCoeff() > values.minCoeff();
 }
 
 /// The other axis and the temperature, which terms of the law may read.

@@ -26,9 +26,8 @@ struct LeastShift {
 };
 /// These and what follows were chosen 2026-11-23 and 2026-11-26 on seeds 3000 to 3499 and 104000 to 104499 of
 /// tools/channel_benchmark. What runs ahead is doubted more: friction that sticks at rest looks like it.
-constexpr LeastShift kOfAxis = {0.5, 0.5};
+constexpr LeastShift kUsual = {0.5, 0.5};
 constexpr LeastShift kOfTendonMotor = {0.7, 1.2};
-constexpr LeastShift kOfJoint = {0.5, 0.5};
 /// From how many errors on, behind and ahead.
 constexpr double kCertain = 2.3;
 constexpr double kCertainAhead = 4.0;
@@ -106,15 +105,15 @@ auto delay_between(const DelayChannels& c) -> std::optional<ChannelDelay> {
   std::optional<Shift> target;
   if (c.tau != nullptr) {
     of_motor = effort_behind_motor(c, turns, windows);
-    effort = believed(of_motor, turns, c.target == nullptr ? kOfAxis : kOfTendonMotor);
+    effort = believed(of_motor, turns, c.target == nullptr ? kUsual : kOfTendonMotor);
   }
   if (c.target != nullptr) {
     const auto of_joint = behind_law({c.q1, c.tau, c.period_s}, *c.target, turns, windows.speed);
-    target = believed(of_joint, turns, kOfJoint);
+    target = believed(of_joint, turns, kUsual);
     // A late effort lets the joint run ahead of it; only then is the effort looked for with the joint's help.
     if (c.tau != nullptr && of_joint && of_joint->rows + of_joint->half < 0.0) {
       const auto by_all = behind_law({c.q1, c.target, c.period_s}, *c.tau, turns, windows.speed);
-      const auto behind = believed(by_all, turns, kOfJoint);
+      const auto behind = believed(by_all, turns, kUsual);
       const bool better = behind && behind->rows > 0.0 && (!effort || behind->certainty() > effort->certainty());
       effort = better ? behind : effort;
     }

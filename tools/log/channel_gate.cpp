@@ -22,15 +22,12 @@ constexpr double kMostJointTurns = 2.0;
 /// Angles in degrees beside radians run 57.3 times as far; the ratio of the pulleys makes that more or less.
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPulleys = 3.5;
-auto moves(const Eigen::VectorXd& x) -> bool {
-  return x.size() > 0 && x.maxCoeff() > x.minCoeff();
-}
 
 class Gate {
  public:
   Gate(double period_s, const std::vector<GateChannel>& channels) : period_s_(period_s) {
     for (const auto& channel : channels) {
-      if (channel.values != nullptr && moves(*channel.values)) {
+      if (channel.values != nullptr && varies(*channel.values)) {
         channels_.push_back(channel);
       }
     }

@@ -128,6 +128,10 @@ auto robust_range(const Eigen::VectorXd& values) -> double {
   return quantile(values, 0.995) - quantile(values, 0.005);
 }
 
+auto varies(const Eigen::VectorXd& values) -> bool {
+  return values.size() > 0 && values.maxCoeff() > values.minCoeff();
+}
+
 auto spike_rows(const Eigen::VectorXd& x) -> Rows {
   const Index n = x.size();
   constexpr Index kFewestRows = 50;

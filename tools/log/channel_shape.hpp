@@ -10,6 +10,9 @@ namespace capstan::tools {
 /// Robust range: between the quantiles of 0.5 and 99.5 %, so that wild values do not count.
 auto robust_range(const Eigen::VectorXd& values) -> double;
 
+/// Whether a channel has more than one value.
+auto varies(const Eigen::VectorXd& values) -> bool;
+
 /// Rows of single wild values: up to three rows that stand out from the rows on both sides.
 auto spike_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 

@@ -24,6 +24,10 @@ auto stride_of(Index window) -> Index {
   return (3 * window + 1) / 2;
 }
 
+auto seen_rows(const LogParts& parts) -> Index {
+  return parts.rows / stride_of(parts.window);
+}
+
 /// Row of a part as cut for a row as seen.
 auto row_of(Index seen, const LogParts& parts) -> Index {
   return parts.beside + (seen - kMemory) * stride_of(parts.window);
@@ -55,7 +59,7 @@ auto doubly_boxed(const VectorXd& x, Index half) -> VectorXd {
 }
 
 auto seen_law(const std::vector<MatrixXd>& law, const LogParts& parts, Index part) -> Seen {
-  const Index rows = parts.rows / stride_of(parts.window) + kMemory;
+  const Index rows = seen_rows(parts) + kMemory;
   const auto columns = static_cast<Index>(law.size());
   Seen result{MatrixXd(rows, columns), MatrixXd(rows, columns), {}};
   for (Index c = 0; c < columns; ++c) {
@@ -71,7 +75,7 @@ auto seen_law(const std::vector<MatrixXd>& law, const LogParts& parts, Index par
 
 auto seen_target(const MatrixXd& target, const LogParts& parts, Index part, const std::vector<Index>& shifts)
     -> MatrixXd {
-  const Index rows = parts.rows / stride_of(parts.window) + kMemory;
+  const Index rows = seen_rows(parts) + kMemory;
   const VectorXd y = doubly_boxed(target.col(part), parts.window);
   MatrixXd result(rows, std::ssize(shifts) + 1);
   for (Index i = 0; i < rows; ++i) {
@@ -219,11 +223,9 @@ auto shifts_around(Index centre) -> std::vector<Index> {
 
 struct Weights {
   VectorXd law, memory;
-  double bound = 0.0;  // no unbiased estimate of a shift has a smaller standard deviation, the law being right; rows
-  double first = 0.0;  // as in ShiftFit
 };
 
-/// Weights of the law for one of the shifts and the noise's model, in turns; then what they let a shift be known to.
+/// Weights of the law for one of the shifts and the noise's model, in turns.
 auto weights_of(const std::vector<Seen>& parts, Index shift) -> Weights {
   Weights found{{}, VectorXd::Zero(kMemory)};
   const Index columns = parts[0].law.cols();
@@ -245,26 +247,37 @@ auto weights_of(const std::vector<Seen>& parts, Index shift) -> Weights {
       found.memory = memory_of(residual);
     }
   }
+  return found;
+}
+
+/// What the law's weights at no shift tell.
+struct Outlook {
+  double bound = 0.0;  // no unbiased estimate of a shift has a smaller standard deviation, the law being right; rows
+  double first = 0.0;  // as in ShiftFit
+};
+
+/// @param unshifted  column of the target
+auto outlook_of(const std::vector<Seen>& parts, const Weights& weights, Index unshifted) -> Outlook {
+  const Index columns = weights.law.size();
   MatrixXd gram = MatrixXd::Zero(columns, columns);
   VectorXd beside = VectorXd::Zero(columns);
   double rows = 0.0;
   double moved = 0.0;
   double noise = 0.0;
   for (const Seen& part : parts) {
-    const MatrixXd law = whitened(part.law, found.memory);
-    const VectorXd slope = whitened(part.slope * found.law, found.memory);
+    const MatrixXd law = whitened(part.law, weights.memory);
+    const VectorXd slope = whitened(part.slope * weights.law, weights.memory);
     gram += law.transpose() * law;
     beside += law.transpose() * slope;
     moved += slope.squaredNorm();
-    noise += whitened(part.target.col(shift) - part.law * found.law, found.memory).squaredNorm();
+    noise += whitened(part.target.col(unshifted) - part.law * weights.law, weights.memory).squaredNorm();
     rows += static_cast<double>(law.rows());
   }
   const Normal normal(gram);
   const double own = moved - beside.dot(normal.solve(beside).col(0));  // what no column can stand in for
-  found.bound = std::sqrt(noise / rows / std::max(own, 1e-300));
+  const double bound = std::sqrt(noise / rows / std::max(own, 1e-300));
   const double own_of_first = 1.0 / normal.solve(VectorXd::Unit(columns, 0))(0, 0);
-  found.first = std::pow(found.law[0], 2) * own_of_first / noise;
-  return found;
+  return {bound, std::pow(weights.law[0], 2) * own_of_first / noise};
 }
 
 }  // namespace
@@ -292,7 +305,7 @@ auto cut(const VectorXd& signal, const LogParts& parts) -> MatrixXd {
 
 auto shift_behind(const std::vector<MatrixXd>& law, const MatrixXd& target, const LogParts& parts)
     -> std::optional<ShiftFit> {
-  const Index rows = LogParts::kCount * (parts.rows / stride_of(parts.window));
+  const Index rows = LogParts::kCount * seen_rows(parts);
   if (law.empty() || rows < kRowsPerColumn * static_cast<Index>(law.size())) {
     return std::nullopt;
   }
@@ -308,6 +321,7 @@ auto shift_behind(const std::vector<MatrixXd>& law, const MatrixXd& target, cons
   const std::vector<Index> shifts = shifts_up_to(parts.reach);
   look_at(shifts);
   const Weights unshifted = weights_of(all, std::ssize(shifts));
+  const Outlook outlook = outlook_of(all, unshifted, std::ssize(shifts));
   const auto coarse = lowest(Profile(all, unshifted.memory, unshifted.law).left(-1));
   if (!coarse) {
     return std::nullopt;
@@ -326,9 +340,9 @@ auto shift_behind(const std::vector<MatrixXd>& law, const MatrixXd& target, cons
   if (std::abs(shift) > static_cast<double>(parts.reach)) {
     return std::nullopt;
   }
-  const auto seen_rows = static_cast<double>(rows);
-  return ShiftFit{shift, *half, -seen_rows * std::log(left.minCoeff()),
-                  seen_rows * std::log1p(std::pow(shift / unshifted.bound, 2) / seen_rows), unshifted.first};
+  const auto count = static_cast<double>(rows);
+  return ShiftFit{shift, *half, -count * std::log(left.minCoeff()),
+                  count * std::log1p(std::pow(shift / outlook.bound, 2) / count), outlook.first};
 }
 
 }  // namespace capstan::tools
