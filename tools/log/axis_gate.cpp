@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <map>
-#include <ranges>
 
 #include "capstan/tools/log/channel_gate.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
@@ -60,8 +59,9 @@ auto rows_repeat(const Beats& beats, const std::vector<GateChannel>& channels) -
   if (beats.empty() || beats.size() != static_cast<std::size_t>(given)) {
     return false;
   }
-  const auto [low, high] = std::ranges::minmax(beats | std::views::values);
-  return high <= (1.0 + kSameBeat) * low;
+  const auto [low, high] =
+      std::minmax_element(beats.begin(), beats.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return high->second <= (1.0 + kSameBeat) * low->second;
 }
 
 /// What is measured at the joint may be slower than the rest, as a camera is; between its values it tells nothing new.
