@@ -13,9 +13,9 @@ namespace capstan {
 template <typename Scalar>
 class TransportDelay {
  public:
-  /// Longest delay that can be held, in samples; a longer one is cut to it. On the target 63 ms at 1 kHz; on the host
-  /// the longest delay of kInfo still fits in a log of 17 kHz.
-  static constexpr std::int32_t kMaxSamples = std::is_same_v<Scalar, double> ? 1023 : 63;
+  /// Longest delay that can be held, in samples; a longer one is cut to it. On the target 127 ms at 1 kHz, as late as a
+  /// web camera's pictures; on the host the longest delay of kInfo still fits in a log of 17 kHz.
+  static constexpr std::int32_t kMaxSamples = std::is_same_v<Scalar, double> ? 2047 : 127;
 
   static constexpr TermInfo<0, 1> kInfo = {
       .name = "transport_delay",
@@ -24,7 +24,7 @@ class TransportDelay {
       .confusable_with = "transmission_viscous",
       .exciting_motion = "a multisine or chirp over a decade with fast reversals",
       .coefficients = {},
-      .shapes = {{{"delay", "s", 0.0, 0.06, 0.0, "how much later the joint sensor reports than the motor's",
+      .shapes = {{{"delay", "s", 0.0, 0.12, 0.0, "how much later the joint sensor reports than the motor's",
                    ShapeScale::kRatio, ShapeOf::kTime}}},
       .relations = {.doubles = {"transmission_viscous"}, .shown_by = Motion::kSpeeds | Motion::kFast},
   };

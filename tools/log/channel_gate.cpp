@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "capstan/model/terms/transport_delay.hpp"
 #include "capstan/tools/log/channel_delay.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -22,6 +23,14 @@ constexpr double kMostJointTurns = 2.0;
 /// Angles in degrees beside radians run 57.3 times as far; the ratio of the pulleys makes that more or less.
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPulleys = 3.5;
+
+/// What a delay can be cured by.
+auto cure_of(double late_s) -> std::string {
+  constexpr double kLongestS = TransportDelay<double>::kInfo.shapes[0].maximum;
+  return late_s <= kLongestS ? "the effect transport_delay can take it up, and a common time stamp would cure it"
+                             : "the effect transport_delay takes up " + rounded(1e3 * kLongestS, 3) +
+                                   " ms at most, so give this channel's values the times at which they were measured";
+}
 
 class Gate {
  public:
@@ -162,7 +171,7 @@ class Gate {
     add(ChannelFault::kLate, *late, {}, period_s_ * delay->rows,
         "is late against the other channels by " + rounded(ms * delay->rows, 3) + " ms (95 % " +
             rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) +
-            "); nothing was shifted: the effect transport_delay can take it up, and a common time stamp would cure it");
+            "); nothing was shifted: " + cure_of(period_s_ * delay->rows));
     found_.back().low = period_s_ * delay->low;
     found_.back().high = period_s_ * delay->high;
   }

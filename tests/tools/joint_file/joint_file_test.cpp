@@ -252,7 +252,7 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
       {kHead + kRatio + "[terms.play]\ngain = { value = -0.1, unit = \"1\" }\n",
        "joint.toml:8: gain = -0.1 1 is out of range; it must be from 0 to"},
       {kHead + kRatio + "[terms.transport_delay]\ndelay = { value = 0.9, unit = \"s\" }\n",
-       "joint.toml:8: delay = 0.9 s is out of range; it must be from 0 to 0.06"},
+       "joint.toml:8: delay = 0.9 s is out of range; it must be from 0 to 0.12"},
       {kHead + kRatio + "[feedforward]\ntorque_forward = { value = 1, unit = \"Nm\" }\n", "torque_backward is missing"},
       {"schema = \"capstan.joint/1\"\n" + kRatio, "[conditioner] is missing"},
   };
