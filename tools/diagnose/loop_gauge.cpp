@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "capstan/tools/diagnose/base_choice.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/diagnose/loop_change.hpp"
 #include "capstan/tools/diagnose/loop_course.hpp"
+#include "capstan/tools/diagnose/loop_size.hpp"
 #include "capstan/tools/diagnose/torque_gauge.hpp"
-#include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
@@ -21,22 +20,13 @@
 namespace capstan::tools {
 namespace {
 
-constexpr const char* kPlay = "play";
 constexpr const char* kDelay = "transport_delay";
 constexpr const char* kPeriodic = "angle_periodic";
+constexpr const char* kPretension = "pretension_offset";
 constexpr std::array kLateTerms = {kDelay, "transmission_viscous"};
 
 auto is_late_term(const std::string& name) -> bool {
   return std::any_of(kLateTerms.begin(), kLateTerms.end(), [&](const char* term) { return name == term; });
-}
-constexpr const char* kPretension = "pretension_offset";
-
-auto beta_of(const JointFile& joint) -> double {
-  return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
-}
-
-auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs {
-  return {p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy), before.late_s.value_or(0.0)};
 }
 
 /// How the motor's torque differs from the healthy joint's, beyond its loop.
@@ -76,8 +66,8 @@ class LoopSearch {
         left_by_loop_(left_to_choose(p, loop_)),
         left_by_found_(left_to_choose(p, search_.law)),
         enough_(kAboveFloor * std::min(noise_of(p, search_, left_by_found_), noise_known(p, healthy))) {
-    compare_width(search_.law);
-    const double width_rad = half_width_of(gauge_);
+    size_.emplace(p, healthy, before_, search_.law);
+    const double width_rad = size_->half_width_rad();
     const auto sliding =
         healthy.fit && healthy.fit->loop_torque ? loop_torque(p.noncausal, p.certain(), width_rad) : std::nullopt;
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
@@ -103,7 +93,7 @@ class LoopSearch {
     auto told = by_angle();
     const auto is_contradicted = [&](const AddedEffect& effect) {
       return change_ && (contradicted_by_torque(effect.name, *change_, friction_nm()) ||
-                         (effect.name == kPeriodic && is_torque_periodic()));
+                         (effect.name == kPeriodic && size_->is_torque_periodic()));
     };
     if (told && std::any_of(told->effects.begin(), told->effects.end(), is_contradicted)) {
       return nameless("");
@@ -127,14 +117,8 @@ class LoopSearch {
 
   /// Tendons of a loop that is wide beside the noise err by more than that on a healthy day.
   [[nodiscard]] auto is_as_before() const -> bool {
-    return std::abs(width_ - 1.0) <= kLoopTold && std::abs(force_ - 1.0) <= kLoopTold && healthy_.fit &&
+    return std::abs(size_->width() - 1.0) <= kLoopTold && std::abs(force_ - 1.0) <= kLoopTold && healthy_.fit &&
            left_ <= kAboveFloor * healthy_.fit->rmse;
-  }
-
-  /// By the law's loop, its lateness beside it where the healthy joint's was.
-  void compare_width(const LawForm& law) {
-    gauge_ = before_.late_s ? with_lateness(p_.causal, p_.target, p_.certain(), law) : law;
-    width_ = half_width_of(gauge_) / before_.half_width_rad;
   }
 
   /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
@@ -168,8 +152,8 @@ class LoopSearch {
   }
 
   auto of_the_loop_alone() -> Search {
-    compare_width(loop_);
-    const std::string name = name_of_change(width_, force_);
+    size_.emplace(p_, healthy_, before_, loop_);
+    const std::string name = name_of_change(size_->width(), force_);
     if (name.empty()) {
       search_.law = loop_;
       return nameless("a torque that the tendons do not carry");
@@ -182,9 +166,9 @@ class LoopSearch {
       }
     }
     AddedEffect effect = named(name);
-    effect.size = size_of(name);
+    effect.size = size_->of_change(name);
     search_.sizes.push_back(change_sentence(name, *effect.size));
-    const LawForm moved = changed_tendons(tendons_, name, width_);
+    const LawForm moved = changed_tendons(tendons_, name, size_->width());
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;
     return complete(tendons_say_it ? moved : loop_, tendons_say_it ? left_by_moved : left_by_loop_, {effect});
@@ -204,7 +188,7 @@ class LoopSearch {
     effects.erase(others, effects.end());
     first->name = name_of_lateness();
     first->alternatives.clear();
-    first->size = delay_of(first->name);
+    first->size = size_->of_delay(first->name);
     return were_two;
   }
 
@@ -213,9 +197,9 @@ class LoopSearch {
     for (const char* term : kLateTerms) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
-        compare_width(late);
+        size_.emplace(p_, healthy_, before_, late);
         AddedEffect effect = named(name_of_lateness());
-        effect.size = delay_of(effect.name);
+        effect.size = size_->of_delay(effect.name);
         return complete(late, left_by_it, {effect});
       }
     }
@@ -257,90 +241,6 @@ class LoopSearch {
     return answer;
   }
 
-  /// The gauge with its intervals.
-  [[nodiscard]] auto gauged() const -> JointFile {
-    const Blocks blocks = interval_blocks(
-        unbroken(refined(p_.split, p_.factor).learned()),
-        p_.target - law_columns(p_.causal, gauge_) * fit_law(p_.causal, p_.target, p_.certain(), gauge_).theta);
-    return law_with_intervals(p_.causal, p_.target, blocks, gauge_, p_.conditioner);
-  }
-
-  /// How large a change of the loop alone is: of a play the gap to either side at the joint, else what the pretension
-  /// or the stiffness is over the healthy joint's. The healthy width is as sure as this one.
-  [[nodiscard]] auto size_of(const std::string& name) const -> EffectSize {
-    const JointFile law = gauged();
-    const CatalogueTerm& play = gauge_.catalogue->term(kPlay);
-    const auto& ci95 = law.shape_ci95[play.first_shape];
-    const double width = half_width_of(gauge_);
-    const double half = ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / width * std::sqrt(2.0), kLoopBias) : 1.0;
-    const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
-      return {value, unit, Interval{value - slope * half, value + slope * half}};
-    };
-    if (name == kPlay) {
-      const double beta = beta_of(law);
-      return with(beta * width * (1.0 - 1.0 / width_), beta * width, "rad");
-    }
-    if (const auto pretension = name == kPretension ? pretension_of(half * width_) : std::nullopt) {
-      return *pretension;
-    }
-    const double over = name == kPretension ? width_ : 1.0 / width_;
-    return with(over, over, "1");
-  }
-  /// Neither width nor torque goes with the pretension alone: the joint's own friction L is in both, the motor's c in
-  /// the torque. Taut, f = c + F + L and the half width is k (F + 2 L), F the tendons' friction, as a load stretches
-  /// them twice as much, per torque, as their own friction: with (2.16), S(L) = C tanh(eta / 2) / eta (F / 2 + L). So
-  /// the two changes give k and F.
-  /// @param width_95  half width of the interval of the loop's width over the healthy one's
-  [[nodiscard]] auto pretension_of(double width_95) const -> std::optional<EffectSize> {
-    const double reach = before_.half_width_rad * std::max(1.0, width_);
-    const auto now = torque_parts({p_.logs, p_.causal.samples(), reach});
-    if (!now || !healthy_.fit || !healthy_.fit->torque) {
-      return std::nullopt;
-    }
-    constexpr std::size_t kMotorFriction = 4;
-    const double motor =
-        healthy_.parameters.shapes[healthy_.catalogue->term(kTendonModel).first_shape + kMotorFriction];
-    const double friction = healthy_.fit->torque->friction();
-    const double more = now->friction() - friction;
-    const double tendons = 2.0 * (friction - motor) - more / (width_ - 1.0);
-    if (tendons <= kLeastOfFriction * friction || tendons > friction) {
-      return std::nullopt;
-    }
-    const double per_width = std::pow(more / (tendons * (width_ - 1.0)), 2.0);
-    const double per_motor = 2.0 * std::abs(more) / (tendons * tendons);
-    const double half = std::hypot(per_width * width_95, per_motor * kMotorFrictionKnown * friction);
-    const double over = 1.0 + more / tendons;
-    return EffectSize{over, "1", Interval{over - half, over + half}};
-  }
-  /// How late the healthy joint may be by its own drag, which is another in another motion; a clock's is not.
-  [[nodiscard]] auto lateness_of_drag() const -> double {
-    const bool told = healthy_.fit && healthy_.fit->torque;
-    return told ? std::abs(healthy_.fit->torque->viscous()) / before_.torque_stretching(1.0) : *before_.late_s;
-  }
-  /// How much later the joint is than the healthy one was: its sensors have clocks of their own, too.
-  [[nodiscard]] auto delay_of(const std::string& name) const -> std::optional<EffectSize> {
-    if (name != kDelay || !gauge_.has(name) || !before_.late_s) {
-      return std::nullopt;
-    }
-    const auto& ci95 = gauged().shape_ci95[gauge_.catalogue->term(name).first_shape];
-    const double value = lateness_of(gauge_) - *before_.late_s;
-    if (!ci95) {
-      return EffectSize{value, "s"};
-    }
-    const double fitted = 0.5 * ((*ci95)[1] - (*ci95)[0]) * std::sqrt(2.0);  // the healthy one is as sure as this one
-    const double half = std::hypot(fitted, kLatenessKnown * std::min(*before_.late_s, lateness_of_drag()));
-    return EffectSize{value, "s", Interval{value - half, value + half}};
-  }
-  /// An angle that errs takes no torque; a detent turns the joint by what its torque stretches.
-  [[nodiscard]] auto is_torque_periodic() const -> bool {
-    const JointFile law = gauged();
-    const CatalogueTerm& term = law.catalogue->term(kPeriodic);
-    const double* wave = &law.parameters.coefficients[term.first_coefficient];
-    const double order = law.parameters.shapes[term.first_shape];
-    const double stretch = std::hypot(wave[0], wave[1]) / std::abs(beta_of(healthy_));
-    return periodic_torque(torque_logs(p_, healthy_, before_), *healthy_.fit->torque, order) >
-           kTorqueOfStretch * before_.torque_stretching(stretch);
-  }
   /// Drag delays the joint by what its torque stretches; a late clock takes none.
   [[nodiscard]] auto name_of_lateness() const -> std::string {
     bool drags = force_ > 1.0 + kLoopTold;
@@ -392,13 +292,12 @@ class LoopSearch {
   const LawForm& tendons_;
   LawForm loop_;
   Search search_;
-  LawForm gauge_;  ///< whose numbers are compared with the healthy joint's
-  double left_;    ///< by the healthy tendons, rms, of the rows to choose by; and by the others
+  std::optional<LoopSize> size_;  ///< of the law whose numbers are compared with the healthy joint's
+  double left_;                   ///< by the healthy tendons, rms, of the rows to choose by; and by the others
   double left_by_loop_;
   double left_by_found_;
   double enough_;
-  double width_ = 1.0;                  ///< of the loop, over the healthy joint's
-  double force_ = 1.0;                  ///< its torque
+  double force_ = 1.0;                  ///< the loop's torque, over the healthy joint's
   std::optional<TorqueChange> change_;  ///< of the torque, where both logs tell it
   std::optional<TorqueFinding> by_torque_;
 };
