@@ -111,9 +111,9 @@ TEST(ForwardScore, WithoutRowsThereIsNoLaw) {
 
 TEST(ForwardScore, EachLogHasAZeroOfItsOwnAndTheLawTheirMean) {
   const Eigen::VectorXd q1 = two_sines(200);
-  Preparation p = test::preparation_of(test::samples_of(q1), Eigen::VectorXd::Zero(400), {});
-  p.target << 0.8 * q1, (0.8 * q1).array() + 0.6;
-  p.causal = p.noncausal = LawDesign({test::samples_of(q1), test::samples_of(q1)}, {1.0, 1.0});
+  Eigen::VectorXd target(400);
+  target << 0.8 * q1, (0.8 * q1).array() + 0.6;
+  const Preparation p = test::preparation_of_both(q1, q1, target);
   SelectionData data(p, term_catalogue(), few_parts());
   ForwardScore forward(data, data.logs());
   EXPECT_NEAR(forward.score(kRatio), 0.0, 1e-15);

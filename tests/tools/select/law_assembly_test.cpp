@@ -13,10 +13,7 @@ using test::two_sines;
 
 TEST(RowOrder, HasAPartOfEveryLogInEachPart) {
   // Logs of 8 and 4 rows in four parts: two rows of the one and one of the other in each.
-  const Samples first = test::samples_of(two_sines(8));
-  const Samples second = test::samples_of(two_sines(4));
-  Preparation p = test::preparation_of(first, Eigen::VectorXd::Zero(12), {});
-  p.causal = p.noncausal = LawDesign({first, second}, {1.0, 1.0});
+  const Preparation p = test::preparation_of_both(two_sines(8), two_sines(4), Eigen::VectorXd::Zero(12));
   const SelectionData data(p, term_catalogue(), few_parts());
   const RowOrder all = ordered_in_parts(data, data.logs());
   EXPECT_EQ(all.rows, (std::vector<Eigen::Index>{0, 1, 8, 2, 3, 9, 4, 5, 10, 6, 7, 11}));

@@ -31,6 +31,16 @@ inline auto samples_of(const Eigen::VectorXd& q1) -> Samples {
   return samples;
 }
 
+/// Two logs of one joint, each with a run of its own.
+inline auto preparation_of_both(const Eigen::VectorXd& first, const Eigen::VectorXd& second,
+                                const Eigen::VectorXd& target) -> Preparation {
+  Eigen::VectorXd q1(first.size() + second.size());
+  q1 << first, second;
+  Preparation p = preparation_of(samples_of(q1), target, {});
+  p.causal = p.noncausal = LawDesign({samples_of(first), samples_of(second)}, {1.0, 1.0});
+  return p;
+}
+
 /// Two sines without a common period, from -1.4 to 1.4.
 inline auto two_sines(Eigen::Index rows) -> Eigen::VectorXd {
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(rows, 0.0, 0.05 * static_cast<double>(rows - 1));
