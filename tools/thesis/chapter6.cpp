@@ -224,7 +224,7 @@ auto table_6_2() -> ThesisTable {
     if (jaw == 0) {
       table = estimation_table("6.2", "da Vinci wrist (ch. 6): both jaws, dynamic law (6.21), RMSE", tried, false);
     }
-    const StudyErrors errors = add_rows(table, signals, study, tried);
+    const StudyErrors errors = add_rows(table, signals, study, tried).front();
     conditions.push_back(name + "identified on I: " + parameter_line(errors.laws.thesis));
     const std::size_t first = 5 * jaw;
     if (jaw == 0) {

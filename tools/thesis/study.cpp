@@ -151,7 +151,7 @@ auto estimation_table(std::string number, std::string title, const std::vector<S
 }
 
 auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Study& study,
-              const std::vector<StudyTrial>& trials) -> StudyErrors {
+              const std::vector<StudyTrial>& trials) -> std::vector<StudyErrors> {
   std::vector<StudyErrors> all = {run_study(study, signals)};
   for (const StudyTrial& t : trials) {
     const std::vector<Signal>& whole = t.instead.empty() ? signals : t.instead;
@@ -189,7 +189,7 @@ auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Stud
     }
     table.rows.push_back(std::move(row));
   }
-  return all.front();
+  return all;
 }
 
 auto motor_deg(double joint_deg, const sim::PlantParameters& plant) -> double {

@@ -86,9 +86,9 @@ struct StudyTrial {
 /// `law` for the simulator.
 auto estimation_table(std::string number, std::string title, const std::vector<StudyTrial>& trials, bool adjusted_r2)
     -> ThesisTable;
-/// Appends the signals' rows. Returns what the study itself gave.
+/// Appends the signals' rows. Returns what the study itself gave, then each of the trials.
 auto add_rows(ThesisTable& table, const std::vector<Signal>& signals, const Study& study,
-              const std::vector<StudyTrial>& trials) -> StudyErrors;
+              const std::vector<StudyTrial>& trials) -> std::vector<StudyErrors>;
 
 /// What the motor has to turn so that r1 / r2 of it is this much at the joint.
 auto motor_deg(double joint_deg, const sim::PlantParameters& plant) -> double;

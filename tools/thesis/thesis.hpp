@@ -30,8 +30,9 @@ auto table_7_2() -> ThesisTable;
 /// Stop and go over rotating idlers, the study that section 8.2.3 asks for.
 auto table_8_2_3() -> ThesisTable;
 
-/// The control error of a row of table 5.3 by the torque per ampere: what it is fitted by.
+/// Control errors of a row of table 5.3, one for each torque per ampere: what that is fitted by.
 /// @param own  with the micro-forceps' own tendons and late pictures
-auto control_error_deg(double torque_per_ampere, std::size_t signal, bool own) -> double;
+auto control_errors_deg(const std::vector<double>& torques_per_ampere, std::size_t signal, bool own)
+    -> std::vector<double>;
 
 }  // namespace capstan::tools
