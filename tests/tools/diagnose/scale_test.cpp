@@ -69,7 +69,7 @@ class ScaleOfMadeUpJoint : public testing::TestWithParam<Truth> {};
 TEST_P(ScaleOfMadeUpJoint, ChangesNoVerdictAndScalesTheLaw) {
   test::SyntheticRequest request;
   request.truth = GetParam();
-  request.rate_hz = 100.0;
+  request.rate_hz = 50.0;
   request.cycle_s = 25.0;
   const AxisLog log = test::synthetic_log(request);
   const Diagnosis plain = diagnose({log}, {});
