@@ -133,7 +133,7 @@ TEST(DiagnoseEffort, WarmingUpIsNamedOrUnknown) {
 class UnlistedEffort : public testing::TestWithParam<EffortTruth> {};
 
 TEST_P(UnlistedEffort, IsNeverGivenAName) {
-  constexpr std::uint64_t kSeeds = 4;  // more of them: tools/blind_benchmark --family effort
+  constexpr std::uint64_t kSeeds = 8;  // more of them: tools/blind_benchmark --family effort
   std::size_t seen = 0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     const Diagnosis d = diagnosis_of(GetParam(), seed);
