@@ -56,8 +56,7 @@ auto expected_error_rad(const JointFile& joint) -> double {
   }
   double width_rad = 0.0;
   if (joint.fit->loop_half_width) {
-    const double ratio = joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
-    width_rad = kLoopTold * std::abs(ratio) * *joint.fit->loop_half_width;
+    width_rad = kLoopTold * std::abs(beta_of(joint)) * *joint.fit->loop_half_width;
   }
   return std::min(std::hypot(joint.fit->rmse, width_rad), kMostRad);
 }

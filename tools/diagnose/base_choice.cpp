@@ -16,8 +16,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr const char* kDelay = "transport_delay";
-
 /// The loop that tendons draw by their law; nothing where the motor's torque is not steady.
 auto loop_by_law(const Preparation& p, const LawForm& tendons, const Blocks& rows) -> std::optional<Loop> {
   JointFile joint = law_with_intervals(p.causal, p.target, rows, tendons, p.conditioner);
@@ -62,29 +60,29 @@ auto late_tendons(const Preparation& p, const LawForm& start, const Blocks& rows
   }
   const LawForm prompt = fit_tendon(p.causal, brought_ahead(p.causal, p.target, lateness_of(gauge)), rows, start);
   LawForm late = prompt;
-  late.terms.emplace_back(kDelay);
-  late.set_shapes(late.catalogue->term(kDelay), {lateness_of(gauge)});
+  late.terms.emplace_back(kDelayTerm);
+  late.set_shapes(late.catalogue->term(kDelayTerm), {lateness_of(gauge)});
   late.held = {kTendonModel};
   late = refine_shapes(p.causal, p.target, rows, std::move(late));
   late.held = start.held;
   const double left_by_prompt = left_to_choose(p, refine_tendon(p.causal, p.target, rows, prompt));
-  const bool is_found = lateness_of(late) < late.catalogue->term(kDelay).shapes.front().maximum;
+  const bool is_found = lateness_of(late) < late.catalogue->term(kDelayTerm).shapes.front().maximum;
   return is_found && left_to_choose(p, late) < kWorthLateness * left_by_prompt ? std::optional(late) : std::nullopt;
 }
 
 /// Without a lateness that is to be named: more than what the torque that grows with the motor's speed makes by
 /// stretching the tendons, and than a sample, by which two clocks may differ.
 auto without_foreign_lateness(const Preparation& p, LawForm tendons, const Blocks& rows) -> LawForm {
-  if (!tendons.has(kDelay)) {
+  if (!tendons.has(kDelayTerm)) {
     return tendons;
   }
   const auto loop = loop_by_law(p, tendons, rows);
   const double drag = tendons.shapes_of(tendons.catalogue->term(kTendonModel))[TendonShape::kViscous];
   const double own_s = loop ? drag / (kTorqueOfStretch * loop->torque_stretching(1.0)) : 0.0;
   if (lateness_of(tendons) > std::max(own_s, p.causal.period_s(0))) {
-    const std::size_t shape = tendons.catalogue->term(kDelay).first_shape;
+    const std::size_t shape = tendons.catalogue->term(kDelayTerm).first_shape;
     tendons.shapes[shape] = tendons.catalogue->initial_shapes()[shape];
-    std::erase(tendons.terms, kDelay);
+    std::erase(tendons.terms, kDelayTerm);
   }
   return tendons;
 }
@@ -107,19 +105,18 @@ auto fitted_tendons(Preparation& p, const LawForm& start) -> LawForm {
 
 /// Half the width at the joint of the loop that a search called a gap; 0 where it found none.
 auto loop_size(const Preparation& p, const LawForm& law) -> double {
-  const std::string play = "play";
-  if (!law.has(play)) {
+  if (!law.has(kPlayTerm)) {
     return 0.0;
   }
   Eigen::Index gain = 0;
   for (const CatalogueTerm* term : ordered_terms(law)) {
-    if (term->name == play) {
+    if (term->name == kPlayTerm) {
       break;
     }
     gain += static_cast<Eigen::Index>(term->coefficients.size());
   }
   const LinearFit fit = fit_law(p.causal, p.target, p.certain(), law);
-  return std::abs(fit.theta[gain]) * law.shapes_of(law.catalogue->term(play)).front();
+  return std::abs(fit.theta[gain]) * law.shapes_of(law.catalogue->term(kPlayTerm)).front();
 }
 
 auto with_effects(const LawForm& base, const LawForm& all, const std::vector<AddedEffect>& effects, std::size_t count)
@@ -198,7 +195,7 @@ auto without_form_error(const Preparation& p, const BaseChoice& base, Search sea
   const double left_by_moved = left_to_choose(p, moved);
   if (left_by_moved <= enough) {
     AddedEffect pretension;
-    pretension.name = "pretension_offset";
+    pretension.name = kPretensionTerm;
     pretension.explained = 1.0 - left_by_moved * left_by_moved / (left * left);
     return answer(moved, left_by_moved, {pretension});
   }

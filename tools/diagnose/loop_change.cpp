@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "capstan/model/terms/tendon.hpp"
+#include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
-namespace {
-
-constexpr const char* kPlay = "play";
-constexpr const char* kPretension = "pretension_offset";
-
-}  // namespace
 
 auto name_of_change(double width, double torque) -> std::string {
   const bool wider = width > 1.0 + kLoopTold;
@@ -25,28 +20,28 @@ auto name_of_change(double width, double torque) -> std::string {
   }
   const double together = std::log(torque) / std::log(width);
   if (together > kLeastTogether && together < 1.0 / kLeastTogether) {
-    return kPretension;
+    return kPretensionTerm;
   }
   if (narrower) {
-    return torque >= 1.0 - kLoopTold ? "stiffness_hardening" : "";
+    return torque >= 1.0 - kLoopTold ? kHardeningTerm : "";
   }
-  return same_torque ? kPlay : "";
+  return same_torque ? kPlayTerm : "";
 }
 
 auto change_sentence(const std::string& name, const EffectSize& size) -> std::string {
-  const bool gap = name == kPlay;
+  const bool gap = name == kPlayTerm;
   const double unit = gap ? 1.0 : 100.0;
   const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
                             rounded(unit * (*size.ci95)[1], 3) + "]";
   return gap ? "the gap is " + range + " rad to either side, at the joint"
-             : std::string(name == kPretension ? "pretension" : "the tendons' stiffness") + " is " + range +
+             : std::string(name == kPretensionTerm ? "pretension" : "the tendons' stiffness") + " is " + range +
                    " % of the healthy joint's";
 }
 
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {
-  if (name == kPretension) {
+  if (name == kPretensionTerm) {
     tendons.shapes[tendons.catalogue->term(kTendonModel).first_shape + TendonShape::kPretension] *= width;
-  } else if (name == "stiffness_hardening") {
+  } else if (name == kHardeningTerm) {
     *tendons.tied_compliance *= width;
   }
   return tendons;

@@ -20,10 +20,8 @@
 namespace capstan::tools {
 namespace {
 
-constexpr const char* kDelay = "transport_delay";
 constexpr const char* kPeriodic = "angle_periodic";
-constexpr const char* kPretension = "pretension_offset";
-constexpr std::array kLateTerms = {kDelay, "transmission_viscous"};
+constexpr std::array kLateTerms = {kDelayTerm, kDragTerm};
 
 auto is_late_term(const std::string& name) -> bool {
   return std::any_of(kLateTerms.begin(), kLateTerms.end(), [&](const char* term) { return name == term; });
@@ -46,7 +44,7 @@ auto loop_now(const Preparation& p, const Loop& before) -> LawForm {
   }
   LawForm late = with_lateness(p.causal, p.target, p.certain(), loop);
   LawForm as_before = late;
-  as_before.set_shapes(as_before.catalogue->term(kDelay), {*before.late_s});
+  as_before.set_shapes(as_before.catalogue->term(kDelayTerm), {*before.late_s});
   const bool is_as_late = left_to_choose(p, as_before) <= kAboveFloor * left_to_choose(p, late);
   return is_as_late ? late : loop;
 }
@@ -158,7 +156,7 @@ class LoopSearch {
       search_.law = loop_;
       return nameless("a torque that the tendons do not carry");
     }
-    if (name == kPretension) {  // or it was another one only later
+    if (name == kPretensionTerm) {  // or it was another one only later
       const Course course = course_of(p_, loop_);
       if (course.narrows() || course.widens()) {
         return course.narrows() && course.early ? complete(loop_, left_by_loop_, {named("viscoelastic_creep")})
@@ -207,7 +205,7 @@ class LoopSearch {
   }
 
   auto of_what_came_beside() -> Search {
-    const bool is_as_late = loop_.has(kDelay);
+    const bool is_as_late = loop_.has(kDelayTerm);
     const bool late_by_two = !is_as_late && name_lateness();
     const auto& found = search_.effects;
     const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
@@ -245,10 +243,10 @@ class LoopSearch {
   [[nodiscard]] auto name_of_lateness() const -> std::string {
     bool drags = force_ > 1.0 + kLoopTold;
     if (change_ && before_.late_s) {
-      const double later_s = lateness_of(late_loop(kDelay)) - *before_.late_s;
+      const double later_s = lateness_of(late_loop(kDelayTerm)) - *before_.late_s;
       drags = change_->size_of(TorqueCause::kDrag) > kTorqueOfStretch * before_.torque_stretching(later_s);
     }
-    return drags ? "transmission_viscous" : kDelay;
+    return drags ? kDragTerm : kDelayTerm;
   }
   [[nodiscard]] auto late_loop(const std::string& by) const -> LawForm {
     LawForm law = loop_;

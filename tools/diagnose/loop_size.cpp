@@ -9,16 +9,6 @@
 #include "capstan/tools/select/deciding_numbers.hpp"
 
 namespace capstan::tools {
-namespace {
-
-constexpr const char* kDelay = "transport_delay";
-constexpr const char* kPretension = "pretension_offset";
-
-}  // namespace
-
-auto beta_of(const JointFile& joint) -> double {
-  return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
-}
 
 auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs {
   return {p.logs, p.causal.samples(), before.half_width_rad, beta_of(healthy), before.late_s.value_or(0.0)};
@@ -43,22 +33,21 @@ auto LoopSize::with_intervals() const -> JointFile {
 
 // The healthy width is as sure as this one.
 auto LoopSize::of_change(const std::string& name) const -> EffectSize {
-  constexpr const char* kPlay = "play";
   const JointFile law = with_intervals();
-  const auto& ci95 = law.shape_ci95[law_.catalogue->term(kPlay).first_shape];
+  const auto& ci95 = law.shape_ci95[law_.catalogue->term(kPlayTerm).first_shape];
   const double half =
       ci95 ? std::hypot(0.5 * ((*ci95)[1] - (*ci95)[0]) / half_width_rad() * std::sqrt(2.0), kLoopBias) : 1.0;
   const auto with = [half](double value, double slope, const char* unit) -> EffectSize {
     return {value, unit, Interval{value - slope * half, value + slope * half}};
   };
-  if (name == kPlay) {
+  if (name == kPlayTerm) {
     const double gap = beta_of(law) * half_width_rad();
     return with(gap * (1.0 - 1.0 / width()), gap, "rad");
   }
-  if (const auto pretension = name == kPretension ? of_pretension(half * width()) : std::nullopt) {
+  if (const auto pretension = name == kPretensionTerm ? of_pretension(half * width()) : std::nullopt) {
     return *pretension;
   }
-  const double over = name == kPretension ? width() : 1.0 / width();
+  const double over = name == kPretensionTerm ? width() : 1.0 / width();
   return with(over, over, "1");
 }
 
@@ -94,7 +83,7 @@ auto LoopSize::lateness_of_drag() const -> double {
 }
 
 auto LoopSize::of_delay(const std::string& name) const -> std::optional<EffectSize> {
-  if (name != kDelay || !law_.has(name) || !before_.late_s) {
+  if (name != kDelayTerm || !law_.has(name) || !before_.late_s) {
     return std::nullopt;
   }
   const auto& ci95 = with_intervals().shape_ci95[law_.catalogue->term(name).first_shape];

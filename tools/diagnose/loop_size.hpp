@@ -8,7 +8,6 @@
 namespace capstan::tools {
 
 /// Joint angle per motor angle of a law.
-auto beta_of(const JointFile& joint) -> double;
 
 /// What a torque is told from, beside a healthy joint's loop.
 auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs;

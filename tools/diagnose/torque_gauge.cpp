@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/identify/loop.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -36,7 +37,7 @@ auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> Torq
     case TorqueCause::kMass:
       return told("load_inertia", size_by(beta * beta, "kgm2", kMassKnown), "a mass of ", " at the joint");
     case TorqueCause::kDrag:
-      return told("transmission_viscous", size_by(1.0, "Nms/rad"), "drag of ", " at the motor");
+      return told(kDragTerm, size_by(1.0, "Nms/rad"), "drag of ", " at the motor");
     case TorqueCause::kBristle:
       return told("presliding", size_by(beta, "Nm"), "friction of ",
                   " at the joint that bends over " + rounded(std::abs(beta) * change.bristle_way_rad, 2) +
@@ -88,10 +89,10 @@ auto contradicted_by_torque(const std::string& name, const TorqueChange& change,
   if (name == "load_inertia") {
     return !changed || change.share_of(TorqueCause::kMass) < kTorqueCauseShare;
   }
-  if (name == "transmission_viscous") {
+  if (name == kDragTerm) {
     return changed && change.share_of(TorqueCause::kDrag) < change.share_of(TorqueCause::kFriction);
   }
-  if (name == "pretension_offset" || name == "stiffness_hardening") {
+  if (name == kPretensionTerm || name == kHardeningTerm) {
     const double by_friction = change.share_of(TorqueCause::kFriction);
     const double rest = change.rms_nm * std::sqrt(std::max(0.0, 1.0 - by_friction));
     return by_friction < kPretensionShare && rest >= kTorqueTold * std::abs(friction_nm);

@@ -87,7 +87,7 @@ void describe_free_motion(const std::vector<AxisLog>& logs, const LawDesign& des
 
 /// The logs in which the tip was not held; all, where it was in each.
 auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std::vector<AxisLog> {
-  const double beta = joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
+  const double beta = beta_of(joint);
   std::vector<AxisLog> free;
   std::copy_if(logs.begin(), logs.end(), std::back_inserter(free),
                [beta](const AxisLog& log) { return !is_held(log, beta); });

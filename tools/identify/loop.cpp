@@ -12,9 +12,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr const char* kPlay = "play";
-constexpr const char* kDelay = "transport_delay";
-
 /// Half the width of the loop at these torques, both tendons sliding.
 auto width_by_law(const JointFile& joint, const SteadyTorque& torque) -> double {
   const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
@@ -49,30 +46,30 @@ auto loop_of(const JointFile& joint) -> std::optional<Loop> {
 auto fit_loop(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const Loop& known)
     -> LawForm {
   LawForm law;
-  law.terms = {"motor_angle", "joint_offset", kPlay};
-  law.set_shapes(law.catalogue->term(kPlay), {known.half_width_rad});
+  law.terms = {"motor_angle", "joint_offset", kPlayTerm};
+  law.set_shapes(law.catalogue->term(kPlayTerm), {known.half_width_rad});
   return refine_shapes(design, target, rows, law);
 }
 
 auto half_width_of(const LawForm& loop) -> double {
-  return loop.shapes_of(loop.catalogue->term(kPlay)).front();
+  return loop.shapes_of(loop.catalogue->term(kPlayTerm)).front();
 }
 
 auto with_lateness(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm loop)
     -> LawForm {
-  if (!loop.has(kDelay) && !loop.has("transmission_viscous")) {
-    loop.terms.emplace_back(kDelay);
-    loop.set_shapes(loop.catalogue->term(kDelay), {design.period_s(0)});
+  if (!loop.has(kDelayTerm) && !loop.has(kDragTerm)) {
+    loop.terms.emplace_back(kDelayTerm);
+    loop.set_shapes(loop.catalogue->term(kDelayTerm), {design.period_s(0)});
   }
   const std::vector<std::string> held = std::exchange(loop.held, loop.terms);
-  std::erase_if(loop.held, [](const std::string& term) { return term == kPlay || term == kDelay; });
+  std::erase_if(loop.held, [](const std::string& term) { return term == kPlayTerm || term == kDelayTerm; });
   loop = refine_shapes(design, target, rows, std::move(loop));
   loop.held = held;
   return loop;
 }
 
 auto lateness_of(const LawForm& law) -> double {
-  return law.has(kDelay) ? law.shapes_of(law.catalogue->term(kDelay)).front() : 0.0;
+  return law.has(kDelayTerm) ? law.shapes_of(law.catalogue->term(kDelayTerm)).front() : 0.0;
 }
 
 auto friction_of(const SteadyTorque& torque) -> double {

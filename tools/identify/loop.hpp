@@ -7,6 +7,13 @@
 
 namespace capstan::tools {
 
+/// Names of the terms that change a loop, or how late the joint follows.
+inline constexpr const char* kPlayTerm = "play";
+inline constexpr const char* kPretensionTerm = "pretension_offset";
+inline constexpr const char* kHardeningTerm = "stiffness_hardening";
+inline constexpr const char* kDelayTerm = "transport_delay";
+inline constexpr const char* kDragTerm = "transmission_viscous";
+
 /// The loop between motor and joint that tendons draw under a free tip: half its width, at the motor, and the torque
 /// that it takes, half the distance between both directions. Both tendons slide then before the joint moves, so its
 /// angle is exactly play(q1), and the two numbers say what its shape can not: a gap widens the loop and takes no

@@ -92,10 +92,8 @@ void put_into_newtons(const TendonDrawing& drawing, JointFile& joint) {
   double radius_share = 0.0;
   // r1^2 = 2 / (K (c_t + c_b)); a free tip does not know the compliance apart from the rest.
   if (!drawing.radius_m && drawing.stiffness_n_per_m && numbers.torque_nm() > 0.0) {
-    const auto coefficient = [&](const char* term) {
-      return joint.parameters.coefficients[joint.catalogue->term(term).first_coefficient];
-    };
-    const double compliance = std::abs(coefficient(kTendonModel) / coefficient("motor_angle"));
+    const double elongation = joint.parameters.coefficients[joint.catalogue->term(kTendonModel).first_coefficient];
+    const double compliance = std::abs(elongation / beta_of(joint));
     radius_m = compliance > 0.0 ? std::sqrt(2.0 / (*drawing.stiffness_n_per_m * compliance)) : 0.0;
     radius_share = 0.5 * kTendonPretensionKnown;
   }

@@ -175,7 +175,7 @@ auto fit_wrist(const std::array<std::vector<AxisLog>, kWristAxes>& logs) -> Wris
     wrist.push_back(rows_of(logs[i], untied.joint));
     const auto& numbers = untied.joint.parameters.coefficients;
     if (i > 0) {
-      const double by_pitch = result.joints[0].parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
+      const double by_pitch = beta_of(result.joints[0]);
       follow[static_cast<Eigen::Index>(i) - 1] =
           std::clamp(numbers[catalogue_term("axis_coupling").first_coefficient] / by_pitch, -kMostFollow, kMostFollow);
     }

@@ -129,6 +129,10 @@ auto word_of(LawStatus status) -> const char* {
   return kWords[static_cast<std::size_t>(status)];
 }
 
+auto beta_of(const JointFile& joint) -> double {
+  return joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient];
+}
+
 auto slots_used(const JointFile& joint) -> std::size_t {
   std::size_t slots = 0;
   for (const auto& term : *joint.catalogue) {

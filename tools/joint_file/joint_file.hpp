@@ -82,6 +82,9 @@ inline constexpr double kLargestNumber = 127.999999;
 /// Below this ratio the law could not be turned round for the feedforward within the range of numbers.
 inline constexpr double kSmallestBeta = 0.01;
 
+/// Ratio of the joint to its motor, of a law of a joint's angle.
+auto beta_of(const JointFile& joint) -> double;
+
 /// Slots of the coupling that the law's terms read, from the first.
 auto slots_used(const JointFile& joint) -> std::size_t;
 

@@ -99,7 +99,7 @@ class SectionReader {
         read_term(*entry, term, joint);
       }
     }
-    const double beta = joint.parameters.coefficients[catalogue_term("motor_angle").first_coefficient];
+    const double beta = beta_of(joint);
     if (std::abs(beta) < kSmallestBeta) {
       fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be inverted; " +
                                          "check the fit, the joint hardly moved");

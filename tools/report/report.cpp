@@ -65,8 +65,7 @@ auto loop_plot(const Diagnosis& d, const Eigen::VectorXd& estimate, const std::s
   const Shown target = shown(d.unit);
   const bool angle = d.base.catalogue->target() == TargetKind::kAngle;
   // A joint angle is nearly beta q1: its loop only shows beside that.
-  const double beta =
-      angle ? d.base.parameters.coefficients[d.base.catalogue->term("motor_angle").first_coefficient] : 0.0;
+  const double beta = angle ? beta_of(d.base) : 0.0;
   Plot plot;
   plot.title = "Loop " + which;
   plot.x_label = "motion q1 [" + motion.unit + "]";
