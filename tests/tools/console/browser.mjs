@@ -36,6 +36,12 @@ export function launch() {
   return chromium.launch({ executablePath: process.env.CAPSTAN_CHROMIUM, args: quiet });
 }
 
+/** Ten pictures a second: without a graphics processor 50 take two processors, and the tests that ask how the page looks do not ask how often. */
+function drawSeldom() {
+  const next = window.requestAnimationFrame.bind(window);
+  window.requestAnimationFrame = (draw) => window.setTimeout(() => next(draw), 100);
+}
+
 /** Opens the page and waits until the simulator runs. Whatever the page complains of is in `complaints`. */
 export async function open(browser, address, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
@@ -44,6 +50,7 @@ export async function open(browser, address, options = {}) {
   // Warnings are Chromium's advice on speed, the test's own reading of pixels among it.
   page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
   page.on('pageerror', (error) => complaints.push(String(error)));
+  if (options.everyPicture !== true) await page.addInitScript(drawSeldom);
   if (options.script !== undefined) await page.addInitScript(options.script);
   await page.goto(address);
   const console_ = { page, complaints, close: () => context.close() };

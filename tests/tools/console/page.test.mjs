@@ -41,7 +41,7 @@ test('arms, moves by a click, and the trace shows it', async () => {
 });
 
 test('samples come at 1 kHz and none is lost', async () => {
-  const one = await fresh();
+  const one = await fresh({ everyPicture: true });
   await one.page.selectOption('#window', '2');
   for (const signal of ['joint0.current', 'joint0.drive', 'joint0.disturbance', 'joint0.misfit']) {
     await one.page.selectOption('#signal-add', signal);

@@ -7,7 +7,7 @@ import { board, console_, endAll } from './served.mjs';
 const minutes = Number(process.argv[2] ?? 10);
 const browser = await launch();
 const server = process.argv[3] === 'tcp' ? await console_((await board()).name) : await serve();
-const one = await open(browser, server.address);
+const one = await open(browser, server.address, { everyPicture: true });
 for (const signal of ['joint0.current', 'joint0.drive', 'joint0.disturbance', 'joint0.misfit']) {
   await one.page.selectOption('#signal-add', signal);
   await one.page.waitForFunction((name) => document.getElementById('signals').textContent.includes(name), signal);
