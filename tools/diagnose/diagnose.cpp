@@ -156,16 +156,16 @@ auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
 }
 
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
-/// did better there would fit it. Of a base law only repeated cycles can say so, for a residual is its own floor; or
-/// the law of two tendons, which took the usual one's place for that. Where something is left for certain, be it the
-/// form of a term alone, there is something to choose.
+/// did better there would fit it. Only repeated cycles can say so, for without them a residual is its own floor, and a
+/// flexible model may miss as much as the law does; or the law of two tendons, which took the usual one's place for
+/// that. Where something is left for certain, be it the form of a term alone, there is something to choose.
 auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice {
   if (d.base.catalogue->target() != TargetKind::kAngle) {
     return chosen_effort_law(p, d);
   }
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
   const bool complete = p.repeats || d.base.has(kTendonModel);
-  if ((named && !search.lacks_something) || (complete && d.verdict == Verdict::kNothingMissing)) {
+  if (complete && (named ? !search.lacks_something : d.verdict == Verdict::kNothingMissing)) {
     const JointFile& law = named ? *d.found : d.base;
     // Where the running switch is late, no law of this encoder knows better.
     const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);

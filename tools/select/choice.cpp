@@ -19,7 +19,8 @@ class Chooser {
       : p_(p),
         base_(base),
         found_(found),
-        data_(p, *base.catalogue, numbers, estimates(p.logs, p.causal, found ? *found : base)),
+        running_(estimates(p.logs, p.causal, found ? *found : base)),
+        data_(p, *base.catalogue, numbers, running_),
         learned_(data_, p.split.learned()),
         whole_(data_, data_.logs()) {
     given_ = {candidate_of(form_of(base))};
@@ -58,8 +59,27 @@ class Chooser {
 
   void select(const std::vector<LawCandidate>& laws, const Vocabulary& vocabulary, Judged& judged) const {
     judged.selection = select_law(judged.forward, laws, vocabulary);
+    judge_as_it_runs(judged.selection);
     judged.delivered = delivered(judged.selection, judged.base_may_stay);
     judged.base_may_stay = judged.delivered == kBasePlace;
+  }
+
+  /// A weight reads the law's own angle. Columns of an angle so near the target predict more than the law does that
+  /// they make, so a found law with a weight counts as what it leaves when it runs.
+  void judge_as_it_runs(Selection& selection) const {
+    if (!found_ || !found_->has("gravity")) {
+      return;
+    }
+    double left = 0.0;
+    const Blocks rows = p_.certain();
+    for (const auto& block : rows) {
+      left += (p_.target - running_).segment(block.begin, block.size()).squaredNorm();
+    }
+    JudgedLaw& found = selection.laws[kFoundPlace];
+    found.score = std::max(found.score, left / static_cast<double>(rows_in(rows)));
+    const auto least = std::min_element(selection.laws.begin(), selection.laws.end(),
+                                        [](const auto& a, const auto& b) { return a.score < b.score; });
+    selection.best = static_cast<std::size_t>(least - selection.laws.begin());
   }
 
   /// With the wider vocabulary, from the base law and from the best law so far, and beside all laws so far. With so
@@ -145,6 +165,7 @@ class Chooser {
   const Preparation& p_;
   const JointFile& base_;
   const std::optional<JointFile>& found_;
+  Eigen::VectorXd running_;  ///< the estimate of the found law, or else of the base law
   SelectionData data_;
   std::vector<LawCandidate> given_;
   Judged learned_, whole_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include "capstan/tools/identify/identify.hpp"
@@ -20,15 +21,50 @@ constexpr EffortNumbers kNumbers;
 /// six of industrial robots and servos leaves less at rest than with friction that holds (a factor of 1.2 to 3.5); of
 /// the seven of a tendon-driven arm, which hardly ever rests, five the same or less, two up to 5 % more.
 constexpr double kLettingGoS = 0.12;
+/// It may also let go at once, as where a controller takes the torque back with the speed, or never.
+constexpr double kAtOnceS = 0.02;
+constexpr double kNeverS = 0.0;
+/// Of the usual speed at which a motor counts as standing: dry friction may turn over at a slower one.
+constexpr double kFineStandstill = 0.25;
+/// Of the mean squared error on unseen rows: what the law grown in another view of rest must leave, a tenth less, rms.
+constexpr double kWorthOtherRest = 0.81;
+
+/// A law without terms, and its logs as it sees them.
+struct Frame {
+  EffortLaw law;
+  EffortDesign design;
+};
 
 /// Everything that a choice needs.
 struct Choice {
   const std::vector<AxisLog>& logs;
-  const EffortDesign& design;
-  const Eigen::VectorXd& target;  ///< as logged
-  const std::vector<LawPart>& parts;
-  std::size_t base;
-  EffortLaw frame;  ///< law without terms
+  Frame frame;
+  Eigen::VectorXd target;  ///< as logged
+  std::vector<LawPart> parts;
+  std::size_t base;  ///< so many of them are the base law's
+
+  Choice(const std::vector<AxisLog>& from, Frame seen, bool bare)
+      : logs(from), frame(std::move(seen)), target(stacked_target(from)) {
+    const MotionRanges ranges = motion_ranges(frame.design);
+    const bool gear = frame.law.of_gear();
+    const AxisKind axis = from.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
+    parts = gear ? gear_parts(ranges) : effort_parts(ranges, frame.design.axes(), axis);
+    base = gear ? kGearBaseParts : (bare ? 1 : kRigidParts);
+  }
+
+  /// Of the first rows, by their share.
+  [[nodiscard]] auto products(double share) const -> PartProducts {
+    return {frame.design, target, share, *frame.law.joint.catalogue, parts};
+  }
+  /// From the whole base law on.
+  [[nodiscard]] auto grown(const PartProducts& products) const -> std::vector<ScoredLaw<PartLaw>> {
+    PartLaw all_of_base;
+    for (std::size_t part = 0; part < base; ++part) {
+      all_of_base.push_back({part, 0});
+    }
+    PartLaws laws(products, kNumbers);
+    return Grower(laws, kNumbers.growth).run(all_of_base);
+  }
 };
 
 /// The law's effort.
@@ -58,7 +94,7 @@ void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::Vec
   const LawPart& part = choice.parts[chosen.part];
   const CatalogueTerm& term = joint.catalogue->term(part.term);
   const Shapes& shapes = part.settings[chosen.setting];
-  const Eigen::MatrixXd own = choice.design.columns(term, shapes);
+  const Eigen::MatrixXd own = choice.frame.design.columns(term, shapes);
   std::copy(shapes.begin(), shapes.end(),
             joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape));
   for (const std::size_t coefficient : part.coefficients) {
@@ -71,10 +107,10 @@ void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::Vec
 
 /// The law in numbers, with intervals from blocks of all rows.
 auto in_numbers(const Choice& choice, const PartProducts& products, const PartLaw& chosen_parts) -> EffortLaw {
-  EffortLaw law = choice.frame;
+  EffortLaw law = choice.frame.law;
   JointFile& joint = law.joint;
   const Eigen::VectorXd theta = products.coefficients(chosen_parts, kNumbers.ridge);
-  Eigen::MatrixXd columns(choice.design.rows(), theta.size());
+  Eigen::MatrixXd columns(choice.frame.design.rows(), theta.size());
   std::vector<std::size_t> places;
   std::set<std::string> terms;
   for (const auto& chosen : chosen_parts) {
@@ -86,7 +122,7 @@ auto in_numbers(const Choice& choice, const PartProducts& products, const PartLa
       joint.terms.push_back(term.name);
     }
   }
-  const Eigen::VectorXd target = choice.design.seen(choice.target);
+  const Eigen::VectorXd target = choice.frame.design.seen(choice.target);
   const Eigen::VectorXd residual = target - columns * theta;
   const LinearFit fit = fit_columns(columns, target, interval_blocks({{0, target.size()}}, residual),
                                     std::vector<Sign>(places.size(), Sign::kAny));
@@ -144,24 +180,32 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   return best;
 }
 
-/// A law without terms, and its logs as it sees them.
-struct Frame {
-  EffortLaw law;
-  EffortDesign design;
-};
-
-/// Whether the dry friction of the last motion stays while the motor stands, which the log has to show, or lets go.
-auto best_letting_go(const std::vector<AxisLog>& logs, const EffortLaw& law) -> Frame {
-  const auto seen = [&](double letting_go_s) {
+/// How slow a motor stands, and how soon the dry friction of its last motion lets go then: as is usual, and, where the
+/// log shows another to a plain law, that too.
+auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> std::vector<Frame> {
+  const auto seen = [&](double standstill, double letting_go_s) {
     EffortLaw trial = law;
+    trial.view.standstill = standstill;
     trial.view.letting_go_s = letting_go_s;
     EffortDesign design(logs, trial.view);
     return Frame{std::move(trial), std::move(design)};
   };
-  Frame lets_go = seen(kLettingGoS);
-  Frame holds = seen(0.0);
-  const double worth = plain_loss(logs, lets_go.law, lets_go.design) - kWorthAnotherView;
-  return plain_loss(logs, holds.law, holds.design) < worth ? std::move(holds) : std::move(lets_go);
+  std::vector<Frame> frames = {seen(law.view.standstill, kLettingGoS)};
+  std::optional<Frame> shown;
+  double lowest = plain_loss(logs, frames.front().law, frames.front().design) - kWorthAnotherView;
+  for (const double share : {1.0, kFineStandstill}) {
+    for (const double letting_go_s : {kLettingGoS, kAtOnceS, kNeverS}) {
+      Frame other = seen(share * law.view.standstill, letting_go_s);
+      if (const double loss = plain_loss(logs, other.law, other.design); loss < lowest) {
+        lowest = loss;
+        shown = std::move(other);
+      }
+    }
+  }
+  if (shown) {
+    frames.push_back(std::move(*shown));
+  }
+  return frames;
 }
 
 /// The window through which a law that is given errs least against what was logged. Fast motion asks for a short one, a
@@ -182,7 +226,7 @@ auto best_window(const std::vector<AxisLog>& logs, const EffortLaw& law, const E
   return best;
 }
 
-auto frame_for(const std::vector<AxisLog>& logs) -> Frame {
+auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
   const bool gear = !logs.front().motion_alone();
   EffortLaw law;
   law.joint = JointFile(gear ? gear_law_catalogue()
@@ -190,7 +234,7 @@ auto frame_for(const std::vector<AxisLog>& logs) -> Frame {
   law.target = logs.front().target;
   law.view = usual_view(logs);
   law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
-  return best_letting_go(logs, law);
+  return frames_by_rest(logs, law);
 }
 
 /// What is new in a law: effects of its parts, in the order they came, whose terms its base does not hold.
@@ -226,36 +270,30 @@ auto can_select_effort_law(const std::vector<AxisLog>& logs) -> bool {
 }
 
 auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSelection {
-  const Frame framed = frame_for(logs);
-  const EffortLaw& frame = framed.law;
-  const EffortDesign& design = framed.design;
-  const Eigen::VectorXd target = stacked_target(logs);
-  const MotionRanges ranges = motion_ranges(design);
-  const bool gear = frame.of_gear();
-  const AxisKind axis = logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
-  const auto parts = gear ? gear_parts(ranges) : effort_parts(ranges, design.axes(), axis);
-  const Choice choice{logs, design, target, parts, gear ? kGearBaseParts : (bare ? 1 : kRigidParts), frame};
-  PartLaw start = {{0, 0}};
-  if (gear || !bare) {
-    start.push_back({1, 0});
+  constexpr double kLearned = 0.8;
+  std::vector<Choice> choices;
+  for (auto& frame : frames_for(logs)) {
+    choices.emplace_back(logs, std::move(frame), bare);
   }
-  PartLaw all_of_base;
-  for (std::size_t part = 0; part < choice.base; ++part) {
-    all_of_base.push_back({part, 0});
+  const auto errs = [&](const Choice& choice) { return choice.grown(choice.products(kLearned)).back().score; };
+  const bool other = choices.size() > 1 && errs(choices.back()) < kWorthOtherRest * errs(choices.front());
+  const Choice& choice = other ? choices.back() : choices.front();
+  const EffortDesign& design = choice.frame.design;
+  PartLaw start = {{0, 0}};
+  if (choice.frame.law.of_gear() || !bare) {
+    start.push_back({1, 0});
   }
   EffortSelection result;
   const auto choose_on = [&](double share) {
-    const PartProducts products(design, target, share, *frame.joint.catalogue, parts);
-    PartLaws laws(products, kNumbers);
-    const auto path = Grower(laws, kNumbers.growth).run(all_of_base);
+    const PartProducts products = choice.products(share);
+    const auto path = choice.grown(products);
     result.start = in_numbers(choice, products, start);
     result.base = in_numbers(choice, products, path.front().law);
     result.law = in_numbers(choice, products, path.back().law);
-    result.effects = new_effects(parts, path.back().law, result.base);
+    result.effects = new_effects(choice.parts, path.back().law, result.base);
   };
-  constexpr double kLearned = 0.8;
   choose_on(kLearned);
-  result.measured = design.seen(target);
+  result.measured = design.seen(choice.target);
   result.by_start = sum_of_terms(design, result.start.joint);
   result.by_law = sum_of_terms(design, result.law.joint);
   result.first_unseen = static_cast<Eigen::Index>(kLearned * static_cast<double>(result.measured.size()));
@@ -276,8 +314,8 @@ void set_status(LawStatus status, EffortLaw& law) {
 }
 
 auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw {
-  auto [runnable, design] = frame_for(logs);
-  JointFile& joint = runnable.joint;
+  std::vector<Frame> frames = frames_for(logs);
+  JointFile joint = frames.front().law.joint;
   for (const auto& term : *joint.catalogue) {
     if (!law.has(term.name)) {
       continue;
@@ -294,6 +332,12 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
     }
   }
   joint.fit = law.fit;
+  const auto errs = [&](const Frame& frame) {
+    return rms(frame.design.seen(stacked_target(logs)) - sum_of_terms(frame.design, joint));
+  };
+  const bool other = frames.size() > 1 && errs(frames.back()) < (1.0 - kWorthAnotherView) * errs(frames.front());
+  auto& [runnable, design] = other ? frames.back() : frames.front();
+  runnable.joint = joint;
   set_status(law.status, runnable);
   runnable.view.window_s = best_window(logs, runnable, design);
   return runnable;
