@@ -9,8 +9,11 @@
 #include <iostream>
 #include <limits>
 #include <map>
+#include <optional>
+#include <span>
 
 #include "capstan/tests/tools/machines/board_efforts.hpp"
+#include "capstan/tests/tools/machines/drawn_machines.hpp"
 #include "capstan/tests/tools/machines/plain_fits.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
@@ -25,9 +28,14 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// A measured joint angle.
+/// What of a log is to be explained.
+enum class Kind : std::uint8_t { kAngle, kEffort, kGear };
+constexpr const char* kKindWords[] = {"angle", "effort", "torque"};
+
+/// A measured joint or axis.
 struct Joint {
   std::string name, machine;  ///< machine: logs of one are left out together
+  Kind kind = Kind::kAngle;
   AxisLog log;
 };
 
@@ -43,6 +51,32 @@ auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
   return log;
 }
 
+/// Kind and request of an axis; nothing where it has nothing to explain.
+auto request_of(const CsvLog& csv, int axis) -> std::optional<std::pair<Kind, AxisRequest>> {
+  const auto has = [&](const char* signal) { return csv.has(axis_column(axis, signal)); };
+  const auto target = [&](Kind kind, const char* signal) -> std::pair<Kind, AxisRequest> {
+    AxisRequest request;
+    request.axis = axis;
+    request.target = axis_column(axis, signal);
+    request.effort = kind == Kind::kEffort;
+    request.force = kind == Kind::kGear;
+    return {kind, request};
+  };
+  if (!has("q1_rad") && !has("q1_m")) {
+    return std::nullopt;
+  }
+  if (has("q2_rad")) {
+    return target(Kind::kAngle, "q2_rad");
+  }
+  if (has("tau_out_Nm")) {
+    return target(Kind::kGear, "tau_out_Nm");
+  }
+  if (has("tau_Nm") || has("tau_N")) {
+    return target(Kind::kEffort, has("tau_Nm") ? "tau_Nm" : "tau_N");
+  }
+  return std::nullopt;
+}
+
 auto joints_in(const std::string& folder) -> std::vector<Joint> {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -55,21 +89,38 @@ auto joints_in(const std::string& folder) -> std::vector<Joint> {
   for (const auto& file : files) {
     const CsvLog csv = CsvLog::read(file.string());
     for (int axis = 0; axis < kMostAxes; ++axis) {
-      if (csv.has(axis_column(axis, "q1_rad")) && csv.has(axis_column(axis, "q2_rad"))) {
-        AxisRequest request;
-        request.axis = axis;
+      if (const auto wanted = request_of(csv, axis)) {
         const std::string stem = file.stem().string();
         joints.push_back({stem + (axis > 0 ? ":" + std::to_string(axis) : ""), stem.substr(0, stem.find('_')),
-                          read_axis(csv, request)});
+                          wanted->first, read_axis(csv, wanted->second)});
       }
     }
   }
   return joints;
 }
 
-/// rms in degrees on the rows from `begin` to `end`.
-auto error_on(const Eigen::VectorXd& estimate, const AxisLog& log, Eigen::Index begin, Eigen::Index end) -> double {
-  return kDegrees * rms((log.q2_rad - estimate).segment(begin, end - begin));
+/// The target as laws are judged by it: an effort through a cubic of 0.12 s.
+auto judged(const Joint& joint) -> Eigen::VectorXd {
+  return joint.kind == Kind::kEffort ? EffortDesign({joint.log}, usual_view({joint.log})).seen(joint.log.effort)
+                                     : joint.log.measured();
+}
+
+/// rms on the rows from `begin` to `end`: degrees, or % of the target's rms there.
+auto error_on(const Eigen::VectorXd& estimate, const Joint& joint, Eigen::Index begin, Eigen::Index end) -> double {
+  const Eigen::VectorXd target = judged(joint).segment(begin, end - begin);
+  const double scale = joint.kind == Kind::kAngle ? kDegrees : 100.0 / rms(target);
+  return scale * rms(target - estimate.segment(begin, end - begin));
+}
+
+auto plain_fits(const Joint& joint) -> std::vector<PlainFit> {
+  switch (joint.kind) {
+    case Kind::kEffort:
+      return plain_effort_fits(joint.log);
+    case Kind::kGear:
+      return plain_gear_fits(joint.log);
+    default:
+      return plain_angle_fits(joint.log);
+  }
 }
 
 struct PlainResult {
@@ -78,24 +129,32 @@ struct PlainResult {
 };
 
 /// The plain fit that does best on the last quarter of A, fitted to the first three; then fitted to all of A.
-auto plain_result(const AxisLog& log, Eigen::Index rows, Eigen::Index end) -> PlainResult {
+auto plain_result(const Joint& joint, Eigen::Index rows, Eigen::Index end) -> PlainResult {
   constexpr double kInner = 0.75;
   const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
-  const auto fits = plain_angle_fits(log);
+  const auto fits = plain_fits(joint);
   double least = std::numeric_limits<double>::infinity();
   const PlainFit* best = nullptr;
   for (const auto& fit : fits) {
-    if (const double error = error_on(fit.estimate(inner), log, inner, rows); error < least) {
+    if (const double error = error_on(fit.estimate(inner), joint, inner, rows); error < least) {
       least = error;
       best = &fit;
     }
   }
-  return {best->name, error_on(fits.front().estimate(rows), log, rows, end),
-          error_on(best->estimate(rows), log, rows, end)};
+  return {best->name, error_on(fits.front().estimate(rows), joint, rows, end),
+          error_on(best->estimate(rows), joint, rows, end)};
 }
 
-auto error_of(const JointFile& law, const AxisLog& log, Eigen::Index rows, Eigen::Index end) -> double {
-  return error_on(simulate({log}, motion_parameters(law)), log, rows, end);
+auto error_of(const JointFile& law, const Joint& joint, Eigen::Index rows, Eigen::Index end) -> double {
+  return error_on(simulate({joint.log}, motion_parameters(law)), joint, rows, end);
+}
+
+/// What the law that was delivered leaves; the plainest fit's where there is none.
+auto error_of(const Diagnosis& d, const Joint& joint, Eigen::Index rows, Eigen::Index end, double plainest) -> double {
+  if (joint.kind != Kind::kAngle) {
+    return d.effort_law ? error_on(run_effort_law({joint.log}, *d.effort_law), joint, rows, end) : plainest;
+  }
+  return d.law.terms.empty() ? plainest : error_of(d.law, joint, rows, end);
 }
 
 /// The scoreboard: one line per joint. True if it meets what is wanted.
@@ -107,9 +166,11 @@ auto scoreboard(const std::vector<Joint>& joints, double share) -> bool {
   for (const auto& joint : joints) {
     const Eigen::Index end = joint.log.samples();
     const auto rows = static_cast<Eigen::Index>(share * static_cast<double>(end));
-    const PlainResult plain = plain_result(joint.log, rows, end);
-    const Diagnosis d = diagnose({first_rows(joint.log, rows)}, {});
-    const double ours = d.law.terms.empty() ? plain.affine : error_of(d.law, joint.log, rows, end);
+    const PlainResult plain = plain_result(joint, rows, end);
+    DiagnoseOptions options;
+    options.base_model = joint.kind == Kind::kGear ? "pull_push" : "";
+    const Diagnosis d = diagnose({first_rows(joint.log, rows)}, options);
+    const double ours = error_of(d, joint, rows, end, plain.affine);
     std::string names;
     for (const auto& effect : d.effects) {
       names += (names.empty() ? "" : "+") + effect.name;
@@ -118,8 +179,9 @@ auto scoreboard(const std::vector<Joint>& joints, double share) -> bool {
     improvable += plain.simple < 0.8 * plain.affine ? 1 : 0;
     improved += plain.simple < 0.8 * plain.affine && ours < 0.8 * plain.affine ? 1 : 0;
     wrong += d.verdict == Verdict::kNothingMissing && ours > 1.5 * plain.simple ? 1 : 0;
-    std::printf("%-18s plain %8.3f  simple %8.3f (%-21s) capstan %8.3f deg  ratio %5.2f  %-12s %-20s %s\n",
-                joint.name.c_str(), plain.affine, plain.simple, plain.name.c_str(), ours, ratios.back(),
+    std::printf("%-22s %-6s plain %8.3f  simple %8.3f (%-21s) capstan %8.3f %-3s  ratio %5.2f  %-12s %-20s %s\n",
+                joint.name.c_str(), kKindWords[static_cast<std::size_t>(joint.kind)], plain.affine, plain.simple,
+                plain.name.c_str(), ours, joint.kind == Kind::kAngle ? "deg" : "%", ratios.back(),
                 word_of(d.law.status), verdict_word(d.verdict), names.c_str());
     std::fflush(stdout);
   }
@@ -161,13 +223,13 @@ auto variants() -> std::vector<Variant> {
 }
 
 /// The law alone, chosen by given numbers, on B. The found law takes no part: these numbers decide what is grown.
-auto error_by(const DecidingNumbers& numbers, const Preparation& p, const JointFile& base, const AxisLog& log,
+auto error_by(const DecidingNumbers& numbers, const Preparation& p, const JointFile& base, const Joint& joint,
               Eigen::Index rows, Eigen::Index end) -> double {
   const LawChoice choice = choose_law(p, base, std::nullopt, Lacking::kNothing, numbers);
   if (std::getenv("CAPSTAN_SHOW_LAWS") != nullptr) {
     std::printf(" [%s]", joined(choice.law.terms, " ").c_str());
   }
-  return error_of(choice.law, log, rows, end);
+  return error_of(choice.law, joint, rows, end);
 }
 
 /// Shares of a log's rows: where it begins, where what is learned from ends, where what is judged on does.
@@ -192,15 +254,16 @@ auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>&
   VariantTable table;
   table.ratios.resize(0, static_cast<Eigen::Index>(all.size()));
   for (const auto& joint : joints) {
-    for (const auto& window : kWindows) {
+    for (const auto& window : joint.kind == Kind::kAngle ? std::span(kWindows) : std::span<const Window>()) {
       const auto row_at = [&](double share) {
         return static_cast<Eigen::Index>(share * static_cast<double>(joint.log.samples()));
       };
-      const AxisLog log = rows_from(joint.log, row_at(window.begin));
+      Joint cut = joint;
+      cut.log = rows_from(joint.log, row_at(window.begin));
       const Eigen::Index rows = row_at(window.cut) - row_at(window.begin);
       const Eigen::Index end = row_at(window.end) - row_at(window.begin);
-      const AxisLog seen = first_rows(log, rows);
-      const PlainResult plain = plain_result(log, rows, end);
+      const AxisLog seen = first_rows(cut.log, rows);
+      const PlainResult plain = plain_result(cut, rows, end);
       const LawForm form = form_of_model(seen.has_torque ? kDefaultModel : "kinematic", {seen});
       const Preparation p = prepare({seen}, form);
       const JointFile base = causal_law(p, form);
@@ -209,7 +272,7 @@ auto variant_table(const std::vector<Joint>& joints, const std::vector<Variant>&
       table.ratios.conservativeResize(table.ratios.rows() + 1, Eigen::NoChange);
       std::printf("%-32s", table.rows.back().c_str());
       for (std::size_t i = 0; i < all.size(); ++i) {
-        const double ratio = error_by(all[i].numbers, p, base, log, rows, end) / plain.simple;
+        const double ratio = error_by(all[i].numbers, p, base, cut, rows, end) / plain.simple;
         table.ratios(table.ratios.rows() - 1, static_cast<Eigen::Index>(i)) = ratio;
         std::printf(" %6.2f", ratio);
         std::fflush(stdout);
@@ -261,7 +324,7 @@ void leave_one_out(const std::vector<Joint>& joints) {
 
 int main(int argc, char** argv) {
   using namespace capstan::tools;
-  CLI::App app("What the diagnosis makes of measured joint angles, beside plain fits on the same rows.");
+  CLI::App app("What the diagnosis makes of measured machines, beside plain fits on the same rows.");
   std::string folder;
   double share = 0.6;
   bool leave_out = false;
@@ -272,8 +335,13 @@ int main(int argc, char** argv) {
   app.add_flag("--leave-one-out", leave_out, "other values of the deciding numbers, chosen without the machine judged");
   bool efforts = false;
   app.add_flag("--board-efforts", efforts, "laws of efforts instead, noncausally and as a board runs them");
+  std::optional<std::uint64_t> seed;
+  app.add_option("--draw", seed, "first write 21 machines by the laws of others into the folder, drawn by this seed");
   CLI11_PARSE(app, argc, argv);
   try {
+    if (seed) {
+      machines::write_machines(folder, machines::drawn_machines(*seed));
+    }
     if (efforts) {
       machines::board_efforts(folder, share);
       return 0;

@@ -6,38 +6,11 @@
 #include <limits>
 #include <memory>
 
+#include "capstan/tests/tools/machines/plain_columns.hpp"
 #include "capstan/tools/identify/least_squares.hpp"
 
 namespace capstan::tools::machines {
 namespace {
-
-using Columns = std::vector<Eigen::VectorXd>;
-
-auto play(const Eigen::VectorXd& q, double half_width) -> Eigen::VectorXd {
-  Eigen::VectorXd place(q.size());
-  double p = q[0];
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    p = std::clamp(p, q[i] - half_width, q[i] + half_width);
-    place[i] = p;
-  }
-  return place;
-}
-
-auto geometric(double low, double high, int count) -> std::vector<double> {
-  std::vector<double> values;
-  for (int i = 0; i < count; ++i) {
-    values.push_back(low * std::pow(high / low, static_cast<double>(i) / (count - 1)));
-  }
-  return values;
-}
-
-auto side_by_side(const Columns& columns) -> Eigen::MatrixXd {
-  Eigen::MatrixXd all(columns.front().size(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    all.col(static_cast<Eigen::Index>(i)) = columns[i];
-  }
-  return all;
-}
 
 /// What the fits share: the log's signals and plays of many widths.
 struct Signals {
@@ -64,27 +37,13 @@ struct Signals {
   std::vector<Columns> of_others;
 };
 
-auto rms_of(const Eigen::VectorXd& error, Eigen::Index rows) -> double {
-  return std::sqrt(error.head(rows).squaredNorm() / static_cast<double>(rows));
-}
-
-auto fitted(const Columns& columns, const Signals& s, Eigen::Index rows) -> Eigen::VectorXd {
-  const Eigen::MatrixXd all = side_by_side(columns);
-  const Eigen::VectorXd scale =
-      all.topRows(rows).cwiseAbs().colwise().maxCoeff().transpose().cwiseMax(1e-300).cwiseInverse();
-  const Eigen::MatrixXd scaled = all * scale.asDiagonal();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factors;
-  factors.setThreshold(1e-10);
-  return scaled * factors.compute(scaled.topRows(rows)).solve(s.y.head(rows));
-}
-
 /// The best of columns that are made with each of the plays.
 auto best_play(const std::function<Columns(const Eigen::VectorXd&)>& make, const Signals& s, Eigen::Index rows,
                std::size_t step) -> Eigen::VectorXd {
   Eigen::VectorXd best;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < s.plays.size(); i += step) {
-    Eigen::VectorXd estimate = fitted(make(s.plays[i]), s, rows);
+    Eigen::VectorXd estimate = fitted(make(s.plays[i]), s.y, rows);
     if (const double left = rms_of(s.y - estimate, rows); left < least) {
       least = left;
       best = std::move(estimate);
@@ -147,7 +106,7 @@ auto plain_angle_fits(const AxisLog& log) -> std::vector<PlainFit> {
     return {name, [s, step, make](Eigen::Index rows) { return best_play(make, *s, rows, step); }};
   };
   std::vector<PlainFit> fits;
-  fits.push_back({"affine", [s](Eigen::Index rows) { return fitted({s->q, s->one}, *s, rows); }});
+  fits.push_back({"affine", [s](Eigen::Index rows) { return fitted({s->q, s->one}, s->y, rows); }});
   fits.push_back(play_fit("play", 1, [s](const Eigen::VectorXd& p) { return Columns{p, s->one}; }));
   fits.push_back(play_fit("play+q", 1, [s](const Eigen::VectorXd& p) { return Columns{s->q, p, s->one}; }));
   fits.push_back(play_fit("play+cubic", 2, [s](const Eigen::VectorXd& p) {
@@ -160,11 +119,11 @@ auto plain_angle_fits(const AxisLog& log) -> std::vector<PlainFit> {
                          {s->one, s->q.array().square().matrix().eval(), s->q.array().cube().matrix().eval()}) {
                       columns.push_back(column);
                     }
-                    return fitted(columns, *s, rows);
+                    return fitted(columns, s->y, rows);
                   }});
   if (log.has_torque) {
     fits.push_back(play_fit("play+tau", 2, [s](const Eigen::VectorXd& p) { return Columns{s->q, p, s->tau, s->one}; }));
-    fits.push_back({"affine+tau", [s](Eigen::Index rows) { return fitted({s->q, s->tau, s->one}, *s, rows); }});
+    fits.push_back({"affine+tau", [s](Eigen::Index rows) { return fitted({s->q, s->tau, s->one}, s->y, rows); }});
   }
   if (!s->others.empty()) {
     add_joints(s, fits);
