@@ -23,6 +23,7 @@ struct DrawnMachine {
 /// squared, and warming; a spring with a dead zone, cogging, Bouc-Wen in a spring, and an effort that saturates.
 /// Motions: sines, triangles of several heights, a decaying sine, reaches with rests, a chirp. 25 to 70 s at 30 to 200
 /// Hz with noise of 0.15 to 1.2 %, or 15 to 45 s at 50 to 500 Hz with noise of 1 to 8 %.
+/// The same for a seed, by one compiler: what is drawn within one expression may come in another order.
 auto drawn_machines(std::uint64_t seed) -> std::vector<DrawnMachine>;
 
 /// A CSV file each.

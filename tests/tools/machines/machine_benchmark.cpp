@@ -14,8 +14,7 @@
 
 #include "capstan/tests/tools/machines/board_efforts.hpp"
 #include "capstan/tests/tools/machines/drawn_machines.hpp"
-#include "capstan/tests/tools/machines/plain_fits.hpp"
-#include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tests/tools/machines/machine_joint.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/preparation.hpp"
 #include "capstan/tools/select/choice.hpp"
@@ -26,136 +25,7 @@
 namespace capstan::tools::machines {
 namespace {
 
-constexpr double kDegrees = 57.29577951308232;
-
-/// What of a log is to be explained.
-enum class Kind : std::uint8_t { kAngle, kEffort, kGear };
 constexpr const char* kKindWords[] = {"angle", "effort", "torque"};
-
-/// A measured joint or axis.
-struct Joint {
-  std::string name, machine;  ///< machine: logs of one are left out together
-  Kind kind = Kind::kAngle;
-  AxisLog log;
-};
-
-auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
-  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
-  return log;
-}
-
-auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
-  for_each_signal(log, [first](Eigen::VectorXd& signal) {
-    signal = Eigen::VectorXd(signal.tail(std::max<Eigen::Index>(0, signal.size() - first)));
-  });
-  return log;
-}
-
-/// Kind and request of an axis; nothing where it has nothing to explain.
-auto request_of(const CsvLog& csv, int axis) -> std::optional<std::pair<Kind, AxisRequest>> {
-  const auto has = [&](const char* signal) { return csv.has(axis_column(axis, signal)); };
-  const auto target = [&](Kind kind, const char* signal) -> std::pair<Kind, AxisRequest> {
-    AxisRequest request;
-    request.axis = axis;
-    request.target = axis_column(axis, signal);
-    request.effort = kind == Kind::kEffort;
-    request.force = kind == Kind::kGear;
-    return {kind, request};
-  };
-  if (!has("q1_rad") && !has("q1_m")) {
-    return std::nullopt;
-  }
-  if (has("q2_rad")) {
-    return target(Kind::kAngle, "q2_rad");
-  }
-  if (has("tau_out_Nm")) {
-    return target(Kind::kGear, "tau_out_Nm");
-  }
-  if (has("tau_Nm") || has("tau_N")) {
-    return target(Kind::kEffort, has("tau_Nm") ? "tau_Nm" : "tau_N");
-  }
-  return std::nullopt;
-}
-
-auto joints_in(const std::string& folder) -> std::vector<Joint> {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().extension() == ".csv") {
-      files.push_back(entry.path());
-    }
-  }
-  std::sort(files.begin(), files.end());
-  std::vector<Joint> joints;
-  for (const auto& file : files) {
-    const CsvLog csv = CsvLog::read(file.string());
-    for (int axis = 0; axis < kMostAxes; ++axis) {
-      if (const auto wanted = request_of(csv, axis)) {
-        const std::string stem = file.stem().string();
-        joints.push_back({stem + (axis > 0 ? ":" + std::to_string(axis) : ""), stem.substr(0, stem.find('_')),
-                          wanted->first, read_axis(csv, wanted->second)});
-      }
-    }
-  }
-  return joints;
-}
-
-/// The target as laws are judged by it: an effort through a cubic of 0.12 s.
-auto judged(const Joint& joint) -> Eigen::VectorXd {
-  return joint.kind == Kind::kEffort ? EffortDesign({joint.log}, usual_view({joint.log})).seen(joint.log.effort)
-                                     : joint.log.measured();
-}
-
-/// rms on the rows from `begin` to `end`: degrees, or % of the target's rms there.
-auto error_on(const Eigen::VectorXd& estimate, const Joint& joint, Eigen::Index begin, Eigen::Index end) -> double {
-  const Eigen::VectorXd target = judged(joint).segment(begin, end - begin);
-  const double scale = joint.kind == Kind::kAngle ? kDegrees : 100.0 / rms(target);
-  return scale * rms(target - estimate.segment(begin, end - begin));
-}
-
-auto plain_fits(const Joint& joint) -> std::vector<PlainFit> {
-  switch (joint.kind) {
-    case Kind::kEffort:
-      return plain_effort_fits(joint.log);
-    case Kind::kGear:
-      return plain_gear_fits(joint.log);
-    default:
-      return plain_angle_fits(joint.log);
-  }
-}
-
-struct PlainResult {
-  std::string name;
-  double affine = 0.0, simple = 0.0;
-};
-
-/// The plain fit that does best on the last quarter of A, fitted to the first three; then fitted to all of A.
-auto plain_result(const Joint& joint, Eigen::Index rows, Eigen::Index end) -> PlainResult {
-  constexpr double kInner = 0.75;
-  const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
-  const auto fits = plain_fits(joint);
-  double least = std::numeric_limits<double>::infinity();
-  const PlainFit* best = nullptr;
-  for (const auto& fit : fits) {
-    if (const double error = error_on(fit.estimate(inner), joint, inner, rows); error < least) {
-      least = error;
-      best = &fit;
-    }
-  }
-  return {best->name, error_on(fits.front().estimate(rows), joint, rows, end),
-          error_on(best->estimate(rows), joint, rows, end)};
-}
-
-auto error_of(const JointFile& law, const Joint& joint, Eigen::Index rows, Eigen::Index end) -> double {
-  return error_on(simulate({joint.log}, motion_parameters(law)), joint, rows, end);
-}
-
-/// What the law that was delivered leaves; the plainest fit's where there is none.
-auto error_of(const Diagnosis& d, const Joint& joint, Eigen::Index rows, Eigen::Index end, double plainest) -> double {
-  if (joint.kind != Kind::kAngle) {
-    return d.effort_law ? error_on(run_effort_law({joint.log}, *d.effort_law), joint, rows, end) : plainest;
-  }
-  return d.law.terms.empty() ? plainest : error_of(d.law, joint, rows, end);
-}
 
 /// The scoreboard: one line per joint. True if it meets what is wanted.
 auto scoreboard(const std::vector<Joint>& joints, double share) -> bool {
@@ -167,20 +37,18 @@ auto scoreboard(const std::vector<Joint>& joints, double share) -> bool {
     const Eigen::Index end = joint.log.samples();
     const auto rows = static_cast<Eigen::Index>(share * static_cast<double>(end));
     const PlainResult plain = plain_result(joint, rows, end);
-    DiagnoseOptions options;
-    options.base_model = joint.kind == Kind::kGear ? "pull_push" : "";
-    const Diagnosis d = diagnose({first_rows(joint.log, rows)}, options);
-    const double ours = error_of(d, joint, rows, end, plain.affine);
+    const Diagnosis d = diagnosis_of(joint, rows);
+    const double ours = error_of(d, joint, rows, end, plain.plainest);
     std::string names;
     for (const auto& effect : d.effects) {
       names += (names.empty() ? "" : "+") + effect.name;
     }
     ratios.push_back(ours / plain.simple);
-    improvable += plain.simple < 0.8 * plain.affine ? 1 : 0;
-    improved += plain.simple < 0.8 * plain.affine && ours < 0.8 * plain.affine ? 1 : 0;
+    improvable += plain.simple < 0.8 * plain.plainest ? 1 : 0;
+    improved += plain.simple < 0.8 * plain.plainest && ours < 0.8 * plain.plainest ? 1 : 0;
     wrong += d.verdict == Verdict::kNothingMissing && ours > 1.5 * plain.simple ? 1 : 0;
     std::printf("%-22s %-6s plain %8.3f  simple %8.3f (%-21s) capstan %8.3f %-3s  ratio %5.2f  %-12s %-20s %s\n",
-                joint.name.c_str(), kKindWords[static_cast<std::size_t>(joint.kind)], plain.affine, plain.simple,
+                joint.name.c_str(), kKindWords[static_cast<std::size_t>(joint.kind)], plain.plainest, plain.simple,
                 plain.name.c_str(), ours, joint.kind == Kind::kAngle ? "deg" : "%", ratios.back(),
                 word_of(d.law.status), verdict_word(d.verdict), names.c_str());
     std::fflush(stdout);
@@ -328,7 +196,7 @@ int main(int argc, char** argv) {
   std::string folder;
   double share = 0.6;
   bool leave_out = false;
-  app.add_option("folder", folder, "logs by the contract")->required()->check(CLI::ExistingDirectory);
+  app.add_option("folder", folder, "logs by the contract")->required();
   app.add_option("--share", share, "share of the rows, the first, that the diagnosis and the fits are given")
       ->capture_default_str()
       ->check(CLI::Range(0.2, 0.9));
@@ -340,7 +208,11 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     if (seed) {
+      std::filesystem::create_directories(folder);
       machines::write_machines(folder, machines::drawn_machines(*seed));
+    }
+    if (!std::filesystem::is_directory(folder)) {
+      throw BadInput(folder + " is no folder; name one with logs, or have logs drawn into it with --draw SEED");
     }
     if (efforts) {
       machines::board_efforts(folder, share);

@@ -97,6 +97,26 @@ TEST(ChooseLaw, AFoundLawThatErrsMuchMoreThanAGrownOneIsNotNamed) {
   EXPECT_FALSE(choice.is_named);
 }
 
+// Columns of a weight predict the log as well as its law would with the right numbers; with others it does not.
+TEST(ChooseLaw, AFoundLawWithAWeightCountsAsWhatItLeavesWhenItRuns) {
+  Log log(0.0, 0.0);
+  const Eigen::ArrayXd rigid = 0.8 * two_sines(kRows).array();
+  Eigen::ArrayXd q2 = rigid;
+  for (int round = 0; round < 50; ++round) {
+    q2 = rigid + 0.01 * q2.sin() + 0.05 * q2.cos();
+  }
+  log.p.target += (q2 - rigid).matrix();
+  JointFile found = joint_with({"motor_angle", "joint_offset", "gravity"});
+  const std::size_t beta = found.catalogue->term("motor_angle").first_coefficient;
+  const std::size_t weight = found.catalogue->term("gravity").first_coefficient;
+  found.parameters.coefficients[beta] = 0.8;
+  found.parameters.coefficients[weight] = 0.01;
+  found.parameters.coefficients[weight + 1] = 0.05;
+  EXPECT_TRUE(log.chosen(found).is_named);
+  found.parameters.coefficients[weight + 1] = 0.5;
+  EXPECT_FALSE(log.chosen(found).is_named);
+}
+
 TEST(ChooseLaw, WhereTheBaseLawLacksSomethingAndNothingIsBetterItStays) {
   const LawChoice choice = Log(0.0, 0.0).chosen(std::nullopt, Lacking::kSomething);
   EXPECT_EQ(choice.status, LawStatus::kBase);

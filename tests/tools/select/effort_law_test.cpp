@@ -171,6 +171,40 @@ TEST(EffortLaw, LetsDryFrictionGoAtRestUnlessTheLogShowsThatItHolds) {
   EXPECT_GT(select_effort_law({rigid_log(0.02)}).law.view.letting_go_s, 0.0);  // it never rests
 }
 
+/// Moves of a second and a half without a jerk at either end, large and small, half a second of rest after each:
+/// friction of 0.5 from the slowest creep on, none at rest.
+auto log_of_gentle_moves() -> AxisLog {
+  constexpr double kSizes[] = {1.0, 0.1, 0.4, 0.05};
+  AxisLog log = rigid_log(0.0);
+  std::mt19937 engine(13);
+  std::normal_distribution<double> normal;
+  double from = 0.0;
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    const double t = kPeriodS * static_cast<double>(i);
+    const auto move = static_cast<int>(t / 2.0);
+    const double size = (move / 4 % 2 == 0 ? 1.0 : -1.0) * kSizes[move % 4];
+    const double s = std::min(1.0, (t - 2.0 * move) / 1.5);
+    const double v = size / 1.5 * 30.0 * s * s * (1.0 - s) * (1.0 - s);
+    const double a = size / 2.25 * 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s);
+    log.q1_rad[i] = from + size * s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    log.effort[i] = 0.05 * a + 0.3 * v + 0.5 * std::tanh(v / 0.002) + 0.2 + 0.02 * normal(engine);
+    if (static_cast<int>((t + kPeriodS) / 2.0) > move) {
+      from = log.q1_rad[i];
+    }
+  }
+  return log;
+}
+
+TEST(EffortLaw, SeesRestAsSlowAsTheLogShowsIt) {
+  const AxisLog log = log_of_gentle_moves();
+  const EffortView usual = usual_view({log});
+  const EffortSelection found = select_effort_law({log});
+  EXPECT_LT(found.law.view.standstill, 0.5 * usual.standstill);
+  EXPECT_GT(found.law.view.letting_go_s, 0.0);
+  EXPECT_LT(found.after, 0.08);  // beside a friction of 0.5
+  EXPECT_EQ(select_effort_law({rigid_log(0.02)}).law.view.standstill, usual_view({rigid_log(0.02)}).standstill);
+}
+
 TEST(EffortLaw, FindsASpringAndSaysHowMuchBetterItPredicts) {
   AxisLog log = rigid_log(0.02);
   add_effect(log, [](double q, double /*v*/) { return 0.9 * (q - 0.1); });

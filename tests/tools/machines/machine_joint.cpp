@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tests/tools/machines/machine_joint.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "capstan/tests/tools/machines/plain_fits.hpp"
+#include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/support/statistics.hpp"
+
+namespace capstan::tools::machines {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+
+/// Kind and request of an axis; nothing where it has nothing to explain.
+auto request_of(const CsvLog& csv, int axis) -> std::optional<std::pair<Kind, AxisRequest>> {
+  const auto has = [&](const char* signal) { return csv.has(axis_column(axis, signal)); };
+  const auto target = [&](Kind kind, const char* signal) -> std::pair<Kind, AxisRequest> {
+    AxisRequest request;
+    request.axis = axis;
+    request.target = axis_column(axis, signal);
+    request.effort = kind == Kind::kEffort;
+    request.force = kind == Kind::kGear;
+    return {kind, request};
+  };
+  if (!has("q1_rad") && !has("q1_m")) {
+    return std::nullopt;
+  }
+  if (has("q2_rad")) {
+    return target(Kind::kAngle, "q2_rad");
+  }
+  if (has("tau_out_Nm")) {
+    return target(Kind::kGear, "tau_out_Nm");
+  }
+  if (has("tau_Nm") || has("tau_N")) {
+    return target(Kind::kEffort, has("tau_Nm") ? "tau_Nm" : "tau_N");
+  }
+  return std::nullopt;
+}
+
+/// The target as laws are judged by it: an effort through a cubic of 0.12 s.
+auto judged(const Joint& joint) -> Eigen::VectorXd {
+  return joint.kind == Kind::kEffort ? EffortDesign({joint.log}, usual_view({joint.log})).seen(joint.log.effort)
+                                     : joint.log.measured();
+}
+
+/// rms on the rows from `begin` to `end`: degrees, or % of the target's rms there.
+auto error_on(const Eigen::VectorXd& estimate, const Joint& joint, Eigen::Index begin, Eigen::Index end) -> double {
+  const Eigen::VectorXd target = judged(joint).segment(begin, end - begin);
+  const double scale = joint.kind == Kind::kAngle ? kDegrees : 100.0 / rms(target);
+  return scale * rms(target - estimate.segment(begin, end - begin));
+}
+
+auto plain_fits(const Joint& joint) -> std::vector<PlainFit> {
+  switch (joint.kind) {
+    case Kind::kEffort:
+      return plain_effort_fits(joint.log);
+    case Kind::kGear:
+      return plain_gear_fits(joint.log);
+    default:
+      return plain_angle_fits(joint.log);
+  }
+}
+
+}  // namespace
+
+auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
+  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
+  return log;
+}
+
+auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
+  for_each_signal(log, [first](Eigen::VectorXd& signal) {
+    signal = Eigen::VectorXd(signal.tail(std::max<Eigen::Index>(0, signal.size() - first)));
+  });
+  return log;
+}
+
+auto joints_in(const std::string& folder) -> std::vector<Joint> {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() == ".csv") {
+      files.push_back(entry.path());
+    }
+  }
+  std::sort(files.begin(), files.end());
+  std::vector<Joint> joints;
+  for (const auto& file : files) {
+    const CsvLog csv = CsvLog::read(file.string());
+    for (int axis = 0; axis < kMostAxes; ++axis) {
+      if (const auto wanted = request_of(csv, axis)) {
+        const std::string stem = file.stem().string();
+        joints.push_back({stem + (axis > 0 ? ":" + std::to_string(axis) : ""), stem.substr(0, stem.find('_')),
+                          wanted->first, read_axis(csv, wanted->second)});
+      }
+    }
+  }
+  return joints;
+}
+
+auto plain_result(const Joint& joint, Eigen::Index rows, Eigen::Index end) -> PlainResult {
+  constexpr double kInner = 0.75;
+  const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
+  const auto fits = plain_fits(joint);
+  double least = std::numeric_limits<double>::infinity();
+  const PlainFit* best = nullptr;
+  for (const auto& fit : fits) {
+    if (const double error = error_on(fit.estimate(inner), joint, inner, rows); error < least) {
+      least = error;
+      best = &fit;
+    }
+  }
+  return {best->name, error_on(fits.front().estimate(rows), joint, rows, end),
+          error_on(best->estimate(rows), joint, rows, end)};
+}
+
+auto error_of(const JointFile& law, const Joint& joint, Eigen::Index rows, Eigen::Index end) -> double {
+  return error_on(simulate({joint.log}, motion_parameters(law)), joint, rows, end);
+}
+
+auto error_of(const Diagnosis& d, const Joint& joint, Eigen::Index rows, Eigen::Index end, double plainest) -> double {
+  if (joint.kind != Kind::kAngle) {
+    return d.effort_law ? error_on(run_effort_law({joint.log}, *d.effort_law), joint, rows, end) : plainest;
+  }
+  return d.law.terms.empty() ? plainest : error_of(d.law, joint, rows, end);
+}
+
+auto diagnosis_of(const Joint& joint, Eigen::Index rows) -> Diagnosis {
+  DiagnoseOptions options;
+  options.base_model = joint.kind == Kind::kGear ? "pull_push" : "";
+  return diagnose({first_rows(joint.log, rows)}, options);
+}
+
+}  // namespace capstan::tools::machines
