@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include "capstan/tests/tools/machines/machine_joint.hpp"
 
 namespace capstan::tools::machines {
 
@@ -9,6 +9,6 @@ namespace capstan::tools::machines {
 /// joint alone on rows that it has not seen, noncausally and as a board runs it, % of the effort's rms. Prints a
 /// table.
 /// @param share  of the rows, the first, that choose and fit
-void board_efforts(const std::string& folder, double share);
+void board_efforts(const std::vector<Joint>& joints, double share);
 
 }  // namespace capstan::tools::machines

@@ -214,11 +214,11 @@ int main(int argc, char** argv) {
     if (!std::filesystem::is_directory(folder)) {
       throw BadInput(folder + " is no folder; name one with logs, or have logs drawn into it with --draw SEED");
     }
+    const auto joints = machines::joints_in(folder);
     if (efforts) {
-      machines::board_efforts(folder, share);
+      machines::board_efforts(joints, share);
       return 0;
     }
-    const auto joints = machines::joints_in(folder);
     if (leave_out) {
       machines::leave_one_out(joints);
       return 0;

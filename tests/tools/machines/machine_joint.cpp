@@ -107,7 +107,7 @@ auto plain_result(const Joint& joint, Eigen::Index rows, Eigen::Index end) -> Pl
   const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
   const auto fits = plain_fits(joint);
   double least = std::numeric_limits<double>::infinity();
-  const PlainFit* best = nullptr;
+  const PlainFit* best = &fits.front();
   for (const auto& fit : fits) {
     if (const double error = error_on(fit.estimate(inner), joint, inner, rows); error < least) {
       least = error;

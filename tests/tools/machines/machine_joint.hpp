@@ -11,6 +11,7 @@ namespace capstan::tools::machines {
 
 /// What of a log is to be explained.
 enum class Kind : std::uint8_t { kAngle, kEffort, kGear };
+
 /// A measured joint or axis.
 struct Joint {
   std::string name, machine;  ///< machine: logs of one are left out together
