@@ -7,8 +7,6 @@
 
 namespace capstan::tools {
 
-/// Joint angle per motor angle of a law.
-
 /// What a torque is told from, beside a healthy joint's loop.
 auto torque_logs(const Preparation& p, const JointFile& healthy, const Loop& before) -> TorqueLogs;
 

@@ -12,6 +12,16 @@ namespace {
 constexpr std::size_t kBasePlace = 0;
 constexpr std::size_t kFoundPlace = 1;
 
+/// What an estimate leaves of the rows whose direction is known.
+auto mean_square_left(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
+  double left = 0.0;
+  const Blocks rows = p.certain();
+  for (const auto& block : rows) {
+    left += (p.target - estimate).segment(block.begin, block.size()).squaredNorm();
+  }
+  return left / static_cast<double>(rows_in(rows));
+}
+
 class Chooser {
  public:
   Chooser(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
@@ -20,6 +30,7 @@ class Chooser {
         base_(base),
         found_(found),
         running_(estimates(p.logs, p.causal, found ? *found : base)),
+        left_running_(found && found->has("gravity") ? mean_square_left(p, running_) : 0.0),
         data_(p, *base.catalogue, numbers, running_),
         learned_(data_, p.split.learned()),
         whole_(data_, data_.logs()) {
@@ -67,16 +78,11 @@ class Chooser {
   /// A weight reads the law's own angle. Columns of an angle so near the target predict more than the law does that
   /// they make, so a found law with a weight counts as what it leaves when it runs.
   void judge_as_it_runs(Selection& selection) const {
-    if (!found_ || !found_->has("gravity")) {
+    if (left_running_ == 0.0) {
       return;
     }
-    double left = 0.0;
-    const Blocks rows = p_.certain();
-    for (const auto& block : rows) {
-      left += (p_.target - running_).segment(block.begin, block.size()).squaredNorm();
-    }
     JudgedLaw& found = selection.laws[kFoundPlace];
-    found.score = std::max(found.score, left / static_cast<double>(rows_in(rows)));
+    found.score = std::max(found.score, left_running_);
     const auto least = std::min_element(selection.laws.begin(), selection.laws.end(),
                                         [](const auto& a, const auto& b) { return a.score < b.score; });
     selection.best = static_cast<std::size_t>(least - selection.laws.begin());
@@ -166,6 +172,7 @@ class Chooser {
   const JointFile& base_;
   const std::optional<JointFile>& found_;
   Eigen::VectorXd running_;  ///< the estimate of the found law, or else of the base law
+  double left_running_;      ///< what that leaves of a found law with a weight, mean square; 0 of others
   SelectionData data_;
   std::vector<LawCandidate> given_;
   Judged learned_, whole_;

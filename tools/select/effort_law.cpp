@@ -34,6 +34,14 @@ struct Frame {
   EffortDesign design;
 };
 
+/// Laws after each step, and what their numbers come from.
+struct Grown {
+  PartProducts products;
+  std::vector<ScoredLaw<PartLaw>> path;
+
+  [[nodiscard]] auto score() const -> double { return path.back().score; }
+};
+
 /// Everything that a choice needs.
 struct Choice {
   const std::vector<AxisLog>& logs;
@@ -51,18 +59,16 @@ struct Choice {
     base = gear ? kGearBaseParts : (bare ? 1 : kRigidParts);
   }
 
-  /// Of the first rows, by their share.
-  [[nodiscard]] auto products(double share) const -> PartProducts {
-    return {frame.design, target, share, *frame.law.joint.catalogue, parts};
-  }
-  /// From the whole base law on.
-  [[nodiscard]] auto grown(const PartProducts& products) const -> std::vector<ScoredLaw<PartLaw>> {
+  /// From the whole base law on, on the first rows, by their share.
+  [[nodiscard]] auto grown(double share) const -> Grown {
+    PartProducts products(frame.design, target, share, *frame.law.joint.catalogue, parts);
     PartLaw all_of_base;
     for (std::size_t part = 0; part < base; ++part) {
       all_of_base.push_back({part, 0});
     }
     PartLaws laws(products, kNumbers);
-    return Grower(laws, kNumbers.growth).run(all_of_base);
+    auto path = Grower(laws, kNumbers.growth).run(all_of_base);
+    return {std::move(products), std::move(path)};
   }
 };
 
@@ -192,13 +198,16 @@ auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> s
   std::vector<Frame> frames = {seen(law.view.standstill, kLettingGoS)};
   std::optional<Frame> shown;
   double lowest = plain_loss(logs, frames.front().law, frames.front().design) - kWorthAnotherView;
-  for (const double share : {1.0, kFineStandstill}) {
-    for (const double letting_go_s : {kLettingGoS, kAtOnceS, kNeverS}) {
-      Frame other = seen(share * law.view.standstill, letting_go_s);
-      if (const double loss = plain_loss(logs, other.law, other.design); loss < lowest) {
-        lowest = loss;
-        shown = std::move(other);
-      }
+  constexpr std::pair<double, double> kOthers[] = {{1.0, kAtOnceS},
+                                                   {1.0, kNeverS},
+                                                   {kFineStandstill, kLettingGoS},
+                                                   {kFineStandstill, kAtOnceS},
+                                                   {kFineStandstill, kNeverS}};
+  for (const auto& [share, letting_go_s] : kOthers) {
+    Frame other = seen(share * law.view.standstill, letting_go_s);
+    if (const double loss = plain_loss(logs, other.law, other.design); loss < lowest) {
+      lowest = loss;
+      shown = std::move(other);
     }
   }
   if (shown) {
@@ -274,8 +283,12 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
   for (auto& frame : frames_for(logs)) {
     choices.emplace_back(logs, std::move(frame), bare);
   }
-  const auto errs = [&](const Choice& choice) { return choice.grown(choice.products(kLearned)).back().score; };
-  const bool other = choices.size() > 1 && errs(choices.back()) < kNumbers.worth_another_rest * errs(choices.front());
+  std::vector<Grown> learned;
+  for (const auto& each : choices) {
+    learned.push_back(each.grown(kLearned));
+  }
+  const bool other =
+      choices.size() > 1 && learned.back().score() < kNumbers.worth_another_rest * learned.front().score();
   const Choice& choice = other ? choices.back() : choices.front();
   const EffortDesign& design = choice.frame.design;
   PartLaw start = {{0, 0}};
@@ -283,15 +296,14 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
     start.push_back({1, 0});
   }
   EffortSelection result;
-  const auto choose_on = [&](double share) {
-    const PartProducts products = choice.products(share);
-    const auto path = choice.grown(products);
+  const auto take = [&](const Grown& grown) {
+    const auto& [products, path] = grown;
     result.start = in_numbers(choice, products, start);
     result.base = in_numbers(choice, products, path.front().law);
     result.law = in_numbers(choice, products, path.back().law);
     result.effects = new_effects(choice.parts, path.back().law, result.base);
   };
-  choose_on(kLearned);
+  take(other ? learned.back() : learned.front());
   result.measured = design.seen(choice.target);
   result.by_start = sum_of_terms(design, result.start.joint);
   result.by_law = sum_of_terms(design, result.law.joint);
@@ -300,7 +312,7 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
   result.before = rms((result.measured - sum_of_terms(design, result.base.joint)).tail(unseen));
   result.after = rms((result.measured - result.by_law).tail(unseen));
   result.target_rms = rms(result.measured.tail(unseen));
-  choose_on(1.0);
+  take(choice.grown(1.0));
   set_status(result.effects.empty() ? LawStatus::kBase : LawStatus::kProvisional, result.law);
   set_status(LawStatus::kBase, result.base);
   set_status(LawStatus::kBase, result.start);

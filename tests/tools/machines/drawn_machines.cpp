@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <functional>
 #include <numbers>
 
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools::machines {
@@ -132,12 +132,7 @@ auto bouc_wen(const ArrayXd& q, double width, double gamma = 0.0, double n = 1.0
 }
 
 auto backlash(const ArrayXd& q, double half_width) -> ArrayXd {
-  ArrayXd place(q.size());
-  double at = q[0];
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    place[i] = at = std::clamp(at, q[i] - half_width, q[i] + half_width);
-  }
-  return place;
+  return test::play_of(q, half_width);
 }
 
 /// What eight springs, each on a slider of its own, hold back.
@@ -450,7 +445,6 @@ auto drawn_machines(std::uint64_t seed) -> std::vector<DrawnMachine> {
 void write_machines(const std::string& folder, const std::vector<DrawnMachine>& machines) {
   for (const auto& machine : machines) {
     std::ofstream file(folder + "/" + machine.name + ".csv");
-    file.precision(7);
     for (std::size_t i = 0; i < machine.columns.size(); ++i) {
       file << (i > 0 ? "," : "") << machine.columns[i];
     }

@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tests/tools/machines/plain_columns.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace capstan::tools::machines {
-
-auto play(const Eigen::VectorXd& q, double half_width) -> Eigen::VectorXd {
-  Eigen::VectorXd place(q.size());
-  double p = q[0];
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    p = std::clamp(p, q[i] - half_width, q[i] + half_width);
-    place[i] = p;
-  }
-  return place;
-}
 
 auto geometric(double low, double high, int count) -> std::vector<double> {
   std::vector<double> values;

@@ -9,7 +9,6 @@ namespace capstan::tools::machines {
 /// Columns of a plain fit, all rows of a log.
 using Columns = std::vector<Eigen::VectorXd>;
 
-auto play(const Eigen::VectorXd& q, double half_width) -> Eigen::VectorXd;
 /// From `low` to `high` in equal ratios.
 auto geometric(double low, double high, int count) -> std::vector<double>;
 auto side_by_side(const Columns& columns) -> Eigen::MatrixXd;

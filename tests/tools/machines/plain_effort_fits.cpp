@@ -5,6 +5,7 @@
 
 #include "capstan/tests/tools/machines/plain_columns.hpp"
 #include "capstan/tests/tools/machines/plain_fits.hpp"
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/select/effort_design.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -57,7 +58,7 @@ auto plain_effort_fits(const AxisLog& log) -> std::vector<PlainFit> {
   }
   const double range = x->q.maxCoeff() - x->q.minCoeff();
   for (const double width : geometric(range / 300.0, range / 5.0, 20)) {
-    plays.push_back(beside({(x->q - play(x->q, width)) / width}));
+    plays.push_back(beside({(x->q - test::play_of(x->q, width)) / width}));
   }
   add("inertia+viscous", {{x->a, x->v}});
   add("+Coulomb+offset", {rigid});

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "capstan/tests/tools/machines/plain_columns.hpp"
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/identify/least_squares.hpp"
 
 namespace capstan::tools::machines {
@@ -18,7 +19,7 @@ struct Signals {
     const double range = q.maxCoeff() - q.minCoeff();
     plays.push_back(q);
     for (const double width : geometric(range / 400.0, range / 2.02, 48)) {
-      plays.push_back(play(q, width));
+      plays.push_back(test::play_of(q, width));
     }
     if (log.has_torque) {
       tau = log.tau_nm;
@@ -28,7 +29,7 @@ struct Signals {
       const double way = other.q1_rad.maxCoeff() - other.q1_rad.minCoeff();
       of_others.emplace_back();
       for (const double width : geometric(way / 50.0 + 1e-9, way / 2.1 + 1e-9, 8)) {
-        of_others.back().push_back(play(other.q1_rad, width));
+        of_others.back().push_back(test::play_of(other.q1_rad, width));
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/select/choice.hpp"
@@ -14,16 +15,7 @@
 namespace capstan::tools {
 namespace {
 
-/// A play operator of the test's own.
-auto play(const Eigen::VectorXd& q, double half_width) -> Eigen::VectorXd {
-  Eigen::VectorXd place(q.size());
-  double p = q[0];
-  for (Eigen::Index i = 0; i < q.size(); ++i) {
-    p = std::clamp(p, q[i] - half_width, q[i] + half_width);
-    place[i] = p;
-  }
-  return place;
-}
+using test::play_of;
 
 struct Made {
   Eigen::Index rows = 1600;
@@ -34,7 +26,7 @@ struct Made {
   bool sheath = true;  ///< two plays and a curve behind them; else the ratio alone
 };
 
-/// A sheath by hand: h = 0.5 q + 0.3 play(q, 0.1) + 0.2 play(q, 0.4), q2 = 0.8 h + 0.1 h^2, and white noise.
+/// A sheath by hand: h = 0.5 q + 0.3 play_of(q, 0.1) + 0.2 play_of(q, 0.4), q2 = 0.8 h + 0.1 h^2, and white noise.
 auto made_log(const Made& made) -> AxisLog {
   AxisLog log;
   log.name = "made.csv";
@@ -47,7 +39,7 @@ auto made_log(const Made& made) -> AxisLog {
     log.time_s[i] = t * made.time_unit;
     q[i] = 0.7 * std::sin(1.3 * t) + made.fast * std::sin(3.1 * t);
   }
-  const Eigen::VectorXd h = made.sheath ? Eigen::VectorXd(0.5 * q + 0.3 * play(q, 0.1) + 0.2 * play(q, 0.4)) : q;
+  const Eigen::VectorXd h = made.sheath ? Eigen::VectorXd(0.5 * q + 0.3 * play_of(q, 0.1) + 0.2 * play_of(q, 0.4)) : q;
   Random random(11);
   log.q2_rad.resize(made.rows);
   for (Eigen::Index i = 0; i < made.rows; ++i) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capstan/tests/tools/diagnose/small_evidence.hpp"
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/select/forward_score.hpp"
 
 namespace capstan::tools::test {
@@ -45,15 +46,6 @@ inline auto preparation_of_both(const Eigen::VectorXd& first, const Eigen::Vecto
 inline auto two_sines(Eigen::Index rows) -> Eigen::VectorXd {
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(rows, 0.0, 0.05 * static_cast<double>(rows - 1));
   return ((1.3 * t).sin() + 0.4 * (3.1 * t).sin()).matrix();
-}
-
-/// A play operator of the tests' own.
-inline auto play_of(const Eigen::VectorXd& q1, double half_width) -> Eigen::VectorXd {
-  Eigen::VectorXd place = q1;
-  for (Eigen::Index i = 1; i < q1.size(); ++i) {
-    place[i] = std::min(std::max(place[i - 1], q1[i] - half_width), q1[i] + half_width);
-  }
-  return place;
 }
 
 /// One log as the choice of a law sees it, a sample per coarse row.
