@@ -48,11 +48,14 @@ auto judged(const Joint& joint) -> Eigen::VectorXd {
                                      : joint.log.measured();
 }
 
-/// rms on the rows from `begin` to `end`: degrees, or % of the target's rms there.
+/// rms on the rows from `begin` to `end` of the judged target: degrees, or % of its rms there.
+auto error_on(const Eigen::VectorXd& estimate, const Eigen::VectorXd& target, Kind kind, Eigen::Index begin,
+              Eigen::Index end) -> double {
+  const double scale = kind == Kind::kAngle ? kDegrees : 100.0 / rms(target.segment(begin, end - begin));
+  return scale * rms((target - estimate).segment(begin, end - begin));
+}
 auto error_on(const Eigen::VectorXd& estimate, const Joint& joint, Eigen::Index begin, Eigen::Index end) -> double {
-  const Eigen::VectorXd target = judged(joint).segment(begin, end - begin);
-  const double scale = joint.kind == Kind::kAngle ? kDegrees : 100.0 / rms(target);
-  return scale * rms(target - estimate.segment(begin, end - begin));
+  return error_on(estimate, judged(joint), joint.kind, begin, end);
 }
 
 auto plain_fits(const Joint& joint) -> std::vector<PlainFit> {
@@ -106,16 +109,19 @@ auto plain_result(const Joint& joint, Eigen::Index rows, Eigen::Index end) -> Pl
   constexpr double kInner = 0.75;
   const auto inner = static_cast<Eigen::Index>(kInner * static_cast<double>(rows));
   const auto fits = plain_fits(joint);
+  const Eigen::VectorXd target = judged(joint);
+  const auto error = [&](const PlainFit& fit, Eigen::Index fitted, Eigen::Index begin, Eigen::Index until) {
+    return error_on(fit.estimate(fitted), target, joint.kind, begin, until);
+  };
   double least = std::numeric_limits<double>::infinity();
   const PlainFit* best = &fits.front();
   for (const auto& fit : fits) {
-    if (const double error = error_on(fit.estimate(inner), joint, inner, rows); error < least) {
-      least = error;
+    if (const double left = error(fit, inner, inner, rows); left < least) {
+      least = left;
       best = &fit;
     }
   }
-  return {best->name, error_on(fits.front().estimate(rows), joint, rows, end),
-          error_on(best->estimate(rows), joint, rows, end)};
+  return {best->name, error(fits.front(), rows, rows, end), error(*best, rows, rows, end)};
 }
 
 auto error_of(const JointFile& law, const Joint& joint, Eigen::Index rows, Eigen::Index end) -> double {
