@@ -203,6 +203,13 @@ auto strokes(const std::vector<AxisLog>& logs) -> int {
   return count;
 }
 
+/// Changes of the direction, but for the one that is only the beginning of a motion backward.
+auto reversals_in(const Samples& samples) -> std::size_t {
+  const auto changes = direction_changes(samples);
+  const bool begins_backward = !changes.empty() && samples[changes.front()].q1 < samples.front().q1;
+  return changes.size() - (begins_backward ? 1 : 0);
+}
+
 }  // namespace
 
 auto Preparation::interpolated(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -262,7 +269,7 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
   for (const auto& log : logs) {
     ConditionerShape<double> shape;
     shape.direction_threshold_rad = direction_thresholds(logs, noise).back();
-    reversals += direction_changes(causal_samples(log, shape)).size();
+    reversals += reversals_in(causal_samples(log, shape));
     q1_range = std::max(q1_range, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
     range = std::max(range, log.measured().maxCoeff() - log.measured().minCoeff());
     target_noise = std::max({target_noise, white_noise_level(log.measured()), quantisation_step(log.measured())});

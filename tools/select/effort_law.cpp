@@ -59,15 +59,39 @@ struct Choice {
     base = gear ? kGearBaseParts : (bare ? 1 : kRigidParts);
   }
 
-  /// From the whole base law on, on the first rows, by their share.
-  [[nodiscard]] auto grown(double share) const -> Grown {
-    PartProducts products(frame.design, target, share, *frame.law.joint.catalogue, parts);
+  /// The whole base law, and with a weight or a spring. In a sine either pushes as inertia does: one without the other
+  /// brings nothing, and what grows from the base law alone lets go of both.
+  [[nodiscard]] auto starts() const -> std::vector<PartLaw> {
     PartLaw all_of_base;
     for (std::size_t part = 0; part < base; ++part) {
       all_of_base.push_back({part, 0});
     }
+    std::vector<PartLaw> starts = {all_of_base};
+    for (const char* load : {"gravity", "spring"}) {
+      const auto part = std::find_if(parts.begin(), parts.end(), [&](const LawPart& one) { return one.term == load; });
+      if (part != parts.end()) {
+        starts.push_back(all_of_base);
+        starts.back().push_back({static_cast<std::size_t>(part - parts.begin()), 0});
+      }
+    }
+    return starts;
+  }
+
+  /// On the first rows, by their share.
+  [[nodiscard]] auto grown(double share) const -> Grown {
+    PartProducts products(frame.design, target, share, *frame.law.joint.catalogue, parts);
     PartLaws laws(products, kNumbers);
-    auto path = Grower(laws, kNumbers.growth).run(all_of_base);
+    Grower grower(laws, kNumbers.growth);
+    std::vector<ScoredLaw<PartLaw>> path;
+    for (const auto& start : starts()) {
+      auto other = grower.run(start);
+      if (path.empty()) {
+        path = std::move(other);
+      } else if (other.back().score < kNumbers.growth.worth_a_step * path.back().score) {
+        other.insert(other.begin(), path.front());  // what is called the base law stays without a load
+        path = std::move(other);
+      }
+    }
     return {std::move(products), std::move(path)};
   }
 };

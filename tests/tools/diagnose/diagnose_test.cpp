@@ -154,9 +154,14 @@ TEST(Diagnose, AShortOrOneWayLogIsUnfitAndSaysWhatToRecord) {
   AxisLog log = test::synthetic_log(small_request(Truth::kNone));
   log.q1_rad = Eigen::VectorXd::LinSpaced(log.samples(), 0.0, 1.0);
   log.q2_rad = 1.1 * log.q1_rad;
-  d = diagnose({log}, {});
-  EXPECT_EQ(d.verdict, Verdict::kDataUnfit);
-  EXPECT_NE(d.reason.find("never reverses"), std::string::npos);
+  for (const double way : {1.0, -1.0}) {  // backward from the first row on is no reversal either
+    AxisLog one_way = log;
+    one_way.q1_rad *= way;
+    one_way.q2_rad *= way;
+    d = diagnose({one_way}, {});
+    EXPECT_EQ(d.verdict, Verdict::kDataUnfit);
+    EXPECT_NE(d.reason.find("never reverses"), std::string::npos);
+  }
 }
 
 TEST(Diagnose, ALawThatTheLogCanNotDetermineIsNotIdentifiable) {

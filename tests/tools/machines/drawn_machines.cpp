@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "capstan/tests/tools/machines/drawn_drives.hpp"
 #include "capstan/tests/tools/machines/drawn_motion.hpp"
 #include "capstan/tests/tools/play_operator.hpp"
 
@@ -311,21 +312,41 @@ auto axis_log(Draw& draw, AxisKind kind, MotionKind moves) -> LogColumns {
   return log;
 }
 
+auto columns_of(const DriveLog& drive) -> LogColumns {
+  LogColumns log;
+  log.add("time_s", drive.time_s);
+  log.add("axis0/q1_rad", drive.motor_angle);
+  log.add("axis0/tau_Nm", drive.effort);
+  if (drive.output_torque.size() > 0) {
+    log.add("axis0/tau_out_Nm", drive.output_torque);
+  }
+  return log;
+}
+
 }  // namespace
 
 auto drawn_machines(std::uint64_t seed) -> std::vector<DrawnMachine> {
   Draw draw(seed);
   std::vector<DrawnMachine> machines;
+  const auto add_log = [&](const char* kind, const char* moves, const LogColumns& log) {
+    machines.push_back(machine_of(std::string(kind) + "_" + moves + "_" + std::to_string(seed), log));
+  };
   std::size_t next = seed % kMotions.size();
   const auto add = [&](const char* kind, auto make) {
     const auto& [moves, motion] = kMotions[next++ % kMotions.size()];
-    machines.push_back(machine_of(std::string(kind) + "_" + moves + "_" + std::to_string(seed), make(motion)));
+    add_log(kind, moves, make(motion));
   };
   for (const auto& [name, kind] : kJoints) {
     add(name, [&draw, make = kind](MotionKind motion) { return joint_log(draw, make, motion); });
   }
   for (const auto& [name, kind] : kAxes) {
     add(name, [&draw, make = kind](MotionKind motion) { return axis_log(draw, make, motion); });
+  }
+  for (const auto& [moves, goal] : kGoals) {
+    add_log("servo", moves, columns_of(servo_log(draw, goal)));
+  }
+  for (const auto& [moves, turn] : kTurns) {
+    add_log("gear", moves, columns_of(gear_log(draw, turn)));
   }
   return machines;
 }

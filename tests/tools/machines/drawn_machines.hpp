@@ -21,6 +21,7 @@ struct DrawnMachine {
 /// before a curved ratio, and before creep; Maxwell slip; a spring before Dahl's friction, its torque logged. Eleven
 /// axes with an effort: friction of LuGre, of Stribeck, of a power law, asymmetric, with the load, with the speed
 /// squared, and warming; a spring with a dead zone, cogging, Bouc-Wen in a spring, and an effort that saturates.
+/// Five pendulums on a servo and three gears between two torques (drawn_drives.hpp).
 /// Motions: sines, triangles of several heights, a decaying sine, reaches with rests, a chirp. 25 to 70 s at 30 to 200
 /// Hz with noise of 0.15 to 1.2 %, or 15 to 45 s at 50 to 500 Hz with noise of 1 to 8 %.
 /// The same for a seed, by one compiler: what is drawn within one expression may come in another order.

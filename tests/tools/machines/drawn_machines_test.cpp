@@ -18,13 +18,13 @@ namespace {
 TEST(DrawnMachines, AreLogsByTheContractAndTheSameForASeed) {
   const auto machines = drawn_machines(5);
   const auto again = drawn_machines(5);
-  ASSERT_EQ(machines.size(), 21U);
+  ASSERT_EQ(machines.size(), 29U);
   for (std::size_t i = 0; i < machines.size(); ++i) {
     const DrawnMachine& machine = machines[i];
     EXPECT_EQ(machine.columns[0], "time_s");
     EXPECT_EQ(machine.columns[1], "axis0/q1_rad");
     ASSERT_EQ(static_cast<std::size_t>(machine.rows.cols()), machine.columns.size());
-    EXPECT_GT(machine.rows.rows(), 700) << machine.name;
+    EXPECT_GT(machine.rows.rows(), 590) << machine.name;
     EXPECT_TRUE(machine.rows.allFinite()) << machine.name;
     EXPECT_EQ(machine.rows, again[i].rows);
   }
@@ -38,7 +38,7 @@ auto drawn(std::uint64_t seed, const std::vector<std::string>& names) -> std::ve
   std::filesystem::create_directories(folder);
   write_machines(folder, drawn_machines(seed));
   std::vector<Joint> joints = joints_in(folder);
-  EXPECT_EQ(joints.size(), 21U);  // another motor beside a joint is none of its own
+  EXPECT_EQ(joints.size(), 29U);  // another motor beside a joint is none of its own
   std::erase_if(joints,
                 [&](const Joint& joint) { return std::find(names.begin(), names.end(), joint.name) == names.end(); });
   EXPECT_EQ(joints.size(), names.size());
@@ -62,6 +62,14 @@ TEST(DrawnMachines, DeliveredLawsErrLessThanPlainFits) {
   }
   for (const Joint& joint : drawn(16, {"coupled_decay_16"})) {
     EXPECT_LT(ratio_of(joint), 0.6) << joint.name;
+  }
+}
+
+// A pendulum whose law was grown from inertia and friction alone, which let go of the inertia before its weight came:
+// 4.4 and 6.1 times what the plain fit leaves.
+TEST(DrawnMachines, AWeightIsFoundBesideTheInertiaThatHidesIt) {
+  for (const Joint& joint : drawn(54, {"servo_growing_54", "servo_updown_54"})) {
+    EXPECT_LT(ratio_of(joint), 1.1) << joint.name;
   }
 }
 

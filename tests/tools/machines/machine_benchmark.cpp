@@ -204,7 +204,7 @@ int main(int argc, char** argv) {
   bool efforts = false;
   app.add_flag("--board-efforts", efforts, "laws of efforts instead, noncausally and as a board runs them");
   std::optional<std::uint64_t> seed;
-  app.add_option("--draw", seed, "first write 21 machines by the laws of others into the folder, drawn by this seed");
+  app.add_option("--draw", seed, "first write 29 machines by the laws of others into the folder, drawn by this seed");
   CLI11_PARSE(app, argc, argv);
   try {
     if (seed) {
