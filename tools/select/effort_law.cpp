@@ -42,22 +42,27 @@ struct Grown {
   [[nodiscard]] auto score() const -> double { return path.back().score; }
 };
 
+auto parts_of(const Frame& frame, bool linear) -> std::vector<LawPart> {
+  const MotionRanges ranges = motion_ranges(frame.design);
+  return frame.law.of_gear()
+             ? gear_parts(ranges)
+             : effort_parts(ranges, frame.design.axes(), linear ? AxisKind::kLinear : AxisKind::kRotary);
+}
+
 /// Everything that a choice needs.
 struct Choice {
   const std::vector<AxisLog>& logs;
   Frame frame;
   Eigen::VectorXd target;  ///< as logged
-  std::vector<LawPart> parts;
+  PartColumns columns;
   std::size_t base;  ///< so many of them are the base law's
 
   Choice(const std::vector<AxisLog>& from, Frame seen, bool bare)
-      : logs(from), frame(std::move(seen)), target(stacked_target(from)) {
-    const MotionRanges ranges = motion_ranges(frame.design);
-    const bool gear = frame.law.of_gear();
-    const AxisKind axis = from.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
-    parts = gear ? gear_parts(ranges) : effort_parts(ranges, frame.design.axes(), axis);
-    base = gear ? kGearBaseParts : (bare ? 1 : kRigidParts);
-  }
+      : logs(from),
+        frame(std::move(seen)),
+        target(stacked_target(from)),
+        columns(frame.design, target, *frame.law.joint.catalogue, parts_of(frame, from.front().linear)),
+        base(frame.law.of_gear() ? kGearBaseParts : (bare ? 1 : kRigidParts)) {}
 
   /// The whole base law, and with a weight or a spring. In a sine either pushes as inertia does: one without the other
   /// brings nothing, and what grows from the base law alone lets go of both.
@@ -68,10 +73,11 @@ struct Choice {
     }
     std::vector<PartLaw> starts = {all_of_base};
     for (const char* load : {"gravity", "spring"}) {
-      const auto part = std::find_if(parts.begin(), parts.end(), [&](const LawPart& one) { return one.term == load; });
-      if (part != parts.end()) {
+      const auto part = std::find_if(columns.parts.begin(), columns.parts.end(),
+                                     [&](const LawPart& one) { return one.term == load; });
+      if (part != columns.parts.end()) {
         starts.push_back(all_of_base);
-        starts.back().push_back({static_cast<std::size_t>(part - parts.begin()), 0});
+        starts.back().push_back({static_cast<std::size_t>(part - columns.parts.begin()), 0});
       }
     }
     return starts;
@@ -79,7 +85,7 @@ struct Choice {
 
   /// On the first rows, by their share.
   [[nodiscard]] auto grown(double share) const -> Grown {
-    PartProducts products(frame.design, target, share, *frame.law.joint.catalogue, parts);
+    PartProducts products(columns, share);
     PartLaws laws(products, kNumbers);
     Grower grower(laws, kNumbers.growth);
     std::vector<ScoredLaw<PartLaw>> path;
@@ -120,7 +126,7 @@ auto sum_of_terms(const EffortDesign& design, const JointFile& joint) -> Eigen::
 /// Puts a part's numbers into the law, and the columns beside them; says where its coefficients are.
 void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::VectorXd& theta, JointFile& joint,
                 Eigen::MatrixXd& columns, std::vector<std::size_t>& places) {
-  const LawPart& part = choice.parts[chosen.part];
+  const LawPart& part = choice.columns.parts[chosen.part];
   const CatalogueTerm& term = joint.catalogue->term(part.term);
   const Shapes& shapes = part.settings[chosen.setting];
   const Eigen::MatrixXd own = choice.frame.design.columns(term, shapes);
@@ -144,7 +150,7 @@ auto in_numbers(const Choice& choice, const PartProducts& products, const PartLa
   std::set<std::string> terms;
   for (const auto& chosen : chosen_parts) {
     place_part(choice, chosen, theta, joint, columns, places);
-    terms.insert(choice.parts[chosen.part].term);
+    terms.insert(choice.columns.parts[chosen.part].term);
   }
   for (const auto& term : *joint.catalogue) {
     if (terms.count(term.name) > 0) {
@@ -179,7 +185,7 @@ auto plain_loss(const std::vector<AxisLog>& logs, const EffortLaw& law, const Ef
   parts.resize(law.of_gear() ? 6 : kRigidParts);
   const PartLaw plain =
       law.of_gear() ? PartLaw{{0, 0}, {1, 0}, {2, 0}, {5, 0}} : PartLaw{{0, 0}, {1, 0}, {2, 0}, {3, 0}};
-  const PartProducts products(design, stacked_target(logs), 1.0, *law.joint.catalogue, parts);
+  const PartProducts products(PartColumns(design, stacked_target(logs), *law.joint.catalogue, parts), 1.0);
   return 0.5 * std::log(products.fold_errors(plain, kNumbers.ridge).mean());
 }
 
@@ -325,7 +331,7 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
     result.start = in_numbers(choice, products, start);
     result.base = in_numbers(choice, products, path.front().law);
     result.law = in_numbers(choice, products, path.back().law);
-    result.effects = new_effects(choice.parts, path.back().law, result.base);
+    result.effects = new_effects(choice.columns.parts, path.back().law, result.base);
   };
   take(other ? learned.back() : learned.front());
   result.measured = design.seen(choice.target);

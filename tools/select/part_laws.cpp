@@ -15,53 +15,39 @@ namespace {
 constexpr Eigen::Index kBlocks = 12;
 constexpr Eigen::Index kFolds = 6;
 
-/// Columns of all parts side by side, and where each begins.
-struct PartColumns {
-  std::vector<Eigen::VectorXd> columns;
-  std::vector<std::vector<Eigen::Index>> first;
-};
+}  // namespace
 
-auto columns_of_parts(const EffortDesign& design, Eigen::Index step, const Catalogue& catalogue,
-                      const std::vector<LawPart>& parts) -> PartColumns {
-  PartColumns all;
+PartColumns::PartColumns(const EffortDesign& design, const Eigen::VectorXd& measured, const Catalogue& catalogue,
+                         std::vector<LawPart> of)
+    : parts(std::move(of)) {
+  constexpr Eigen::Index kEnoughRows = 8000;  // neighbours hardly differ
+  const Eigen::Index step = std::max<Eigen::Index>(1, design.rows() / kEnoughRows);
+  target = design.seen(measured, step);
   std::map<std::pair<std::string, Shapes>, Eigen::Index> known;  // places of one term share their columns
   for (const auto& part : parts) {
     const auto& term = catalogue.term(part.term);
     const std::string name = term.of_axis ? part.term : effect_name(part.term);
-    all.first.emplace_back();
+    first.emplace_back();
     for (const auto& setting : part.settings) {
-      const auto [found, is_new] = known.try_emplace({name, setting}, static_cast<Eigen::Index>(all.columns.size()));
-      all.first.back().push_back(found->second);
+      const auto [found, is_new] = known.try_emplace({name, setting}, std::ssize(columns));
+      first.back().push_back(found->second);
       const Eigen::MatrixXd own = is_new ? design.columns(term, setting, step) : Eigen::MatrixXd();
       for (Eigen::Index i = 0; i < own.cols(); ++i) {
-        all.columns.emplace_back(own.col(i));
+        columns.emplace_back(own.col(i));
       }
     }
   }
-  return all;
 }
 
-}  // namespace
-
-PartProducts::PartProducts(const EffortDesign& design, const Eigen::VectorXd& target, double share,
-                           const Catalogue& catalogue, std::vector<LawPart> parts)
-    : parts_(std::move(parts)) {
-  constexpr Eigen::Index kEnoughRows = 8000;  // neighbours hardly differ
-  const Eigen::Index step = std::max<Eigen::Index>(1, design.rows() / kEnoughRows);
-  PartColumns all = columns_of_parts(design, step, catalogue, parts_);
-  first_ = all.first;
-  Eigen::VectorXd y = design.seen(target, step);
-  const auto used = static_cast<Eigen::Index>(share * static_cast<double>(y.size()));
-  y.conservativeResize(used);
-  for (auto& column : all.columns) {
-    column.conservativeResize(used);
-  }
-  const auto count = static_cast<Eigen::Index>(all.columns.size());
+PartProducts::PartProducts(const PartColumns& from, double share) : parts_(from.parts), first_(from.first) {
+  const auto used = static_cast<Eigen::Index>(share * static_cast<double>(from.target.size()));
+  const Eigen::VectorXd y = from.target.head(used);
+  const auto count = std::ssize(from.columns);
   Eigen::MatrixXd columns(y.size(), count + 1);
   scale_.resize(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::VectorXd& column = all.columns[static_cast<std::size_t>(i)];
-    scale_[i] = std::max(rms(column), 1e-300);
+    const auto column = from.columns[static_cast<std::size_t>(i)].head(used);
+    scale_[i] = std::max(rms(Eigen::VectorXd(column)), 1e-300);
     columns.col(i) = column / scale_[i];
   }
   columns.col(count) = y;

@@ -13,12 +13,21 @@ struct ChosenPart {
 };
 using PartLaw = std::vector<ChosenPart>;
 
+/// Every part of a law over some logs, as the law sees them: at enough rows of long ones.
+struct PartColumns {
+  PartColumns(const EffortDesign& design, const Eigen::VectorXd& measured, const Catalogue& catalogue,
+              std::vector<LawPart> of);
+  std::vector<LawPart> parts;
+  std::vector<Eigen::VectorXd> columns;
+  std::vector<std::vector<Eigen::Index>> first;  ///< column of the first coefficient of each part's term, by setting
+  Eigen::VectorXd target;
+};
+
 /// Scalar products of every column of every part, per block of rows: all that growing a law needs of a log.
 class PartProducts {
  public:
-  /// @param share  of the logs' rows that may be used, from the first on; they are cut into blocks, in time
-  PartProducts(const EffortDesign& design, const Eigen::VectorXd& target, double share, const Catalogue& catalogue,
-               std::vector<LawPart> parts);
+  /// @param from  of which a share of the rows may be used, from the first on; they are cut into blocks, in time
+  PartProducts(const PartColumns& from, double share);
 
   [[nodiscard]] auto parts() const -> const std::vector<LawPart>& { return parts_; }
   /// Mean squared error of each fold, fitted without it: six that leave out a sixth of the time, and three that only
@@ -33,7 +42,7 @@ class PartProducts {
                             double ridge) const -> Eigen::VectorXd;
 
   std::vector<LawPart> parts_;
-  std::vector<std::vector<Eigen::Index>> first_;  ///< column of the first coefficient of each part's term, by setting
+  std::vector<std::vector<Eigen::Index>> first_;  ///< PartColumns::first
   Eigen::VectorXd scale_;                         ///< rms of each column
   struct Fold {
     Eigen::MatrixXd fit, check;  ///< products with the target last
