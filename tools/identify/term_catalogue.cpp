@@ -37,7 +37,7 @@ auto sum_columns(const Samples& samples, double period_s, const Shapes& shapes) 
     columns.setZero();
   }
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
-    const auto regressors = term.update(samples[static_cast<std::size_t>(row)]);
+    const auto regressors = term.update(sample_on_the_way(samples, row));
     if constexpr (kOneAtATime) {  // all but two are nothing
       const auto at = static_cast<Eigen::Index>(regressors.at);
       columns(row, at) = regressors.rest;

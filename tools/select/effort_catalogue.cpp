@@ -14,7 +14,7 @@ auto columns_of(const Samples& samples, double period_s, const Shapes& shapes) -
   constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
   Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
-    const auto regressors = term.update(samples[static_cast<std::size_t>(row)]);
+    const auto regressors = term.update(sample_on_the_way(samples, row));
     for (Eigen::Index i = 0; i < kColumns; ++i) {
       columns(row, i) = regressors[static_cast<std::size_t>(i)];
     }

@@ -46,7 +46,7 @@ struct Made {
   AxisLog log = made_log();
   EffortDesign design{{log}, {.window_s = 0.05, .standstill = 1e-6}};
   const Catalogue& catalogue = effort_law_catalogue(AxisKind::kRotary);
-  PartProducts products{design, log.effort, 1.0, catalogue, kParts};
+  PartProducts products{PartColumns(design, log.effort, catalogue, kParts), 1.0};
   EffortNumbers numbers;
   PartLaws laws{products, numbers};
 
@@ -107,7 +107,7 @@ TEST(PartProducts, RowsBehindTheShareTakeNoPart) {
   Made made;
   Eigen::VectorXd target = made.log.effort;
   target.tail(kRows / 2).array() += 100.0;
-  const PartProducts half(made.design, target, 0.5, made.catalogue, kParts);
+  const PartProducts half(PartColumns(made.design, target, made.catalogue, kParts), 0.5);
   EXPECT_NEAR(half.coefficients(kTruth, 0.0)[2], 0.2, 0.02);
 }
 
@@ -204,7 +204,8 @@ TEST(PartLaws, SettingsMoveToTheirNeighbours) {
 TEST(PartLaws, GrowFromDragToTheTruth) {
   Made made;
   // Friction that differs by direction is an offset by another name, so it does not stand here.
-  const PartProducts products(made.design, made.log.effort, 1.0, made.catalogue, {kParts.begin(), kParts.begin() + 5});
+  const PartProducts products(
+      PartColumns(made.design, made.log.effort, made.catalogue, {kParts.begin(), kParts.begin() + 5}), 1.0);
   PartLaws laws(products, made.numbers);
   Grower<PartLaw> grower(laws, made.numbers.growth);
   const auto path = grower.run({{0, 0}});
