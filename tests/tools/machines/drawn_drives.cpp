@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "capstan/tests/tools/play_operator.hpp"
 
 namespace capstan::tools::machines {
 namespace {
 
 using Eigen::ArrayXd;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// Runs smoothly from 0 to 1.
 auto eased(const ArrayXd& share) -> ArrayXd {
@@ -41,6 +40,14 @@ auto smoothed(const ArrayXd& x, double time_constant_s, double step_s) -> ArrayX
     y[i] = y[i + 1] + share * (y[i] - y[i + 1]);
   }
   return y;
+}
+
+auto integral_of(const ArrayXd& speed, double step_s) -> ArrayXd {
+  ArrayXd q = ArrayXd::Zero(speed.size());
+  for (Eigen::Index i = 1; i < q.size(); ++i) {
+    q[i] = q[i - 1] + speed[i] * step_s;
+  }
+  return q;
 }
 
 auto two_sines(Draw& draw, const ArrayXd& t) -> ArrayXd {
@@ -88,12 +95,7 @@ auto servo_friction(Draw& draw, double weight) -> ServoFriction {
 
 auto by_hand(Draw& draw, const ArrayXd& t) -> ArrayXd {
   const double slow_s = draw(0.15, 0.5);
-  ArrayXd pushed = ArrayXd::Zero(t.size());
-  const ArrayXd speed = smoothed(draw.normal(t.size(), 1.0), slow_s, t[1]);
-  for (Eigen::Index i = 1; i < t.size(); ++i) {
-    pushed[i] = pushed[i - 1] + speed[i] * t[1];
-  }
-  return pushed;
+  return integral_of(smoothed(draw.normal(t.size(), 1.0), slow_s, t[1]), t[1]);
 }
 
 auto in_sines(Draw& draw, const ArrayXd& t) -> ArrayXd {
@@ -104,11 +106,7 @@ auto at_steady_speeds(Draw& draw, const ArrayXd& t) -> ArrayXd {
   constexpr double kEveryS = 2.0;
   constexpr double kRoundedS = 0.05;
   const ArrayXd speed = levels(draw, t, kEveryS, std::array{-1.0, -0.5, 0.5, 1.0});
-  ArrayXd q = ArrayXd::Zero(t.size());
-  for (Eigen::Index i = 1; i < t.size(); ++i) {
-    q[i] = q[i - 1] + speed[i] * t[1];
-  }
-  return smoothed(q, kRoundedS, t[1]);
+  return smoothed(integral_of(speed, t[1]), kRoundedS, t[1]);
 }
 
 /// A motor's torque by whoever tests a gear: levels, sines, or by chance; 1 at most.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <fstream>
-#include <numbers>
 
 #include "capstan/tests/tools/machines/drawn_drives.hpp"
 #include "capstan/tests/tools/machines/drawn_motion.hpp"
@@ -15,8 +14,6 @@ namespace capstan::tools::machines {
 namespace {
 
 using Eigen::ArrayXd;
-
-constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// z' = q' - beta |q'| |z|^(n-1) z - gamma q' |z|^n, all per width: z tends to the width.
 auto bouc_wen(const ArrayXd& q, double width, double gamma = 0.0, double n = 1.0) -> ArrayXd {

@@ -2,7 +2,6 @@
 #include "capstan/tests/tools/machines/drawn_motion.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 namespace capstan::tools::machines {
 
@@ -10,7 +9,6 @@ using Eigen::ArrayXd;
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr Eigen::Index kMostRows = 9000;
 
 auto moving_mean(const ArrayXd& x, Eigen::Index half) -> ArrayXd {

@@ -5,11 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools::machines {
+
+inline constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// Of the simulation, for each row of the log.
 inline constexpr Eigen::Index kSteps = 10;
