@@ -28,30 +28,6 @@ auto describe() -> CatalogueTerm {
 }
 
 template <typename Term>
-auto sum_columns(const Samples& samples, double period_s, const Shapes& shapes) -> Eigen::MatrixXd {
-  constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
-  Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
-  Term term = make_term<Term>(period_s, shapes);
-  constexpr bool kOneAtATime = one_at_a_time<Term>();
-  if constexpr (kOneAtATime) {
-    columns.setZero();
-  }
-  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
-    const auto regressors = term.update(sample_on_the_way(samples, row));
-    if constexpr (kOneAtATime) {  // all but two are nothing
-      const auto at = static_cast<Eigen::Index>(regressors.at);
-      columns(row, at) = regressors.rest;
-      columns(row, at + 1) = regressors.share;
-    } else {
-      for (Eigen::Index i = 0; i < kColumns; ++i) {
-        columns(row, i) = regressors[static_cast<std::size_t>(i)];
-      }
-    }
-  }
-  return columns;
-}
-
-template <typename Term>
 auto pass_through(const Eigen::VectorXd& signal, double period_s, const Shapes& shapes) -> Eigen::VectorXd {
   Eigen::VectorXd result(signal.size());
   Term term = make_term<Term>(period_s, shapes);
@@ -91,7 +67,7 @@ auto input_term() -> CatalogueTerm {
 template <typename Term>
 auto sum_term() -> CatalogueTerm {
   CatalogueTerm term = describe<Term>();
-  term.columns = sum_columns<Term>;
+  term.columns = columns_of_term<Term>;
   return term;
 }
 
@@ -248,7 +224,7 @@ auto fine_tendon_catalogue() -> const Catalogue& {
     std::vector<CatalogueTerm> terms(term_catalogue().begin(), term_catalogue().end());
     for (auto& term : terms) {
       if (term.name == Tendons<double>::kInfo.name) {
-        term.columns = sum_columns<TendonsOf<double, kPlaces>>;
+        term.columns = columns_of_term<TendonsOf<double, kPlaces>>;
       }
     }
     return Catalogue(TargetKind::kAngle, "rad", "rad", std::move(terms));

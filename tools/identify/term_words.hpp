@@ -2,19 +2,10 @@
 #pragma once
 
 #include <algorithm>
-#include <iterator>
 
 #include "capstan/tools/identify/term_catalogue.hpp"
 
 namespace capstan::tools {
-
-/// A sample, on a pass over all of them; one further on is asked for. They are so far apart that no processor fetches
-/// ahead by itself, and most terms would only wait for them (diagnoses of 600,000 rows: 41 to 25 and 31 s).
-inline auto sample_on_the_way(const Samples& samples, Eigen::Index row) -> const Sample<double>& {
-  constexpr Eigen::Index kAhead = 24;
-  __builtin_prefetch(samples.data() + std::min(row + kAhead, std::ssize(samples) - 1));
-  return samples[static_cast<std::size_t>(row)];
-}
 
 /// What a term says of itself, its coefficients and its shapes; how it acts is left to who asks.
 template <typename Term>
@@ -38,6 +29,35 @@ auto make_term(double period_s, const Shapes& shapes) -> Term {
     shape[i] = shapes.at(i);
   }
   return Term(SamplePeriod<double>(period_s), shape);
+}
+
+/// What a term makes of each sample: a column for each coefficient.
+template <typename Term>
+auto columns_of_term(const Samples& samples, double period_s, const Shapes& shapes) -> Eigen::MatrixXd {
+  // Samples are so far apart that no processor fetches ahead by itself, and most terms would only wait for them
+  // (diagnoses of 600,000 rows: 41 to 25 and 31 s).
+  constexpr Eigen::Index kFetchedAhead = 24;
+  constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
+  Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
+  Term term = make_term<Term>(period_s, shapes);
+  constexpr bool kOneAtATime = one_at_a_time<Term>();
+  if constexpr (kOneAtATime) {
+    columns.setZero();
+  }
+  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
+    __builtin_prefetch(samples.data() + std::min(row + kFetchedAhead, columns.rows() - 1));
+    const auto regressors = term.update(samples[static_cast<std::size_t>(row)]);
+    if constexpr (kOneAtATime) {  // all but two are nothing
+      const auto at = static_cast<Eigen::Index>(regressors.at);
+      columns(row, at) = regressors.rest;
+      columns(row, at + 1) = regressors.share;
+    } else {
+      for (Eigen::Index i = 0; i < kColumns; ++i) {
+        columns(row, i) = regressors[static_cast<std::size_t>(i)];
+      }
+    }
+  }
+  return columns;
 }
 
 }  // namespace capstan::tools

@@ -9,23 +9,9 @@ namespace capstan::tools {
 namespace {
 
 template <typename Term>
-auto columns_of(const Samples& samples, double period_s, const Shapes& shapes) -> Eigen::MatrixXd {
-  Term term = make_term<Term>(period_s, shapes);
-  constexpr auto kColumns = static_cast<Eigen::Index>(kCoefficientsOf<Term>);
-  Eigen::MatrixXd columns(static_cast<Eigen::Index>(samples.size()), kColumns);
-  for (Eigen::Index row = 0; row < columns.rows(); ++row) {
-    const auto regressors = term.update(sample_on_the_way(samples, row));
-    for (Eigen::Index i = 0; i < kColumns; ++i) {
-      columns(row, i) = regressors[static_cast<std::size_t>(i)];
-    }
-  }
-  return columns;
-}
-
-template <typename Term>
 auto term_of() -> CatalogueTerm {
   CatalogueTerm term = words_of_term<Term>();
-  term.columns = columns_of<Term>;
+  term.columns = columns_of_term<Term>;
   return term;
 }
 
