@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/select/effort_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "capstan/tools/select/effort_catalogue.hpp"
+
+namespace capstan::tools {
+namespace {
+
+constexpr EffortNumbers kNumbers;
+
+/// Time constant with which dry friction lets go at a standstill, s. Chosen in November 2026 on the 13 effort joints of
+/// the shared measured machines, laws of inertia, friction, weight and spring: with 0.06, 0.12 and 0.25 s each of the
+/// six of industrial robots and servos leaves less at rest than with friction that holds (a factor of 1.2 to 3.5); of
+/// the seven of a tendon-driven arm, which hardly ever rests, five the same or less, two up to 5 % more.
+constexpr double kLettingGoS = 0.12;
+/// It may also let go at once, as where a controller takes the torque back with the speed, or never; and it may turn
+/// over at a quarter of the speed at which a motor usually counts as standing. Set on 27 November 2026 on reaches with
+/// rests among 55 axes by the laws of others (docs/measured_machines.md).
+constexpr double kAtOnceS = 0.02;
+constexpr double kNeverS = 0.0;
+constexpr double kFineStandstill = 0.25;
+
+/// Half the logarithm of the mean squared error of a plain law seen through the law's view: of an effort inertia, drag,
+/// Coulomb friction and offset; of a gear gain, offset, Coulomb and load friction.
+auto plain_loss(const std::vector<AxisLog>& logs, const EffortLaw& law, const EffortDesign& design) -> double {
+  const MotionRanges ranges = motion_ranges(design);
+  auto parts = law.of_gear() ? gear_parts(ranges) : effort_parts(ranges, {}, AxisKind::kLinear);
+  parts.resize(law.of_gear() ? 6 : kRigidParts);
+  const PartLaw plain =
+      law.of_gear() ? PartLaw{{0, 0}, {1, 0}, {2, 0}, {5, 0}} : PartLaw{{0, 0}, {1, 0}, {2, 0}, {3, 0}};
+  const PartProducts products(PartColumns(design, stacked_target(logs), *law.joint.catalogue, parts), 1.0);
+  return 0.5 * std::log(products.fold_errors(plain, kNumbers.ridge).mean());
+}
+
+/// The motor's torque late or early against the joint's: the skew at which a plain law leaves least, if that is worth
+/// it.
+auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
+  constexpr double kLongestS = 0.06;
+  constexpr int kMostSteps = 12;
+  const double step_s = std::max(0.5 * logs.front().period_s, kLongestS / kMostSteps);
+  const auto loss = [&](double skew_s) {
+    law.view.skew_s = skew_s;
+    return plain_loss(logs, law, EffortDesign(logs, law.view));
+  };
+  double best = 0.0;
+  double lowest = loss(0.0) - kWorthAnotherView;
+  for (int i = -kMostSteps; i <= kMostSteps; ++i) {
+    const double skew_s = i * step_s;
+    const double found = i != 0 && std::abs(skew_s) <= kLongestS ? loss(skew_s) : lowest;
+    if (found < lowest) {
+      lowest = found;
+      best = skew_s;
+    }
+  }
+  return best;
+}
+
+/// How slow a motor stands, and how soon the dry friction of its last motion lets go then: as is usual, and, where the
+/// log shows another to a plain law, that too.
+auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> std::vector<Frame> {
+  const auto seen = [&](double standstill, double letting_go_s) {
+    EffortLaw trial = law;
+    trial.view.standstill = standstill;
+    trial.view.letting_go_s = letting_go_s;
+    EffortDesign design(logs, trial.view);
+    return Frame{std::move(trial), std::move(design)};
+  };
+  std::vector<Frame> frames = {seen(law.view.standstill, kLettingGoS)};
+  std::optional<Frame> shown;
+  double lowest = plain_loss(logs, frames.front().law, frames.front().design) - kWorthAnotherView;
+  constexpr std::pair<double, double> kOthers[] = {{1.0, kAtOnceS},
+                                                   {1.0, kNeverS},
+                                                   {kFineStandstill, kLettingGoS},
+                                                   {kFineStandstill, kAtOnceS},
+                                                   {kFineStandstill, kNeverS}};
+  for (const auto& [share, letting_go_s] : kOthers) {
+    Frame other = seen(share * law.view.standstill, letting_go_s);
+    if (const double loss = plain_loss(logs, other.law, other.design); loss < lowest) {
+      lowest = loss;
+      shown = std::move(other);
+    }
+  }
+  if (shown) {
+    frames.push_back(std::move(*shown));
+  }
+  return frames;
+}
+
+}  // namespace
+
+auto axis_kind(const std::vector<AxisLog>& logs) -> AxisKind {
+  return logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
+}
+
+auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
+  const bool gear = !logs.front().motion_alone();
+  EffortLaw law;
+  law.joint = JointFile(gear ? gear_law_catalogue() : effort_law_catalogue(axis_kind(logs)));
+  law.target = logs.front().target;
+  law.view = usual_view(logs);
+  law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
+  return frames_by_rest(logs, law);
+}
+
+}  // namespace capstan::tools
