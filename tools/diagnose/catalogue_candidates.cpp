@@ -27,6 +27,12 @@ auto fewest_periods(const ShapeInfo& info, const SignalReach& reach) -> double {
   return std::max(info.minimum, 2.0 * std::numbers::pi / reach.q1);
 }
 
+auto counts_periods(const CatalogueTerm& term) -> bool {
+  return std::any_of(term.shapes.begin(), term.shapes.end(), [](const auto& info) {
+    return info.scale == ShapeScale::kPeriods && info.of == ShapeOf::kNothing;
+  });
+}
+
 /// What the grid of a shape in equal ratios spans. Shares of the log's torque are no wider than the log's: what is over
 /// within a small part of it is a step at each reversal. Others that begin at nothing are cut where nothing can be told
 /// from nothing.
@@ -131,6 +137,9 @@ class Builder {
     }
     if (term.acts_on_output) {
       candidate.signs = {Sign::kNonNegative};
+    }
+    if (counts_periods(term) && !at_many_places(p_.signals.q1)) {
+      return candidate;
     }
     Best best;
     const SignalReach& reach = p_.noncausal.reach();

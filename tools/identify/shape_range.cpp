@@ -57,6 +57,20 @@ auto reach_of(const std::vector<Samples>& samples) -> SignalReach {
   return reach;
 }
 
+auto at_many_places(const Eigen::VectorXd& q1) -> bool {
+  // Friction, inertia, drag, an offset, sine, cosine and order, and as many again. Chosen on no log.
+  constexpr double kFewest = 14.0;
+  constexpr Eigen::Index kCells = 200;
+  const double low = q1.minCoeff();
+  const double cell = (q1.maxCoeff() - low) / static_cast<double>(kCells);
+  Eigen::VectorXd rows = Eigen::VectorXd::Zero(kCells + 1);
+  for (const double angle : q1) {
+    rows(cell > 0.0 ? static_cast<Eigen::Index>((angle - low) / cell) : 0) += 1.0;
+  }
+  // As many places, all visited alike, have this sum of squares.
+  return rows.sum() * rows.sum() >= kFewest * rows.squaredNorm();
+}
+
 auto ShapeRange::with(double value) const -> ShapeRange {
   return {std::min(low, value), std::max(high, value)};
 }

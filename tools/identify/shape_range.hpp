@@ -23,6 +23,10 @@ struct ShapeRange {
   [[nodiscard]] auto with(double value) const -> ShapeRange;
 };
 
+/// Whether a motor was at more places than a law with periods of its angle has numbers: through a few places periods of
+/// some order always go. A motion that sweeps its range is at a hundred, one that rests at six at hardly more than six.
+auto at_many_places(const Eigen::VectorXd& q1) -> bool;
+
 /// Where a search of a shape begins and ends: at shares of what the logs show of its signal, so that nothing depends on
 /// the unit, within the limits that fixed point sets (ShapeInfo). Those limits alone where the shape is a share of
 /// nothing, or the logs have nothing of its signal.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "capstan/tools/identify/shape_range.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -59,8 +60,12 @@ void add_friction(const MotionRanges& ranges, std::vector<LawPart>& parts) {
   parts.push_back({"play_friction", {2}, widths});
 }
 
-/// Orders with two periods within the motion or more, as fewer are no period but a curve that leads astray outside.
+/// Orders with two periods within the motion or more, as fewer are no period but a curve that leads astray outside;
+/// none where a few places would tell them.
 auto periodic_orders(const MotionRanges& ranges) -> std::vector<Shapes> {
+  if (!ranges.many_places) {
+    return {};
+  }
   constexpr double kFewest = 2.0;
   constexpr double kMost = 60.0;
   const double once = std::numbers::pi / ranges.half();
@@ -113,7 +118,8 @@ auto motion_ranges(const EffortDesign& design) -> MotionRanges {
     return quantile(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())), 0.99);
   };
   const auto ends = std::minmax_element(angles.begin(), angles.end());
-  return {*ends.first, *ends.second, high(speeds), high(torques)};
+  const Eigen::Map<const Eigen::VectorXd> q1(angles.data(), static_cast<Eigen::Index>(angles.size()));
+  return {*ends.first, *ends.second, high(speeds), high(torques), at_many_places(q1)};
 }
 
 auto effort_parts(const MotionRanges& ranges, const std::vector<int>& axes, AxisKind axis) -> std::vector<LawPart> {

@@ -19,6 +19,7 @@ struct MotionRanges {
   double lowest = 0.0, highest = 0.0;  ///< of the motor angle
   double speed = 0.0;                  ///< exceeded in 1 % of the samples
   double torque = 0.0;                 ///< the motor's; 0 where it is no input
+  bool many_places = true;             ///< the motor was at enough places to tell periods of its angle
 
   [[nodiscard]] auto centre() const -> double { return 0.5 * (lowest + highest); }
   [[nodiscard]] auto half() const -> double { return 0.5 * (highest - lowest); }

@@ -91,6 +91,14 @@ TEST(EffortParts, SettingsAreSharesOfTheMotion) {
   EXPECT_EQ(part_of(parts, "spring").settings.front(), (Shapes{0.5, 1.5}));
 }
 
+TEST(Parts, PeriodsOfTheAngleAreNotTriedOnAFewPlaces) {
+  MotionRanges few = kLink;
+  few.many_places = false;
+  EXPECT_TRUE(part_of(effort_parts(few, {}, AxisKind::kRotary), "angle_periodic").settings.empty());
+  EXPECT_TRUE(part_of(gear_parts(few), "angle_periodic").settings.empty());
+  EXPECT_FALSE(part_of(gear_parts(kBehindGear), "angle_periodic").settings.empty());
+}
+
 TEST(Parts, AreOfTermsThatTheirCataloguesHaveWithAsManyCoefficientsAndShapes) {
   for (const AxisKind axis : {AxisKind::kRotary, AxisKind::kLinear}) {
     for (const auto& part : effort_parts(kLink, {0, 7}, axis)) {
