@@ -18,14 +18,13 @@ class GpioRequest {
   enum class Edges : std::uint8_t { kNone, kSeen, kFailed };
 
   /// Takes nothing.
-  GpioRequest();
+  GpioRequest() = default;
   /// @param levels  what outputs begin with   Inputs tell their edges. Throws std::runtime_error with what the system
   /// said if the lines can not be had.
   GpioRequest(const std::string& chip, std::span<const std::uint32_t> offsets, Direction direction,
               std::uint32_t levels);
-  GpioRequest(GpioRequest&&) noexcept;
-  auto operator=(GpioRequest&&) noexcept -> GpioRequest&;
-  ~GpioRequest();
+  GpioRequest(GpioRequest&&) noexcept = default;
+  auto operator=(GpioRequest&&) noexcept -> GpioRequest& = default;
 
   [[nodiscard]] explicit operator bool() const { return static_cast<bool>(lines_); }
 
@@ -37,8 +36,8 @@ class GpioRequest {
   auto rt_set(std::uint32_t levels) -> bool;
 
  private:
-  struct Lines;  // of the implementation
-  std::unique_ptr<Lines> lines_;
+  struct Lines;                   // of the implementation
+  std::shared_ptr<Lines> lines_;  // nobody shares them; it knows how to give them back where `Lines` is not known
 };
 
 }  // namespace capstan

@@ -21,14 +21,9 @@ struct GpioRequest::Lines {
   std::uint64_t all = 0;
 };
 
-GpioRequest::GpioRequest() = default;
-GpioRequest::GpioRequest(GpioRequest&&) noexcept = default;
-auto GpioRequest::operator=(GpioRequest&&) noexcept -> GpioRequest& = default;
-GpioRequest::~GpioRequest() = default;
-
 GpioRequest::GpioRequest(const std::string& chip, std::span<const std::uint32_t> offsets, Direction direction,
                          std::uint32_t levels)
-    : lines_(std::make_unique<Lines>()) {
+    : lines_(std::make_shared<Lines>()) {
   const FileDescriptor file(open(chip.c_str(), O_RDWR | O_CLOEXEC));
   gpio_v2_line_request wanted{};
   std::string("capstan").copy(wanted.consumer, sizeof wanted.consumer - 1);

@@ -27,14 +27,9 @@ struct GpioRequest::Lines {
   int events = -1;
 };
 
-GpioRequest::GpioRequest() = default;
-GpioRequest::GpioRequest(GpioRequest&&) noexcept = default;
-auto GpioRequest::operator=(GpioRequest&&) noexcept -> GpioRequest& = default;
-GpioRequest::~GpioRequest() = default;
-
 GpioRequest::GpioRequest(const std::string& chip, std::span<const std::uint32_t> offsets, Direction direction,
                          std::uint32_t levels)
-    : lines_(std::make_unique<Lines>(chip)) {
+    : lines_(std::make_shared<Lines>(chip)) {
   const auto check = [](bool good) {
     if (!good) {
       throw std::runtime_error(std::strerror(errno));
