@@ -155,25 +155,39 @@ auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
   return choice;
 }
 
+/// Whether the law that the search ended with leaves no more than the noise as it runs.
+auto leaves_noise(const Preparation& p, const Search& search, const Diagnosis& d, bool named) -> bool {
+  if (named ? search.lacks_something : d.verdict != Verdict::kNothingMissing) {
+    return false;
+  }
+  const JointFile& law = named ? *d.found : d.base;
+  // Where the running switch is late, no law of this encoder knows better.
+  const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
+  return left <= kAboveFloor * d.noise_floor;
+}
+
+/// Whether no law that was grown beside it shows the noise to be less than what it leaves.
+auto is_at_floor(const JudgedLaw& law, const Selection& selection) -> bool {
+  return law.score <= kAboveFloor * kAboveFloor * selection.laws[selection.best].score;
+}
+
 /// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
-/// did better there would fit it. Only repeated cycles can say so, for without them a residual is its own floor, and a
-/// flexible model may miss as much as the law does; or the law of two tendons, which took the usual one's place for
-/// that. Where something is left for certain, be it the form of a term alone, there is something to choose.
+/// did better there would fit it. Only repeated cycles say so alone, for without them a residual is its own floor, and
+/// a flexible model may miss as much as the law does. The law of two tendons stays where no grown law leaves less by
+/// more than a floor may be off. Where something is left for certain, be it the form of a term alone, there is
+/// something to choose.
 auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice {
   if (d.base.catalogue->target() != TargetKind::kAngle) {
     return chosen_effort_law(p, d);
   }
   const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
-  const bool complete = p.repeats || d.base.has(kTendonModel);
-  if (complete && (named ? !search.lacks_something : d.verdict == Verdict::kNothingMissing)) {
-    const JointFile& law = named ? *d.found : d.base;
-    // Where the running switch is late, no law of this encoder knows better.
-    const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
-    if (left <= kAboveFloor * d.noise_floor) {
-      return as_searched(d, named);
-    }
+  const bool complete = (p.repeats || d.base.has(kTendonModel)) && leaves_noise(p, search, d, named);
+  if (complete && p.repeats) {
+    return as_searched(d, named);
   }
-  return choose_law(p, d.base, d.found, is_refusal(d.verdict) ? Lacking::kSomething : Lacking::kNothing);
+  LawChoice choice = choose_law(p, d.base, d.found, is_refusal(d.verdict) ? Lacking::kSomething : Lacking::kNothing);
+  const std::size_t own = named ? kFoundPlace : kBasePlace;
+  return complete && is_at_floor(choice.selection.laws[own], choice.selection) ? as_searched(d, named) : choice;
 }
 
 /// Why a law that was grown is not delivered.

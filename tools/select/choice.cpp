@@ -9,9 +9,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr std::size_t kBasePlace = 0;
-constexpr std::size_t kFoundPlace = 1;
-
 /// What an estimate leaves of the rows whose direction is known.
 auto mean_square_left(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
   double left = 0.0;

@@ -7,6 +7,10 @@
 
 namespace capstan::tools {
 
+/// Places in a selection of the base law, and of the law with the effects that were found, if any.
+inline constexpr std::size_t kBasePlace = 0;
+inline constexpr std::size_t kFoundPlace = 1;
+
 /// Which law is delivered, and how sure it is.
 struct LawChoice {
   JointFile law;      ///< fitted to all rows
