@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "capstan/tools/diagnose/base_choice.hpp"
+#include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
@@ -125,69 +126,6 @@ void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tes
     return {left, 100.0 * left / rms(log.measured()), goodness_of_fit_percent(log.measured(), estimate)};
   };
   tested.push_back({log.name, error(d.base), error(d.law)});
-}
-
-/// The law with the effects that were found, or the base law.
-auto as_searched(const Diagnosis& d, bool named) -> LawChoice {
-  LawChoice choice;
-  choice.law = choice.learned = named ? *d.found : d.base;
-  choice.status = choice.law.status = choice.learned.status = named ? LawStatus::kConfirmed : LawStatus::kBase;
-  choice.is_named = named;
-  choice.halves_agree = 2;
-  return choice;
-}
-
-/// Of an effort or a torque: laws without names are grown apart, from logs that are looked at otherwise
-/// (deliver_effort_law).
-auto chosen_effort_law(const Preparation& p, const Diagnosis& d) -> LawChoice {
-  const Eigen::VectorXd after = d.found ? estimates(p.logs, p.causal, *d.found) : d.traces.before;
-  const bool lower = report_error(p, after).rmse < d.before.rmse;
-  LawChoice choice = as_searched(d, d.found && (!d.effects.empty() || (is_refusal(d.verdict) && lower)));
-  const Eigen::Index half = p.target.size() / 2;
-  const auto left = [&](Eigen::Index begin, const Eigen::VectorXd& estimate) {
-    return rms((p.target - estimate).segment(begin, half));
-  };
-  choice.halves_agree = 0;
-  for (const Eigen::Index begin : {Eigen::Index{0}, p.target.size() - half}) {
-    const bool wins = left(begin, after) <= left(begin, d.traces.before);
-    choice.halves_agree += wins == choice.is_named || !d.found ? 1 : 0;
-  }
-  return choice;
-}
-
-/// Whether the law that the search ended with leaves no more than the noise as it runs.
-auto leaves_noise(const Preparation& p, const Search& search, const Diagnosis& d, bool named) -> bool {
-  if (named ? search.lacks_something : d.verdict != Verdict::kNothingMissing) {
-    return false;
-  }
-  const JointFile& law = named ? *d.found : d.base;
-  // Where the running switch is late, no law of this encoder knows better.
-  const double left = error_of_known_direction(p, named ? estimates(p.logs, p.causal, law) : d.traces.before);
-  return left <= kAboveFloor * d.noise_floor;
-}
-
-/// Whether no law that was grown beside it shows the noise to be less than what it leaves.
-auto is_at_floor(const JudgedLaw& law, const Selection& selection) -> bool {
-  return law.score <= kAboveFloor * kAboveFloor * selection.laws[selection.best].score;
-}
-
-/// Nothing is left to choose where the law that the search ended with leaves no more than the noise: any other law that
-/// did better there would fit it. Only repeated cycles say so alone, for without them a residual is its own floor, and
-/// a flexible model may miss as much as the law does. The law of two tendons stays where no grown law leaves less by
-/// more than a floor may be off. Where something is left for certain, be it the form of a term alone, there is
-/// something to choose.
-auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice {
-  if (d.base.catalogue->target() != TargetKind::kAngle) {
-    return chosen_effort_law(p, d);
-  }
-  const bool named = d.verdict == Verdict::kEffect && d.found && !d.effects.empty();
-  const bool complete = (p.repeats || d.base.has(kTendonModel)) && leaves_noise(p, search, d, named);
-  if (complete && p.repeats) {
-    return as_searched(d, named);
-  }
-  LawChoice choice = choose_law(p, d.base, d.found, is_refusal(d.verdict) ? Lacking::kSomething : Lacking::kNothing);
-  const std::size_t own = named ? kFoundPlace : kBasePlace;
-  return complete && is_at_floor(choice.selection.laws[own], choice.selection) ? as_searched(d, named) : choice;
 }
 
 /// Why a law that was grown is not delivered.

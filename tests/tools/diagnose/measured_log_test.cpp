@@ -3,11 +3,11 @@
 // axis (Janot, Gautier, Brunot 2019) and a band on a drum (Coble et al. 2022).
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <numbers>
 
+#include "capstan/tests/tools/machines/machine_joint.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -132,10 +132,8 @@ TEST(Catheter, TendonsThatLeaveMoreThanALawGrownBesideThemAreNotTheWholeAnswer) 
   if (!std::filesystem::exists(file)) {
     GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
   }
-  AxisLog log = read_axis(CsvLog::read(file.string()), {});
-  const Eigen::Index rows = 7 * log.samples() / 10;
-  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
-  const Diagnosis d = diagnose({log}, {});
+  const AxisLog log = read_axis(CsvLog::read(file.string()), {});
+  const Diagnosis d = diagnose({machines::first_rows(log, 7 * log.samples() / 10)}, {});
   EXPECT_EQ(d.base_model, "tendon");
   EXPECT_EQ(d.verdict, Verdict::kUnknown);
   EXPECT_EQ(d.law.status, LawStatus::kProvisional);
