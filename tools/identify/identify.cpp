@@ -267,14 +267,28 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
   const std::vector<bool> copied = copied_columns(columns);
   const double motion = target.maxCoeff() - target.minCoeff();
   const auto names = column_names(form);
+  const auto at_offset = [&names](Eigen::Index i) {
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    return is_offset(name.substr(0, name.find('.')));
+  };
+  // Where angles are counted from says nothing: beside an offset a column counts about its mean, and the offset where
+  // the others are at theirs.
+  const bool about_means = std::any_of(form.terms.begin(), form.terms.end(), is_offset);
+  const Eigen::VectorXd means = columns.colwise().mean();
+  const auto half_width_of = [&](Eigen::Index i) {
+    return at_offset(i) ? half_interval_of_sum(fit, means) : half_interval(fit, i);
+  };
+  const auto size_of = [&](Eigen::Index i) {
+    return about_means && !at_offset(i) ? rms((columns.col(i).array() - means[i]).matrix()) : rms(columns.col(i));
+  };
   std::vector<std::string> undetermined;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
-    const double size = rms(columns.col(i));
+    const double size = size_of(i);
     if (form.tied_compliance && size <= 0.0 && names[static_cast<std::size_t>(i)].starts_with(kTendonModel)) {
       continue;  // it goes with beta
     }
     // An interval within which this term alone could make half of all motion says nothing.
-    const bool loose = half_interval(fit, i) * size > 0.5 * motion;
+    const bool loose = half_width_of(i) * size > 0.5 * motion;
     if (size <= 0.0 || copied[static_cast<std::size_t>(i)] || loose) {
       undetermined.push_back(names[static_cast<std::size_t>(i)]);
     }

@@ -271,6 +271,10 @@ auto half_interval(const LinearFit& fit, Eigen::Index i) -> double {
   return student_t95(fit.degrees_of_freedom) * std::sqrt(std::max(0.0, fit.covariance(i, i)));
 }
 
+auto half_interval_of_sum(const LinearFit& fit, const Eigen::VectorXd& weights) -> double {
+  return student_t95(fit.degrees_of_freedom) * std::sqrt(std::max(0.0, weights.dot(fit.covariance * weights)));
+}
+
 auto even_parts(const Blocks& pieces, Eigen::Index count) -> Blocks {
   const Eigen::Index total = rows_in(pieces);
   Blocks blocks;

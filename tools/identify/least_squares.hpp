@@ -43,6 +43,8 @@ auto fit_columns(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, 
 
 /// Half width of the 95 % interval of theta[i].
 auto half_interval(const LinearFit& fit, Eigen::Index i) -> double;
+/// Half width of the 95 % interval of the sum of theta[i] weights[i].
+auto half_interval_of_sum(const LinearFit& fit, const Eigen::VectorXd& weights) -> double;
 
 /// Splits the pieces into `count` blocks overall, at least one each and none across two.
 auto even_parts(const Blocks& pieces, Eigen::Index count) -> Blocks;

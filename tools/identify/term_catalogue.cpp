@@ -247,4 +247,8 @@ auto catalogue_term(const std::string& name) -> const CatalogueTerm& {
   return term_catalogue().term(name);
 }
 
+auto is_offset(const std::string& term) -> bool {
+  return term == "joint_offset" || term == "offset";
+}
+
 }  // namespace capstan::tools

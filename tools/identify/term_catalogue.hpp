@@ -95,5 +95,7 @@ auto fine_tendon_catalogue() -> const Catalogue&;
 auto effort_catalogue(AxisKind axis) -> const Catalogue&;
 /// A term of term_catalogue().
 auto catalogue_term(const std::string& name) -> const CatalogueTerm&;
+/// Whether a term only moves the zero of a joint angle or an effort.
+auto is_offset(const std::string& term) -> bool;
 
 }  // namespace capstan::tools

@@ -21,10 +21,6 @@ auto reads_plays(const TermChoice& choice) -> bool {
   return choice.term != "table" || choice.shapes[0] == static_cast<double>(TableSignal::kMotorAngle);
 }
 
-auto is_offset(const std::string& term) -> bool {
-  return term == "joint_offset" || term == "offset";
-}
-
 }  // namespace
 
 ForwardScore::ForwardScore(SelectionData& data, const Blocks& rows) : data_(data) {

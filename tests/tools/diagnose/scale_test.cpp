@@ -15,14 +15,15 @@ namespace {
 
 using test::Truth;
 
-/// Units of a log: what its numbers are multiplied by.
+/// Units of a log: what its numbers are multiplied by, and from where its angles are counted.
 struct Units {
   double motor = 1.0, joint = 1.0, torque = 1.0, time = 1.0;
+  double motor_zero = 0.0, joint_zero = 0.0;
 };
 
 auto in_units(AxisLog log, const Units& units) -> AxisLog {
-  log.q1_rad *= units.motor;
-  log.q2_rad *= units.joint;
+  log.q1_rad = (units.motor * log.q1_rad.array() + units.motor_zero).matrix();
+  log.q2_rad = (units.joint * log.q2_rad.array() + units.joint_zero).matrix();
   log.tau_nm *= units.torque;
   log.time_s *= units.time;
   log.period_s *= units.time;
@@ -39,6 +40,8 @@ auto all_units() -> std::vector<std::pair<std::string, Units>> {
     all.emplace_back("torque" + by, Units{.torque = factor});
   }
   all.emplace_back("motor times 0.03", Units{.motor = 0.03});
+  all.emplace_back("motor counted from elsewhere", Units{.motor_zero = -20.0});
+  all.emplace_back("joint counted from elsewhere", Units{.joint_zero = 7.0});
   for (const double factor : {0.1, 10.0}) {
     all.emplace_back("time times " + std::to_string(factor), Units{.time = factor});
   }
@@ -62,6 +65,7 @@ auto warns_of(const Diagnosis& d, const char* words) -> bool {
                      [words](const auto& warning) { return warning.find(words) != std::string::npos; });
 }
 constexpr const char* kTooFar = "beyond the 128";
+constexpr const char* kCrossed = "count the joint the other way (--map \"axis0/q2_rad=COLUMN*-1\")";
 constexpr const char* kTooFine = "tell directions from 1e-6 on";
 
 class ScaleOfMadeUpJoint : public testing::TestWithParam<Truth> {};
@@ -79,6 +83,7 @@ TEST_P(ScaleOfMadeUpJoint, ChangesNoVerdictAndScalesTheLaw) {
     const Diagnosis d = diagnose({in_units(log, units)}, {});
     EXPECT_STREQ(verdict_word(d.verdict), verdict_word(plain.verdict)) << d.reason;
     EXPECT_EQ(names_of(d), names_of(plain)) << d.reason;
+    EXPECT_FALSE(warns_of(d, kCrossed));
     // Where fixed point can not tell the encoder's counts apart, the running law is late, and a sentence says so.
     const bool too_fine = units.motor < 0.01;
     EXPECT_EQ(warns_of(d, kTooFine), too_fine);
@@ -90,11 +95,18 @@ TEST_P(ScaleOfMadeUpJoint, ChangesNoVerdictAndScalesTheLaw) {
     EXPECT_NEAR(coefficient_of(d, "motor_angle") / ratio, coefficient_of(plain, "motor_angle"), 2e-3);
     const double elongation = units.joint / units.torque;
     EXPECT_NEAR(coefficient_of(d, "tendon_elongation") / elongation, coefficient_of(plain, "tendon_elongation"), 0.02);
-    const bool too_far = units.motor * log.q1_rad.cwiseAbs().maxCoeff() >= 128.0 ||
-                         units.joint * log.q2_rad.cwiseAbs().maxCoeff() >= 128.0 ||
-                         units.torque * log.tau_nm.cwiseAbs().maxCoeff() >= 128.0;
+    const AxisLog here = in_units(log, units);
+    const bool too_far = here.q1_rad.cwiseAbs().maxCoeff() >= 128.0 || here.q2_rad.cwiseAbs().maxCoeff() >= 128.0 ||
+                         here.tau_nm.cwiseAbs().maxCoeff() >= 128.0;
     EXPECT_EQ(warns_of(d, kTooFar), too_far);
   }
+}
+
+TEST(ScaleOfSensor, OneThatCountsTheOtherWayIsSaidWithTheCure) {
+  test::SyntheticRequest request;
+  request.rate_hz = 50.0;
+  request.cycle_s = 25.0;
+  EXPECT_TRUE(warns_of(diagnose({in_units(test::synthetic_log(request), {.joint = -1.0})}, {}), kCrossed));
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, ScaleOfMadeUpJoint, testing::Values(Truth::kNone, Truth::kPlay, Truth::kPretension));
@@ -122,7 +134,8 @@ TEST_P(ScaleOfMachine, ChangesNoVerdictAndNoError) {
   }
   const AxisLog log = read_axis(CsvLog::read(file.string()), {});
   const Diagnosis plain = diagnose({log}, {});
-  for (const Units& units : {Units{.motor = 1e-3}, Units{.motor = 30.0}, Units{.joint = 1e3}, Units{.torque = 1e-3}}) {
+  for (const Units& units : {Units{.motor = 1e-3}, Units{.motor = 30.0}, Units{.joint = 1e3}, Units{.torque = 1e-3},
+                             Units{.motor_zero = 20.0, .joint_zero = -7.0}}) {
     SCOPED_TRACE(units.motor);
     const Diagnosis d = diagnose({in_units(log, units)}, {});
     EXPECT_STREQ(verdict_word(d.verdict), verdict_word(plain.verdict)) << d.reason;
