@@ -6,6 +6,7 @@
 #include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/leading_rest.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
@@ -337,17 +338,19 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
 }  // namespace
 
 auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
-  Diagnosis d = diagnosed(recorded, options);
-  if (has_effort_law(recorded, d)) {
+  std::vector<AxisLog> logs;
+  std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_leading_rest);
+  Diagnosis d = diagnosed(logs, options);
+  if (has_effort_law(logs, d)) {
     options.progress("choosing the law of the effort");
-    deliver_effort_law(recorded, options, d);
+    deliver_effort_law(logs, options, d);
   }
   if (d.traces.after.size() > 0) {
     const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
     d.map_before = residual_map(signals, d.traces.measured - d.traces.before);
     d.map_after = residual_map(signals, d.traces.measured - d.traces.after);
     const bool grown = d.effort_law && d.effort_law->joint.terms == d.law.terms;
-    d.told = grown ? identifiability_of(recorded, *d.effort_law) : identifiability_of(recorded, d.law);
+    d.told = grown ? identifiability_of(logs, *d.effort_law) : identifiability_of(logs, d.law);
   }
   return d;
 }

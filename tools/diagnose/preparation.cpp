@@ -51,11 +51,6 @@ auto choose_smoothing(const std::vector<AxisLog>& logs) -> Eigen::Index {
   return smoothing;
 }
 
-void trim(AxisLog& log, Eigen::Index factor) {
-  const Eigen::Index rows = log.samples() / factor * factor;
-  for_each_signal(log, [rows](auto& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
-}
-
 /// Rows before the torque has first been at an end of its range: until then the past of the friction counts. Half at
 /// most.
 auto first_saturation(const Samples& samples) -> Eigen::Index {
@@ -309,7 +304,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   const Eigen::Index before = effort ? effort_smoothing(logs, noise) : 0;
   const Eigen::Index factor = choose_factor(logs, before);
   for (auto& log : logs) {
-    trim(log, factor);
+    log = first_rows(std::move(log), log.samples() / factor * factor);
   }
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);

@@ -213,4 +213,16 @@ auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   return axis;
 }
 
+auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
+  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
+  return log;
+}
+
+auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
+  for_each_signal(log, [first](Eigen::VectorXd& signal) {
+    signal = Eigen::VectorXd(signal.tail(std::max<Eigen::Index>(0, signal.size() - first)));
+  });
+  return log;
+}
+
 }  // namespace capstan::tools

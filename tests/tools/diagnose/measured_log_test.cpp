@@ -133,7 +133,7 @@ TEST(Catheter, TendonsThatLeaveMoreThanALawGrownBesideThemAreNotTheWholeAnswer) 
     GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
   }
   const AxisLog log = read_axis(CsvLog::read(file.string()), {});
-  const Diagnosis d = diagnose({machines::first_rows(log, 7 * log.samples() / 10)}, {});
+  const Diagnosis d = diagnose({first_rows(log, 7 * log.samples() / 10)}, {});
   EXPECT_EQ(d.base_model, "tendon");
   EXPECT_EQ(d.verdict, Verdict::kUnknown);
   EXPECT_EQ(d.law.status, LawStatus::kProvisional);

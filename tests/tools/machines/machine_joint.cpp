@@ -71,18 +71,6 @@ auto plain_fits(const Joint& joint) -> std::vector<PlainFit> {
 
 }  // namespace
 
-auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
-  for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
-  return log;
-}
-
-auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
-  for_each_signal(log, [first](Eigen::VectorXd& signal) {
-    signal = Eigen::VectorXd(signal.tail(std::max<Eigen::Index>(0, signal.size() - first)));
-  });
-  return log;
-}
-
 auto joints_in(const std::string& folder) -> std::vector<Joint> {
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -22,9 +22,6 @@ struct Joint {
 /// Every joint and axis with something to explain, of the CSV files of a folder.
 auto joints_in(const std::string& folder) -> std::vector<Joint>;
 
-auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog;
-auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog;
-
 /// Errors of two plain fits: of the plainest one, and of the one that does best on the last quarter of the first rows,
 /// fitted to the first three, then fitted to all of these; rms on the rows from there to `end`, in degrees, or in % of
 /// the target's rms there.
