@@ -21,6 +21,8 @@ constexpr double kUsualShare = 0.995;
 constexpr Index kLongestSpike = 3;
 /// More are no single values any more, but how the channel is.
 constexpr double kMostSpikes = 0.01;
+/// Usual even in a channel with so many, each with a change to it and one back.
+constexpr double kSurelyUsualShare = 1.0 - 2.5 * kMostSpikes;
 
 /// Of changes that a clock makes, so many come on its beat.
 constexpr double kOnBeat = 0.97;
@@ -122,6 +124,43 @@ auto turns_sharply(const Eigen::VectorXd& x, double top) -> bool {
   return turns >= kFewestTurns && static_cast<double>(sharp) >= kSharpTurns * static_cast<double>(turns);
 }
 
+/// What a row has to stand out by, from how far those do that are usual.
+auto spike_threshold(const Eigen::VectorXd& x, double usual) -> double {
+  Eigen::VectorXd single = Eigen::VectorXd::Zero(x.size());
+  for (Index i = 1; i + 1 < x.size(); ++i) {
+    single[i] = std::abs(standing_out(x, i, 1));
+  }
+  return std::max(
+      {kSpikeShare * robust_range(x), kSpikeNoises * quantile(single, usual), 2.0 * quantile(changes_of(x), usual)});
+}
+
+auto rows_above(const Eigen::VectorXd& x, double threshold) -> Rows {
+  Rows rows;
+  for (Index i = 1; i + 1 < x.size(); ++i) {
+    for (Index width = 1; width <= kLongestSpike && i + width < x.size(); ++width) {
+      if (std::abs(standing_out(x, i, width)) > threshold) {
+        append_rows(rows, {i, i + width});
+        i += width;
+        break;
+      }
+    }
+  }
+  return rows;
+}
+
+/// A straight line where the rows were. @pre none is the first or the last
+auto without(Eigen::VectorXd x, const Rows& rows) -> Eigen::VectorXd {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Index before = rows[i] - 1;
+    Index after = rows[i] + 1;
+    for (std::size_t j = i + 1; j < rows.size() && rows[j] == after; ++j) {
+      ++after;
+    }
+    x[rows[i]] = x[before] + (x[after] - x[before]) / static_cast<double>(after - before);
+  }
+  return x;
+}
+
 }  // namespace
 
 auto robust_range(const Eigen::VectorXd& values) -> double {
@@ -133,29 +172,16 @@ auto varies(const Eigen::VectorXd& values) -> bool {
 }
 
 auto spike_rows(const Eigen::VectorXd& x) -> Rows {
-  const Index n = x.size();
   constexpr Index kFewestRows = 50;
-  if (n < kFewestRows) {
+  if (x.size() < kFewestRows) {
     return {};
   }
-  Eigen::VectorXd single = Eigen::VectorXd::Zero(n);
-  for (Index i = 1; i + 1 < n; ++i) {
-    single[i] = std::abs(standing_out(x, i, 1));
-  }
-  const double steps = quantile(changes_of(x), kUsualShare);
-  const double threshold =
-      std::max({kSpikeShare * robust_range(x), kSpikeNoises * quantile(single, kUsualShare), 2.0 * steps});
-  Rows rows;
-  for (Index i = 1; i + 1 < n; ++i) {
-    for (Index width = 1; width <= kLongestSpike && i + width < n; ++width) {
-      if (std::abs(standing_out(x, i, width)) > threshold) {
-        append_rows(rows, {i, i + width});
-        i += width;
-        break;
-      }
-    }
-  }
-  return static_cast<double>(rows.size()) > kMostSpikes * static_cast<double>(n) ? Rows{} : rows;
+  const double most = kMostSpikes * static_cast<double>(x.size());
+  const auto few = [most](const Rows& rows) { return static_cast<double>(rows.size()) <= most; };
+  // In a short log a few wild values are among what is usual, and hide themselves: first without so much of it.
+  const Rows suspects = rows_above(x, spike_threshold(x, kSurelyUsualShare));
+  const Rows rows = rows_above(x, spike_threshold(few(suspects) ? without(x, suspects) : x, kUsualShare));
+  return few(rows) ? rows : Rows{};
 }
 
 auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {

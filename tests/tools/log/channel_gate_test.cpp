@@ -39,6 +39,18 @@ TEST(ChannelGate, SingleWildValuesAreNamed) {
   }
 }
 
+TEST(ChannelGate, AFewWildValuesOfAShortLogDoNotHideEachOther) {
+  Log log;
+  for (Eigen::VectorXd* channel : {&log.q1, &log.tau, &log.q2}) {
+    *channel = Eigen::VectorXd(channel->segment(1000, 300));
+  }
+  EXPECT_EQ(found(log), Words{});
+  for (const Index row : {40, 150, 222}) {
+    log.tau[row] += 3.0;
+    EXPECT_EQ(found(log), Words{"spikes tau"}) << row;
+  }
+}
+
 TEST(ChannelGate, AHeldChannelIsNamedWithItsRate) {
   Log log;
   for (Index i = 0; i < kRows; ++i) {
