@@ -4,37 +4,51 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
 
-/// Share of a motor's range that counts as rest: an encoder's last digits may tremble, a brake let go. And of the
-/// joint's, whose sensor is noisier: torque moves it while the motor stands.
-constexpr double kMotorStands = 0.01;
-constexpr double kJointStands = 0.05;
-/// Rest that is kept, as a share of the rows behind it: filters begin in it, and friction holds.
+/// A motor stands while its encoder goes to and fro by so many counts, or noises, or by this share of its range: a
+/// motion that begins softly says something from there on.
+constexpr double kCounts = 3.0;
+constexpr double kNoises = 8.0;
+constexpr double kShareOfMotor = 1e-4;
+/// Of the joint's range, whose sensor is noisier: torque moves a joint while its motor stands.
+constexpr double kShareOfJoint = 0.05;
+/// Rest that takes this share of the rows behind it is cut down to the other one: filters begin in it, friction holds.
+constexpr double kLong = 0.1;
 constexpr double kKept = 0.05;
 
-auto first_move(const Eigen::VectorXd& angle, double share) -> Eigen::Index {
-  if (angle.size() == 0) {
-    return 0;
-  }
-  const double enough = share * (angle.maxCoeff() - angle.minCoeff());
+auto first_beyond(const Eigen::VectorXd& angle, double enough) -> Eigen::Index {
   const auto moves = [&](double now) { return std::abs(now - angle[0]) > enough; };
   return std::find_if(angle.begin(), angle.end(), moves) - angle.begin();
 }
 
+auto range_of(const Eigen::VectorXd& angle) -> double {
+  return angle.maxCoeff() - angle.minCoeff();
+}
+
+auto first_move(const Eigen::VectorXd& q1) -> Eigen::Index {
+  return first_beyond(
+      q1, std::max({kCounts * quantisation_step(q1), kNoises * white_noise_level(q1), kShareOfMotor * range_of(q1)}));
+}
+
 auto rows_of_leading_rest(const AxisLog& log) -> Eigen::Index {
-  Eigen::Index first = first_move(log.q1_rad, kMotorStands);
+  if (log.effort.size() > 0 && !log.motion_alone()) {
+    return 0;
+  }
+  Eigen::Index first = first_move(log.q1_rad);
   for (const auto& other : log.others) {
-    first = std::min(first, first_move(other.q1_rad, kMotorStands));
+    first = std::min(first, first_move(other.q1_rad));
   }
-  if (!log.motion_alone()) {
-    first = std::min(first, first_move(log.q2_rad, kJointStands));
+  if (log.q2_rad.size() > 0) {
+    first = std::min(first, first_beyond(log.q2_rad, kShareOfJoint * range_of(log.q2_rad)));
   }
-  const auto kept = static_cast<Eigen::Index>(kKept * static_cast<double>(log.samples() - first));
-  return first < log.samples() ? std::max<Eigen::Index>(0, first - kept) : 0;
+  const auto behind = static_cast<double>(log.samples() - first);
+  const bool is_long = static_cast<double>(first) > kLong * behind;
+  return is_long && behind > 0.0 ? first - static_cast<Eigen::Index>(kKept * behind) : 0;
 }
 
 }  // namespace

@@ -348,13 +348,13 @@ auto drawn_machines(std::uint64_t seed) -> std::vector<DrawnMachine> {
   return machines;
 }
 
-void write_machines(const std::string& folder, const std::vector<DrawnMachine>& machines) {
+void write_machines(const std::string& folder, const std::vector<DrawnMachine>& machines, int digits) {
   for (const auto& machine : machines) {
     std::ofstream file(folder + "/" + machine.name + ".csv");
     for (std::size_t i = 0; i < machine.columns.size(); ++i) {
       file << (i > 0 ? "," : "") << machine.columns[i];
     }
-    file << "\n" << machine.rows.format(Eigen::IOFormat(7, Eigen::DontAlignCols, ",", "\n")) << "\n";
+    file << "\n" << machine.rows.format(Eigen::IOFormat(digits, Eigen::DontAlignCols, ",", "\n")) << "\n";
   }
 }
 

@@ -27,7 +27,7 @@ struct DrawnMachine {
 /// The same for a seed, by one compiler: what is drawn within one expression may come in another order.
 auto drawn_machines(std::uint64_t seed) -> std::vector<DrawnMachine>;
 
-/// A CSV file each.
-void write_machines(const std::string& folder, const std::vector<DrawnMachine>& machines);
+/// A CSV file each. @param digits  of a number
+void write_machines(const std::string& folder, const std::vector<DrawnMachine>& machines, int digits = 7);
 
 }  // namespace capstan::tools::machines

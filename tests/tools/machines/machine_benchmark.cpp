@@ -15,6 +15,7 @@
 #include "capstan/tests/tools/machines/board_efforts.hpp"
 #include "capstan/tests/tools/machines/drawn_machines.hpp"
 #include "capstan/tests/tools/machines/machine_joint.hpp"
+#include "capstan/tests/tools/machines/recorded_otherwise.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/preparation.hpp"
 #include "capstan/tools/select/choice.hpp"
@@ -187,6 +188,21 @@ void leave_one_out(const std::vector<Joint>& joints) {
   leave_one_out(variant_table(joints, all), all);
 }
 
+/// The scoreboard of the same machines, recorded in each way.
+void recorded_otherwise(const std::string& folder, const std::string& into, double share) {
+  const auto as_logged = read_machines(folder);
+  for (const auto& way : ways()) {
+    const std::string here = into + "/" + way.name;
+    std::filesystem::create_directories(here);
+    std::vector<DrawnMachine> machines;
+    std::transform(as_logged.begin(), as_logged.end(), std::back_inserter(machines), way.record);
+    constexpr int kDigits = 12;
+    write_machines(here, machines, kDigits);
+    std::printf("%s\n", way.name.c_str());
+    scoreboard(joints_in(here), share);
+  }
+}
+
 }  // namespace
 }  // namespace capstan::tools::machines
 
@@ -205,6 +221,10 @@ int main(int argc, char** argv) {
   app.add_flag("--board-efforts", efforts, "laws of efforts instead, noncausally and as a board runs them");
   std::optional<std::uint64_t> seed;
   app.add_option("--draw", seed, "first write 29 machines by the laws of others into the folder, drawn by this seed");
+  std::string into;
+  app.add_option("--otherwise", into,
+                 "the same machines as others might have recorded them (a rest before, other zeros, rows lost, noise "
+                 "...), written into this folder");
   CLI11_PARSE(app, argc, argv);
   try {
     if (seed) {
@@ -213,6 +233,10 @@ int main(int argc, char** argv) {
     }
     if (!std::filesystem::is_directory(folder)) {
       throw BadInput(folder + " is no folder; name one with logs, or have logs drawn into it with --draw SEED");
+    }
+    if (!into.empty()) {
+      machines::recorded_otherwise(folder, into, share);
+      return 0;
     }
     const auto joints = machines::joints_in(folder);
     if (efforts) {
