@@ -77,6 +77,7 @@ void ForwardScore::add_columns(const TermChoice& choice, const TermChoice* outpu
   fit.coefficients += static_cast<Eigen::Index>(term.coefficients.size());
   if (is_offset(choice.term)) {
     for (const std::size_t id : offset_ids()) {
+      fit.offsets.push_back(static_cast<Eigen::Index>(fit.columns.size()));
       fit.columns.push_back({id, {}, Sign::kAny, 0.0, {first}});
     }
     return;
@@ -369,9 +370,10 @@ auto ForwardScore::fitted(const LawCandidate& law) -> FittedCandidate {
       is_law(fit, theta)};
   const auto logs = static_cast<double>(data_.logs().size());
   for (std::size_t i = 0; i < fit.columns.size(); ++i) {
-    const bool is_zero = fit.columns[i].ridge == 0.0 && static_cast<Eigen::Index>(i) != fit.beta;
+    const auto at = static_cast<Eigen::Index>(i);
+    const bool is_zero = std::find(fit.offsets.begin(), fit.offsets.end(), at) != fit.offsets.end();
     for (const Eigen::Index coefficient : fit.columns[i].coefficients) {
-      result.theta[coefficient] += theta[static_cast<Eigen::Index>(i)] / (is_zero ? logs : 1.0);
+      result.theta[coefficient] += theta[at] / (is_zero ? logs : 1.0);
     }
   }
   return result;

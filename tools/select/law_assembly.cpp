@@ -73,7 +73,21 @@ auto LawAssembly::sum(Eigen::Index first, Eigen::Index end) const -> Eigen::Matr
   return all;
 }
 
+auto LawAssembly::ridge_about_means(const Eigen::MatrixXd& gram) const -> Eigen::VectorXd {
+  Eigen::VectorXd about_means = ridge;
+  for (Eigen::Index i = 0; i < ridge.size(); ++i) {
+    double of_mean = 0.0;
+    for (const Eigen::Index offset : offsets) {
+      const double energy = gram(i, i) * gram(offset, offset);
+      of_mean += energy > 0.0 ? gram(i, offset) * gram(i, offset) / energy : 0.0;
+    }
+    about_means[i] *= std::max(0.0, 1.0 - of_mean);
+  }
+  return about_means;
+}
+
 auto LawAssembly::solved(Eigen::MatrixXd gram) const -> Eigen::VectorXd {
+  const Eigen::VectorXd about_means = ridge_about_means(gram);
   for (const auto& line : lines) {
     const double weight =
         smoothness * gram.diagonal().segment(line.begin, line.size()).mean();  // steps cost as rows of this energy do
@@ -84,7 +98,7 @@ auto LawAssembly::solved(Eigen::MatrixXd gram) const -> Eigen::VectorXd {
       gram(i + 1, i) -= weight;
     }
   }
-  return solve_ridge(gram, signs, ridge);
+  return solve_ridge(gram, signs, about_means);
 }
 
 auto LawAssembly::fit(Eigen::Index parts) const -> Eigen::VectorXd {

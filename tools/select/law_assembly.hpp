@@ -39,12 +39,15 @@ struct LawAssembly {
   std::vector<Eigen::MatrixXd> grams;  ///< per part, the target last
   std::vector<Sign> signs;
   Eigen::VectorXd ridge;
-  std::vector<RowRange> lines;  ///< columns that are neighbouring knots of a table
-  double smoothness = 0.0;      ///< of what lies on them: DecidingNumbers
+  std::vector<Eigen::Index> offsets;  ///< columns that only move a zero
+  std::vector<RowRange> lines;        ///< columns that are neighbouring knots of a table
+  double smoothness = 0.0;            ///< of what lies on them: DecidingNumbers
 
   /// Whether two columns never differ from nothing in one row: knots of a table that are no neighbours, or of different
   /// directions. A law has one table at most.
   [[nodiscard]] auto are_apart(Eigen::Index a, Eigen::Index b) const -> bool;
+  /// The ridge of each column, which counts about its mean: where angles are counted from must not matter.
+  [[nodiscard]] auto ridge_about_means(const Eigen::MatrixXd& gram) const -> Eigen::VectorXd;
   /// Of the parts from `first` to before `end`.
   [[nodiscard]] auto sum(Eigen::Index first, Eigen::Index end) const -> Eigen::MatrixXd;
   /// To the rows of these products.

@@ -59,6 +59,22 @@ TEST(SolveRidge, ByHandAndInAnyUnit) {
   }
 }
 
+TEST(LawAssembly, ItsRidgeCountsFromAnyZero) {
+  // A column (-1, 0, 1), counted from anywhere, beside an offset; the target is three times it. With half of its size
+  // for a ridge two thirds of that are left.
+  for (const double zero : {0.0, 5.0, -20.0}) {
+    Eigen::MatrixXd x(3, 2);
+    x << zero - 1.0, 1.0, zero, 1.0, zero + 1.0, 1.0;
+    LawAssembly fit;
+    fit.signs = {Sign::kAny, Sign::kAny};
+    fit.ridge = Eigen::Vector2d(0.5, 0.0);
+    fit.offsets = {1};
+    const Eigen::VectorXd theta = fit.solved(gram_of(x, Eigen::Vector3d(-3.0, 0.0, 3.0)));
+    EXPECT_NEAR(theta[0], 2.0, 1e-9) << zero;
+    EXPECT_NEAR(theta[1], -2.0 * zero, 1e-8) << zero;
+  }
+}
+
 TEST(SolveRidge, AColumnOfNothingGetsNothing) {
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(3, 2);
   x.col(0) = Eigen::Vector3d(1, 1, 1);
