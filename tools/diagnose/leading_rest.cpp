@@ -17,7 +17,7 @@ constexpr double kNoises = 8.0;
 constexpr double kShareOfMotor = 1e-4;
 /// Of the joint's range, whose sensor is noisier: torque moves a joint while its motor stands.
 constexpr double kShareOfJoint = 0.05;
-/// Rest that takes this share of the rows behind it is cut down to the other one: filters begin in it, friction holds.
+/// Rest that takes this share of the rows behind it is cut down to the other one: filters begin in it.
 constexpr double kLong = 0.1;
 constexpr double kKept = 0.05;
 
@@ -36,16 +36,14 @@ auto first_move(const Eigen::VectorXd& q1) -> Eigen::Index {
 }
 
 auto rows_of_leading_rest(const AxisLog& log) -> Eigen::Index {
-  if (log.effort.size() > 0 && !log.motion_alone()) {
+  if (log.effort.size() > 0) {
     return 0;
   }
   Eigen::Index first = first_move(log.q1_rad);
   for (const auto& other : log.others) {
     first = std::min(first, first_move(other.q1_rad));
   }
-  if (log.q2_rad.size() > 0) {
-    first = std::min(first, first_beyond(log.q2_rad, kShareOfJoint * range_of(log.q2_rad)));
-  }
+  first = std::min(first, first_beyond(log.q2_rad, kShareOfJoint * range_of(log.q2_rad)));
   const auto behind = static_cast<double>(log.samples() - first);
   const bool is_long = static_cast<double>(first) > kLong * behind;
   return is_long && behind > 0.0 ? first - static_cast<Eigen::Index>(kKept * behind) : 0;

@@ -74,6 +74,7 @@ auto LawAssembly::sum(Eigen::Index first, Eigen::Index end) const -> Eigen::Matr
 }
 
 auto LawAssembly::ridge_about_means(const Eigen::MatrixXd& gram) const -> Eigen::VectorXd {
+  constexpr double kLeastShare = 1e-4;  // of a column that hardly varies, rounding alone would be left
   Eigen::VectorXd about_means = ridge;
   for (Eigen::Index i = 0; i < ridge.size(); ++i) {
     double of_mean = 0.0;
@@ -81,7 +82,7 @@ auto LawAssembly::ridge_about_means(const Eigen::MatrixXd& gram) const -> Eigen:
       const double energy = gram(i, i) * gram(offset, offset);
       of_mean += energy > 0.0 ? gram(i, offset) * gram(i, offset) / energy : 0.0;
     }
-    about_means[i] *= std::max(0.0, 1.0 - of_mean);
+    about_means[i] *= std::max(kLeastShare, 1.0 - of_mean);
   }
   return about_means;
 }

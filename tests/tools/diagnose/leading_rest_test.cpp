@@ -61,13 +61,13 @@ TEST(LeadingRest, EndsWhereAnotherMotorOrTheJointMoves) {
   EXPECT_EQ(without_leading_rest(pressed).samples(), log.samples());
 }
 
-TEST(LeadingRest, StaysWhereATorqueBehindTheMotorSaysSomething) {
+TEST(LeadingRest, StaysWhereAnEffortSaysSomething) {
   AxisLog log = after_rest(moving_log(), 4000);
   log.effort = std::exchange(log.q2_rad, {});
-  log.has_torque = true;
-  EXPECT_EQ(without_leading_rest(log).samples(), log.samples());
-  log.has_torque = false;  // an effort that the motion alone explains
-  EXPECT_LT(without_leading_rest(log).samples(), log.samples());
+  for (const bool has_torque : {false, true}) {
+    log.has_torque = has_torque;
+    EXPECT_EQ(without_leading_rest(log).samples(), log.samples());
+  }
 }
 
 TEST(LeadingRest, OfAMotorThatNeverMovesIsLeftToOthersToSay) {
