@@ -62,19 +62,6 @@ void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
   note("/tau", log.tau_nm, "scale it with --map");
 }
 
-/// Effects have the signs of a joint that goes with its motor, and play, tension and mass are held to theirs.
-void note_crossed(const AxisLog& log, std::vector<std::string>& warnings) {
-  const Eigen::VectorXd motor = (log.q1_rad.array() - log.q1_rad.mean()).matrix();
-  const Eigen::VectorXd joint = (log.q2_rad.array() - log.q2_rad.mean()).matrix();
-  if (motor.dot(joint) < -0.5 * motor.norm() * joint.norm()) {
-    const std::string q2 = log.target;
-    warnings.push_back(log.name + ": " + q2 +
-                       " falls while the motor's angle rises; effects have the signs of a joint that goes with its "
-                       "motor, so some can not be found: count the joint the other way (--map \"" +
-                       q2 + "=COLUMN*-1\")");
-  }
-}
-
 void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
   d.target = logs.front().target;
   bool torque = true;
@@ -88,7 +75,6 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   for (const auto& log : logs) {
     if (log.q2_rad.size() > 0) {  // efforts: board_effort_law
       note_range(log, d.warnings);
-      note_crossed(log, d.warnings);
     }
   }
   const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");

@@ -190,6 +190,22 @@ auto common_rows_of(const CsvLog& csv, const AxisRequest& request, std::vector<s
   return with_common_rows(csv, main, others, notes);
 }
 
+namespace {
+
+/// Effects have the signs of a joint that goes with its motor, and play, tension and mass are held to theirs.
+void note_crossed(AxisLog& axis) {
+  const Eigen::VectorXd motor = (axis.q1_rad.array() - axis.q1_rad.mean()).matrix();
+  const Eigen::VectorXd joint = (axis.q2_rad.array() - axis.q2_rad.mean()).matrix();
+  if (motor.dot(joint) < -0.5 * motor.norm() * joint.norm()) {
+    axis.warnings.push_back(axis.name + ": " + axis.target +
+                            " falls while the motor's angle rises; effects have the signs of a joint that goes with "
+                            "its motor, so some can not be found: count the joint the other way (--map \"" +
+                            axis.target + "=COLUMN*-1\")");
+  }
+}
+
+}  // namespace
+
 auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   AxisLog axis;
   axis.name = all_rows.name();
@@ -210,6 +226,9 @@ auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   read_surroundings(csv, request, axis);
   read_side_signals(csv, request.axis, axis);
   pass_gate(csv, request, q1, axis);
+  if (axis.q2_rad.size() > 0 && !request.every_row) {
+    note_crossed(axis);
+  }
   return axis;
 }
 

@@ -40,6 +40,22 @@ TEST(AxisLog, AnotherAxisAndTargetCanBeAskedFor) {
   EXPECT_THROW(read_axis(csv, {}), BadInput);
 }
 
+TEST(AxisLog, AJointCountedAgainstItsMotorIsToldWithTheCure) {
+  const auto warnings = [](double ratio, bool every_row) {
+    std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";
+    for (int i = 0; i < 200; ++i) {
+      const double motor = std::sin(0.1 * i);
+      text += std::to_string(0.01 * i) + "," + std::to_string(motor) + "," + std::to_string(ratio * motor) + "\n";
+    }
+    return read_axis(CsvLog::parse(text, "x.csv"), {.every_row = every_row}).warnings;
+  };
+  EXPECT_TRUE(warnings(0.5, false).empty());
+  ASSERT_EQ(warnings(-0.5, false).size(), 1U);
+  EXPECT_NE(warnings(-0.5, false)[0].find("axis0/q2_rad falls while the motor's angle rises"), std::string::npos);
+  EXPECT_NE(warnings(-0.5, false)[0].find("(--map \"axis0/q2_rad=COLUMN*-1\")"), std::string::npos);
+  EXPECT_TRUE(warnings(-0.5, true).empty()) << "who replays a law has one that says so";
+}
+
 TEST(AxisLog, AJointThatNeverMovesIsRefusedWithFileLinesAndCure) {
   const CsvLog csv = CsvLog::parse("time_s,axis0/q1_rad,axis0/q2_rad\n0,1,1\n0.1,1,2\n0.2,1,3\n0.3,1,4\n", "x.csv");
   try {
