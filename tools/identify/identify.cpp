@@ -279,7 +279,7 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
     return at_offset(i) ? half_interval_of_sum(fit, means) : half_interval(fit, i);
   };
   const auto size_of = [&](Eigen::Index i) {
-    return about_means && !at_offset(i) ? rms((columns.col(i).array() - means[i]).matrix()) : rms(columns.col(i));
+    return about_means && !at_offset(i) ? rms_about_mean(columns.col(i)) : rms(columns.col(i));
   };
   std::vector<std::string> undetermined;
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {

@@ -88,20 +88,7 @@ void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows) {
     if (&signal == &axis.time_s || signal.size() == 0) {
       return;
     }
-    for (std::size_t i = 0; i < rows.size();) {
-      std::size_t j = i;
-      while (j + 1 < rows.size() && rows[j + 1] == rows[j] + 1) {
-        ++j;
-      }
-      const Eigen::Index before = rows[i] - 1;
-      const Eigen::Index after = rows[j] + 1;
-      const bool inside = before >= 0 && after < signal.size();
-      for (Eigen::Index row = rows[i]; inside && row < after; ++row) {
-        const double part = static_cast<double>(row - before) / static_cast<double>(after - before);
-        signal[row] = (1.0 - part) * signal[before] + part * signal[after];
-      }
-      i = j + 1;
-    }
+    signal = without(std::move(signal), rows);
   });
 }
 

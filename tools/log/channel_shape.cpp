@@ -148,19 +148,6 @@ auto rows_above(const Eigen::VectorXd& x, double threshold) -> Rows {
   return rows;
 }
 
-/// A straight line where the rows were. @pre none is the first or the last
-auto without(Eigen::VectorXd x, const Rows& rows) -> Eigen::VectorXd {
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Index before = rows[i] - 1;
-    Index after = rows[i] + 1;
-    for (std::size_t j = i + 1; j < rows.size() && rows[j] == after; ++j) {
-      ++after;
-    }
-    x[rows[i]] = x[before] + (x[after] - x[before]) / static_cast<double>(after - before);
-  }
-  return x;
-}
-
 }  // namespace
 
 auto robust_range(const Eigen::VectorXd& values) -> double {
@@ -169,6 +156,24 @@ auto robust_range(const Eigen::VectorXd& values) -> double {
 
 auto varies(const Eigen::VectorXd& values) -> bool {
   return values.size() > 0 && values.maxCoeff() > values.minCoeff();
+}
+
+auto without(Eigen::VectorXd x, const Rows& rows) -> Eigen::VectorXd {
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t j = i;
+    while (j + 1 < rows.size() && rows[j + 1] == rows[j] + 1) {
+      ++j;
+    }
+    const Index before = rows[i] - 1;
+    const Index after = rows[j] + 1;
+    const bool inside = before >= 0 && after < x.size();
+    for (Index row = rows[i]; inside && row < after; ++row) {
+      const double part = static_cast<double>(row - before) / static_cast<double>(after - before);
+      x[row] = (1.0 - part) * x[before] + part * x[after];
+    }
+    i = j + 1;
+  }
+  return x;
 }
 
 auto spike_rows(const Eigen::VectorXd& x) -> Rows {

@@ -13,6 +13,10 @@ auto robust_range(const Eigen::VectorXd& values) -> double;
 /// Whether a channel has more than one value.
 auto varies(const Eigen::VectorXd& values) -> bool;
 
+/// The signal with a straight line through these rows, from the row before to the row after; as it is where that is
+/// beyond an end. @param rows  in order
+auto without(Eigen::VectorXd x, const std::vector<Eigen::Index>& rows) -> Eigen::VectorXd;
+
 /// Rows of single wild values: up to three rows that stand out from the rows on both sides.
 auto spike_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 

@@ -104,14 +104,10 @@ auto with_trembling_times(DrawnMachine log) -> DrawnMachine {
   return log;
 }
 
-auto spread_of(const Eigen::VectorXd& values) -> double {
-  return rms((values.array() - values.mean()).matrix());
-}
-
 auto with_noise(DrawnMachine log) -> DrawnMachine {
   std::mt19937_64 draw(kSeed);
   for (const Index target : targets_of(log)) {
-    std::normal_distribution<double> noise(0.0, 0.02 * spread_of(log.rows.col(target)));
+    std::normal_distribution<double> noise(0.0, 0.02 * rms_about_mean(log.rows.col(target)));
     for (double& value : log.rows.col(target)) {
       value += noise(draw);
     }
@@ -131,7 +127,7 @@ auto in_coarse_steps(DrawnMachine log) -> DrawnMachine {
 auto with_wild_values(DrawnMachine log) -> DrawnMachine {
   std::mt19937_64 draw(kSeed);
   for (const Index target : targets_of(log)) {
-    const double far = 10.0 * spread_of(log.rows.col(target));
+    const double far = 10.0 * rms_about_mean(log.rows.col(target));
     for (Index i = 1; i + 1 < log.rows.rows(); ++i) {
       log.rows(i, target) += draw() % 250 == 0 ? (draw() % 2 == 0 ? far : -far) : 0.0;
     }
