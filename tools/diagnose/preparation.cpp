@@ -304,7 +304,8 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   const Eigen::Index before = effort ? effort_smoothing(logs, noise) : 0;
   const Eigen::Index factor = choose_factor(logs, before);
   for (auto& log : logs) {
-    log = first_rows(std::move(log), log.samples() / factor * factor);
+    const Eigen::Index rows = log.samples() / factor * factor;
+    log = first_rows(std::move(log), rows);
   }
   std::vector<std::string> notes;
   const auto conditioner = choose_conditioner(logs, base, notes);
