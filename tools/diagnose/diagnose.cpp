@@ -6,7 +6,7 @@
 #include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
-#include "capstan/tools/diagnose/leading_rest.hpp"
+#include "capstan/tools/diagnose/long_rests.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
@@ -325,7 +325,7 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
 
 auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   std::vector<AxisLog> logs;
-  std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_leading_rest);
+  std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_long_rests);
   Diagnosis d = diagnosed(logs, options);
   if (has_effort_law(logs, d)) {
     options.progress("choosing the law of the effort");

@@ -39,22 +39,32 @@ auto as_it_is(DrawnMachine log) -> DrawnMachine {
   return log;
 }
 
-/// The first row, noise of the targets beside it, for three tenths of the log's length.
-auto behind_a_rest(DrawnMachine log) -> DrawnMachine {
+/// Some row, noise of the targets beside it, once more for three tenths of the log's length.
+auto with_a_rest(DrawnMachine log, Index before) -> DrawnMachine {
   const Index rest = 3 * log.rows.rows() / 10;
   const double period = (log.rows(log.rows.rows() - 1, 0) - log.rows(0, 0)) / static_cast<double>(log.rows.rows() - 1);
   Eigen::MatrixXd rows(rest + log.rows.rows(), log.rows.cols());
-  rows << log.rows.row(0).replicate(rest, 1), log.rows;
+  rows << log.rows.topRows(before), log.rows.row(before).replicate(rest, 1),
+      log.rows.bottomRows(log.rows.rows() - before);
   std::mt19937_64 draw(kSeed);
   for (const Index target : targets_of(log)) {
     std::normal_distribution<double> noise(0.0, white_noise_level(log.rows.col(target)));
-    for (Index i = 0; i < rest; ++i) {
-      rows(i, target) += noise(draw);
+    for (double& value : rows.col(target).segment(before, rest)) {
+      value += noise(draw);
     }
   }
   rows.col(0) = Eigen::VectorXd::LinSpaced(rows.rows(), 0.0, period * static_cast<double>(rows.rows() - 1));
   log.rows = std::move(rows);
   return log;
+}
+
+auto behind_a_rest(DrawnMachine log) -> DrawnMachine {
+  return with_a_rest(std::move(log), 0);
+}
+
+auto with_a_rest_within(DrawnMachine log) -> DrawnMachine {
+  const Index third = log.rows.rows() / 3;
+  return with_a_rest(std::move(log), third);
 }
 
 auto from_other_zeros(DrawnMachine log) -> DrawnMachine {
@@ -140,6 +150,7 @@ auto with_wild_values(DrawnMachine log) -> DrawnMachine {
 auto ways() -> std::vector<Way> {
   return {{"as it is", as_it_is},
           {"behind a rest", behind_a_rest},
+          {"a rest within", with_a_rest_within},
           {"other zeros", from_other_zeros},
           {"half of the rows", half_of_the_rows},
           {"twice the rows", twice_the_rows},

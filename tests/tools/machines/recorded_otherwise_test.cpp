@@ -43,6 +43,7 @@ TEST(RecordedOtherwise, KeepsTheMotion) {
 
 TEST(RecordedOtherwise, HasAsManyRowsAsItSays) {
   EXPECT_EQ(recorded("behind a rest").rows.rows(), 1300);
+  EXPECT_EQ(recorded("a rest within").rows.rows(), 1300);
   EXPECT_EQ(recorded("half of the rows").rows.rows(), 500);
   EXPECT_EQ(recorded("twice the rows").rows.rows(), 1999);
   EXPECT_NEAR(static_cast<double>(recorded("one row in 20 lost").rows.rows()), 950.0, 30.0);

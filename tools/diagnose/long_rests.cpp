@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/diagnose/long_rests.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// A motor stands while its encoder goes to and fro by so many counts, or noises, or by this share of its range: a
+/// motion that begins softly says something from there on. Counts that are a larger share than the last tell nothing.
+constexpr double kCounts = 3.0;
+constexpr double kNoises = 8.0;
+constexpr double kShareOfMotor = 1e-4;
+constexpr double kLargestShareOfMotor = 0.02;
+/// Of the joint's range, whose sensor is noisier: torque moves a joint while its motor stands.
+constexpr double kShareOfJoint = 0.05;
+/// A joint creeps that goes by more noises, and by a larger share of its range, from the first to the last third of a
+/// rest behind a motion: that rest tells something.
+constexpr double kCreepNoises = 1.0;
+constexpr double kCreepShare = 0.005;
+/// A rest is long from this share of the motion on, and then cut down to the other one.
+constexpr double kLong = 0.1;
+constexpr double kKept = 0.05;
+/// Places of a log at which a rest is looked for: several in each long one.
+constexpr Eigen::Index kPlaces = 128;
+
+struct Rest {
+  Eigen::Index begin = 0, end = 0;  ///< rows, the last one excluded
+  [[nodiscard]] auto rows() const -> Eigen::Index { return end - begin; }
+};
+
+auto rows_in(const std::vector<Rest>& rests) -> Eigen::Index {
+  const auto add = [](Eigen::Index sum, const Rest& rest) { return sum + rest.rows(); };
+  return std::accumulate(rests.begin(), rests.end(), Eigen::Index{0}, add);
+}
+
+auto range_of(const Eigen::VectorXd& angle) -> double {
+  return angle.maxCoeff() - angle.minCoeff();
+}
+
+/// Within what each angle of a log stands.
+class Standing {
+ public:
+  explicit Standing(const AxisLog& log) {
+    add_motor(log.q1_rad);
+    for (const auto& other : log.others) {
+      add_motor(other.q1_rad);
+    }
+    angles_.push_back({log.q2_rad, kShareOfJoint * range_of(log.q2_rad)});
+  }
+
+  /// The rows around one in which every angle stays where it is there.
+  [[nodiscard]] auto around(Eigen::Index row) const -> Rest {
+    Rest rest{0, angles_.front().values.size()};
+    for (const auto& [values, enough] : angles_) {
+      const auto moves = [here = values[row], enough = enough](double now) { return std::abs(now - here) > enough; };
+      Eigen::Index before = row;
+      while (before > rest.begin && !moves(values[before - 1])) {
+        --before;
+      }
+      const auto* const end = values.data() + rest.end;
+      rest = {before, std::find_if(values.data() + row, end, moves) - values.data()};
+    }
+    return rest;
+  }
+
+ private:
+  struct Angle {
+    const Eigen::VectorXd& values;
+    double enough;
+  };
+
+  void add_motor(const Eigen::VectorXd& q1) {
+    const double range = range_of(q1);
+    const double still =
+        std::max({kCounts * quantisation_step(q1), kNoises * white_noise_level(q1), kShareOfMotor * range});
+    angles_.push_back({q1, std::min(still, kLargestShareOfMotor * range)});
+  }
+
+  std::vector<Angle> angles_;
+};
+
+auto creeps(const Eigen::VectorXd& q2, const Rest& rest) -> bool {
+  const Eigen::Index third = rest.rows() / 3;
+  const double moved = q2.segment(rest.begin, third).mean() - q2.segment(rest.end - third, third).mean();
+  return std::abs(moved) > std::max(kCreepNoises * white_noise_level(q2), kCreepShare * range_of(q2));
+}
+
+auto long_rests(const AxisLog& log) -> std::vector<Rest> {
+  std::vector<Rest> rests;
+  if (log.effort.size() > 0) {
+    return rests;
+  }
+  const Standing standing(log);
+  const Eigen::Index rows = log.samples();
+  const auto is_long = [rows](const Rest& rest) {
+    return static_cast<double>(rest.rows()) > kLong * static_cast<double>(rows - rest.rows());
+  };
+  const Eigen::Index step = std::max<Eigen::Index>(1, rows / kPlaces);
+  for (Eigen::Index row = 0; row < rows; row += step) {
+    const Rest rest = standing.around(row);
+    if (is_long(rest) && rest.rows() < rows && (rest.begin == 0 || !creeps(log.q2_rad, rest))) {
+      rests.push_back(rest);
+      row = rest.end;
+    }
+  }
+  return rests;
+}
+
+auto without_rows(AxisLog log, const std::vector<Rest>& cut) -> AxisLog {
+  for_each_signal(log, [&](Eigen::VectorXd& signal) {
+    if (signal.size() == 0) {
+      return;
+    }
+    Eigen::Index kept = 0;
+    Eigen::Index from = 0;
+    const auto keep_until = [&](Eigen::Index end) {
+      std::copy(signal.begin() + from, signal.begin() + end, signal.begin() + kept);
+      kept += end - from;
+    };
+    for (const auto& rest : cut) {
+      keep_until(rest.begin);
+      from = rest.end;
+    }
+    keep_until(signal.size());
+    signal.conservativeResize(kept);
+  });
+  return log;
+}
+
+}  // namespace
+
+auto without_long_rests(AxisLog log) -> AxisLog {
+  std::vector<Rest> rests = long_rests(log);
+  if (rests.empty()) {
+    return log;
+  }
+  const Eigen::Index motion = log.samples() - rows_in(rests);
+  const auto kept = static_cast<Eigen::Index>(kKept * static_cast<double>(motion));
+  for (auto& rest : rests) {
+    // The last rows of a first rest, and the first ones of any other: a filter begins there, or comes to its end.
+    if (rest.begin == 0) {
+      rest.end -= kept;
+    } else {
+      rest.begin += kept;
+    }
+  }
+  const double still_s = static_cast<double>(rows_in(rests)) * log.period_s;
+  log = without_rows(std::move(log), rests);
+  log.warnings.push_back(log.name + ": nothing moves for " + rounded(still_s, 2) +
+                         " s, which say nothing of the law and take no part");
+  return log;
+}
+
+}  // namespace capstan::tools
