@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -121,6 +122,24 @@ auto PartProducts::fold_errors(const PartLaw& law, double ridge) const -> Eigen:
   return errors;
 }
 
+auto PartProducts::largest_share(const PartLaw& law, double ridge) const -> double {
+  const auto columns = columns_of(law);
+  if (columns.empty()) {
+    return 0.0;
+  }
+  const Eigen::VectorXd theta = solved(all_, columns, ridge * all_rows_);
+  const double target = all_(all_.rows() - 1, all_.cols() - 1);
+  double largest = 0.0;
+  Eigen::Index next = 0;
+  for (const auto& chosen : law) {
+    const auto own = columns_of({chosen});
+    const Eigen::VectorXd of_part = theta.segment(next, std::ssize(own));
+    largest = std::max(largest, of_part.dot(all_(own, own) * of_part));
+    next += of_part.size();
+  }
+  return target > 0.0 ? std::sqrt(largest / target) : 0.0;
+}
+
 auto PartProducts::coefficients(const PartLaw& law, double ridge) const -> Eigen::VectorXd {
   const auto columns = columns_of(law);
   Eigen::VectorXd theta = solved(all_, columns, ridge * all_rows_);
@@ -131,6 +150,9 @@ auto PartProducts::coefficients(const PartLaw& law, double ridge) const -> Eigen
 }
 
 auto PartLaws::score(const PartLaw& law) -> double {
+  if (products_.largest_share(law, numbers_.ridge) > numbers_.largest_share) {
+    return std::numeric_limits<double>::infinity();
+  }
   const Eigen::ArrayXd errors = products_.fold_errors(law, numbers_.ridge).array();
   // The geometric mean of their mean and of the single folds' errors: neither one bad fold nor many easy ones decide.
   return std::exp(0.5 * (std::log(errors.mean()) + errors.log().mean()));

@@ -111,6 +111,37 @@ TEST(PartProducts, RowsBehindTheShareTakeNoPart) {
   EXPECT_NEAR(half.coefficients(kTruth, 0.0)[2], 0.2, 0.02);
 }
 
+TEST(PartProducts, TheLargestShareIsThatOfAPartInTheEffort) {
+  const Made made;
+  const auto size = [](const Eigen::VectorXd& x) { return std::sqrt(x.squaredNorm() / static_cast<double>(x.size())); };
+  const Eigen::MatrixXd x = made.columns();
+  const Eigen::VectorXd theta = x.colPivHouseholderQr().solve(made.log.effort);
+  const double dry = size(theta[1] * x.col(1));
+  EXPECT_NEAR(made.products.largest_share(kTruth, 0.0), dry / size(made.log.effort), 1e-9);
+  EXPECT_GT(dry, size(theta[0] * x.col(0)));
+  EXPECT_EQ(made.products.largest_share({}, 0.0), 0.0);
+}
+
+// A weight in the law of two of its angles is as large as the effort, wherever they are counted from; over a tenth
+// of a radian a cosine alone is an offset.
+TEST(PartLaws, AWeightFarLargerThanTheEffortIsNoPartOfALaw) {
+  const std::vector<LawPart> parts = {{"offset", {0}, {kNone}}, {"gravity", {0, 1}, {kNone}}};
+  const EffortNumbers numbers;
+  const auto score = [&](double pull, double balanced) {
+    AxisLog log = made_log();
+    log.q1_rad *= 0.1;
+    log.effort = (pull * log.q1_rad.array().sin() + balanced * (1.0 - log.q1_rad.array().cos())).matrix();
+    log.q1_rad.array() += 1.0;
+    const EffortDesign design({log}, {.window_s = 0.05, .standstill = 1e-6});
+    const PartProducts products(PartColumns(design, log.effort, effort_law_catalogue(AxisKind::kRotary), parts), 1.0);
+    PartLaws laws(products, numbers);
+    EXPECT_TRUE(std::isfinite(laws.score({{0, 0}})));
+    return laws.score({{0, 0}, {1, 0}});
+  };
+  EXPECT_TRUE(std::isfinite(score(100.0, 0.0)));
+  EXPECT_FALSE(std::isfinite(score(0.0, 100.0)));
+}
+
 TEST(PartProducts, TheLawOfNothingLeavesTheTarget) {
   const Made made;
   const Eigen::VectorXd errors = made.products.fold_errors({}, 0.0);
