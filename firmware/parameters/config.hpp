@@ -140,6 +140,8 @@ struct ObserverConfig {
   Q24 against_nm{};    ///< largest torque against its own motion that a healthy motor had
   Q24 slack_counts{};  ///< most that a healthy motor slowed down in a cycle, beyond what its torque explains
   Q24 noise_a{};       ///< rms of the measured current about the wanted one, offset included
+  /// Share of the wanted current by which the measured one may be off beside that; 0: a sixteenth.
+  Q24 gain_error{};
   /// Torque that each radian of motion answers for when it turns round: of tendons, friction along them included. 0:
   /// not watched.
   Q24 stiffness_nm_per_rad{};

@@ -50,6 +50,11 @@ constexpr float kMostError = 0.15F;
 // campaign and 36 drawn ones (seeds 200000 to 200011, 201000 to 201023) took 0.7 to 8.5.
 constexpr std::array<float, 8> kStiffnessLadder = {0.5F, 0.75F, 1.1F, 1.7F, 2.5F, 3.8F, 5.7F, 8.5F};
 constexpr float kHelpedShare = static_cast<float>(MotorObserver::kHelpedShare8) / 8.0F;
+// Of the wanted current. Twice what was found, and what nothing shows of it: 1/64.
+constexpr float kLeastGainError = 1.0F / 64.0F;
+constexpr float kGainErrors = 2.0F;
+constexpr float kMostGainError = 0.5F;
+constexpr float kMeanOfNoise = 0.8F;  // size of a white noise's mean sample, of its rms
 // A sensor without noise still has steps.
 constexpr float kLeastNoiseA = 1e-4F;
 
@@ -128,11 +133,20 @@ void MotorCommissioning::add(std::uint32_t tick, Q24 q1_rad, Q24 wanted_a, Q24 c
   judge_stiffness(moved, before);
   judge_friction(moved, wanted_);
   judge_speed(moved);
+  judge_current(before, current_a);
+}
+
+/// As MotorObserver::rt_watch_current: a current that was measured lies between the last two that were wanted.
+void MotorCommissioning::judge_current(std::int32_t before, Q24 current_a) {
+  const auto [least, most] = std::minmax(before, wanted_);
+  const std::int64_t stray = (current_a.raw() - std::clamp(current_a.raw(), least, most)) >> 8;
   if (still_ == kStandsCycles) {
-    const auto [least, most] = std::minmax(before, wanted_);
-    const std::int64_t stray = (current_a.raw() - std::clamp(current_a.raw(), least, most)) >> 8;
     squares_ += stray * stray;
     ++samples_;
+  } else {
+    strayed_ += std::abs(stray);
+    driven_ += std::abs(std::int64_t{wanted_}) >> 8;
+    ++moving_;
   }
 }
 
@@ -296,7 +310,11 @@ auto MotorCommissioning::result() const -> Result {
     found.values.excess_nm = q24(best->whole.most * constant);
   }
   const float squares = static_cast<float>(squares_) / static_cast<float>(std::max<std::int32_t>(samples_, 1));
-  found.values.noise_a = q24(std::max(square_root(squares) * 256.0F / kOneRaw, kLeastNoiseA));
+  const float noise = square_root(squares);
+  found.values.noise_a = q24(std::max(noise * 256.0F / kOneRaw, kLeastNoiseA));
+  const float strayed = static_cast<float>(strayed_) - kMeanOfNoise * noise * static_cast<float>(moving_);
+  const float share = std::max(strayed, 0.0F) / static_cast<float>(std::max<std::int64_t>(driven_, 1));
+  found.values.gain_error = q24(std::min(kLeastGainError + kGainErrors * share, kMostGainError));
   return found;
 }
 

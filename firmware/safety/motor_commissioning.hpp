@@ -21,6 +21,9 @@ namespace capstan {
 ///   count answers for some torque. Of a ladder of stiffnesses the one is taken that tells the joint's own counts best
 ///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own.
 /// - **Noise.** Rms of the measured current about the wanted one while the motor stands, per sample that was counted.
+/// - **Gain error.** Of a moving motor's current, as a share of the wanted one: what the mean of it strays by beyond
+/// the
+///   noise, which is the amplifier's error, the sensor's, and how much later than a cycle it follows.
 class MotorCommissioning {
  public:
   /// It computes in floating point, which the motor board's program must not have.
@@ -69,6 +72,7 @@ class MotorCommissioning {
   static constexpr std::size_t kStiffnesses = 8;
   [[nodiscard]] auto per_count(std::size_t place) const -> float;
   void judge_stiffness(std::int32_t moved, std::int32_t wanted);
+  void judge_current(std::int32_t before, Q24 current_a);
   void judge_friction(std::int32_t moved, std::int32_t wanted);
   void add_to_block(std::int32_t moved, Q24 current_a);
   void end_block();
@@ -104,6 +108,9 @@ class MotorCommissioning {
   float slack_most_ = 0.0F;   // counts
   std::int64_t squares_ = 0;  // A raw / 2^8, squared
   std::int32_t samples_ = 0;
+  std::int64_t strayed_ = 0;  // A raw / 2^8, by the current of a moving motor
+  std::int64_t driven_ = 0;   // and its wanted one
+  std::int32_t moving_ = 0;   // samples of that
   std::array<std::int32_t, kBlock + 1> moved_{};
   std::array<float, kBlock> current_a_{};
   std::uint32_t first_tick_ = 0;  // of the block

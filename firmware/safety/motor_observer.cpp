@@ -32,8 +32,6 @@ constexpr std::int32_t kLookFades = 20;
 constexpr std::int32_t kLookBegins8 = 1;
 // The envelope of the wanted current forgets with this shift: about 32 cycles.
 constexpr int kTrailShift = 5;
-// What an amplifier's current is off by, of the wish: a sixteenth.
-constexpr int kGainErrorShift = 4;
 // Two and a half of the longest half swings of a motor on its tendons (RAVEN's elbow: 20 ms).
 constexpr std::int32_t kSpringingCycles = 50;
 // Silence after which the encoder is asked: longer than three of the last intervals between counts.
@@ -77,7 +75,7 @@ void MotorObserver::rt_remember(std::int32_t moved, std::int32_t wanted) {
 }
 
 auto MotorObserver::rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet {
-  const std::int32_t allowed = scales_.mismatch + (std::abs(wanted) >> kGainErrorShift);
+  const std::int32_t allowed = scales_.mismatch + (std::abs(wanted) >> kGainErrorBits) * scales_.gain_error;
   if (strayed_ == 0 && std::abs(measured - wanted) <= allowed) {
     return 0;
   }

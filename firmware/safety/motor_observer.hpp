@@ -33,9 +33,10 @@ namespace capstan {
 ///   by its load, and each count of that answers for kHelpedShare8 of it. Friction along a tendon is a share of its
 ///   tension, so what a motor pressed with where it turned round counts until it has turned.
 /// - **A look without its answer.** A look moves a motor at rest by counts of its own: LookAnswer.
-/// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise; CUSUM over
-/// what
-///   is beyond, up to the charge that makes the motor dv' faster.
+/// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise and the
+/// share
+///   of them that amplifier and sensor are off by; CUSUM over what is beyond, up to the charge that makes the motor dv'
+///   faster.
 /// Input: whole cycles. Output: a verdict. Fixed point, no division in a cycle.
 ///
 /// Thresholds, from the commissioned values only (motor_observer_scales.cpp); healthy margins and false alarms:
@@ -75,28 +76,30 @@ class MotorObserver {
 
  private:
   static constexpr std::int32_t kLookCycles = 12;
+  static constexpr int kGainErrorBits = 12;
 
   /// What follows from the parameters; currents in A, raw halves, so that the difference of two fits 32 bits; counts in
   /// 1/256.
   struct Scales {
     explicit Scales(const AxisConfig& config);
-    std::int32_t gain = 0;      // counts/256 in a cycle, that a cycle of 1 A adds; 0: not commissioned
-    std::int32_t frozen = 0;    // A
-    std::int32_t slack = 0;     // counts/256
-    std::int32_t against = 0;   // A
-    std::int32_t rise = 0;      // A
-    std::int32_t impulse = 0;   // A cycles
-    std::int32_t mismatch = 0;  // A
-    std::int32_t charge = 0;    // A cycles
-    std::int32_t stretch = 0;   // A, that a count answers for
-    std::int32_t most = 0;      // counts, that answer for any torque
-    std::int32_t slew = 0;      // A, that torque changes by in a cycle, but for steps
-    std::int32_t helped = 0;    // A, that one answers for against its own direction
-    std::int32_t turn = 0;      // A, twice the motor's own friction
-    std::int32_t excess = 0;    // A, beyond what was answered for; 0: not watched
-    std::int32_t sudden = 0;    // counts/256, two cycles against the two before
-    std::int32_t answer = 0;    // counts/256, for each A of a look at least; 0: not judged
-    std::int32_t winding = 0;   // counts/256, three cycles against the three before
+    std::int32_t gain = 0;        // counts/256 in a cycle, that a cycle of 1 A adds; 0: not commissioned
+    std::int32_t frozen = 0;      // A
+    std::int32_t slack = 0;       // counts/256
+    std::int32_t against = 0;     // A
+    std::int32_t rise = 0;        // A
+    std::int32_t impulse = 0;     // A cycles
+    std::int32_t mismatch = 0;    // A
+    std::int32_t gain_error = 0;  // of the wanted current, kGainErrorBits
+    std::int32_t charge = 0;      // A cycles
+    std::int32_t stretch = 0;     // A, that a count answers for
+    std::int32_t most = 0;        // counts, that answer for any torque
+    std::int32_t slew = 0;        // A, that torque changes by in a cycle, but for steps
+    std::int32_t helped = 0;      // A, that one answers for against its own direction
+    std::int32_t turn = 0;        // A, twice the motor's own friction
+    std::int32_t excess = 0;      // A, beyond what was answered for; 0: not watched
+    std::int32_t sudden = 0;      // counts/256, two cycles against the two before
+    std::int32_t answer = 0;      // counts/256, for each A of a look at least; 0: not judged
+    std::int32_t winding = 0;     // counts/256, three cycles against the three before
     // Counts in a cycle, that a motor against its torque gains at most: with little of it, in all, and lately.
     std::int32_t wild = 0;
     std::int32_t runaway_most = 0;

@@ -61,6 +61,8 @@ constexpr std::int32_t kStrayShare8 = 1;
 // exp(-2 * 5 * 10) a cycle, once in 1e32 years.
 constexpr std::int32_t kMismatchNoises = 5;
 constexpr std::int32_t kChargeNoises = 10;
+// Of the wanted current, where nobody measured by what the amplifier is off.
+constexpr Q24 kUsualGainError = Q24::from_double(1.0 / 16.0);
 // Longest time in which a torque that rises as fast as it may goes unjudged.
 constexpr std::int64_t kBlindCycles = 10;
 constexpr std::int64_t kMost = std::int64_t{1} << 30;
@@ -104,6 +106,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   impulse = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kUnansweredShare8),
                              std::int64_t{rise} * kLeastImpulse));
   mismatch = limited(kMismatchNoises * noise);
+  gain_error = (own.gain_error > Q24{} ? own.gain_error : kUsualGainError).raw() >> (24 - kGainErrorBits);
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
   stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
   helped = stretch / 8 * kHelpedShare8;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -120,6 +121,29 @@ TEST(MotorCommissioning, TheNoiseIsTheMeasuredCurrentsWhileTheMotorStands) {
     moving.add(i, 0.0, 0.02);
   }
   EXPECT_TRUE(says(moving.commissioning.result().problem, "never stood still"));
+}
+
+TEST(MotorCommissioning, TheGainErrorIsTwiceWhatAMovingMotorsCurrentStraysByAndALittle) {
+  const auto found = [](double gain, int lag) {
+    Rig rig;
+    rig.stand(200, 0.002);
+    std::array<double, 8> wanted{};
+    for (std::size_t i = 0; i < 4000; ++i) {
+      wanted[i % 8] = std::sin(2.0 * std::numbers::pi * static_cast<double>(i) / 100.0);
+      const double noise = i % 2 == 0 ? 0.002 : -0.002;
+      rig.add(static_cast<std::int64_t>(i), wanted[i % 8],
+              gain * wanted[(i + 8 - static_cast<std::size_t>(lag)) % 8] + noise);
+    }
+    return rig.commissioning.result().values.gain_error.to_double();
+  };
+  constexpr double kLeast = 1.0 / 64.0;
+  EXPECT_NEAR(found(1.0, 0), kLeast, 0.004);
+  EXPECT_NEAR(found(1.0, 1), kLeast, 0.004) << "it follows within a cycle";
+  EXPECT_GT(found(1.1, 0), kLeast + 0.1);
+  EXPECT_LT(found(1.1, 0), kLeast + 0.2);
+  EXPECT_GT(found(0.9, 0), kLeast + 0.1);
+  EXPECT_GT(found(1.0, 3), kLeast + 0.1) << "two cycles later than that";
+  EXPECT_EQ(found(3.0, 0), 0.5) << "never all of it";
 }
 
 TEST(MotorCommissioning, WithoutTheServosStiffnessNoneIsFound) {

@@ -150,6 +150,30 @@ TEST(MotorObserver, AnEncoderThatGoesBackWhileTorqueRisesCountsTheWrongWay) {
   EXPECT_EQ(faults, bit(Fault::kEncoderMotion));
 }
 
+// Of 2 A, beside a noise of 3 mA, of which 15 mA pass.
+TEST(MotorObserver, ACurrentMayBeOffByTheSharesThatTheAmplifierIs) {
+  const auto stops_at = [](Q24 gain_error) {
+    AxisConfig config = commissioned_config();
+    config.observer.gain_error = gain_error;
+    config.observer.coulomb_nm = Q24::from_double(1.0);  // so that no torque is missed by the encoder
+    for (int percent = 0; percent < 60; ++percent) {
+      Rig rig(config);
+      FaultSet faults = 0;
+      for (int i = 0; i < 4000; ++i) {
+        faults |= rig.step(0, 2.0, 2.0 + 0.02 * percent);
+      }
+      if (faults != 0) {
+        EXPECT_EQ(faults, bit(Fault::kCurrentMismatch));
+        return percent;
+      }
+    }
+    return 100;
+  };
+  EXPECT_EQ(stops_at(Q24::from_double(1.0 / 64.0)), 3) << "1/64 and 15 mA are 2.3 %";
+  EXPECT_EQ(stops_at(Q24{}), 8) << "not known: a sixteenth and 15 mA are 7 %";
+  EXPECT_EQ(stops_at(Q24::from_double(0.2)), 21);
+}
+
 TEST(MotorObserver, ACurrentThatNobodyWantedIsAMismatchInTheFirstCycle) {
   Rig rig;
   EXPECT_EQ(rig.step(0, 0.1, 1.5), bit(Fault::kCurrentMismatch));
