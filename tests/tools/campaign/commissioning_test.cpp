@@ -32,6 +32,15 @@ TEST(Commissioning, FindsTheCurrentsNoiseWithItsOffsetToAFifth) {
   }
 }
 
+// A simulated amplifier does what was wanted within a cycle.
+TEST(Commissioning, AllowsASimulatedAmplifierLittleMoreThanTheLeast) {
+  for (const Joint joint : kJoints) {
+    const double gain_error = setup_of(joint).config.observer.gain_error.to_double();
+    EXPECT_GE(gain_error, 1.0 / 64.0 - 1e-6) << name(joint);
+    EXPECT_LT(gain_error, 1.0 / 40.0) << name(joint);
+  }
+}
+
 // While the motor turns round its tendons stretch without the joint, by r1^2 E A / L of each at most; friction along
 // them holds the far parts back, so the first counts feel more.
 TEST(Commissioning, FindsAStiffnessOfTheTendonsSize) {
