@@ -6,6 +6,7 @@
 
 #include "capstan/tools/log/channel_gate.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
+#include "capstan/tools/log/wild_values.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"

@@ -9,6 +9,7 @@
 #include "capstan/model/terms/transport_delay.hpp"
 #include "capstan/tools/log/channel_delay.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
+#include "capstan/tools/log/wild_values.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -74,7 +75,8 @@ class Gate {
               "each turn; unwrap it, for instance with Python: `numpy.unwrap(angle, period=" + rounded(jump, 3) + ")`");
       return;
     }
-    if (auto rows = spike_rows(x); !rows.empty()) {
+    const bool is_angle = channel.role == ChannelRole::kMotorAngle || channel.role == ChannelRole::kJointAngle;
+    if (auto rows = spike_rows(x, !is_angle); !rows.empty()) {
       const auto count = std::to_string(rows.size());
       add(ChannelFault::kSpikes, channel, std::move(rows), 0.0,
           "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
@@ -154,10 +156,7 @@ class Gate {
       if (spikes == found_.end()) {
         return channel->values;
       }
-      tame[place] = *channel->values;
-      for (const Index row : spikes->rows) {
-        tame[place][row] = tame[place][row - 1];
-      }
+      tame[place] = without(*channel->values, spikes->rows);
       return &tame[place];
     };
     const auto delay = delay_between({values(motor, 0), values(effort, 1), values(target, 2), period_s_});

@@ -12,18 +12,6 @@ namespace {
 using Eigen::Index;
 using Rows = std::vector<Index>;
 
-/// Chosen 2026-11-22 on seeds 1 to 160 and 2000 to 2050 of tools/channel_benchmark and on the shared measured machines.
-/// A wild value stands out by this share of the range at least; less does not matter.
-constexpr double kSpikeShare = 0.1;
-/// ... and by so many times what nearly all (99.5 %) rows stand out.
-constexpr double kSpikeNoises = 6.0;
-constexpr double kUsualShare = 0.995;
-constexpr Index kLongestSpike = 3;
-/// More are no single values any more, but how the channel is.
-constexpr double kMostSpikes = 0.01;
-/// Usual even in a channel with so many, each with a change to it and one back.
-constexpr double kSurelyUsualShare = 1.0 - 2.5 * kMostSpikes;
-
 /// Of changes that a clock makes, so many come on its beat.
 constexpr double kOnBeat = 0.97;
 constexpr Index kFewestChanges = 20;
@@ -47,20 +35,6 @@ constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a 
 constexpr double kWrapShare = 0.6;      // of the full range in one row
 constexpr double kWrapAlike = 0.15;     // by which the jumps may differ
 constexpr double kQuietBeside = 0.1;    // of the jump: all other changes
-
-/// By how much rows i .. i + width - 1 stand out from both neighbours, signed; 0 if they do not.
-auto standing_out(const Eigen::VectorXd& x, Index i, Index width) -> double {
-  const double before = x[i - 1];
-  const double after = x[i + width];
-  const auto inside = x.segment(i, width);
-  const double up = inside.minCoeff() - std::max(before, after);
-  const double down = std::min(before, after) - inside.maxCoeff();
-  return up > 0.0 ? up : down > 0.0 ? -down : 0.0;
-}
-
-auto changes_of(const Eigen::VectorXd& x) -> Eigen::VectorXd {
-  return (x.tail(x.size() - 1) - x.head(x.size() - 1)).cwiseAbs();
-}
 
 auto repeated_share(const Eigen::VectorXd& x) -> double {
   return static_cast<double>((changes_of(x).array() == 0.0).count()) / static_cast<double>(x.size() - 1);
@@ -124,69 +98,18 @@ auto turns_sharply(const Eigen::VectorXd& x, double top) -> bool {
   return turns >= kFewestTurns && static_cast<double>(sharp) >= kSharpTurns * static_cast<double>(turns);
 }
 
-/// What a row has to stand out by, from how far those do that are usual.
-auto spike_threshold(const Eigen::VectorXd& x, double usual) -> double {
-  Eigen::VectorXd single = Eigen::VectorXd::Zero(x.size());
-  for (Index i = 1; i + 1 < x.size(); ++i) {
-    single[i] = std::abs(standing_out(x, i, 1));
-  }
-  return std::max(
-      {kSpikeShare * robust_range(x), kSpikeNoises * quantile(single, usual), 2.0 * quantile(changes_of(x), usual)});
-}
-
-auto rows_above(const Eigen::VectorXd& x, double threshold) -> Rows {
-  Rows rows;
-  for (Index i = 1; i + 1 < x.size(); ++i) {
-    for (Index width = 1; width <= kLongestSpike && i + width < x.size(); ++width) {
-      if (std::abs(standing_out(x, i, width)) > threshold) {
-        append_rows(rows, {i, i + width});
-        i += width;
-        break;
-      }
-    }
-  }
-  return rows;
-}
-
 }  // namespace
 
 auto robust_range(const Eigen::VectorXd& values) -> double {
   return quantile(values, 0.995) - quantile(values, 0.005);
 }
 
+auto changes_of(const Eigen::VectorXd& x) -> Eigen::VectorXd {
+  return (x.tail(x.size() - 1) - x.head(x.size() - 1)).cwiseAbs();
+}
+
 auto varies(const Eigen::VectorXd& values) -> bool {
   return values.size() > 0 && values.maxCoeff() > values.minCoeff();
-}
-
-auto without(Eigen::VectorXd x, const Rows& rows) -> Eigen::VectorXd {
-  for (std::size_t i = 0; i < rows.size();) {
-    std::size_t j = i;
-    while (j + 1 < rows.size() && rows[j + 1] == rows[j] + 1) {
-      ++j;
-    }
-    const Index before = rows[i] - 1;
-    const Index after = rows[j] + 1;
-    const bool inside = before >= 0 && after < x.size();
-    for (Index row = rows[i]; inside && row < after; ++row) {
-      const double part = static_cast<double>(row - before) / static_cast<double>(after - before);
-      x[row] = (1.0 - part) * x[before] + part * x[after];
-    }
-    i = j + 1;
-  }
-  return x;
-}
-
-auto spike_rows(const Eigen::VectorXd& x) -> Rows {
-  constexpr Index kFewestRows = 50;
-  if (x.size() < kFewestRows) {
-    return {};
-  }
-  const double most = kMostSpikes * static_cast<double>(x.size());
-  const auto few = [most](const Rows& rows) { return static_cast<double>(rows.size()) <= most; };
-  // In a short log a few wild values are among what is usual, and hide themselves: first without so much of it.
-  const Rows suspects = rows_above(x, spike_threshold(x, kSurelyUsualShare));
-  const Rows rows = rows_above(x, spike_threshold(few(suspects) ? without(x, suspects) : x, kUsualShare));
-  return few(rows) ? rows : Rows{};
 }
 
 auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {

@@ -10,15 +10,11 @@ namespace capstan::tools {
 /// Robust range: between the quantiles of 0.5 and 99.5 %, so that wild values do not count.
 auto robust_range(const Eigen::VectorXd& values) -> double;
 
+/// Sizes of the changes from row to row. @pre there is a row
+auto changes_of(const Eigen::VectorXd& values) -> Eigen::VectorXd;
+
 /// Whether a channel has more than one value.
 auto varies(const Eigen::VectorXd& values) -> bool;
-
-/// The signal with a straight line through these rows, from the row before to the row after; as it is where that is
-/// beyond an end. @param rows  in order
-auto without(Eigen::VectorXd x, const std::vector<Eigen::Index>& rows) -> Eigen::VectorXd;
-
-/// Rows of single wild values: up to three rows that stand out from the rows on both sides.
-auto spike_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 
 /// Rows per new value of a channel that is held by a clock; nothing if it is not.
 auto rows_per_value(const Eigen::VectorXd& values) -> std::optional<double>;
