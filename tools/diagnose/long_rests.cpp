@@ -54,9 +54,9 @@ class Standing {
     angles_.push_back({log.q2_rad, kShareOfJoint * range_of(log.q2_rad)});
   }
 
-  /// The rows around one in which every angle stays where it is there.
-  [[nodiscard]] auto around(Eigen::Index row) const -> Rest {
-    Rest rest{0, angles_.front().values.size()};
+  /// The rows around one, from `first` on, in which every angle stays where it is there.
+  [[nodiscard]] auto around(Eigen::Index row, Eigen::Index first) const -> Rest {
+    Rest rest{first, angles_.front().values.size()};
     for (const auto& [values, enough] : angles_) {
       const auto moves = [here = values[row], enough = enough](double now) { return std::abs(now - here) > enough; };
       Eigen::Index before = row;
@@ -103,7 +103,7 @@ auto long_rests(const AxisLog& log) -> std::vector<Rest> {
   };
   const Eigen::Index step = std::max<Eigen::Index>(1, rows / kPlaces);
   for (Eigen::Index row = 0; row < rows; row += step) {
-    const Rest rest = standing.around(row);
+    const Rest rest = standing.around(row, rests.empty() ? 0 : rests.back().end);
     if (is_long(rest) && rest.rows() < rows && (rest.begin == 0 || !creeps(log.q2_rad, rest))) {
       rests.push_back(rest);
       row = rest.end;

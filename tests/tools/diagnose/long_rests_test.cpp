@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "capstan/tests/tools/synthetic_joint.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 
@@ -60,6 +62,22 @@ TEST(LongRests, AreCutWithinALogAndAtItsEnd) {
   EXPECT_GT((cut.time_s.tail(cut.samples() - 1) - cut.time_s.head(cut.samples() - 1)).maxCoeff(), 50.0)
       << "times stay those of the file";
   EXPECT_EQ(cut.warnings.size(), log.warnings.size() + 1);
+}
+
+// So slow that each rest, as far as it may go to and fro, reaches into the next one.
+TEST(LongRests, OfAMotorThatCrawlsDoNotOverlap) {
+  const AxisLog moving = moving_log();
+  AxisLog log = with_rest(moving, moving.samples() / 2, 4000);
+  const double range = moving.q1_rad.maxCoeff() - moving.q1_rad.minCoeff();
+  log.q1_rad.segment(moving.samples() / 2, 4000) += Eigen::VectorXd::LinSpaced(4000, 0.0, 1e-3 * range);
+  const AxisLog cut = without_long_rests(log);
+  EXPECT_LT(cut.samples(), log.samples());
+  EXPECT_GE(cut.samples(), moving.samples());
+  for (Eigen::Index i = 0; i < cut.samples(); ++i) {
+    const auto row = static_cast<Eigen::Index>(std::lround(cut.time_s[i] / log.period_s));
+    ASSERT_EQ(cut.q1_rad[i], log.q1_rad[row]) << i;
+    ASSERT_TRUE(i == 0 || cut.time_s[i] > cut.time_s[i - 1]) << i;
+  }
 }
 
 TEST(LongRests, AreNoneWhereTheJointCreeps) {
