@@ -69,7 +69,7 @@ TEST(LongRests, OfAMotorThatCrawlsDoNotOverlap) {
   const AxisLog moving = moving_log();
   AxisLog log = with_rest(moving, moving.samples() / 2, 4000);
   const double range = moving.q1_rad.maxCoeff() - moving.q1_rad.minCoeff();
-  log.q1_rad.segment(moving.samples() / 2, 4000) += Eigen::VectorXd::LinSpaced(4000, 0.0, 1e-3 * range);
+  log.q1_rad.segment(moving.samples() / 2, 4000) += Eigen::VectorXd::LinSpaced(4000, 0.0, 5e-4 * range);
   const AxisLog cut = without_long_rests(log);
   EXPECT_LT(cut.samples(), log.samples());
   EXPECT_GE(cut.samples(), moving.samples());
