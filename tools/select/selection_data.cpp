@@ -10,18 +10,25 @@
 namespace capstan::tools {
 namespace {
 
-/// How often a play of some half width turns round, so far as the rows go.
-auto turns(const Eigen::VectorXd& q1, const Blocks& logs, double half_width) -> int {
+/// How often a play of some half width turns round, so far as the rows go, and goes on by more than `least`.
+auto turns(const Eigen::VectorXd& q1, const Blocks& logs, double half_width, double least) -> int {
   int count = 0;
   for (const auto& log : logs) {
     double place = q1[log.begin];
+    double low = place;
+    double high = place;
     int direction = 0;
     for (Eigen::Index i = log.begin; i < log.end; ++i) {
-      const double next = std::clamp(place, q1[i] - half_width, q1[i] + half_width);
-      const int now = next > place ? 1 : (next < place ? -1 : direction);
-      count += direction != 0 && now != direction ? 1 : 0;
-      direction = now;
-      place = next;
+      place = std::clamp(place, q1[i] - half_width, q1[i] + half_width);
+      low = direction > 0 ? low : std::min(low, place);
+      high = direction < 0 ? high : std::max(high, place);
+      const bool up = direction <= 0 && place > low + least;
+      const bool down = direction >= 0 && place < high - least;
+      if (up || down) {
+        count += direction != 0 ? 1 : 0;
+        direction = up ? 1 : -1;
+        low = high = place;
+      }
     }
   }
   return count;
@@ -139,7 +146,7 @@ void SelectionData::find_widths() {
   }
   for (const double width :
        geometric_grid(numbers_.narrowest_play * ranges_.q1, numbers_.widest_play * ranges_.q1, numbers_.play_widths)) {
-    if (turns(q1_, logs_, width) >= numbers_.fewest_turns_of_play) {
+    if (turns(q1_, logs_, width, numbers_.way_of_a_turn * ranges_.q1) >= numbers_.fewest_turns_of_play) {
       widths_.push_back(width);
     }
   }

@@ -91,12 +91,19 @@ TEST(SelectionData, ColumnsAreThoseOfTheTermAndThroughTheOutputTermOfTheLaw) {
 }
 
 TEST(SelectionData, APlayIsTriedWhereTheMotionTurnsItRound) {
-  // A sine of one and a small one of a tenth: plays turn up to the large one's amplitude.
+  // Plays of a sine turn up to its amplitude, the widest by a hundredth of its range.
   const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(1000, 0.0, 40.0);
-  SmallSelection small((t.sin()).matrix(), Eigen::VectorXd::Zero(1000));
-  ASSERT_FALSE(small.data.play_widths().empty());
-  EXPECT_NEAR(small.data.play_widths().front(), 2.0 / 200.0, 1e-3);
-  EXPECT_NEAR(small.data.play_widths().back(), 2.0 / 2.02, 1e-3);
+  DecidingNumbers numbers = few_parts();
+  const auto widths = [&](double way_of_a_turn) {
+    numbers.way_of_a_turn = way_of_a_turn;
+    SmallSelection small((t.sin()).matrix(), Eigen::VectorXd::Zero(1000), numbers);
+    return small.data.play_widths();
+  };
+  ASSERT_EQ(widths(0.005).size(), numbers.play_widths);
+  EXPECT_NEAR(widths(0.005).front(), 2.0 / 200.0, 1e-3);
+  EXPECT_NEAR(widths(0.005).back(), 2.0 / 2.02, 1e-3);
+  EXPECT_EQ(widths(0.02).size(), numbers.play_widths - 1);
+  EXPECT_EQ(widths(0.02).back(), widths(0.005)[numbers.play_widths - 2]);
   // A motor that goes one way only turns none.
   SmallSelection one_way(Eigen::VectorXd::LinSpaced(1000, 0.0, 1.0), Eigen::VectorXd::Zero(1000));
   EXPECT_TRUE(one_way.data.play_widths().empty());
