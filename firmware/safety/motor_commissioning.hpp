@@ -21,9 +21,9 @@ namespace capstan {
 ///   count answers for some torque. Of a ladder of stiffnesses the one is taken that tells the joint's own counts best
 ///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own.
 /// - **Noise.** Rms of the measured current about the wanted one while the motor stands, per sample that was counted.
-/// - **Gain error.** Of a moving motor's current, as a share of the wanted one: what the mean of it strays by beyond
+/// - **Gain error.** By what a moving motor's current strays in the mean, noise aside, as a share of the wanted one:
 /// the
-///   noise, which is the amplifier's error, the sensor's, and how much later than a cycle it follows.
+///   amplifier's error, the sensor's, and by how much later than a cycle it follows.
 class MotorCommissioning {
  public:
   /// It computes in floating point, which the motor board's program must not have.

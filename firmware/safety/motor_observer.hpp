@@ -33,10 +33,8 @@ namespace capstan {
 ///   by its load, and each count of that answers for kHelpedShare8 of it. Friction along a tendon is a share of its
 ///   tension, so what a motor pressed with where it turned round counts until it has turned.
 /// - **A look without its answer.** A look moves a motor at rest by counts of its own: LookAnswer.
-/// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise and the
-/// share
-///   of them that amplifier and sensor are off by; CUSUM over what is beyond, up to the charge that makes the motor dv'
-///   faster.
+/// - **Current without a wish.** The measured current lies between the last two wanted ones, but for noise and a share
+///   that amplifier and sensor are off by; CUSUM over what is beyond, up to the charge that makes the motor dv' faster.
 /// Input: whole cycles. Output: a verdict. Fixed point, no division in a cycle.
 ///
 /// Thresholds, from the commissioned values only (motor_observer_scales.cpp); healthy margins and false alarms:

@@ -88,6 +88,9 @@ auto far_rows(const Eigen::VectorXd& x) -> Rows {
   const auto is_far = [&](Index row) { return std::abs(apart[row]) > threshold; };
   Rows rows;
   for (Index i = 1; i + 1 < x.size(); ++i) {
+    if (!is_far(i)) {
+      continue;
+    }
     // A short stroke goes there step by step; a wild value stands out from the next rows on both sides that are none.
     Index before = i - 1;
     Index after = i + 1;
@@ -98,7 +101,7 @@ auto far_rows(const Eigen::VectorXd& x) -> Rows {
       ++after;
     }
     const double out = apart[i] > 0.0 ? x[i] - std::max(x[before], x[after]) : std::min(x[before], x[after]) - x[i];
-    if (is_far(i) && out > threshold) {
+    if (out > threshold) {
       rows.push_back(i);
     }
   }

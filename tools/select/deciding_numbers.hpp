@@ -29,8 +29,8 @@ struct DecidingNumbers {
   /// A play that the motion does not turn round this often is a step of the first stroke, and no hysteresis.
   int fewest_turns_of_play = 1;
   /// What it has to go back by, as a share of the motor's range: a play almost as wide as the motion touches its other
-  /// side for a few rows, and a ratio learned there leads far astray once it moves. Chosen on whether the worst windows
-  /// go (docs/measured_machines.md); 1/20 does the same.
+  /// side for a few rows, and a ratio learned there leads far astray once it moves. Taken for the worst errors, which
+  /// it ends, on all measured angles (docs/measured_machines.md); 1/20 does the same.
   double way_of_a_turn = 1.0 / 50.0;
   /// As many as the input stage has room for.
   std::size_t most_plays = 6;
