@@ -21,9 +21,8 @@ namespace capstan {
 ///   count answers for some torque. Of a ladder of stiffnesses the one is taken that tells the joint's own counts best
 ///   from half of them, by the largest torque that goes beyond what they answered for; `excess` is that of its own.
 /// - **Noise.** Rms of the measured current about the wanted one while the motor stands, per sample that was counted.
-/// - **Gain error.** By what a moving motor's current strays in the mean, noise aside, as a share of the wanted one:
-/// the
-///   amplifier's error, the sensor's, and by how much later than a cycle it follows.
+/// - **Gain error.** By what a moving motor's current strays in the mean, noise aside, as a share of the wanted one. It
+///   is the amplifier's, the sensor's, and what follows later than a cycle.
 class MotorCommissioning {
  public:
   /// It computes in floating point, which the motor board's program must not have.
