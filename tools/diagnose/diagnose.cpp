@@ -172,8 +172,15 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   }
   LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
-  const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
-  if (without_name && (d.ratio_ci95[0] > 1.0 || d.after.rmse > kAboveFloor * d.before.rmse)) {
+  const auto errs_more = [&] {
+    const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
+    return without_name && (d.ratio_ci95[0] > 1.0 || d.after.rmse > kAboveFloor * d.before.rmse);
+  };
+  if (errs_more() && !choice.is_named && d.base.catalogue->target() == TargetKind::kAngle) {
+    choice = choose_small_law(p, d.base);  // few rows may support one where they mislead what is grown further
+    deliver(p, choice, d);
+  }
+  if (errs_more()) {
     choice = as_searched(d, d.found && d.verdict == Verdict::kEffect && !d.effects.empty());
     deliver(p, choice, d);
     d.warnings.emplace_back(kNotBetterUnseen);

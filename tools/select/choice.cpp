@@ -182,4 +182,10 @@ auto choose_law(const Preparation& p, const JointFile& base, const std::optional
   return Chooser(p, base, found, numbers).run(lacking);
 }
 
+auto choose_small_law(const Preparation& p, const JointFile& base) -> LawChoice {
+  DecidingNumbers numbers;
+  numbers.growth.most_steps = 1;
+  return choose_law(p, base, std::nullopt, Lacking::kNothing, numbers);
+}
+
 }  // namespace capstan::tools

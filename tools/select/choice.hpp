@@ -34,4 +34,7 @@ enum class Lacking : std::uint8_t { kNothing, kSomething };
 auto choose_law(const Preparation& p, const JointFile& base, const std::optional<JointFile>& found,
                 Lacking lacking = Lacking::kNothing, const DecidingNumbers& numbers = {}) -> LawChoice;
 
+/// The same among the base law and those that are one step of growth away from it.
+auto choose_small_law(const Preparation& p, const JointFile& base) -> LawChoice;
+
 }  // namespace capstan::tools

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "capstan/tests/tools/select/small_selection.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -95,6 +96,16 @@ TEST(ChooseLaw, AFoundLawThatErrsMuchMoreThanAGrownOneIsNotNamed) {
   const LawChoice choice = Log(0.0, 0.3).chosen(joint_with(kRippled));
   EXPECT_EQ(choice.status, LawStatus::kProvisional);
   EXPECT_FALSE(choice.is_named);
+}
+
+TEST(ChooseLaw, ASmallLawIsOneStepAwayFromTheBaseLaw) {
+  const Log both(0.2, 0.3);
+  const LawChoice grown = both.chosen(std::nullopt);
+  EXPECT_TRUE(grown.law.has("hysteresis") && grown.law.has("angle_periodic")) << joined(grown.law.terms);
+  const LawChoice small = choose_small_law(both.p, joint_with(kBase));
+  EXPECT_EQ(small.status, LawStatus::kProvisional);
+  EXPECT_EQ(small.law.terms.size(), kBase.size() + 1) << joined(small.law.terms);
+  EXPECT_EQ(choose_small_law(Log(0.0, 0.0).p, joint_with(kBase)).status, LawStatus::kBase);
 }
 
 // Columns of a weight predict the log as well as its law would with the right numbers; with others it does not.
