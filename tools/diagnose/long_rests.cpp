@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "capstan/tools/identify/least_squares.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -29,16 +29,6 @@ constexpr double kKept = 0.05;
 /// Places of a log at which a rest is looked for: several in each long one.
 constexpr Eigen::Index kPlaces = 128;
 
-struct Rest {
-  Eigen::Index begin = 0, end = 0;  ///< rows, the last one excluded
-  [[nodiscard]] auto rows() const -> Eigen::Index { return end - begin; }
-};
-
-auto rows_in(const std::vector<Rest>& rests) -> Eigen::Index {
-  const auto add = [](Eigen::Index sum, const Rest& rest) { return sum + rest.rows(); };
-  return std::accumulate(rests.begin(), rests.end(), Eigen::Index{0}, add);
-}
-
 auto range_of(const Eigen::VectorXd& angle) -> double {
   return angle.maxCoeff() - angle.minCoeff();
 }
@@ -55,8 +45,8 @@ class Standing {
   }
 
   /// The rows around one, from `first` on, in which every angle stays where it is there.
-  [[nodiscard]] auto around(Eigen::Index row, Eigen::Index first) const -> Rest {
-    Rest rest{first, angles_.front().values.size()};
+  [[nodiscard]] auto around(Eigen::Index row, Eigen::Index first) const -> RowRange {
+    RowRange rest{first, angles_.front().values.size()};
     for (const auto& [values, enough] : angles_) {
       const auto moves = [here = values[row], enough = enough](double now) { return std::abs(now - here) > enough; };
       Eigen::Index before = row;
@@ -85,26 +75,26 @@ class Standing {
   std::vector<Angle> angles_;
 };
 
-auto creeps(const Eigen::VectorXd& q2, const Rest& rest) -> bool {
-  const Eigen::Index third = rest.rows() / 3;
+auto creeps(const Eigen::VectorXd& q2, const RowRange& rest) -> bool {
+  const Eigen::Index third = rest.size() / 3;
   const double moved = q2.segment(rest.begin, third).mean() - q2.segment(rest.end - third, third).mean();
   return std::abs(moved) > std::max(kCreepNoises * white_noise_level(q2), kCreepShare * range_of(q2));
 }
 
-auto long_rests(const AxisLog& log) -> std::vector<Rest> {
-  std::vector<Rest> rests;
+auto long_rests(const AxisLog& log) -> Blocks {
+  Blocks rests;
   if (log.effort.size() > 0) {
     return rests;
   }
   const Standing standing(log);
   const Eigen::Index rows = log.samples();
-  const auto is_long = [rows](const Rest& rest) {
-    return static_cast<double>(rest.rows()) > kLong * static_cast<double>(rows - rest.rows());
+  const auto is_long = [rows](const RowRange& rest) {
+    return static_cast<double>(rest.size()) > kLong * static_cast<double>(rows - rest.size());
   };
   const Eigen::Index step = std::max<Eigen::Index>(1, rows / kPlaces);
   for (Eigen::Index row = 0; row < rows; row += step) {
-    const Rest rest = standing.around(row, rests.empty() ? 0 : rests.back().end);
-    if (is_long(rest) && rest.rows() < rows && (rest.begin == 0 || !creeps(log.q2_rad, rest))) {
+    const RowRange rest = standing.around(row, rests.empty() ? 0 : rests.back().end);
+    if (is_long(rest) && rest.size() < rows && (rest.begin == 0 || !creeps(log.q2_rad, rest))) {
       rests.push_back(rest);
       row = rest.end;
     }
@@ -112,31 +102,23 @@ auto long_rests(const AxisLog& log) -> std::vector<Rest> {
   return rests;
 }
 
-auto without_rows(AxisLog log, const std::vector<Rest>& cut) -> AxisLog {
-  for_each_signal(log, [&](Eigen::VectorXd& signal) {
-    if (signal.size() == 0) {
-      return;
+/// Of a log with so many, all outside of these blocks.
+auto rows_outside(const Blocks& blocks, Eigen::Index rows) -> std::vector<Eigen::Index> {
+  std::vector<Eigen::Index> outside;
+  auto next = blocks.begin();
+  for (Eigen::Index row = 0; row < rows; ++row) {
+    next += next != blocks.end() && row == next->end ? 1 : 0;
+    if (next == blocks.end() || row < next->begin) {
+      outside.push_back(row);
     }
-    Eigen::Index kept = 0;
-    Eigen::Index from = 0;
-    const auto keep_until = [&](Eigen::Index end) {
-      std::copy(signal.begin() + from, signal.begin() + end, signal.begin() + kept);
-      kept += end - from;
-    };
-    for (const auto& rest : cut) {
-      keep_until(rest.begin);
-      from = rest.end;
-    }
-    keep_until(signal.size());
-    signal.conservativeResize(kept);
-  });
-  return log;
+  }
+  return outside;
 }
 
 }  // namespace
 
 auto without_long_rests(AxisLog log) -> AxisLog {
-  std::vector<Rest> rests = long_rests(log);
+  Blocks rests = long_rests(log);
   if (rests.empty()) {
     return log;
   }
@@ -151,7 +133,8 @@ auto without_long_rests(AxisLog log) -> AxisLog {
     }
   }
   const double still_s = static_cast<double>(rows_in(rests)) * log.period_s;
-  log = without_rows(std::move(log), rests);
+  const auto kept_rows = rows_outside(rests, log.samples());
+  log = only_rows(std::move(log), kept_rows);
   log.warnings.push_back(log.name + ": nothing moves for " + rounded(still_s, 2) +
                          " s, which say nothing of the law and take no part");
   return log;

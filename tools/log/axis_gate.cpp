@@ -30,11 +30,7 @@ auto changed_rows(const AxisLog& axis) -> std::vector<Eigen::Index> {
 }
 
 void keep_rows(AxisLog& axis, const std::vector<Eigen::Index>& rows) {
-  for_each_signal(axis, [&](Eigen::VectorXd& signal) {
-    if (signal.size() > 0) {
-      signal = Eigen::VectorXd(signal(rows));
-    }
-  });
+  axis = only_rows(std::move(axis), rows);
   axis.period_s = median(axis.time_s.tail(axis.samples() - 1) - axis.time_s.head(axis.samples() - 1));
 }
 

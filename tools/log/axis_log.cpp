@@ -244,4 +244,13 @@ auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog {
   return log;
 }
 
+auto only_rows(AxisLog log, const std::vector<Eigen::Index>& rows) -> AxisLog {
+  for_each_signal(log, [&](Eigen::VectorXd& signal) {
+    if (signal.size() > 0) {
+      signal = Eigen::VectorXd(signal(rows));
+    }
+  });
+  return log;
+}
+
 }  // namespace capstan::tools

@@ -67,6 +67,8 @@ void for_each_signal(AxisLog& log, Visit&& visit) {
 /// The rows of a log up to some row, or from one on.
 auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog;
 auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog;
+/// These rows of a log, as they come. Its period stays.
+auto only_rows(AxisLog log, const std::vector<Eigen::Index>& rows) -> AxisLog;
 
 /// Axes of a log that are looked for: axis0 to axis15.
 inline constexpr int kMostAxes = 16;

@@ -126,14 +126,21 @@ TEST_P(FrictionBand, EngagesThroughAPlay) {
   EXPECT_LT(half_width_m, 0.006);
 }
 
+class Catheter : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto file = data_folder() / "machines" / "catheter_2_3.csv";
+    if (!std::filesystem::exists(file)) {
+      GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
+    }
+    log = read_axis(CsvLog::read(file.string()), {});
+  }
+  AxisLog log;
+};
+
 // A catheter without a repeat: its noise has to be judged from what laws leave, and one of two tendons with a late
 // sensor leaves 0.77 deg where a law with plays leaves less than half.
-TEST(Catheter, TendonsThatLeaveMoreThanALawGrownBesideThemAreNotTheWholeAnswer) {
-  const auto file = data_folder() / "machines" / "catheter_2_3.csv";
-  if (!std::filesystem::exists(file)) {
-    GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
-  }
-  const AxisLog log = read_axis(CsvLog::read(file.string()), {});
+TEST_F(Catheter, TendonsThatLeaveMoreThanALawGrownBesideThemAreNotTheWholeAnswer) {
   const Diagnosis d = diagnose({first_rows(log, 7 * log.samples() / 10)}, {});
   EXPECT_EQ(d.base_model, "tendon");
   EXPECT_EQ(d.verdict, Verdict::kUnknown);
@@ -143,12 +150,7 @@ TEST(Catheter, TendonsThatLeaveMoreThanALawGrownBesideThemAreNotTheWholeAnswer) 
 
 // Four tenths of the same: what is grown from it errs more than the base law on the rows set aside, by which that
 // stayed with five times the error on the rows that follow.
-TEST(Catheter, WhereAGrownLawErrsMoreThanTheBaseLawASmallOneIsAsked) {
-  const auto file = data_folder() / "machines" / "catheter_2_3.csv";
-  if (!std::filesystem::exists(file)) {
-    GTEST_SKIP() << file << " is not there; set CAPSTAN_DATA to the folder of measured logs";
-  }
-  const AxisLog log = read_axis(CsvLog::read(file.string()), {});
+TEST_F(Catheter, WhereAGrownLawErrsMoreThanTheBaseLawASmallOneIsAsked) {
   const AxisLog window =
       first_rows(rows_from(log, (log.samples() - log.samples() * 65 / 100) / 2), log.samples() * 65 / 100);
   const Eigen::Index learned = 6 * window.samples() / 10;

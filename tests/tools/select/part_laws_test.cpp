@@ -8,6 +8,7 @@
 #include <random>
 
 #include "capstan/tools/select/effort_catalogue.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -113,12 +114,11 @@ TEST(PartProducts, RowsBehindTheShareTakeNoPart) {
 
 TEST(PartProducts, TheLargestShareIsThatOfAPartInTheEffort) {
   const Made made;
-  const auto size = [](const Eigen::VectorXd& x) { return std::sqrt(x.squaredNorm() / static_cast<double>(x.size())); };
   const Eigen::MatrixXd x = made.columns();
   const Eigen::VectorXd theta = x.colPivHouseholderQr().solve(made.log.effort);
-  const double dry = size(theta[1] * x.col(1));
-  EXPECT_NEAR(made.products.largest_share(kTruth, 0.0), dry / size(made.log.effort), 1e-9);
-  EXPECT_GT(dry, size(theta[0] * x.col(0)));
+  const double dry = rms(theta[1] * x.col(1));
+  EXPECT_NEAR(made.products.largest_share(kTruth, 0.0), dry / rms(made.log.effort), 1e-9);
+  EXPECT_GT(dry, rms(theta[0] * x.col(0)));
   EXPECT_EQ(made.products.largest_share({}, 0.0), 0.0);
 }
 
