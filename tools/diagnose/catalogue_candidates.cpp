@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "capstan/tools/diagnose/candidate.hpp"
-#include "capstan/tools/select/selection_data.hpp"
+#include "capstan/tools/support/geometric_grid.hpp"
 #include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {

@@ -5,6 +5,7 @@
 
 #include "capstan/model/terms/table.hpp"
 #include "capstan/tools/select/vocabulary.hpp"
+#include "capstan/tools/support/geometric_grid.hpp"
 
 namespace capstan::tools {
 namespace {

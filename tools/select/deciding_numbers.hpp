@@ -21,6 +21,14 @@ struct GrowthRules {
 struct DecidingNumbers {
   /// Rows that take no part.
   SettlingRule settling;
+  /// A quarter of a log is half of what it shows of one branch where the motor turns twice, by this share of its range,
+  /// and no more. Fewer rows are left out there, and plays begin where the log says that they began (play_start.hpp).
+  /// Of logs with one turn a start is not told from a width; where strokes suffice the first one only does harm
+  /// (docs/measured_machines.md).
+  SettlingRule settling_of_few_strokes = {.most_share_of_rows = 0.1};
+  int turns_of_a_cycle = 2;
+  int turns_of_two_cycles = 3;
+  double way_of_a_stroke = 0.3;
 
   /// Half widths of plays that are tried: shares of the motor's range, in equal ratios.
   double narrowest_play = 1.0 / 200.0;

@@ -5,34 +5,12 @@
 #include <cmath>
 
 #include "capstan/tools/identify/mean_sample.hpp"
+#include "capstan/tools/select/play_start.hpp"
+#include "capstan/tools/support/geometric_grid.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
-
-/// How often a play of some half width turns round, so far as the rows go, and goes on by more than `least`.
-auto turns(const Eigen::VectorXd& q1, const Blocks& logs, double half_width, double least) -> int {
-  int count = 0;
-  for (const auto& log : logs) {
-    double place = q1[log.begin];
-    double low = place;
-    double high = place;
-    int direction = 0;
-    for (Eigen::Index i = log.begin; i < log.end; ++i) {
-      place = std::clamp(place, q1[i] - half_width, q1[i] + half_width);
-      low = direction > 0 ? low : std::min(low, place);
-      high = direction < 0 ? high : std::max(high, place);
-      const bool up = direction <= 0 && place > low + least;
-      const bool down = direction >= 0 && place < high - least;
-      if (up || down) {
-        count += direction != 0 ? 1 : 0;
-        direction = up ? 1 : -1;
-        low = high = place;
-      }
-    }
-  }
-  return count;
-}
 
 /// The causal samples with the joint angle of the cycle before as `q2` has it.
 auto running_on(const Preparation& p, const Eigen::VectorXd& q2) -> LawDesign {
@@ -60,14 +38,6 @@ struct Range {
 
 }  // namespace
 
-auto geometric_grid(double low, double high, std::size_t count) -> std::vector<double> {
-  std::vector<double> values;
-  for (std::size_t i = 0; i < count; ++i) {
-    values.push_back(low * std::pow(high / low, static_cast<double>(i) / static_cast<double>(count - 1)));
-  }
-  return values;
-}
-
 SelectionData::SelectionData(const Preparation& p, const Catalogue& catalogue, const DecidingNumbers& numbers,
                              const Eigen::VectorXd& q2)
     : p_(p),
@@ -88,7 +58,7 @@ SelectionData::SelectionData(const Preparation& p, const Catalogue& catalogue, c
   q1_.resize(rows());
   std::transform(coarse_.begin(), coarse_.end(), q1_.begin(), [](const auto& sample) { return sample.q1; });
   measure_ranges();
-  settled_ = settled_rows(q1_, logs_, numbers_.settling);
+  settle();
   find_widths();
 }
 
@@ -140,16 +110,40 @@ void SelectionData::measure_motion() {
   ranges_.warmth_centre = warm.centre();
 }
 
+void SelectionData::settle() {
+  const int turns =
+      turns_of_play(q1_, logs_, 0.5 * numbers_.way_of_a_stroke * ranges_.q1, numbers_.way_of_a_turn * ranges_.q1);
+  if (turns < numbers_.turns_of_a_cycle || turns >= numbers_.turns_of_two_cycles) {
+    settled_ = settled_rows(q1_, logs_, numbers_.settling);
+    return;
+  }
+  settled_ = settled_rows(q1_, logs_, numbers_.settling_of_few_strokes);
+  for (const auto& log : logs_) {
+    starts_.push_back(start_of_plays(q1_.segment(log.begin, log.size()), target_.segment(log.begin, log.size())));
+  }
+}
+
 void SelectionData::find_widths() {
   if (ranges_.q1 <= 0.0) {
     return;
   }
   for (const double width :
        geometric_grid(numbers_.narrowest_play * ranges_.q1, numbers_.widest_play * ranges_.q1, numbers_.play_widths)) {
-    if (turns(q1_, logs_, width, numbers_.way_of_a_turn * ranges_.q1) >= numbers_.fewest_turns_of_play) {
+    if (turns_of_play(q1_, logs_, width, numbers_.way_of_a_turn * ranges_.q1) >= numbers_.fewest_turns_of_play) {
       widths_.push_back(width);
     }
   }
+}
+
+auto SelectionData::lead_of_plays(double half_width) const -> Eigen::VectorXd {
+  Eigen::VectorXd lead(causal_.rows());
+  Eigen::Index row = 0;
+  for (std::size_t log = 0; log < starts_.size(); ++log) {
+    const Samples& samples = causal_.samples()[log];
+    lead.segment(row, std::ssize(samples)) = lead_of_play(samples, half_width, starts_[log]);
+    row += std::ssize(samples);
+  }
+  return causal_.smoothed(lead);
 }
 
 auto SelectionData::columns(const TermChoice& choice, const TermChoice* output) -> const Eigen::MatrixXd& {
@@ -157,6 +151,9 @@ auto SelectionData::columns(const TermChoice& choice, const TermChoice* output) 
   const auto [found, is_new] = kept_.try_emplace(key);
   if (is_new) {
     Eigen::MatrixXd columns = causal_.columns(catalogue_->term(choice.term), choice.shapes);
+    if (choice.term == "play" && !starts_.empty()) {
+      columns.col(0) += lead_of_plays(choice.shapes.front());
+    }
     if (output != nullptr) {
       columns = causal_.apply(catalogue_->term(output->term), output->shapes, columns);
     }

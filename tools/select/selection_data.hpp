@@ -37,8 +37,9 @@ class SelectionData {
   [[nodiscard]] auto q1() const -> const Eigen::VectorXd& { return q1_; }
   /// Coarse rows of each log.
   [[nodiscard]] auto logs() const -> const Blocks& { return logs_; }
-  /// The same without those before the motor has first covered most of its range. What the joint did there hangs on a
-  /// past that was not logged.
+  /// The same without those before the motor has first covered most of its range: what the joint did there hangs on a
+  /// past that was not logged. Logs of a cycle or so can not spare them; there plays begin where the log says that they
+  /// began.
   [[nodiscard]] auto settled() const -> const Blocks& { return settled_; }
   /// Half widths of plays that the motion carries both ways, ascending.
   [[nodiscard]] auto play_widths() const -> const std::vector<double>& { return widths_; }
@@ -51,7 +52,9 @@ class SelectionData {
  private:
   void measure_ranges();
   void measure_motion();
+  void settle();
   void find_widths();
+  [[nodiscard]] auto lead_of_plays(double half_width) const -> Eigen::VectorXd;
 
   const Preparation& p_;
   LawDesign causal_;
@@ -61,11 +64,9 @@ class SelectionData {
   Eigen::VectorXd target_, q1_;
   Samples coarse_;  ///< h is as columns_at() was last asked for
   Blocks logs_, settled_;
+  std::vector<double> starts_;  ///< of the plays in each log, shares of their half widths; empty: in the middle
   std::vector<double> widths_;
   std::map<std::string, Eigen::MatrixXd> kept_;
 };
-
-/// Values from low to high in equal ratios.
-auto geometric_grid(double low, double high, std::size_t count) -> std::vector<double>;
 
 }  // namespace capstan::tools

@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 
 #include "capstan/tests/tools/machines/machine_joint.hpp"
 #include "capstan/tests/tools/machines/plain_fits.hpp"
+#include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::machines {
@@ -44,6 +46,20 @@ auto drawn(std::uint64_t seed, const std::vector<std::string>& names) -> std::ve
   EXPECT_EQ(joints.size(), names.size());
   std::filesystem::remove_all(folder);
   return joints;
+}
+
+TEST(Machines, AFolderWithoutALogToScoreIsRefused) {
+  const std::string folder = testing::TempDir() + "capstan_no_machines";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder + "/times.csv") << "time_s\n0\n0.01\n0.02\n";
+  std::ofstream(folder + "/README.md") << "no log\n";
+  try {
+    joints_in(folder);
+    ADD_FAILURE() << "a scoreboard of nothing";
+  } catch (const BadInput& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("holds no log to score"), std::string::npos) << refusal.what();
+  }
+  std::filesystem::remove_all(folder);
 }
 
 /// Error of the delivered law over that of the plain fit, on the last 40 % of the rows.

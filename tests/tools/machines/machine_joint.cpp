@@ -9,6 +9,7 @@
 
 #include "capstan/tests/tools/machines/plain_fits.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools::machines {
@@ -89,6 +90,11 @@ auto joints_in(const std::string& folder) -> std::vector<Joint> {
                           wanted->first, read_axis(csv, wanted->second)});
       }
     }
+  }
+  if (joints.empty()) {
+    throw BadInput(folder +
+                   " holds no log to score: files that end in .csv, with a motor angle (axis0/q1_rad) and a "
+                   "joint angle, an effort or a torque behind a gear");
   }
   return joints;
 }

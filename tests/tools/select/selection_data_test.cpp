@@ -15,15 +15,6 @@ using test::samples_of;
 using test::SmallSelection;
 using test::two_sines;
 
-TEST(GeometricGrid, GoesFromEndToEndInEqualRatios) {
-  const std::vector<double> grid = geometric_grid(0.5, 8.0, 5);
-  const double expected[] = {0.5, 1.0, 2.0, 4.0, 8.0};
-  ASSERT_EQ(grid.size(), 5u);
-  for (std::size_t i = 0; i < 5; ++i) {
-    EXPECT_NEAR(grid[i], expected[i], 1e-12);
-  }
-}
-
 TEST(SelectionData, ACoarseRowIsTheMeanOfItsSamplesAndTheDirectionOfMost) {
   Samples samples(6);
   for (std::size_t i = 0; i < 6; ++i) {

@@ -10,7 +10,7 @@ namespace capstan::tools::test {
 /// Few parts and no rows left out for settling, so that scores can be written out.
 inline auto few_parts() -> DecidingNumbers {
   DecidingNumbers numbers;
-  numbers.settling.most_share_of_rows = 0.0;
+  numbers.settling.most_share_of_rows = numbers.settling_of_few_strokes.most_share_of_rows = 0.0;
   numbers.parts = 4;
   numbers.first_judged_part = 2;
   numbers.parts_left_out = 2;
