@@ -17,7 +17,7 @@ using test::SmallSelection;
 /// A cycle of a motor, and a joint behind two plays of 0.7 and 0.2 rad, which begin at a share of those.
 struct OneCycle {
   Eigen::VectorXd q1, q2;
-  explicit OneCycle(double start, double sign = 1.0, double phase = 0.3)
+  explicit OneCycle(double start, double sign = 1.0, double phase = 0.3, double curve = 0.0)
       : q1(Eigen::ArrayXd::LinSpaced(400, 0.0, 2.0 * std::numbers::pi)), q2(q1.size()) {
     q1 = (q1.array() + phase).sin().matrix();
     const double widths[] = {0.7, 0.2};
@@ -26,7 +26,8 @@ struct OneCycle {
       for (std::size_t play = 0; play < 2; ++play) {
         places[play] = std::clamp(places[play], q1[i] - widths[play], q1[i] + widths[play]);
       }
-      q2[i] = sign * (0.5 * places[0] + 0.3 * places[1]) + 0.04;
+      const double h = 0.5 * places[0] + 0.3 * places[1];
+      q2[i] = sign * (h + curve * h * h) + 0.04;
     }
   }
 };
@@ -37,6 +38,16 @@ TEST(PlayStart, IsWhereTheJointSaysThatItBegan) {
       const OneCycle cycle(start, sign);
       EXPECT_EQ(start_of_plays(cycle.q1, cycle.q2), start) << sign;
       EXPECT_EQ(start_of_plays(1e3 * cycle.q1, 1e-3 * cycle.q2), start) << "in other units";
+    }
+  }
+}
+
+// A curve of the ratio bends the branches as a start does, but all of them. One of 0.3 for 0.12 hides some starts.
+TEST(PlayStart, IsFoundBehindACurvedRatioAtAnyPhase) {
+  for (const double start : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+    for (const double phase : {0.0, 0.8, 2.0, 4.0}) {
+      const OneCycle cycle(start, 1.0, phase, 0.12);
+      EXPECT_EQ(start_of_plays(cycle.q1, cycle.q2), start) << phase;
     }
   }
 }
