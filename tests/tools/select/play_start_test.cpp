@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +11,7 @@
 namespace capstan::tools {
 namespace {
 
+using test::play_of;
 using test::SmallSelection;
 
 /// A cycle of a motor, and a joint behind two plays of 0.7 and 0.2 rad, which begin at a share of those.
@@ -20,15 +20,8 @@ struct OneCycle {
   explicit OneCycle(double start, double sign = 1.0, double phase = 0.3, double curve = 0.0)
       : q1(Eigen::ArrayXd::LinSpaced(400, 0.0, 2.0 * std::numbers::pi)), q2(q1.size()) {
     q1 = (q1.array() + phase).sin().matrix();
-    const double widths[] = {0.7, 0.2};
-    double places[] = {q1[0] + start * widths[0], q1[0] + start * widths[1]};
-    for (Eigen::Index i = 0; i < q1.size(); ++i) {
-      for (std::size_t play = 0; play < 2; ++play) {
-        places[play] = std::clamp(places[play], q1[i] - widths[play], q1[i] + widths[play]);
-      }
-      const double h = 0.5 * places[0] + 0.3 * places[1];
-      q2[i] = sign * (h + curve * h * h) + 0.04;
-    }
+    const Eigen::VectorXd h = 0.5 * play_of(q1, 0.7, start) + 0.3 * play_of(q1, 0.2, start);
+    q2 = sign * (h + curve * h.cwiseAbs2()) + Eigen::VectorXd::Constant(q1.size(), 0.04);
   }
 };
 
