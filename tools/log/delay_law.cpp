@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "capstan/tools/log/channel_shape.hpp"
+#include "capstan/tools/support/play_column.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -44,11 +45,6 @@ auto remembered(Index rows, double first, Step step) -> VectorXd {
     result[i] = state;
   }
   return result;
-}
-
-auto play_of(const VectorXd& x, double half_width) -> VectorXd {
-  return remembered(x.size(), x[0],
-                    [&](double at, Index i) { return std::clamp(at, x[i] - half_width, x[i] + half_width); });
 }
 
 auto bristle_of(const VectorXd& x, double width) -> VectorXd {
@@ -112,7 +108,7 @@ void add_torque(const LawChannels& channels, const Turns& turns, const MatrixXd&
   columns.add_function(tau, kElongationKnots, &direction);
   const double range = robust_range(tau);
   for (const double share : kTorquePlays) {
-    columns.add(play_of(tau, share * range));
+    columns.add(play_column(tau, share * range));
   }
   for (const double time_s : kCreepTimes) {
     columns.add(low_passed(tau, time_s / channels.period_s));
@@ -234,7 +230,7 @@ auto delay_law(const LawChannels& channels, const Turns& turns, const LogParts& 
   const double step = quantisation_step(q1);
   for (const double share : kPlays) {
     if (share * range > step) {
-      columns.add(play_of(q1, share * range));
+      columns.add(play_column(q1, share * range));
     }
   }
   for (const double share : kBristles) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "capstan/tools/support/geometric_grid.hpp"
+#include "capstan/tools/support/play_column.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -21,18 +22,13 @@ constexpr double kWorthAnother = 0.9;
 /// What the sum of plays, and a curve, leave of the joint angle, sum of squares.
 auto left_by_plays(const Eigen::VectorXd& q1, const Eigen::VectorXd& q2, double start) -> double {
   const double range = q1.maxCoeff() - q1.minCoeff();
-  const Eigen::ArrayXd angle = (q1.array() - 0.5 * (q1.maxCoeff() + q1.minCoeff())) / range;
+  const Eigen::VectorXd angle = (q1.array() - 0.5 * (q1.maxCoeff() + q1.minCoeff())) / range;
   Eigen::MatrixXd columns(q1.size(), kColumns);
   Eigen::Index play = 0;
   for (const double half_width : geometric_grid(kNarrowest, kWidest, kPlays)) {
-    double place = angle[0] + start * half_width;
-    for (Eigen::Index row = 0; row < angle.size(); ++row) {
-      place = std::clamp(place, angle[row] - half_width, angle[row] + half_width);
-      columns(row, play) = place;
-    }
-    ++play;
+    columns.col(play++) = play_column(angle, half_width, start);
   }
-  columns.rightCols(3) << angle, angle.square(), angle.cube();
+  columns.rightCols(3) << angle, angle.array().square(), angle.array().cube();
   columns.rowwise() -= columns.colwise().mean().eval();
   const Eigen::VectorXd target = q2.array() - q2.mean();
   const Sign sign = columns.col(kPlays).dot(target) < 0.0 ? Sign::kNonPositive : Sign::kNonNegative;
