@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -28,7 +29,8 @@ auto reported(const ErrorSummary& error, const std::string& unit) -> std::string
          (unit == "rad" ? "" : ", " + rounded(error.relative_percent, 3) + " % of the effort");
 }
 
-void print_diagnosis(const Diagnosis& d) {
+/// @param said  warnings that were said while the logs were read
+void print_diagnosis(const Diagnosis& d, const std::vector<std::string>& said) {
   std::cout << "verdict: " << verdict_word(d.verdict) << "\n  " << d.reason << "\n";
   if (d.traces.measured.size() == 0) {
     return;
@@ -48,6 +50,11 @@ void print_diagnosis(const Diagnosis& d) {
     std::cout << "  error on " << log.name << " (RMSE): before " << reported(log.before, d.unit) << "; after "
               << reported(log.after, d.unit) << "\n";
   }
+  for (const auto& warning : d.warnings) {
+    if (std::find(said.begin(), said.end(), warning) == said.end()) {
+      std::cout << "  note: " << warning << "\n";
+    }
+  }
   if (d.next_experiment) {
     std::cout << "  next: " << *d.next_experiment << "\n";
   }
@@ -62,8 +69,12 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
   if (isatty(STDERR_FILENO) != 0) {
     job.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
-  Diagnosis diagnosis = diagnose(job, warn);
-  print_diagnosis(diagnosis);
+  std::vector<std::string> said;
+  Diagnosis diagnosis = diagnose(job, [&said](const std::string& warning) {
+    said.push_back(warning);
+    warn(warning);
+  });
+  print_diagnosis(diagnosis, said);
   if (!options.output.empty()) {
     if (const std::string status = write_law(diagnosis, options.output); !status.empty()) {
       std::cerr << "wrote " << options.output << " (" << status << " law)\n";

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/diagnose/delivered_law.hpp"
 
+#include <algorithm>
+
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -52,6 +55,23 @@ auto as_searched(const Diagnosis& d, bool named) -> LawChoice {
   choice.is_named = named;
   choice.halves_agree = 2;
   return choice;
+}
+
+void warn_of_uncertain_gain(Diagnosis& d) {
+  if (d.law.status == LawStatus::kProvisional && d.ratio_ci95[1] >= 1.0) {
+    d.warnings.push_back("the law predicts the rows best that it was chosen by; on those set aside it leaves " +
+                         rounded(d.ratio_ci95[0], 3) + " to " + rounded(d.ratio_ci95[1], 3) +
+                         " times what the base law does, so it is not certain to err less: test it on another log "
+                         "(--test)");
+  }
+}
+
+void bound_floor(Diagnosis& d) {
+  const double left = std::min(d.before.rmse, d.after.rmse);
+  if (left < d.noise_floor) {
+    d.noise_floor = left;
+    d.floor_from = "law";
+  }
 }
 
 auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice {

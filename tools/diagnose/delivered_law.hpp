@@ -16,4 +16,11 @@ auto as_searched(const Diagnosis& d, bool named) -> LawChoice;
 /// something to choose.
 auto chosen_law(const Preparation& p, const Search& search, const Diagnosis& d) -> LawChoice;
 
+/// Says of a law without a name, which was chosen by what it predicts of other rows, that those set aside do not show
+/// its gain for certain.
+void warn_of_uncertain_gain(Diagnosis& d);
+
+/// The floor is the noise, or what a law leaves of the same rows where that is less.
+void bound_floor(Diagnosis& d);
+
 }  // namespace capstan::tools

@@ -85,7 +85,7 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
 void take_back(const Search& search, Diagnosis& d) {
   const bool missing = search.base_reducible > 0.05;
   d.reason = "On rows that took no part in the choice it is not certain that " + search.effects.front().name +
-             " lowers the error, so it was not added.";
+             " lowers the error, so it is not named.";
   d.verdict = missing ? Verdict::kUnknown : Verdict::kNothingMissing;
   d.effects.clear();
 }
@@ -108,15 +108,6 @@ auto found_law(const Preparation& p, const Search& search, const LawForm& base, 
   return found;
 }
 
-/// Which of two floors is the lower: that of the noise, or what a law leaves of the same rows.
-void bound_floor(Diagnosis& d) {
-  const double left = std::min(d.before.rmse, d.after.rmse);
-  if (left < d.noise_floor) {
-    d.noise_floor = left;
-    d.floor_from = "law";
-  }
-}
-
 /// Errors on a log that took no part. It may have begun elsewhere: its zero is taken off.
 void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tested) {
   const auto error = [&](const JointFile& law) -> ErrorSummary {
@@ -128,11 +119,6 @@ void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tes
   };
   tested.push_back({log.name, error(d.base), error(d.law)});
 }
-
-/// Why a law that was grown is not delivered.
-constexpr const char* kNotBetterUnseen =
-    "laws without a name fit the log better and erred more than the base law on the rows set aside, so none is "
-    "delivered; a longer log may tell more";
 
 /// A law is nearer to the rows that it was fitted to than to others, the more so the more it was chosen from.
 void widen_error_bar(double unseen_rms, FitSummary& fit) {
@@ -156,9 +142,14 @@ void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
   }
 }
 
+/// Why a law that was grown is not delivered.
+constexpr const char* kNotBetterUnseen =
+    "laws without a name fit the log better and erred more than the base law on the rows set aside, so none is "
+    "delivered; a longer log may tell more";
+
 /// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does
-/// worse there than the base law, for certain or by more than a floor may be off, is none that the log supports: it has
-/// learned what does not come again, as from a slip while the log was taken.
+/// no better there than the base law, for certain, or worse by more than a floor may be off, is none that the log
+/// supports: it has learned what does not come again, as from a slip while the log was taken.
 void report(const Preparation& p, const Search& search, const LawForm& base, const std::optional<JointFile>& healthy,
             Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -172,15 +163,15 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   }
   LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
-  const auto errs_more = [&] {
+  const auto is_no_better = [&] {
     const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
-    return without_name && (d.ratio_ci95[0] > 1.0 || d.after.rmse > kAboveFloor * d.before.rmse);
+    return without_name && (d.ratio_ci95[0] >= 1.0 || d.after.rmse > kAboveFloor * d.before.rmse);
   };
-  if (errs_more() && !choice.is_named && d.base.catalogue->target() == TargetKind::kAngle) {
+  if (is_no_better() && !choice.is_named && d.base.catalogue->target() == TargetKind::kAngle) {
     choice = choose_small_law(p, d.base);  // few rows may support one where they mislead what is grown further
     deliver(p, choice, d);
   }
-  if (errs_more()) {
+  if (is_no_better()) {
     choice = as_searched(d, d.found && d.verdict == Verdict::kEffect && !d.effects.empty());
     deliver(p, choice, d);
     d.warnings.emplace_back(kNotBetterUnseen);
@@ -199,6 +190,15 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
     d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
                          ": other values would fit as well, so the law holds for motions like this one only");
   }
+}
+
+/// Where nothing can be fitted there is a law without terms, which leaves the whole target.
+void take_no_law(const std::vector<AxisLog>& logs, const Catalogue& catalogue, Diagnosis& d) {
+  d.base = JointFile(catalogue);
+  d.base.status = LawStatus::kBase;
+  d.law = d.base;
+  const Eigen::VectorXd target = stacked_target(logs);
+  d.before = d.after = {rms(target), target.isZero(0.0) ? 0.0 : 100.0, 0.0};
 }
 
 /// The base law to start from; empty, with verdict and cure written, where the logs are not fit for it.
@@ -301,7 +301,7 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
       options.base_law ? *options.base_law->catalogue : catalogue_of_model(d.base_model, recorded);
   d.unit = catalogue.target_unit();
   d.motion_unit = catalogue.motion_unit();
-  d.base = d.law = JointFile(catalogue);
+  take_no_law(recorded, catalogue, d);
   options.progress("checking the log");
   std::vector<AxisLog> logs = recorded;
   if (catalogue.target() == TargetKind::kForce) {
@@ -317,7 +317,7 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
     p = with_rate_filter(std::move(p), options.base_law->parameters.conditioner.rate_time_constant_s);
   }
   const LawForm law = settled_base(p, *base);
-  d.warnings.insert(d.warnings.end(), p.notes.begin(), p.notes.end());
+  d.notes = p.notes;
   d.repeats = p.repeats ? p.repeats->count : 1;
   const std::optional<Nameless> why = nameless(p, law);
   if (why && (catalogue.target() != TargetKind::kAngle || !options.base_model.empty() || options.base_law)) {
@@ -338,6 +338,7 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
     options.progress("choosing the law of the effort");
     deliver_effort_law(logs, options, d);
   }
+  warn_of_uncertain_gain(d);
   if (d.traces.after.size() > 0) {
     const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
     d.map_before = residual_map(signals, d.traces.measured - d.traces.before);

@@ -116,6 +116,7 @@ struct Diagnosis {
   double rate_hz = 0.0;
   long repeats = 0;
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  ///< how the logs were looked at; JSON and report have them behind the warnings
   std::vector<std::string> sizes;  ///< how large what came is, as far as the effects' coefficients do not say it
   std::optional<PretensionDrift> pretension = {};  ///< beside that of the healthy joint, where one was given
   JointFile base, law;                             ///< the law before, and with the effects; equal if none was added
@@ -152,6 +153,9 @@ struct DiagnoseOptions {
 /// Finds what the base law lacks on these logs. @pre every log has the target
 /// Throws Refusal and BadInput for base models as form_of_model() does.
 auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis;
+
+/// What a person should know of log and law: warnings, then how the logs were looked at.
+auto all_notes(const Diagnosis& diagnosis) -> std::vector<std::string>;
 
 /// The contract's JSON, schema capstan.diagnosis/2.
 auto diagnosis_json(const Diagnosis& diagnosis) -> std::string;

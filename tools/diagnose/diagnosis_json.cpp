@@ -149,7 +149,7 @@ auto error_json(const ErrorSummary& error) -> Json {
 auto diagnosis_json(const Diagnosis& d) -> std::string {
   Json json;
   json["schema"] = "capstan.diagnosis/2";
-  json["log"] = {{"samples", d.samples}, {"rate_hz", d.rate_hz}, {"repeats", d.repeats}, {"warnings", d.warnings}};
+  json["log"] = {{"samples", d.samples}, {"rate_hz", d.rate_hz}, {"repeats", d.repeats}, {"warnings", all_notes(d)}};
   json["target"] = d.target;
   json["base"] = {{"model", d.base_model}, {"parameters", parameters_json(d.base, d.base.terms)}};
   json["law"] = {{"status", word_of(d.law.status)},
@@ -185,6 +185,12 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
   json["identifiability"] = told_json(d.told);
   json["next_experiment"] = d.next_experiment ? Json(*d.next_experiment) : Json(nullptr);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+auto all_notes(const Diagnosis& d) -> std::vector<std::string> {
+  std::vector<std::string> all = d.warnings;
+  all.insert(all.end(), d.notes.begin(), d.notes.end());
+  return all;
 }
 
 auto verdict_word(Verdict verdict) -> const char* {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/identify.hpp"
@@ -149,6 +150,7 @@ void take_selection(const std::vector<AxisLog>& logs, const DiagnoseOptions& opt
   d.before = summary_of(measured, selection.by_start.tail(unseen));
   d.after = summary_of(measured, selection.by_law.tail(unseen));
   d.ratio_ci95 = ratio;
+  bound_floor(d);
   d.halves_agree = halves_won(selection);
   d.unnamed = effects.empty() ? std::nullopt : std::optional(unnamed_of(selection, effects, d));
   d.base = selection.start.joint;

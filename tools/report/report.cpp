@@ -301,9 +301,9 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
     html += map_section(d) + ranking_tables(d) + parameter_table(d.law, d.undetermined) + covariance_section(d.told);
   }
   html += what_would_change(d);
-  if (!d.warnings.empty()) {
+  if (const auto notes = all_notes(d); !notes.empty()) {
     html += "<h2>Notes and warnings</h2>\n<ul>\n";
-    for (const auto& warning : d.warnings) {
+    for (const auto& warning : notes) {
       html += "<li>" + escaped(warning) + "</li>\n";
     }
     html += "</ul>\n";

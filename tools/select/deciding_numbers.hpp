@@ -120,7 +120,8 @@ inline constexpr double kAboveFloor = 1.2;
 /// left 0.3 to 1.1 % (seeds 98029 to 98107 and 41039 to 41111, 23 November 2026), the weaker of two effects leaves 6 %
 /// where it is four times smaller.
 inline constexpr double kWholeEffect = 0.98;
-/// And, where no cycles repeat, that no effect of this share of the target's rms could hide; the contract's.
+/// And, where no cycles repeat or they differ by as much, that no effect of this share of the target's rms could hide;
+/// the contract's.
 inline constexpr double kLargestHiddenShare = 0.1;
 /// The law of two tendons becomes the base where the usual law leaves more than so many floors on unseen rows, and it
 /// no more than kAboveFloor. Set before a drawn plant was looked at (November 2026).

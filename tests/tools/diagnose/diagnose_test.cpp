@@ -139,6 +139,46 @@ TEST(Diagnose, AnEffectThatIsInNoListIsUnknown) {
   }
 }
 
+/// Holds the joint where it is between two shares of the log, with its sensor's noise.
+void stick(AxisLog& log, double from, double to) {
+  const auto rows = static_cast<double>(log.samples());
+  const auto begin = static_cast<Eigen::Index>(from * rows);
+  const auto stuck = static_cast<Eigen::Index>((to - from) * rows);
+  Eigen::VectorXd noise = Eigen::VectorXd::Zero(stuck);
+  for (Eigen::Index i = 0; i < stuck; ++i) {
+    noise[i] = 1e-3 * std::sin(12.9898 * static_cast<double>(i * i % 9973));
+  }
+  log.q2_rad.segment(begin, stuck) = log.q2_rad[begin] + noise.array();
+}
+
+TEST(Diagnose, AJointThatSticksForASixthOfTheLogLacksSomethingThoughItsCyclesDifferByThat) {
+  for (const Truth truth : {Truth::kNone, Truth::kPlay}) {
+    AxisLog log = test::synthetic_log(small_request(truth));
+    stick(log, 1.0 / 3.0, 0.5);
+    const Diagnosis d = diagnose({log}, {});
+    EXPECT_EQ(d.repeats, 4);
+    EXPECT_NE(d.verdict, Verdict::kNothingMissing) << d.reason;
+    EXPECT_GT(d.before.rmse, 0.1) << "the log shows no joint that sticks";
+  }
+}
+
+TEST(Diagnose, ALawWithoutANameWhoseGainIsNotSeenOnRowsSetAsideIsTheBaseLawOrSaysSo) {
+  for (const double from : {0.5, 0.6, 0.8, 0.9}) {
+    AxisLog log = test::synthetic_log(small_request(Truth::kPlay));
+    stick(log, from, 1.0);
+    const Diagnosis d = diagnose({log}, {});
+    if (d.law.status == LawStatus::kBase) {
+      EXPECT_EQ(d.law.terms, d.base.terms) << from;
+      continue;
+    }
+    const bool warned = std::any_of(d.warnings.begin(), d.warnings.end(), [](const auto& warning) {
+      return warning.find("not certain to err less") != std::string::npos;
+    });
+    EXPECT_LT(d.ratio_ci95[0], 1.0) << from;
+    EXPECT_EQ(warned, d.ratio_ci95[1] >= 1.0) << from << ": " << d.reason;
+  }
+}
+
 TEST(Diagnose, TheSameLogAlwaysGetsTheSameAnswer) {
   const SyntheticRequest request = small_request(Truth::kPlay);
   EXPECT_EQ(diagnosis_json(diagnosis_of(request)), diagnosis_json(diagnosis_of(request)));
@@ -150,6 +190,8 @@ TEST(Diagnose, AShortOrOneWayLogIsUnfitAndSaysWhatToRecord) {
   request.cycles = 1;
   Diagnosis d = diagnosis_of(request);
   EXPECT_EQ(d.verdict, Verdict::kDataUnfit);
+  EXPECT_EQ(d.law.status, LawStatus::kBase) << "a log without a law was said to have a confirmed one";
+  EXPECT_GT(d.after.rmse, 0.0) << "no law leaves the whole target";
   ASSERT_TRUE(d.next_experiment.has_value());
   AxisLog log = test::synthetic_log(small_request(Truth::kNone));
   log.q1_rad = Eigen::VectorXd::LinSpaced(log.samples(), 0.0, 1.0);
