@@ -84,6 +84,23 @@ auto effort_behind_motor(const DelayChannels& c, const Turns& turns, const Delay
   return inertia || windows.speed >= windows.acceleration ? fit : behind_law(motor, *c.tau, turns, windows.speed);
 }
 
+/// A joint behind the motor's motion, its torque, and a gap of just the width that the joint shows. A late joint looks
+/// like one with a wider gap, so if it is late behind that, the width is asked again of the joint as it would be in
+/// time.
+auto joint_behind_law(const DelayChannels& c, const Turns& turns, Index window) -> std::optional<ShiftFit> {
+  constexpr int kMostTimes = 4;
+  Index late = 0;
+  for (int times = 1;; ++times) {
+    const LawChannels law{c.q1, c.tau, c.period_s, own_play(*c.q1, *c.target, late)};
+    const auto fit = behind_law(law, *c.target, turns, window);
+    const Index now = fit ? std::max<Index>(0, std::lround(fit->rows)) : late;
+    if (now == late || times == kMostTimes || !believed(fit, turns, kUsual)) {
+      return fit;
+    }
+    late = now;
+  }
+}
+
 auto late(LateChannel channel, const Shift& shift) -> ChannelDelay {
   const double rows = std::abs(shift.rows);
   return {channel, rows, rows - shift.half, rows + shift.half};
@@ -108,7 +125,7 @@ auto delay_between(const DelayChannels& c) -> std::optional<ChannelDelay> {
     effort = believed(of_motor, turns, c.target == nullptr ? kUsual : kOfTendonMotor);
   }
   if (c.target != nullptr) {
-    const auto of_joint = behind_law({c.q1, c.tau, c.period_s}, *c.target, turns, windows.speed);
+    const auto of_joint = joint_behind_law(c, turns, windows.speed);
     target = believed(of_joint, turns, kUsual);
     // A late effort lets the joint run ahead of it; only then is the effort looked for with the joint's help.
     if (c.tau != nullptr && of_joint && of_joint->rows + of_joint->half < 0.0) {

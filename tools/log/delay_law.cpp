@@ -193,6 +193,43 @@ auto turns_of(const VectorXd& angle) -> Turns {
   return turns;
 }
 
+auto own_play(const VectorXd& angle, const VectorXd& target, Index late) -> double {
+  constexpr Index kEnoughRows = 4000;
+  constexpr double kNarrowest = 0.002;  // of the angle's range
+  constexpr double kWidest = 0.5;
+  constexpr double kStep = 1.25;
+  const double range = robust_range(angle);
+  const Index rows = angle.size() - late;
+  const Index step = std::max<Index>(1, rows / kEnoughRows);
+  const auto thin = [&](const VectorXd& x, Index first = 0) {
+    return VectorXd(x(Eigen::seqN(first, rows / step, step)));
+  };
+  const VectorXd wanted = thin(target, late);
+  const VectorXd scaled = thin(angle) / range;
+  MatrixXd columns(wanted.size(), 5);
+  columns << VectorXd::Ones(wanted.size()), scaled, scaled.cwiseAbs2(), scaled.array().cube().matrix(), scaled;
+  const auto left = [&](double share) {
+    columns.col(4) = thin(play_column(angle, share * range)) / range;
+    const MatrixXd products = columns.transpose() * columns;
+    return (wanted - columns * products.ldlt().solve(columns.transpose() * wanted)).squaredNorm();
+  };
+  double best = kNarrowest;
+  double least = left(best);
+  for (double share = kNarrowest * kStep; share < kWidest; share *= kStep) {
+    const double now = left(share);
+    best = now < least ? share : best;
+    least = std::min(now, least);
+  }
+  for (double factor = std::sqrt(kStep); factor > 1.0005; factor = std::sqrt(factor)) {
+    for (const double share : {best / factor, best * factor}) {
+      const double now = left(share);
+      best = now < least ? share : best;
+      least = std::min(now, least);
+    }
+  }
+  return best * range;
+}
+
 auto delay_windows(const VectorXd& angle, const Turns& turns) -> DelayWindows {
   const double noise = angle_noise(angle);
   const Index widest = angle.size() / (kWindowsPerSwing * std::max<Index>(turns.count, 1));
@@ -232,6 +269,9 @@ auto delay_law(const LawChannels& channels, const Turns& turns, const LogParts& 
     if (share * range > step) {
       columns.add(play_column(q1, share * range));
     }
+  }
+  if (channels.own_play > 0.0) {
+    columns.add(play_column(q1, channels.own_play));
   }
   for (const double share : kBristles) {
     columns.add(bristle_of(q1, share * range));

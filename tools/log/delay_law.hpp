@@ -29,7 +29,11 @@ struct LawChannels {
   const Eigen::VectorXd* q1 = nullptr;
   const Eigen::VectorXd* tau = nullptr;  ///< may be missing
   double period_s = 0.0;
+  double own_play = 0.0;  ///< half width of the gap that the target shows, beside those that are always looked for
 };
+
+/// Half width of the one gap behind an angle that, with a cubic, follows a target best that is late by so many rows.
+auto own_play(const Eigen::VectorXd& angle, const Eigen::VectorXd& target, Eigen::Index late) -> double;
 
 /// Columns of a flexible law of the motor's motion and, if there is one, of its torque: acceleration (the first),
 /// speed, any function of the angle, friction by direction, angle and speed, friction that lags in travel; any function

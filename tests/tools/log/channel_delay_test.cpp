@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "capstan/tests/tools/log/small_log.hpp"
+#include "capstan/tests/tools/play_operator.hpp"
 #include "capstan/tools/log/delay_law.hpp"
 
 namespace capstan::tools {
@@ -50,6 +51,22 @@ TEST(ChannelDelay, OfALateEffortIsInItsInterval) {
   EXPECT_EQ(delay->channel, LateChannel::kMotorEffort);
   EXPECT_LE(delay->low, 4.0);
   EXPECT_GE(delay->high, 4.0);
+}
+
+// Whatever its width beside those that every law has; and a delay behind it is one still.
+TEST(ChannelDelay, IsNotAGapBehindTheMotor) {
+  for (const double half_width : {0.01, 0.021, 0.05, 0.12, 0.2}) {
+    Log log;
+    const VectorXd through = test::play_of(log.q1, half_width);
+    log.q2 = 0.8 * through + 0.2 * (log.q2 - 0.7 * log.q1);  // with this log's noise and torque
+    const auto none = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
+    EXPECT_FALSE(none) << half_width << ": " << none->rows;
+    log.q2 = held_back(log.q2, 7);
+    const auto delay = delay_between({&log.q1, &log.tau, &log.q2, kPeriod});
+    ASSERT_TRUE(delay) << half_width;
+    EXPECT_EQ(delay->channel, LateChannel::kTarget) << half_width;
+    EXPECT_NEAR(delay->rows, 7.0, 2.0) << half_width;  // up to 6 without a gap of the joint's own
+  }
 }
 
 TEST(ChannelDelay, IsNotToldByAMotionThatHardlyTurns) {
