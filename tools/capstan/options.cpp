@@ -61,7 +61,7 @@ auto LogOptions::job_logs() const -> JobLogs {
 }
 
 auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
-  return read_axes(job_logs(), request, warn);
+  return read_recordings(job_logs(), request, warn);
 }
 
 void warn(const std::string& warning) {

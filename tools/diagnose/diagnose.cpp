@@ -10,6 +10,7 @@
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
+#include "capstan/tools/identify/log_zeros.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -333,7 +334,10 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
 auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   std::vector<AxisLog> logs;
   std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_long_rests);
+  const auto zeros = count_from_one_zero(
+      logs, [&](const std::vector<AxisLog>& all) { return left_by(diagnosed(all, options).law, all); });
   Diagnosis d = diagnosed(logs, options);
+  d.warnings.insert(d.warnings.end(), zeros.begin(), zeros.end());
   if (has_effort_law(logs, d)) {
     options.progress("choosing the law of the effort");
     deliver_effort_law(logs, options, d);

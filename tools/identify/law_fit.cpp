@@ -357,4 +357,12 @@ auto estimates(const std::vector<AxisLog>& logs, const LawDesign& design, const 
   return columns * theta;
 }
 
+auto left_by(const JointFile& law, const std::vector<AxisLog>& logs) -> Eigen::VectorXd {
+  const Eigen::VectorXd target = stacked_target(logs);
+  if (law.terms.empty()) {
+    return Eigen::VectorXd::Zero(target.size());
+  }
+  return target - estimates(logs, LawDesign(logs, law.parameters.conditioner), law);
+}
+
 }  // namespace capstan::tools

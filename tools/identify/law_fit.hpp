@@ -132,5 +132,7 @@ auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law
 /// What a law of either family gives over the logs of the design: MotionLaw<double>, or the sum of the effort's terms,
 /// whose motion is given.
 auto estimates(const std::vector<AxisLog>& logs, const LawDesign& design, const JointFile& joint) -> Eigen::VectorXd;
+/// What a law leaves of logs as it runs, one below the other; of a law without terms nothing is known, so 0.
+auto left_by(const JointFile& law, const std::vector<AxisLog>& logs) -> Eigen::VectorXd;
 
 }  // namespace capstan::tools

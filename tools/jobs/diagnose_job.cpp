@@ -44,9 +44,9 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   request.needs_torque = wanted.base_law
                              ? wanted.base_law->has("tendon_elongation") || wanted.base_law->has(kTendonModel)
                              : job.base == kDefaultModel;
-  const auto axes = read_axes(logs, request, warn);
+  const auto axes = read_recordings(logs, request, warn);
   logs.files = job.tests;
-  wanted.test_logs = read_axes(logs, request, warn);
+  wanted.test_logs = read_recordings(logs, request, warn);
   wanted.base_model = job.base;
   wanted.drawing = job.drawing;
   wanted.progress = job.progress;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/identify/log_zeros.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -40,8 +41,14 @@ auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
   }
   request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
   Identified done;
-  done.logs = read_axes(job.logs, request, warn);
+  done.logs = read_recordings(job.logs, request, warn);
   done.form = file ? *file : form_of_model(job.model, done.logs);
+  const auto left_by_law = [&](const std::vector<AxisLog>& logs) {
+    return left_by(identify(logs, done.form).joint, logs);
+  };
+  for (const auto& zero : count_from_one_zero(done.logs, left_by_law)) {
+    warn(zero);
+  }
   done.result = identify(done.logs, done.form);
   put_into_newtons(job.drawing, done.result.joint);
   return done;

@@ -2,9 +2,11 @@
 #include "capstan/tools/jobs/logs.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/log/recordings.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
@@ -33,6 +35,19 @@ auto read_axes(const JobLogs& logs, const AxisRequest& request, const Say& warn)
     }
   }
   return axes;
+}
+
+auto read_recordings(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog> {
+  std::vector<AxisLog> all;
+  for (auto& file : read_axes(logs, request, warn)) {
+    const std::size_t said = file.warnings.size();
+    auto recordings = recordings_in(std::move(file));
+    for (std::size_t i = said; i < recordings.front().warnings.size(); ++i) {
+      warn(recordings.front().warnings[i]);
+    }
+    std::move(recordings.begin(), recordings.end(), std::back_inserter(all));
+  }
+  return all;
 }
 
 void request_target(const std::string& target, const std::string& model, AxisRequest& request) {

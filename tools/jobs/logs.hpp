@@ -26,6 +26,9 @@ auto read_logs(const std::vector<std::string>& paths, const std::vector<std::str
 /// The axis of every log. @param warn  is told what was done with the logs
 auto read_axes(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
 
+/// The same, where several recordings in one file are a log each.
+auto read_recordings(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
+
 /// Makes the request one for an effort where the target or the model asks for that. Throws Refusal for a current or a
 /// voltage, which is no effort yet.
 void request_target(const std::string& target, const std::string& model, AxisRequest& request);

@@ -9,6 +9,7 @@
 
 #include "capstan/tests/tools/machines/plain_fits.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/log/recordings.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -132,7 +133,7 @@ auto error_of(const Diagnosis& d, const Joint& joint, Eigen::Index rows, Eigen::
 auto diagnosis_of(const Joint& joint, Eigen::Index rows) -> Diagnosis {
   DiagnoseOptions options;
   options.base_model = joint.kind == Kind::kGear ? "pull_push" : "";
-  return diagnose({first_rows(joint.log, rows)}, options);
+  return diagnose(recordings_in(first_rows(joint.log, rows)), options);
 }
 
 }  // namespace capstan::tools::machines

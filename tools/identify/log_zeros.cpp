@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/identify/log_zeros.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "capstan/tools/identify/settled.hpp"
+#include "capstan/tools/support/play_column.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Eigen::Index;
+
+constexpr Index kEnoughRows = 8000;
+constexpr Index kBlocks = 24;
+/// Half widths of gaps, of the least of the logs' ranges: each is crossed in every log.
+constexpr std::array<double, 8> kGaps = {0.002, 0.005, 0.011, 0.025, 0.055, 0.12, 0.25, 0.4};
+
+struct Rows {
+  std::vector<Index> log_rows;
+  Eigen::VectorXd q1;
+  Blocks blocks;  ///< in which every log has settled
+};
+
+/// Every `step`-th row of all logs, one below the other.
+auto thinned_rows(const std::vector<AxisLog>& logs, Index step) -> Rows {
+  Rows rows;
+  std::vector<double> q1;
+  for (const auto& log : logs) {
+    rows.log_rows.push_back((log.samples() + step - 1) / step);
+    for (Index i = 0; i < log.samples(); i += step) {
+      q1.push_back(log.q1_rad[i]);
+    }
+  }
+  rows.q1 = Eigen::Map<Eigen::VectorXd>(q1.data(), std::ssize(q1));
+  rows.blocks = even_parts(settled_rows(rows.q1, pieces_of(rows.log_rows)), kBlocks);
+  return rows;
+}
+
+auto thin(const Eigen::VectorXd& signal, Index step) -> Eigen::VectorXd {
+  return signal(Eigen::seqN(0, (signal.size() + step - 1) / step, step));
+}
+
+/// Least squares of a target on a constant for each log and the columns behind them.
+auto zeros_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Rows& rows) -> std::vector<LogZero> {
+  const LinearFit fit = fit_columns(columns, target, rows.blocks,
+                                    std::vector<Sign>(static_cast<std::size_t>(columns.cols()), Sign::kAny));
+  std::vector<LogZero> zeros(1);
+  for (Index log = 1; log < std::ssize(rows.log_rows); ++log) {
+    Eigen::VectorXd difference = Eigen::VectorXd::Zero(columns.cols());
+    difference[0] = -1.0;
+    difference[log] = 1.0;
+    zeros.push_back({fit.theta[log] - fit.theta[0], half_interval_of_sum(fit, difference)});
+  }
+  return zeros;
+}
+
+/// A constant for each log, and room for more columns.
+auto with_constants(const Rows& rows, Index more) -> Eigen::MatrixXd {
+  const Index logs = std::ssize(rows.log_rows);
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows.q1.size(), logs + more);
+  const Blocks pieces = pieces_of(rows.log_rows);
+  for (Index log = 0; log < logs; ++log) {
+    const RowRange& piece = pieces[static_cast<std::size_t>(log)];
+    columns.col(log).segment(piece.begin, piece.size()).setOnes();
+  }
+  return columns;
+}
+
+auto step_for(const std::vector<AxisLog>& logs) -> Index {
+  Index all = 0;
+  for (const auto& log : logs) {
+    all += log.samples();
+  }
+  return std::max<Index>(1, all / kEnoughRows);
+}
+
+/// Whether every log moves where the first one does, for half of its motion. Where one does not, a curve over the angle
+/// is as good an answer as another zero of the motor's.
+auto share_angles(const std::vector<AxisLog>& logs) -> bool {
+  const auto& first = logs.front().q1_rad;
+  return std::all_of(logs.begin(), logs.end(), [&first](const AxisLog& log) {
+    const double low = log.q1_rad.minCoeff();
+    const double high = log.q1_rad.maxCoeff();
+    return std::min(high, first.maxCoeff()) - std::max(low, first.minCoeff()) > 0.5 * (high - low);
+  });
+}
+
+auto least_range(const std::vector<AxisLog>& logs) -> double {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& log : logs) {
+    least = std::min(least, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
+  }
+  return least;
+}
+
+auto speed_of(const AxisLog& log) -> Eigen::VectorXd {
+  Eigen::VectorXd speed = Eigen::VectorXd::Zero(log.samples());
+  const Index inside = std::max<Index>(0, log.samples() - 2);
+  speed.segment(1, inside) = log.q1_rad.tail(inside) - log.q1_rad.head(inside);
+  return speed;
+}
+
+/// @return whether any log was counted anew
+auto take_off(const std::vector<LogZero>& zeros, std::vector<AxisLog>& logs) -> bool {
+  bool any = false;
+  for (std::size_t i = 1; i < logs.size(); ++i) {
+    if (zeros[i].is_certain()) {
+      logs[i].q2_rad.array() -= zeros[i].shift_rad;
+      any = true;
+    }
+  }
+  return any;
+}
+
+}  // namespace
+
+auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
+  const Index step = step_for(logs);
+  const Rows rows = thinned_rows(logs, step);
+  const double middle = rows.q1.mean();
+  const double range = least_range(logs);
+  const bool is_curved = share_angles(logs);
+  Eigen::MatrixXd columns = with_constants(rows, std::ssize(kGaps) + (is_curved ? 5 : 3));
+  Eigen::VectorXd target(rows.q1.size());
+  Index first = 0;
+  for (const auto& log : logs) {
+    const Eigen::VectorXd q1 = (log.q1_rad.array() - middle) / range;
+    const Index count = (log.samples() + step - 1) / step;
+    Index column = std::ssize(logs);
+    const auto add = [&](const Eigen::VectorXd& signal) {
+      columns.col(column++).segment(first, count) = thin(signal, step);
+    };
+    add(q1);
+    if (is_curved) {
+      add(q1.cwiseAbs2());
+      add(q1.array().cube().matrix());
+    }
+    add(log.tau_nm);
+    add(speed_of(log));
+    for (const double share : kGaps) {
+      add(play_column(q1, share) - q1);
+    }
+    target.segment(first, count) = thin(log.q2_rad, step);
+    first += count;
+  }
+  return zeros_by(columns, target, rows);
+}
+
+auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& residual) -> std::vector<LogZero> {
+  const Rows rows = thinned_rows(logs, 1);
+  return zeros_by(with_constants(rows, 0), residual, rows);
+}
+
+auto count_from_one_zero(std::vector<AxisLog>& logs,
+                         const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)
+    -> std::vector<std::string> {
+  std::vector<std::string> sentences;
+  const std::vector<AxisLog> as_logged = logs;
+  if (logs.size() < 2 || logs.front().effort.size() > 0 || !take_off(log_zeros(logs), logs)) {
+    return sentences;
+  }
+  take_off(log_zeros_beside(logs, left_by_law(logs)), logs);
+  for (std::size_t i = 1; i < logs.size(); ++i) {
+    const double shift = as_logged[i].q2_rad[0] - logs[i].q2_rad[0];
+    if (shift != 0.0) {
+      sentences.push_back(logs[i].name + ": the joint's zero is " + rounded(shift) +
+                          " rad beside that of the first log, and is taken off");
+    }
+  }
+  return sentences;
+}
+
+}  // namespace capstan::tools

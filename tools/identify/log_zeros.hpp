@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "capstan/tools/log/axis_log.hpp"
+
+namespace capstan::tools {
+
+/// By how much a log's joint angle is counted from another zero than the first log's, with its 95 % half width.
+struct LogZero {
+  double shift_rad = 0.0, half_rad = 0.0;
+  /// Twice what its interval says at least: the law that it was found by is a rough one.
+  [[nodiscard]] auto is_certain() const -> bool { return std::abs(shift_rad) > 2.0 * half_rad; }
+};
+
+/// By a flexible law that all logs share: a cubic of the motor's angle, gaps of many widths, its torque and speed. One
+/// for each log, the first 0. @pre logs of a joint angle
+auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero>;
+/// By what a law leaves of the logs, one below the other.
+auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& residual) -> std::vector<LogZero>;
+
+/// Counts logs of one joint's angle from the first one's zero, where another is certain: by the rough law, and then by
+/// the one that left_by_law fits to them, which gives what it leaves of the logs, one below the other. Logs of an
+/// effort stay as they are.
+/// @return what was taken off, a sentence for each log
+auto count_from_one_zero(std::vector<AxisLog>& logs,
+                         const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)
+    -> std::vector<std::string>;
+
+}  // namespace capstan::tools
