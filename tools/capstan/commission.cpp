@@ -101,7 +101,8 @@ auto run_commission(const CommissionCommand& options) -> int {
     commissioned[i].progress = progress[i];
     if (!options.report.empty()) {
       const std::string folder = options.report + (joints.size() == 1 ? "" : "/joint" + std::to_string(joints[i].axis));
-      std::cerr << "wrote " << write_commission_report(folder, commissioned[i]) << "\n";
+      const std::string page = write_commission_report(folder, commissioned[i]);
+      std::cerr << "wrote " << page << "\n";
     }
   }
   write_text_file(options.machine, machine_file(joints, progress));

@@ -84,7 +84,8 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
     write_text_file(options.json, diagnosis_json(diagnosis));
   }
   if (!options.report.empty()) {
-    std::cerr << "wrote " << write_report(options.report, diagnosis) << "\n";
+    const std::string page = write_report(options.report, diagnosis);
+    std::cerr << "wrote " << page << "\n";
   }
   if (const std::string next = next_scenario(diagnosis); !options.next.empty() && !next.empty()) {
     write_text_file(options.next, next);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "capstan/tools/campaign/campaign_report.hpp"
 #include "capstan/tools/campaign/false_alarms.hpp"
@@ -15,14 +16,14 @@ struct FaultOptions {
   bool all = false;
   bool fmea = false;
   bool tuned = false;
-  double hours = 0.0;
+  std::optional<double> hours;
   std::uint64_t seed = 1;
 };
 
 auto run_faults(const FaultOptions& options) -> int {
-  if (options.hours > 0.0) {
+  if (options.hours) {
     const FalseAlarms alarms =
-        run_false_alarms(options.hours, options.seed, 2, options.tuned ? Gains::kTuned : Gains::kDrawn);
+        run_false_alarms(*options.hours, options.seed, 2, options.tuned ? Gains::kTuned : Gains::kDrawn);
     print_false_alarms(std::cout, alarms);
     return alarms.false_stops() == 0 ? kExitDone : kExitRefused;
   }
@@ -47,8 +48,10 @@ void add_faults(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FaultOptions>();
   command->add_flag("--all", options->all, "every joint in every phase; takes an hour instead of minutes");
   command->add_flag("--fmea", options->fmea, "the table of docs/safety_concept.md");
-  command->add_option("--hours", options->hours,
-                      "instead: this many simulated hours of healthy joints, drawn at random, and their false stops");
+  command
+      ->add_option("--hours", options->hours,
+                   "instead: this many simulated hours of healthy joints, drawn at random, and their false stops")
+      ->check(CLI::Range(0.001, 1e5));
   command->add_option("--seed", options->seed, "of the first drawn joint");
   command->add_flag("--tuned", options->tuned, "with --hours: gains as 'capstan tune' finds them, not drawn ones");
   command->callback([options, &exit_status] { exit_status = run_faults(*options); });

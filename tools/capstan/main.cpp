@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/capstan/arguments.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/run_linux_rt.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -83,6 +84,7 @@ int main(int argc, char** argv) {
   add_routing(app, exit_status);
   add_tip(app, exit_status);
   add_thesis(app, exit_status);
+  app.parse_complete_callback([&app] { expect_sound(*app.get_subcommands().front()); });
   try {
     const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
     constexpr std::size_t kOwnWords = 3;

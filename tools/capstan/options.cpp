@@ -72,11 +72,11 @@ void add_drawing(CLI::App& command, TendonDrawing& drawing) {
   command
       .add_option("--radius", drawing.radius_m,
                   "radius of the motor's pulley in m, behind its gear: puts the tendons' pretension into newtons")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-5, 10.0));
   command
       .add_option("--stiffness", drawing.stiffness_n_per_m,
                   "or, where the radius is not known, stiffness E A / L of one tendon in N/m")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-3, 1e12));
 }
 
 auto law_table(const JointFile& joint, const std::vector<std::string>& left_out) -> std::string {

@@ -47,7 +47,8 @@ auto read(const TuneOptions& options) -> Response {
 
 void report(const TuneOptions& options, const Response& response, const std::optional<Tuning>& tuning) {
   if (!options.report.empty()) {
-    std::cerr << "wrote " << write_response_report(options.report, response, tuning) << "\n";
+    const std::string page = write_response_report(options.report, response, tuning);
+    std::cerr << "wrote " << page << "\n";
   }
 }
 

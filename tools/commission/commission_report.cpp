@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 
 #include "capstan/tools/apply/machine_lines.hpp"
 #include "capstan/tools/commission/commission.hpp"
@@ -25,11 +24,7 @@ auto machine_file(const std::vector<CommissionOptions>& joints, const std::vecto
 }
 
 auto write_commission_report(const std::string& folder, const Commissioned& commissioned) -> std::string {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) {
-    throw BadInput(folder + ": can not be made: " + failed.message() + "; name a folder that can be written");
-  }
+  make_folder(folder);
   std::string items;
   for (const std::string& sentence : commissioned.progress.found) {
     items += "<li>" + escaped(sentence) + "</li>\n";

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/report/report.hpp"
 
-#include <filesystem>
 #include <numbers>
 
 #include "capstan/tools/diagnose/next_experiment.hpp"
@@ -314,11 +313,7 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
 }  // namespace
 
 auto write_report(const std::string& folder, const Diagnosis& diagnosis) -> std::string {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error || !std::filesystem::is_directory(folder)) {
-    throw BadInput(folder + ": the folder can not be made (" + error.message() + "); choose another name");
-  }
+  make_folder(folder);
   const auto pictures = pictures_of(diagnosis);
   for (const auto& picture : pictures) {
     write_text_file(folder + "/" + picture.file, svg_of(picture.plot));

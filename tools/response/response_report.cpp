@@ -2,7 +2,6 @@
 #include "capstan/tools/response/response_report.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include "capstan/tools/report/html.hpp"
@@ -204,11 +203,7 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
 
 auto write_response_report(const std::string& folder, const Response& response, const std::optional<Tuning>& tuning)
     -> std::string {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) {
-    throw BadInput(folder + ": can not be made: " + failed.message() + "; name a folder that can be written");
-  }
+  make_folder(folder);
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Frequency response: " +
                      escaped(response.name) + "</title><style>" + kStyle +
                      "</style></head><body>\n<h1>Frequency response: " + escaped(response.name) + "</h1>\n";

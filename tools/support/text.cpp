@@ -55,6 +55,23 @@ auto joined(const std::vector<std::string>& words, std::string_view separator) -
   return result;
 }
 
+auto same_file(const std::string& a, const std::string& b) -> bool {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  if (fs::exists(a, none) && fs::exists(b, none)) {
+    return fs::is_regular_file(a, none) && fs::equivalent(a, b, none);
+  }
+  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
+}
+
+void make_folder(const std::string& path) {
+  std::error_code failed;
+  std::filesystem::create_directories(path, failed);
+  if (failed || !std::filesystem::is_directory(path)) {
+    throw BadInput(path + ": the folder can not be made (" + failed.message() + "); choose another name");
+  }
+}
+
 auto read_text_file(const std::string& path) -> std::string {
   std::ifstream file(path, std::ios::binary);
   if (!file || std::filesystem::is_directory(path)) {

@@ -23,6 +23,12 @@ auto joined(const std::vector<std::string>& words, std::string_view separator = 
 
 auto trimmed(std::string_view text) -> std::string_view;
 
+/// Whether both names are of one file, links followed; also of one that is not there yet. No device or folder is one.
+auto same_file(const std::string& a, const std::string& b) -> bool;
+
+/// Makes a folder unless it is there. Throws BadInput.
+void make_folder(const std::string& path);
+
 /// Whole file. Throws BadInput if it can not be read.
 auto read_text_file(const std::string& path) -> std::string;
 

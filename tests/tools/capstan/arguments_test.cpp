@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is refused before a command begins: exit status 2, one sentence, nothing written.
+#include "capstan/tests/tools/capstan/command_fixture.hpp"
+
+namespace capstan::tools {
+namespace {
+
+using Arguments = Command;
+
+void expect_refused(const Outcome& outcome, const std::string& sentence) {
+  EXPECT_EQ(outcome.status, 2) << outcome.output;
+  EXPECT_NE(outcome.output.find(sentence), std::string::npos) << outcome.output;
+}
+
+TEST_F(Arguments, NumbersAreFinite) {
+  for (const char* command :
+       {"run --for", "tune log.csv --bandwidth", "identify log.csv --radius", "commission --corridor",
+        "commission --corridor 0.8 --yes --inertia", "tip log.csv --jaw 0.01 --pitch-to-jaw", "faults --hours",
+        "record tcp:1 joint0.q2 -o log.csv --for"}) {
+    expect_refused(run(std::string(command) + " nan"), ": nan is no finite number; give one");
+  }
+}
+
+TEST_F(Arguments, RangesArePrintedAsPeopleReadThem) {
+  expect_refused(run("identify log.csv --radius 0"), "--radius: Value 0 not in range 0.000010 to 10.000000");
+  expect_refused(run("identify log.csv --stiffness inf"), "not in range 0.001000 to");
+  for (const char* hours : {"-1", "0", "1e308"}) {
+    expect_refused(run(std::string("faults --hours ") + hours), "not in range 0.001000 to 100000.000000");
+  }
+}
+
+TEST_F(Arguments, SeedsAreCounts) {
+  for (const char* seed : {"-1", "99999999999999999999"}) {
+    expect_refused(run(std::string("run --for 0.01 --seed ") + seed),
+                   std::string("--seed: ") + seed + " is out of range; give a whole number from 0 to");
+  }
+  EXPECT_EQ(run("run --for 0.01 --seed 18446744073709551615").status, 0);
+}
+
+TEST_F(Arguments, NoOutputReplacesAnInput) {
+  const std::string log = write_log(short_log(100.0));
+  const std::string text = read_text_file(path("log.csv"));
+  std::filesystem::create_symlink("log.csv", path("link.csv"));
+  std::filesystem::create_hard_link(path("log.csv"), path("hard.csv"));
+  for (const char* name : {"log.csv", "link.csv", "hard.csv", "./log.csv"}) {
+    expect_refused(run("identify " + log + " -o \"" + path(name) + "\""),
+                   "which LOG reads; give --output another name");
+    EXPECT_EQ(read_text_file(path(name)), text);
+  }
+  write_text_file(path("law.toml"), "law");
+  expect_refused(run("replay " + log + " --model \"" + path("law.toml") + "\" -o \"" + path("law.toml") + "\""),
+                 "which --model reads");
+  expect_refused(run("compare other.csv --now " + log + " --json " + log), "which --now reads");
+  expect_refused(run("routing \"" + path("law.toml") + "\" --svg \"" + path("law.toml") + "\""), "which FILE reads");
+  EXPECT_EQ(read_text_file(path("law.toml")), "law");
+}
+
+TEST_F(Arguments, NoFileIsWrittenTwice) {
+  const std::string log = write_log(short_log(100.0));
+  const std::string one = "\"" + path("one") + "\"";
+  expect_refused(run("diagnose " + log + " --json " + one + " --next \"" + path("./one") + "\""),
+                 "--json and --next would write the same file");
+  expect_refused(run("diagnose " + log + " -o " + one + " --json " + one), "give each its own name");
+  expect_refused(run("commission --corridor 0.5 --yes --machine commission.txt"), "--state and --machine would write");
+  EXPECT_FALSE(exists("one"));
+}
+
+TEST_F(Arguments, AReportGoesIntoAFolder) {
+  const std::string log = write_log(short_log(100.0));
+  const Outcome outcome = run("diagnose " + log + " --report " + log);
+  expect_refused(outcome, "is a file; name a folder");
+  EXPECT_EQ(outcome.output.find("wrote"), std::string::npos) << outcome.output;
+}
+
+}  // namespace
+}  // namespace capstan::tools

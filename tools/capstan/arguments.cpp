@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/capstan/arguments.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+/// A file that an option names.
+struct NamedFile {
+  std::string option, path;
+};
+
+/// The options that write one file; every other word that names a file is of one that is read.
+auto writes(const CLI::Option& option) -> bool {
+  constexpr std::array kWriters = {"output", "json",  "next",    "svg",    "html",
+                                   "log",    "state", "machine", "record", "storage"};
+  return std::any_of(kWriters.begin(), kWriters.end(), [&](const char* name) { return option.check_lname(name); });
+}
+
+/// Ranges let nan through, as it is neither below nor above.
+void expect_finite(const CLI::App& command, const CLI::Option& option) {
+  for (const std::string& word : option.results()) {
+    if (!std::isfinite(std::strtod(word.c_str(), nullptr))) {
+      throw BadInput(option.get_name() + ": " + word + " is no finite number; give one, as in 'capstan " +
+                     command.get_name() + " --help'");
+    }
+  }
+}
+
+/// CLI11 wraps -1 around and cuts what is too large.
+void expect_count(const CLI::Option& option) {
+  for (const std::string& word : option.results()) {
+    errno = 0;
+    static_cast<void>(std::strtoull(word.c_str(), nullptr, 0));
+    if (errno == ERANGE || word.find('-') != std::string::npos) {
+      throw BadInput(option.get_name() + ": " + word + " is out of range; give a whole number from 0 to " +
+                     std::to_string(std::numeric_limits<std::uint64_t>::max()));
+    }
+  }
+}
+
+/// A report goes into a folder, which is made once everything else is done.
+void expect_folder(const CLI::Option& option) {
+  for (const std::string& word : option.results()) {
+    if (std::filesystem::exists(word) && !std::filesystem::is_directory(word)) {
+      throw BadInput(option.get_name() + " " + word + " is a file; name a folder, new or old");
+    }
+  }
+}
+
+void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
+  for (auto output = written.begin(); output != written.end(); ++output) {
+    const auto is_output = [&](const NamedFile& other) { return same_file(other.path, output->path); };
+    if (const auto input = std::find_if(read.begin(), read.end(), is_output); input != read.end()) {
+      throw BadInput(output->option + " would replace " + input->path + ", which " + input->option + " reads; give " +
+                     output->option + " another name");
+    }
+    if (const auto other = std::find_if(written.begin(), output, is_output); other != output) {
+      throw BadInput(other->option + " and " + output->option + " would write the same file " + output->path +
+                     "; give each its own name");
+    }
+  }
+}
+
+}  // namespace
+
+void expect_sound(const CLI::App& command) {
+  std::vector<NamedFile> read;
+  std::vector<NamedFile> written;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string type = option->get_type_name();
+    if (type.starts_with("FLOAT")) {
+      expect_finite(command, *option);
+    } else if (type.starts_with("UINT")) {
+      expect_count(*option);
+    } else if (type.starts_with("TEXT")) {
+      const bool given = option->count() > 0;
+      for (const std::string& word : given ? option->results() : std::vector{option->get_default_str()}) {
+        if (!word.empty()) {
+          (writes(*option) ? written : read).push_back({option->get_name(), word});
+        }
+      }
+    }
+    if (option->check_lname("report")) {
+      expect_folder(*option);
+    }
+  }
+  expect_apart(read, written);
+}
+
+}  // namespace capstan::tools
