@@ -102,6 +102,8 @@ int main(int count, char** words) {
         capstan::sim::serve(line.get(), scenario, axes, {options.cycles, record.is_open() ? &record : nullptr});
     std::printf("plant: %llu cycles, joint %.6f rad\n", static_cast<unsigned long long>(report.cycles),
                 report.first_joint_rad);
+    if (record.is_open() && !record.flush())
+      throw std::runtime_error(options.record + " is cut off, as the disk took no more; free some space");
     if (report.failure.empty())
       return 0;
     std::fprintf(stderr, "capstan_plant: %s\n", report.failure.c_str());

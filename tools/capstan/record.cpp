@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -65,11 +64,8 @@ auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::ti
 }
 
 auto run_record(const RecordOptions& options) -> int {
-  std::ofstream file(options.output, std::ios::binary);
-  if (!file) {
-    throw BadInput(options.output + ": the log can not be written; give a path in a folder that exists");
-  }
   const ShellClient shell(options.port);
+  std::ofstream file = open_to_write(options.output);
   const auto log = sink_for(options.output, file);
   FrameRecorder recorder(*log);
   for (const int signal_number : {SIGINT, SIGTERM}) {
@@ -88,6 +84,7 @@ auto run_record(const RecordOptions& options) -> int {
     static_cast<void>(receive(shell, recorder, steady_clock::now() + kFarewell, said));
   }
   log->end();
+  finish_writing(file, options.output);
   std::cout << "recorded " << recorder.rows() << " samples in " << options.output << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged\n";
   if (recorder.rows() == 0) {

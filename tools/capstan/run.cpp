@@ -2,7 +2,6 @@
 #include "capstan/tools/run/run.hpp"
 
 #include <chrono>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "capstan/tools/apply/model_lines.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -131,13 +131,6 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
   if (scenario.duration_s <= 0.0) {
     throw BadInput("there is no motion to run; give --scenario FILE, or --shell stdio to move the joint yourself");
   }
-  std::ofstream log;
-  if (!options.log.empty()) {
-    log.open(options.log);
-    if (!log) {
-      throw BadInput(options.log + ": the log can not be written; give a path in a folder that exists");
-    }
-  }
   if (options.models.size() > 1 + scenario.other_axes.size()) {
     throw BadInput("there are more models than axes in the scenario; give --model once for each axis at most");
   }
@@ -146,12 +139,17 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
     const auto lines = model_lines(read_joint_file(options.models[axis]), static_cast<int>(axis));
     model.insert(model.end(), lines.begin(), lines.end());
   }
+  std::ofstream log;
+  if (!options.log.empty()) {
+    log = open_to_write(options.log);
+  }
   const auto begin = std::chrono::steady_clock::now();
   const RunSummary summary = run_scenario(scenario, model, banks, options.log.empty() ? nullptr : &log);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   std::printf("ran %.1f s of the joint in %.1f s\n", summary.seconds, took.count());
   print_errors(scenario, summary);
   if (!options.log.empty()) {
+    finish_writing(log, options.log);
     std::printf("  log written to %s\n", options.log.c_str());
   }
   if (!summary.fault.empty()) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 #include "capstan/tools/telemetry/frame_recorder.hpp"
 
 namespace capstan::tools {
@@ -101,14 +101,12 @@ auto run_shell(const ShellOptions& options) -> int {
   if (options.record.empty()) {
     return talk(options.port, nullptr);
   }
-  std::ofstream file(options.record, std::ios::binary);
-  if (!file) {
-    throw BadInput(options.record + ": the log can not be written; give a path in a folder that exists");
-  }
+  std::ofstream file = open_to_write(options.record);
   const auto log = sink_for(options.record, file);
   FrameRecorder recorder(*log);
   const int status = talk(options.port, &recorder);
   log->end();
+  finish_writing(file, options.record);
   std::cerr << "recorded " << recorder.rows() << " samples in " << options.record << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged, " << recorder.foreign() << " of other signals\n";
   return status;

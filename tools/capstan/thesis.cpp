@@ -4,14 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <memory>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 #include "capstan/tools/thesis/detection.hpp"
 #include "capstan/tools/thesis/page.hpp"
 
@@ -51,15 +50,6 @@ auto wanted(const Maker& maker, const std::vector<std::string>& tables) -> bool 
   return found;
 }
 
-void write(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.flush();
-  if (!file) {
-    throw BadInput(path + ": the file can not be written; give a path in a folder that exists");
-  }
-}
-
 auto thesis(const ThesisOptions& options) -> int {
   nlohmann::json all = {{"schema", "capstan.thesis/2"}, {"tables", nlohmann::json::array()}};
   std::vector<ThesisTable> tables;
@@ -77,13 +67,14 @@ auto thesis(const ThesisOptions& options) -> int {
     tables.push_back(table);
   }
   if (!options.json.empty()) {
-    write(options.json, all.dump(2) + "\n");
+    write_text_file(options.json, all.dump(2) + "\n");
   }
   if (!options.html.empty()) {
     if (progress) {
       std::cerr << "figures ...   \r" << std::flush;
     }
-    write(options.html, thesis_page(tables, options.tables.empty() ? thesis_figures() : std::vector<ThesisFigure>{}));
+    write_text_file(options.html,
+                    thesis_page(tables, options.tables.empty() ? thesis_figures() : std::vector<ThesisFigure>{}));
   }
   return kExitDone;
 }

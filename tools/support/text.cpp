@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "capstan/tools/support/errors.hpp"
@@ -85,19 +84,35 @@ auto read_text_file(const std::string& path) -> std::string {
   return std::move(text).str();
 }
 
+auto open_to_write(const std::string& path) -> std::ofstream {
+  std::ofstream file(path, std::ios::binary);
+  if (!file) {
+    throw BadInput(path + ": the log can not be written; give a path in a folder that exists");
+  }
+  return file;
+}
+
+void finish_writing(std::ofstream& file, const std::string& path) {
+  file.close();
+  if (!file) {
+    throw BadInput(path + ": the log is cut off, as the disk took no more; free some space, or give a path on another");
+  }
+}
+
 void write_text_file(const std::string& path, std::string_view text) {
   const std::string temporary = path + ".part";
-  {
-    std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    if (!file) {
-      throw BadInput(path + ": the file can not be written; check that the folder exists and has room");
-    }
+  std::error_code ignored;
+  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
+  file.write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.close();
+  if (!file) {
+    std::filesystem::remove(temporary, ignored);
+    throw BadInput(path + ": the file can not be written; check that the folder exists and has room");
   }
   std::error_code error;
   std::filesystem::rename(temporary, path, error);
   if (error) {
+    std::filesystem::remove(temporary, ignored);
     throw BadInput(path + ": the file can not be written (" + error.message() + "); choose another name");
   }
 }

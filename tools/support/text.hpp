@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,6 +32,11 @@ void make_folder(const std::string& path);
 
 /// Whole file. Throws BadInput if it can not be read.
 auto read_text_file(const std::string& path) -> std::string;
+
+/// A file that is written bit by bit, as a log is. Throws BadInput.
+auto open_to_write(const std::string& path) -> std::ofstream;
+/// Its end: only now is it certain that the disk took all of it. Throws BadInput.
+void finish_writing(std::ofstream& file, const std::string& path);
 
 /// Writes by way of a temporary file beside it, so that a failure leaves no half-written file. Throws BadInput.
 void write_text_file(const std::string& path, std::string_view text);

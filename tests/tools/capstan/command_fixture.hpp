@@ -32,9 +32,10 @@ class Command : public testing::Test {
 
   auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
 
-  auto run(const std::string& arguments) const -> Outcome {
+  /// @param before  shell commands that set up the program's surroundings, each with its semicolon
+  auto run(const std::string& arguments, const std::string& before = "") const -> Outcome {
     const std::string command =
-        std::string("\"") + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") + "\" 2>&1";
+        before + "\"" + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") + "\" 2>&1";
     Outcome outcome;
     const int result = std::system(command.c_str());
     outcome.status = WIFEXITED(result) ? WEXITSTATUS(result) : -1;

@@ -170,6 +170,29 @@ TEST_F(Command, RefusalsEndWithStatusOne) {
   EXPECT_FALSE(exists("out.csv"));
 }
 
+TEST_F(Command, AFullDiskIsSaidAndLeavesNoPieces) {
+  const std::string full = "trap '' XFSZ; ulimit -f ";  // blocks of a file, and what is more is an error, not the end
+  const Outcome cut = run("run --for 12 --fast --log \"" + path("log.csv") + "\"", full + "1024; ");
+  EXPECT_EQ(cut.status, 2) << cut.output;
+  EXPECT_NE(cut.output.find("log.csv: the log is cut off, as the disk took no more; free some space"),
+            std::string::npos)
+      << cut.output;
+  EXPECT_EQ(cut.output.find("log written"), std::string::npos) << cut.output;
+  const Outcome piece = run("dbc --output \"" + path("node.dbc") + "\"", full + "1; ");
+  EXPECT_EQ(piece.status, 2) << piece.output;
+  EXPECT_NE(piece.output.find("has room"), std::string::npos) << piece.output;
+  std::filesystem::create_directories(path("taken"));
+  EXPECT_EQ(run("dbc --output \"" + path("taken") + "\"").status, 2);
+  EXPECT_FALSE(exists("node.dbc") || exists("node.dbc.part") || exists("taken.part"));
+}
+
+TEST_F(Command, WhatIsRefusedLeavesTheOldLogAlone) {
+  write_text_file(path("log.csv"), "old");
+  EXPECT_EQ(run("run --for 0.1 --model no_such_law.toml --log \"" + path("log.csv") + "\"").status, 2);
+  EXPECT_NE(run("record no_such_port joint0.q2 -o \"" + path("log.csv") + "\"").status, 0);
+  EXPECT_EQ(read_text_file(path("log.csv")), "old");
+}
+
 TEST_F(Command, UnknownWordsAndMissingFilesAreBadInput) {
   EXPECT_EQ(run("").status, 2);
   EXPECT_EQ(run("frobnicate").status, 2);
