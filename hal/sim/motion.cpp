@@ -161,7 +161,7 @@ void check(const Segment& g, double blend_s) {
   if (g.kind == SegmentKind::kPolyline)
     check_polyline(g);
   require(g.duration_s > 0.0 && g.duration_s <= 1.0e6,
-          "duration_s must be above 0; give the segment's length in seconds");
+          "duration_s must be above 0 and at most 1e6; give the segment's length in seconds");
   require(g.duration_s >= blend_s, "a segment is shorter than blend_s; lengthen it or shorten the blend");
   require(std::fabs(g.amplitude_rad) <= 100.0, "the amplitude is beyond 100; give an angle in rad or a torque in N m");
   require(std::fabs(g.offset_rad) <= 100.0, "the offset is beyond 100; give an angle in rad or a torque in N m");

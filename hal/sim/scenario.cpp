@@ -164,7 +164,7 @@ Scenario parse_at_depth(std::string_view text, const Source& source, int depth) 
   check_quantities(source, root, scenario);
   if (const toml::node* duration = root.get("duration_s")) {
     if (scenario.duration_s <= 0.0 || scenario.duration_s > 1.0e6) {
-      source.fail(duration->source(), "`duration_s` must be above 0; give the run's length in seconds");
+      source.fail(duration->source(), "`duration_s` must be above 0 and at most 1e6; give the run's length in seconds");
     }
   } else if (root.contains("motion") || root.contains("torque") || root.contains("axes") || !root.contains("base")) {
     scenario.duration_s = longest_motion_s(scenario);
@@ -172,12 +172,13 @@ Scenario parse_at_depth(std::string_view text, const Source& source, int depth) 
   return scenario;
 }
 
-double value_of(const std::string& number, const std::string& what) {
+/// @param form  how the number is written
+double value_of(const std::string& number, const std::string& what, const std::string& form) {
   std::istringstream stream(number);
   stream.imbue(std::locale::classic());
   double value = 0.0;
   if (!(stream >> value) || !(stream >> std::ws).eof())
-    throw ScenarioError(what + " `" + number + "` is not a number; write it like play=0.03");
+    throw ScenarioError(what + " `" + number + "` is not a number; write it like " + form);
   return value;
 }
 
@@ -211,7 +212,7 @@ void override_effect(Scenario& scenario, std::string_view assignment) {
   if (equals == std::string_view::npos || equals == 0) {
     throw ScenarioError("the effect `" + text + "` has no value; write it like play=0.03");
   }
-  const double value = value_of(text.substr(equals + 1), "the effect's value");
+  const double value = value_of(text.substr(equals + 1), "the effect's value", "play=0.03");
   try {
     set_effect(scenario.plant.effects, text.substr(0, equals), value);
     validate(scenario.plant);
@@ -232,7 +233,7 @@ Fault parse_fault(std::string_view text) {
     for (std::string key, number; words >> key;) {
       if (!(words >> number))
         throw ScenarioError("`" + key + "` in the fault has no value; write it like at 3");
-      const double value = value_of(number, "the fault's value");
+      const double value = value_of(number, "the fault's value", key + " 3");
       if (key == "at") {
         fault.time_s = value;
       } else if (key == "for") {

@@ -71,7 +71,7 @@ std::vector<Segment> expand(WrittenSegment written, bool has_duration) {
     else if (!has_duration)
       throw std::invalid_argument("a segment lacks `duration_s`; add it");
     // Alone, a segment must already be a motion: so that what is wrong with it is reported at its own line.
-    Motion({plain}, 1, std::min(0.01, plain.duration_s));
+    Motion({plain}, 1, 0.01);
     return {plain};
   }
   if (has_duration)

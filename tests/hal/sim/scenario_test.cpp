@@ -144,6 +144,10 @@ TEST(Scenario, ImpossibleNumbersAreRefusedWhereTheyStand) {
   expect_refused("[plant]\ninput_radius_m = 0.0\n", 2, "input_radius_m");
   expect_refused("[effects]\nplay = -0.1\n", 2, "play is -0.1");
   expect_refused("duration_s = -3\n", 1, "duration_s");
+  for (const char* length : {"-1", "0", "1e308"}) {
+    const std::string segment = "[[motion.segments]]\nkind = \"hold\"\nduration_s = " + std::string(length) + "\n";
+    expect_refused("[motion]\n" + segment, 2, "duration_s must be above 0 and at most 1e6");
+  }
   expect_refused("[[faults]]\ntime_s = 1\ntarget = \"amplifier\"\nkind = \"nan\"\n", 1, "amplifier");
   expect_refused("[[faults]]\ntime_s = 1\nkind = \"nan\"\n", 1, "lacks `target`");
   expect_refused("[motion]\n\n[[motion.segments]]\nkind = \"sine\"\nduration_s = 2\n", 3, "frequency_hz");
@@ -170,6 +174,16 @@ TEST(Scenario, EffectsCanBeOverriddenFromTheCommandLine) {
     EXPECT_THROW(override_effect(s, bad), ScenarioError) << bad;
   }
   EXPECT_EQ(s.plant.effects.play_half_width_rad, 0.01);
+}
+
+TEST(Scenario, AFaultsNumberThatIsNoneIsWrittenAsItsOwn) {
+  try {
+    static_cast<void>(parse_fault("encoder stuck for nan"));
+    FAIL();
+  } catch (const ScenarioError& error) {
+    EXPECT_NE(std::string(error.what()).find("`nan` is not a number; write it like for 3"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Scenario, TheInstrumentFileIsTheBuiltInInstrument) {
