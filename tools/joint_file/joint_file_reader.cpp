@@ -93,7 +93,7 @@ auto is_newer(const std::optional<std::string>& schema) -> bool {
 template <typename Numbers>
 auto numbers_of(const SectionReader& reader, const toml::table& fit, const char* key, double most = kLargestNumber)
     -> std::optional<Numbers> {
-  const toml::table* table = reader.table(fit, key);
+  const toml::table* table = reader.table(fit, key, "fit.");
   if (table == nullptr) {
     return std::nullopt;
   }

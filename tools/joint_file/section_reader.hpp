@@ -26,10 +26,12 @@ class SectionReader {
     throw BadInput(place(name_, static_cast<std::size_t>(node.source().begin.line)) + sentence);
   }
 
-  auto table(const toml::table& parent, const std::string& key) const -> const toml::table* {
+  /// @param within  the parent's own name and a dot, where it has one
+  auto table(const toml::table& parent, const std::string& key, const std::string& within = "") const
+      -> const toml::table* {
     const toml::node* node = parent.get(key);
     if (node != nullptr && node->as_table() == nullptr) {
-      fail(*node, key + " is not a table; write [" + key + "]");
+      fail(*node, within + key + " is not a table; write [" + within + key + "]");
     }
     return node == nullptr ? nullptr : node->as_table();
   }
@@ -94,7 +96,7 @@ class SectionReader {
     }
     only(*all, known, "[terms]");
     for (const auto& term : term_catalogue()) {
-      if (const toml::table* entry = table(*all, term.name)) {
+      if (const toml::table* entry = table(*all, term.name, "terms.")) {
         joint.terms.push_back(term.name);
         read_term(*entry, term, joint);
       }

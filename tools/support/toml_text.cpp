@@ -63,8 +63,9 @@ auto as_written(const std::string& ascii) -> std::string {
 
 auto parse_toml(const std::string& text, const std::string& name, const std::string& cure) -> toml::table {
   require_text(text, name, cure);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // some editors begin every text with it
   try {
-    return toml::parse(to_ascii(text), name);
+    return toml::parse(to_ascii(text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text), name);
   } catch (const toml::parse_error& error) {
     throw BadInput(place(name, static_cast<std::size_t>(error.source().begin.line)) +
                    "this is not TOML: " + std::string(error.description()) + "; " + cure);

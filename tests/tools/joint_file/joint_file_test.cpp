@@ -44,6 +44,10 @@ TEST(JointFile, LettersOutsideAsciiSurviveInNamesOfLogsAndAreRefusedAsKeys) {
   EXPECT_EQ(refusal_of(kHead + "\u00fc = 1\n").rfind("joint.toml:5: ", 0), 0U) << refusal_of(kHead + "\u00fc = 1\n");
 }
 
+TEST(JointFile, AByteOrderMarkIsNoPartOfTheText) {
+  EXPECT_TRUE(parse_joint_file("\xEF\xBB\xBF" + kHead + kRatio, "joint.toml").has("motor_angle"));
+}
+
 TEST(JointFile, AHeaderThatIsNoKeyIsRefusedWithItsLine) {
   const std::string refusal = refusal_of("schema = \"capstan.joint/1\"\n[$x]\ny = 1\n");
   EXPECT_EQ(refusal.rfind("joint.toml:2: this is not TOML: ", 0), 0U) << refusal;
@@ -236,6 +240,8 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
       {kHead, "the law has no ratio; write [terms.motor_angle]"},
       {kHead + kRatio + "gamma = 1\n", "joint.toml:7: unknown key gamma in [terms.motor_angle]; known are beta"},
       {kHead + kRatio + "[terms.wobble]\nx = 1\n", "joint.toml:7: unknown key wobble in [terms]; known are "},
+      {kHead + kRatio + "[[terms.play]]\n", "joint.toml:7: terms.play is not a table; write [terms.play]"},
+      {kHead + kRatio + "[fit]\nerror_bar = 1\n", "fit.error_bar is not a table; write [fit.error_bar]"},
       {kHead + kRatio + "[extra]\n", "joint.toml:7: unknown key extra in the file"},
       {kHead + "[terms.motor_angle]\nbeta = 1.08\n", "joint.toml:6: beta has no unit; write beta = { value"},
       {kHead + "[terms.motor_angle]\nbeta = { unit = \"1\" }\n", "joint.toml:6: beta has no value"},
