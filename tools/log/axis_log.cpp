@@ -209,6 +209,7 @@ void note_crossed(AxisLog& axis) {
 auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   AxisLog axis;
   axis.name = all_rows.name();
+  axis.number = request.axis;
   axis.warnings = all_rows.warnings();
   const CsvLog csv = common_rows_of(all_rows, request, axis.warnings);
   axis.time_s = csv.time();

@@ -39,6 +39,7 @@ struct AxisLog {
   std::vector<SideSignal> side;        ///< motion of other axes and temperature, where logged
   std::vector<std::string> warnings;
   std::size_t others_asked = 0;  ///< the first of `others`
+  int number = 0;                ///< of the axis in its log
 
   [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
   /// The motion is what an effort is explained by; else motor torque is an input too.
