@@ -64,15 +64,32 @@ class Gate {
     return std::any_of(found_.begin(), found_.end(), [&](const auto& f) { return f.fault == fault; });
   }
 
+  /// An angle that starts anew after each turn, or a single jump, which is none.
+  void add_jumps(const GateChannel& channel, std::vector<Eigen::Index> rows) {
+    const Eigen::VectorXd& x = *channel.values;
+    double jump = 0.0;  // the largest: motion takes away from a turn what it adds to the angle
+    for (const Eigen::Index row : rows) {
+      jump = std::max(jump, std::abs(x[row] - x[row - 1]));
+    }
+    const auto turn = nearest_turn(jump);
+    if (rows.size() == 1 && !turn) {
+      add(ChannelFault::kJump, channel, std::move(rows), jump,
+          "jumps by " + rounded(jump) +
+              " here, once, as where two recordings are joined, a tendon slips or the zero is set anew; give what is "
+              "before and after as two logs");
+      return;
+    }
+    const std::string count = rows.size() == 1 ? ", once," : " and " + std::to_string(rows.size()) + " times in all,";
+    add(ChannelFault::kWrapped, channel, std::move(rows), jump,
+        "jumps by " + rounded(jump) + " here" + count +
+            " as an angle does that starts anew after each turn; unwrap it, " +
+            "for instance with Python: `numpy.unwrap(angle, period=" + rounded(turn.value_or(jump), 8) + ")`");
+  }
+
   void look_at(const GateChannel& channel) {
     const Eigen::VectorXd& x = *channel.values;
-    if (auto rows = wrap_rows(x); !rows.empty()) {
-      const auto count = std::to_string(rows.size());
-      const double jump = std::abs(x[rows[0]] - x[rows[0] - 1]);
-      add(ChannelFault::kWrapped, channel, std::move(rows), jump,
-          "jumps by " + rounded(jump) + " here and " + count +
-              " times in all, as an angle does that starts anew after " +
-              "each turn; unwrap it, for instance with Python: `numpy.unwrap(angle, period=" + rounded(jump, 3) + ")`");
+    if (auto rows = jump_rows(x); !rows.empty()) {
+      add_jumps(channel, std::move(rows));
       return;
     }
     const bool is_angle = channel.role == ChannelRole::kMotorAngle || channel.role == ChannelRole::kJointAngle;
@@ -141,7 +158,7 @@ class Gate {
     const auto* torque = first_of(ChannelRole::kJointEffort);
     const auto* target = angle != nullptr ? angle : torque;
     if (motor == nullptr || (target == nullptr && effort == nullptr) || has(ChannelFault::kWrapped) ||
-        has(ChannelFault::kUnsigned) ||
+        has(ChannelFault::kJump) || has(ChannelFault::kUnsigned) ||
         has(ChannelFault::kHeld)) {  // what is held is late by half of that, and said to be
       return;
     }
@@ -184,7 +201,7 @@ class Gate {
 
 auto fault_word(ChannelFault fault) -> const char* {
   constexpr const char* kWords[] = {"spikes",  "held",      "stuck",   "unsigned", "clipped",
-                                    "wrapped", "quantised", "degrees", "late"};
+                                    "wrapped", "quantised", "degrees", "late",     "jump"};
   return kWords[static_cast<std::size_t>(fault)];
 }
 

@@ -18,6 +18,7 @@ enum class ChannelFault {
   kQuantised,  ///< only a few steps over its range
   kDegrees,    ///< an angle in degrees in place of radians
   kLate,       ///< behind the other channels
+  kJump,       ///< jumps once, by no turn
 };
 auto fault_word(ChannelFault fault) -> const char*;
 

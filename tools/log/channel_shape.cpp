@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "capstan/tools/support/statistics.hpp"
 
@@ -34,6 +35,7 @@ constexpr double kAbrupt = 0.5;         // of the usual change, on the way into 
 constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a channel with noise or fine steps
 constexpr double kWrapShare = 0.6;      // of the full range in one row
 constexpr double kWrapAlike = 0.15;     // by which the jumps may differ
+constexpr double kTurnShare = 0.02;     // by which a jump may miss a turn: the step of a fast joint from row to row
 constexpr double kQuietBeside = 0.1;    // of the jump: all other changes
 
 auto repeated_share(const Eigen::VectorXd& x) -> double {
@@ -219,7 +221,7 @@ auto clipped_rows(const Eigen::VectorXd& x) -> Rows {
   return static_cast<double>(rows.size()) < kClipShare * static_cast<double>(x.size()) ? Rows{} : rows;
 }
 
-auto wrap_rows(const Eigen::VectorXd& x) -> Rows {
+auto jump_rows(const Eigen::VectorXd& x) -> Rows {
   const double range = x.maxCoeff() - x.minCoeff();
   const Eigen::VectorXd changes = changes_of(x);
   Rows rows;
@@ -242,6 +244,18 @@ auto wrap_rows(const Eigen::VectorXd& x) -> Rows {
   constexpr double kMostWraps = 0.02;
   const bool few = static_cast<double>(rows.size()) < kMostWraps * static_cast<double>(x.size());
   return range > 0.0 && alike && few && !back ? rows : Rows{};
+}
+
+auto nearest_turn(double jump) -> std::optional<double> {
+  const auto near = [jump](double turn) { return std::abs(jump - turn) <= kTurnShare * turn; };
+  for (const double turn : {2.0 * std::numbers::pi, 360.0, 1.0}) {
+    if (near(turn)) {
+      return turn;
+    }
+  }
+  constexpr double kFewestCounts = 512.0;  // 256 counts are a joint's 255 degrees as well
+  const double counts = std::exp2(std::round(std::log2(jump)));
+  return counts >= kFewestCounts && near(counts) ? std::optional(counts) : std::nullopt;
 }
 
 auto steps_over_range(const Eigen::VectorXd& x) -> std::optional<double> {

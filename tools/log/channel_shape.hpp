@@ -33,8 +33,11 @@ auto is_magnitude(const Eigen::VectorXd& values, bool effort) -> bool;
 /// Rows at an end of the range where the channel is cut off.
 auto clipped_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 
-/// Rows before which the channel jumps by a whole turn, whatever the unit.
-auto wrap_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
+/// Rows before which the channel jumps, each time alike and far beyond all other changes.
+auto jump_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
+
+/// The turn of a sensor that jumps by nearly this much: 2 pi, 360, 1, or a power of two of counts.
+auto nearest_turn(double jump) -> std::optional<double>;
 
 /// Steps of its resolution over the robust range; nothing if no resolution is to be seen.
 auto steps_over_range(const Eigen::VectorXd& values) -> std::optional<double>;

@@ -87,6 +87,31 @@ TEST(ChannelGate, AnAngleThatStartsAnewAfterATurnIsNamed) {
   EXPECT_EQ(words.front(), "wrapped q1");
 }
 
+TEST(ChannelGate, AWrapIsUnwrappedByTheTurnOfItsSensor) {
+  for (const auto& [turn, text] : {std::pair{2.0 * std::numbers::pi, "period=6.2831853)"},
+                                   {360.0, "period=360)"},
+                                   {1.0, "period=1)"},
+                                   {4096.0, "period=4096)"}}) {
+    Log log;
+    for (double& q : log.q1) {
+      q = std::remainder(1.3 * turn * q, turn);
+    }
+    const auto findings = inspect_channels(kPeriod, {{"q1", ChannelRole::kMotorAngle, &log.q1}});
+    ASSERT_FALSE(findings.empty());
+    EXPECT_NE(findings.front().what.find(text), std::string::npos) << findings.front().what;
+  }
+}
+
+TEST(ChannelGate, ASingleJumpIsAWrapOnlyByATurn) {
+  for (const auto& [jump, word] : {std::pair{9.0, "jump q2"}, {2.0 * std::numbers::pi, "wrapped q2"}}) {
+    Log log;
+    log.q2.tail(kRows / 2).array() += jump;
+    const auto words = found(log);
+    ASSERT_FALSE(words.empty());
+    EXPECT_EQ(words.front(), word);
+  }
+}
+
 TEST(ChannelGate, ACoarseChannelIsNamed) {
   Log log;
   log.q2 = (log.q2.array() * 20.0).round() / 20.0;
