@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <limits>
 
+#include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/log/column_map.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -70,6 +72,28 @@ void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFil
   }
 }
 
+/// The words that the command was given for an option of this name; none where it has no such option.
+auto words_of(const CLI::App& command, const char* name) -> std::vector<std::string> {
+  const CLI::Option* option = command.get_option_no_throw(name);
+  return option == nullptr ? std::vector<std::string>{} : option->results();
+}
+
+/// A target may be any column; a law of an effort that is replayed says itself what it explains, and of which axis is
+/// asked for then.
+void expect_maps_read(const CLI::App& command) {
+  const auto mappings = parse_mappings(words_of(command, "--map"));
+  std::vector<std::string> targets = words_of(command, "--target");
+  if (command.get_name() == "replay" && !mappings.empty() && is_effort_file(words_of(command, "--model").front())) {
+    for (const auto& mapping : mappings) {
+      const std::string target = read_effort_file(words_of(command, "--model").front()).target;
+      if (mapping.wanted.ends_with("/" + target.substr(target.find('/') + 1))) {
+        targets.push_back(mapping.wanted);
+      }
+    }
+  }
+  expect_read(mappings, targets);
+}
+
 }  // namespace
 
 void expect_sound(const CLI::App& command) {
@@ -94,6 +118,7 @@ void expect_sound(const CLI::App& command) {
     }
   }
   expect_apart(read, written);
+  expect_maps_read(command);
 }
 
 }  // namespace capstan::tools

@@ -72,5 +72,14 @@ TEST_F(Arguments, AReportGoesIntoAFolder) {
   EXPECT_EQ(outcome.output.find("wrote"), std::string::npos) << outcome.output;
 }
 
+TEST_F(Arguments, AMapOfAColumnThatNothingReadsIsRefused) {
+  const std::string log = write_log(short_log(100.0));
+  expect_refused(run("identify " + log + " --map \"axis0/tau_nm=axis0/tau_Nm\""), "did you mean axis0/tau_Nm?");
+  expect_refused(run("tip " + log + " --pitch-to-jaw 0.01 --jaw 0.01 --map foo=axis0/tau_Nm"),
+                 "nothing reads a column foo");
+  const Outcome target = run("identify " + log + " --model kinematic --map camera=axis0/q2_rad --target camera");
+  EXPECT_EQ(target.status, 0) << target.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools

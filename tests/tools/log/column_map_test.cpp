@@ -39,5 +39,22 @@ TEST(ColumnMap, TheSameColumnIsNotMappedTwice) {
   EXPECT_EQ(parse_mappings({"a=b", "c=b"}).size(), 2U);
 }
 
+TEST(ColumnMap, WhatNothingReadsIsRefusedWithTheNameThatWasMeant) {
+  const std::vector<std::string> targets = {"camera"};
+  EXPECT_NO_THROW(expect_read(parse_mappings({"time_s=t", "axis0/q1_rad=a", "axis17/tau_Nm=b", "axis1/tau_out_Nm=c",
+                                              "temperature_C=d", "site=e", "tip_left/qz=f", "camera=g"}),
+                              targets));
+  for (const char* bad : {"foo", "axis0/q2_deg", "axis0/tau", "axis/q1_rad", "q1_rad", "tip_left/q1_rad", "other"}) {
+    EXPECT_THROW(expect_read(parse_mappings({std::string(bad) + "=x"}), targets), BadInput) << bad;
+  }
+  try {
+    expect_read(parse_mappings({"axis3/tau_nm=current_A*0.0369"}), {});
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("did you mean axis3/tau_Nm? read are time_s, "), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace capstan::tools
