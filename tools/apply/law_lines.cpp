@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/apply/law_lines.hpp"
 
+#include <charconv>
+
 #include "capstan/tools/apply/effort_lines.hpp"
 #include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/apply/machine_lines.hpp"
@@ -30,6 +32,15 @@ auto checked(const JointFile& joint, const std::string& file, int axis, bool for
   return joint;
 }
 
+/// The whole number behind some words of a line; negative where they are not there.
+auto number_behind(const std::string& line, const std::string& words) -> int {
+  int number = -1;
+  if (const auto at = line.find(words); at != std::string::npos) {
+    std::from_chars(line.data() + at + words.size(), line.data() + line.size(), number);
+  }
+  return number;
+}
+
 }  // namespace
 
 auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std::string> {
@@ -47,6 +58,18 @@ auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std
                                        : model_lines(checked(parse_joint_file(text, file), file, axis, force), axis);
   lines.insert(lines.end() - 1, force_law.begin(), force_law.end());
   return lines;
+}
+
+void expect_joints(const std::vector<std::string>& lines, const std::vector<std::string>& version) {
+  const int joints = version.empty() ? -1 : number_behind(version.front(), "joints ");
+  for (const std::string& line : lines) {
+    const int joint = number_behind(line, "set joint");
+    if (joints > 0 && joint >= joints) {
+      throw BadInput("the board has " + std::to_string(joints) + (joints == 1 ? " joint" : " joints") +
+                     ", numbered from 0, and joint " + std::to_string(joint) +
+                     " was asked for; give an --axis that it has, or the file of this board");
+    }
+  }
 }
 
 }  // namespace capstan::tools

@@ -47,6 +47,7 @@ auto apply(const ApplyOptions& options) -> int {
   const std::vector<std::string> lines = law_lines(options.model, options.axis, options.force);
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
+  expect_joints(lines, version);
   for (const std::string& line : lines) {
     shell.ask(line == "maintenance open" && !options.key.empty() ? line + " " + options.key : line);
   }

@@ -75,6 +75,13 @@ auto stiffness_of(const JointFile& joint, double ratio) -> double {
 }  // namespace
 
 auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf {
+  if (names.motor.empty() || names.joint.empty() || names.tendon.empty()) {
+    throw BadInput("a hinge or the tendon has no name; give --motor, --joint and --tendon one, or leave them out");
+  }
+  if (names.motor == names.joint) {
+    throw BadInput("motor and joint are both the hinge " + names.motor +
+                   ", and a tendon joins two; give --motor and --joint the model's names of each");
+  }
   if (joint.catalogue->target() != TargetKind::kAngle) {
     throw Refusal("the law explains a torque, and a tendon is made of a law of the joint angle; identify one");
   }

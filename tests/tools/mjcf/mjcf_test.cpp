@@ -167,6 +167,13 @@ TEST(Mjcf, WhatHasNoCounterpartIsNamed) {
   EXPECT_EQ(mjcf_of(joint, {}).left_out, std::vector<std::string>{"play"});
 }
 
+TEST(Mjcf, ATendonJoinsTwoHingesThatHaveNames) {
+  const JointFile joint = law({"motor_angle"});
+  EXPECT_THROW(mjcf_of(joint, {.motor = ""}), BadInput);
+  EXPECT_THROW(mjcf_of(joint, {.tendon = ""}), BadInput);
+  EXPECT_THROW(mjcf_of(joint, {.motor = "m", .joint = "m"}), BadInput);
+}
+
 TEST(Mjcf, LawWithoutARatioIsRefused) {
   JointFile joint = law({"motor_angle"});
   joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient] = 0.0;
