@@ -55,7 +55,7 @@ auto run_compare(const CompareCommand& options) -> int {
   wanted.base_model = options.base;
   wanted.drawing = options.drawing;
   if (options.base.ends_with(".toml")) {
-    wanted.base_law = read_joint_file(options.base);
+    wanted.base_law = read_start_law(options.base);
   }
   if (isatty(STDERR_FILENO) != 0) {
     wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
@@ -76,7 +76,8 @@ void add_compare(CLI::App& app, int& exit_status) {
       "compare", "what has changed between two times of one joint: capstan compare HEALTHY... -- NOW...");
   options->healthy.add_to(*command, true);
   command->add_option("--now", options->now, "logs of now; the same as what stands behind --");
-  command->add_option("--base", options->base, "law to start from, as for diagnose, or the joint's own file");
+  command->add_option("--base", options->base,
+                      "law to start from, as for diagnose, or the joint's own file of an angle's law");
   add_drawing(*command, options->drawing);
   command->add_option("--target", options->target, "column to explain, as for diagnose");
   command->add_option("--json", options->json, "write the comparison as JSON");

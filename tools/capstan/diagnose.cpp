@@ -60,9 +60,20 @@ void print_diagnosis(const Diagnosis& d, const std::vector<std::string>& said) {
   }
 }
 
+/// A log that is fitted is not unseen.
+auto tests_of(const DiagnoseCommand& options) -> std::vector<CsvLog> {
+  for (const std::string& test : options.tests) {
+    const auto& fitted = options.logs.files;
+    if (std::any_of(fitted.begin(), fitted.end(), [&](const auto& file) { return same_file(file, test); })) {
+      throw BadInput("--test " + test + " is among the logs that are fitted; give one that is not");
+    }
+  }
+  return read_logs(options.tests, options.logs.maps);
+}
+
 auto run_diagnose(const DiagnoseCommand& options) -> int {
   DiagnoseJob job{.logs = options.logs.job_logs(),
-                  .tests = read_logs(options.tests, options.logs.maps),
+                  .tests = tests_of(options),
                   .base = options.base,
                   .target = options.target,
                   .drawing = options.drawing};
@@ -106,7 +117,7 @@ void add_diagnose(CLI::App& app, int& exit_status) {
       "law to start from: kinematic, pseudo_kinematic (default where torque is logged), tendon (two tendons with "
       "friction and pretension; takes the default's place where only it leaves no more than noise), "
       "rigid_dynamics (default where the target is an effort) or inertia, pull_push or preisach (joint torque "
-      "from motor torque); or a joint file, whose law is fitted anew");
+      "from motor torque); or the joint.toml of an angle's law, which is fitted anew");
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");

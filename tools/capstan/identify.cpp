@@ -68,7 +68,7 @@ void add_identify(CLI::App& app, int& exit_status) {
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; wrist: pitch "
                    "and both jaws at once; of the joint torque: "
                    "pull_push, blend (of pull and pull-push law), preisach; of an effort: "
-                   "rigid_dynamics, inertia; or a joint file, whose law is fitted anew")
+                   "rigid_dynamics, inertia; or the joint.toml of an angle's law, which is fitted anew")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");

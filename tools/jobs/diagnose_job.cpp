@@ -33,7 +33,7 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   DiagnoseOptions wanted;
   JobLogs logs = job.logs;
   if (job.base.ends_with(".toml")) {
-    const JointFile base = read_joint_file(job.base);
+    const JointFile base = read_start_law(job.base);
     wanted.base_law = base;
     couple_as(base, job.base, logs);
     if (request.effort || request.force) {

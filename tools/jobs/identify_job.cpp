@@ -31,7 +31,7 @@ auto identified(const Fit& fit) -> IdentifiedForce {
 }  // namespace
 
 auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
-  const auto file = job.model.ends_with(".toml") ? std::optional(form_of(read_joint_file(job.model))) : std::nullopt;
+  const auto file = job.model.ends_with(".toml") ? std::optional(form_of(read_start_law(job.model))) : std::nullopt;
   const auto terms = file ? file->terms : terms_of_model(job.model);
   AxisRequest request;
   request_target(job.target, job.model, request);

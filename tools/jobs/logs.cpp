@@ -6,16 +6,21 @@
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/log/recordings.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 
 auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog> {
   const auto mappings = parse_mappings(maps);
   std::vector<CsvLog> logs;
-  for (const auto& path : paths) {
-    logs.push_back(CsvLog::read(path, mappings));
+  for (auto path = paths.begin(); path != paths.end(); ++path) {
+    if (std::any_of(paths.begin(), path, [&](const auto& before) { return same_file(before, *path); })) {
+      throw BadInput(*path + " is given twice, and its rows would count as evidence twice; name it once");
+    }
+    logs.push_back(CsvLog::read(*path, mappings));
   }
   return logs;
 }
@@ -48,6 +53,14 @@ auto read_recordings(const JobLogs& logs, const AxisRequest& request, const Say&
     std::move(recordings.begin(), recordings.end(), std::back_inserter(all));
   }
   return all;
+}
+
+auto read_start_law(const std::string& path) -> JointFile {
+  if (is_effort_file(path)) {
+    throw BadInput(path + ": no fit starts from the file of an effort's law; give the name of one instead, " +
+                   "rigid_dynamics or inertia, or of a torque behind a gear pull_push or preisach");
+  }
+  return read_joint_file(path);
 }
 
 void request_target(const std::string& target, const std::string& model, AxisRequest& request) {

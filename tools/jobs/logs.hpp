@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 
 /// What the commands do, for whoever asks: the command line and the Python module.
@@ -20,7 +21,7 @@ struct JobLogs {
   std::vector<int> coupled_to;  ///< axes that may pull at this one, by slots
 };
 
-/// @param maps  texts of --map
+/// Throws BadInput if a file is given twice. @param maps  texts of --map
 auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog>;
 
 /// The axis of every log. @param warn  is told what was done with the logs
@@ -28,6 +29,9 @@ auto read_axes(const JobLogs& logs, const AxisRequest& request, const Say& warn)
 
 /// The same, where several recordings in one file are a log each.
 auto read_recordings(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
+
+/// A file's law that a fit starts from. Throws BadInput with what to give in place of a law of an effort.
+auto read_start_law(const std::string& path) -> JointFile;
 
 /// Makes the request one for an effort where the target or the model asks for that. Throws Refusal for a current or a
 /// voltage, which is no effort yet.

@@ -290,6 +290,45 @@ TEST_F(Command, ReplayOfAForceLawAppendsTheJointsTorque) {
   EXPECT_NE(read_text_file(path("out.csv")).find("axis0/tau_out_est_Nm"), std::string::npos);
 }
 
+TEST_F(Command, ALogIsEvidenceOnce) {
+  const std::string log = write_log(short_log(200.0));
+  std::filesystem::create_symlink("log.csv", path("link.csv"));
+  std::filesystem::copy_file(path("log.csv"), path("healthy.csv"));
+  for (const std::string& command :
+       {std::string("identify "), std::string("diagnose "), "compare \"" + path("healthy.csv") + "\" --now "}) {
+    const Outcome twice = run(command + log + " \"" + path("link.csv") + "\"");
+    EXPECT_EQ(twice.status, 2);
+    EXPECT_NE(twice.output.find("link.csv is given twice"), std::string::npos) << twice.output;
+  }
+  const Outcome seen = run("diagnose " + log + " --test \"" + path("./link.csv") + "\"");
+  EXPECT_EQ(seen.status, 2);
+  EXPECT_NE(seen.output.find("link.csv is among the logs that are fitted"), std::string::npos) << seen.output;
+}
+
+TEST_F(Command, AFileOfAnEffortsLawIsNoStartOfAFit) {
+  write_text_file(path("law.toml"), "schema = \"capstan.effort/1\"\n");
+  const std::string log = write_log(short_log(200.0)) + " --target axis0/tau_Nm ";
+  for (const std::string& command :
+       {"diagnose " + log + "--base", "identify " + log + "--model", "compare " + log + " --now other.csv --base"}) {
+    const Outcome outcome = run(command + " \"" + path("law.toml") + "\"");
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.output.find("give the name of one instead, rigid_dynamics or inertia"), std::string::npos)
+        << outcome.output;
+  }
+}
+
+TEST_F(Command, TheTorquesSignIsTurnedOnItsOwnAxis) {
+  AxisLog log = test::synthetic_log(short_log(200.0));
+  log.tau_nm = -log.tau_nm;
+  std::string text = test::log_text(log);
+  for (auto at = text.find("axis0/"); at != std::string::npos; at = text.find("axis0/", at)) {
+    text.replace(at, 6, "axis7/");
+  }
+  write_text_file(path("log.csv"), text);
+  const Outcome outcome = run("identify \"" + path("log.csv") + "\" --axis 7");
+  EXPECT_NE(outcome.output.find("--map \"axis7/tau_Nm=COLUMN*-1\" turns it"), std::string::npos) << outcome.output;
+}
+
 TEST_F(Command, WristNamesThreeAxesThatTheLogHas) {
   const std::string log = write_log(short_log(200.0));
   const Outcome twice = run("identify " + log + " --model wrist --wrist-axes 0 1 1");
