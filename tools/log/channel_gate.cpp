@@ -75,8 +75,10 @@ class Gate {
     if (rows.size() == 1 && !turn) {
       add(ChannelFault::kJump, channel, std::move(rows), jump,
           "jumps by " + rounded(jump) +
-              " here, once, as where two recordings are joined, a tendon slips or the zero is set anew; give what is "
-              "before and after as two logs");
+              " here, once, as where two recordings are joined, a tendon slips or the zero is set anew" +
+              (channel.role == ChannelRole::kMotorAngle  // where that is seen, a file is taken apart (recordings.hpp)
+                   ? ""
+                   : "; give what is before and after as two logs"));
       return;
     }
     const std::string count = rows.size() == 1 ? ", once," : " and " + std::to_string(rows.size()) + " times in all,";
