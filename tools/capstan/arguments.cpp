@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 
@@ -20,10 +22,10 @@ struct NamedFile {
   std::string option, path;
 };
 
-/// The options that write one file; every other word that names a file is of one that is read.
+/// The options that write a file or, for a report, a folder; every other word that names a file is of one that is read.
 auto writes(const CLI::Option& option) -> bool {
-  constexpr std::array kWriters = {"output", "json",  "next",    "svg",    "html",
-                                   "log",    "state", "machine", "record", "storage"};
+  constexpr std::array kWriters = {"output", "json",    "next",   "svg",     "html",  "log",
+                                   "state",  "machine", "record", "storage", "report"};
   return std::any_of(kWriters.begin(), kWriters.end(), [&](const char* name) { return option.check_lname(name); });
 }
 

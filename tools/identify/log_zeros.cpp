@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 
 #include "capstan/tools/identify/settled.hpp"
@@ -89,10 +90,14 @@ auto share_angles(const std::vector<AxisLog>& logs) -> bool {
   });
 }
 
+auto range_of(const Eigen::VectorXd& angle) -> double {
+  return angle.maxCoeff() - angle.minCoeff();
+}
+
 auto least_range(const std::vector<AxisLog>& logs) -> double {
   double least = std::numeric_limits<double>::infinity();
   for (const auto& log : logs) {
-    least = std::min(least, log.q1_rad.maxCoeff() - log.q1_rad.minCoeff());
+    least = std::min(least, range_of(log.q1_rad));
   }
   return least;
 }
@@ -104,12 +109,21 @@ auto speed_of(const AxisLog& log) -> Eigen::VectorXd {
   return speed;
 }
 
+/// Whether a joint follows its motor as far as in another log: no hand holds its tip in one of them.
+auto moves_alike(const AxisLog& a, const AxisLog& b) -> bool {
+  constexpr double kTimes = 1.5;
+  const double ratio = range_of(a.q2_rad) * range_of(b.q1_rad) / (range_of(b.q2_rad) * range_of(a.q1_rad));
+  return ratio > 1.0 / kTimes && ratio < kTimes;
+}
+
+/// @param which  of the logs the zeros are of, in their order
 /// @return whether any log was counted anew
-auto take_off(const std::vector<LogZero>& zeros, std::vector<AxisLog>& logs) -> bool {
+auto take_off(const std::vector<LogZero>& zeros, const std::vector<std::size_t>& which, std::vector<AxisLog>& logs)
+    -> bool {
   bool any = false;
-  for (std::size_t i = 1; i < logs.size(); ++i) {
+  for (std::size_t i = 0; i < which.size(); ++i) {
     if (zeros[i].is_certain()) {
-      logs[i].q2_rad.array() -= zeros[i].shift_rad;
+      logs[which[i]].q2_rad.array() -= zeros[i].shift_rad;
       any = true;
     }
   }
@@ -159,11 +173,25 @@ auto count_from_one_zero(std::vector<AxisLog>& logs,
                          const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)
     -> std::vector<std::string> {
   std::vector<std::string> sentences;
-  const std::vector<AxisLog> as_logged = logs;
-  if (logs.size() < 2 || logs.front().effort.size() > 0 || !take_off(log_zeros(logs), logs)) {
+  if (logs.front().effort.size() > 0 || logs.front().q2_rad.size() == 0) {
     return sentences;
   }
-  take_off(log_zeros_beside(logs, left_by_law(logs)), logs);
+  std::vector<std::size_t> alike;
+  std::vector<AxisLog> free;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    if (moves_alike(logs[i], logs.front())) {
+      alike.push_back(i);
+      free.push_back(logs[i]);
+    }
+  }
+  const std::vector<AxisLog> as_logged = logs;
+  if (free.size() < 2 || !take_off(log_zeros(free), alike, logs)) {
+    return sentences;
+  }
+  const std::vector<LogZero> all = log_zeros_beside(logs, left_by_law(logs));
+  std::vector<LogZero> of_free;
+  std::transform(alike.begin(), alike.end(), std::back_inserter(of_free), [&all](std::size_t i) { return all[i]; });
+  take_off(of_free, alike, logs);
   for (std::size_t i = 1; i < logs.size(); ++i) {
     const double shift = as_logged[i].q2_rad[0] - logs[i].q2_rad[0];
     if (shift != 0.0) {

@@ -25,7 +25,7 @@ auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& r
 
 /// Counts logs of one joint's angle from the first one's zero, where another is certain: by the rough law, and then by
 /// the one that left_by_law fits to them, which gives what it leaves of the logs, one below the other. Logs of an
-/// effort stay as they are.
+/// effort stay as they are, and those in which the joint goes another way with its motor, as with its tip held.
 /// @return what was taken off, a sentence for each log
 auto count_from_one_zero(std::vector<AxisLog>& logs,
                          const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)

@@ -61,6 +61,7 @@ TEST_F(Arguments, NoFileIsWrittenTwice) {
   expect_refused(run("diagnose " + log + " --json " + one + " --next \"" + path("./one") + "\""),
                  "--json and --next would write the same file");
   expect_refused(run("diagnose " + log + " -o " + one + " --json " + one), "give each its own name");
+  expect_refused(run("diagnose " + log + " --report " + one + " --json " + one), "would write the same file");
   expect_refused(run("commission --corridor 0.5 --yes --machine commission.txt"), "--state and --machine would write");
   EXPECT_FALSE(exists("one"));
 }

@@ -218,8 +218,8 @@ TEST_F(Command, AForceIsIdentifiedAndDiagnosedFromTheMotionOfALinearAxis) {
   EXPECT_EQ(identified.status, 0) << identified.output;
   EXPECT_NE(identified.output.find("kg"), std::string::npos) << identified.output;
   EXPECT_NE(read_text_file(path("axis.toml")).find("capstan.effort/1"), std::string::npos);
-  const Outcome diagnosed =
-      run("diagnose " + log + "--target push_N --json \"" + path("d.json") + "\" --report \"" + path("report") + "\"");
+  const Outcome diagnosed = run("diagnose " + log + "--target push_N --json \"" + path("d.json") + "\" --report \"" +
+                                path("report") + "\" -o \"" + path("push.toml") + "\"");
   EXPECT_EQ(diagnosed.status, 0) << diagnosed.output;
   EXPECT_NE(diagnosed.output.find("The law lacks coulomb_friction;"), std::string::npos) << diagnosed.output;
   EXPECT_NE(read_text_file(path("d.json")).find("\"unit\": \"Ns/m\""), std::string::npos);
@@ -231,6 +231,9 @@ TEST_F(Command, AForceIsIdentifiedAndDiagnosedFromTheMotionOfALinearAxis) {
   const Outcome in_double = run("replay " + log + "--map axis0/tau_Nm=push_N --arithmetic double --model \"" +
                                 path("axis.toml") + "\" -o \"" + path("o.csv") + "\"");
   EXPECT_EQ(in_double.status, 0) << in_double.output;
+  const Outcome own_column = run("replay " + log + "--map axis0/push_N=push_N --arithmetic double --model \"" +
+                                 path("push.toml") + "\" -o \"" + path("o.csv") + "\"");
+  EXPECT_EQ(own_column.status, 0) << own_column.output;
   const Outcome current = run("diagnose " + log + "--target axis0/current_A");
   EXPECT_EQ(current.status, 1);
   EXPECT_NE(current.output.find("*FACTOR"), std::string::npos) << current.output;

@@ -58,6 +58,16 @@ TEST(LogZeros, AreTakenOffByTheRoughLawAndThenByWhatTheFoundOneLeaves) {
   EXPECT_LT((logs[1].q2_rad - plain.q2_rad).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST(LogZeros, OfALogWithTheTipHeldAreNotAsked) {
+  AxisLog held = log_of(test::Truth::kPlay, 2, 0.1);
+  held.q2_rad = (0.05 * held.q2_rad.array()).matrix();
+  std::vector<AxisLog> logs = {log_of(test::Truth::kPlay, 1), held, log_of(test::Truth::kPlay, 3, 0.2)};
+  const auto sentences = count_from_one_zero(logs, nothing_left);
+  EXPECT_EQ(logs[1].q2_rad, held.q2_rad);
+  EXPECT_EQ(sentences.size(), 1U);
+  EXPECT_NEAR(logs[2].q2_rad[0], log_of(test::Truth::kPlay, 3).q2_rad[0], 2e-3);
+}
+
 TEST(LogZeros, OfAMotorThatBeganElsewhereAreTakenOffTheJoint) {
   AxisLog second = log_of(test::Truth::kPlay, 2);
   second.q1_rad.array() += 30.0;
