@@ -110,7 +110,7 @@ void check_completeness(const Preparation& p, Diagnosis& d) {
   }
   // What comes and goes from one cycle to the next passes for noise there, as a joint does that sticks for a while.
   const double floor_share = share_of_target(p, d.noise_floor);
-  const bool repeats_agree = p.repeats && floor_share < kLargestHiddenShare;
+  const bool repeats_agree = p.repeats && floor_share <= kLargestHiddenShare;
   if (!repeats_agree && largest_hidden_share(p, d) > kLargestHiddenShare) {
     refuse_completeness(p.repeats
                             ? "No effect shows, but the repeated cycles differ by " + rounded(100.0 * floor_share, 2) +

@@ -222,6 +222,20 @@ TEST(Reconcile, WithoutRepeatsNoEffectOfATenthOfTheMotionMayHide) {
   EXPECT_EQ(log.d.verdict, Verdict::kUnknown);
 }
 
+TEST(Reconcile, RepeatsThatDifferByMoreThanATenthOfTheMotionMayHideEffectsToo) {
+  Reported log;
+  log.d.noise_floor = 0.3;  // a joint that stuck in one of them
+  log.set_before(0.3);
+  log.d.detectable = {{"play", 0.11}};
+  log.reconcile_with(LawStatus::kBase);
+  EXPECT_EQ(log.d.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(says(log.d, "the repeated cycles differ by 30 % of the motion"));
+  log.d.verdict = Verdict::kNothingMissing;
+  log.d.detectable = {{"play", 0.09}};  // noise averages out in a long log
+  log.reconcile_with(LawStatus::kBase);
+  EXPECT_EQ(log.d.verdict, Verdict::kNothingMissing);
+}
+
 TEST(Reconcile, AnEffectIsTheWholeAnswerOnlyWhereTheLawDeliveredHasNoMore) {
   Reported log;
   log.d.verdict = Verdict::kEffect;
