@@ -152,8 +152,11 @@ void stick(AxisLog& log, double from, double to) {
 }
 
 TEST(Diagnose, AJointThatSticksForASixthOfTheLogLacksSomethingThoughItsCyclesDifferByThat) {
-  for (const Truth truth : {Truth::kNone, Truth::kPlay}) {
-    AxisLog log = test::synthetic_log(small_request(truth));
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SyntheticRequest request = small_request(Truth::kNone);
+    request.motion = Motion::kMultisine;
+    request.seed = seed;
+    AxisLog log = test::synthetic_log(request);
     stick(log, 1.0 / 3.0, 0.5);
     const Diagnosis d = diagnose({log}, {});
     EXPECT_EQ(d.repeats, 4);
