@@ -85,10 +85,12 @@ auto words_of(const CLI::App& command, const char* name) -> std::vector<std::str
 void expect_maps_read(const CLI::App& command) {
   const auto mappings = parse_mappings(words_of(command, "--map"));
   std::vector<std::string> targets = words_of(command, "--target");
-  if (command.get_name() == "replay" && !mappings.empty() && is_effort_file(words_of(command, "--model").front())) {
+  const auto models = words_of(command, "--model");
+  if (command.get_name() == "replay" && !mappings.empty() && is_effort_file(models.front())) {
+    const std::string target = read_effort_file(models.front()).target;
+    const std::string quantity = "/" + target.substr(target.find('/') + 1);
     for (const auto& mapping : mappings) {
-      const std::string target = read_effort_file(words_of(command, "--model").front()).target;
-      if (mapping.wanted.ends_with("/" + target.substr(target.find('/') + 1))) {
+      if (mapping.wanted.ends_with(quantity)) {
         targets.push_back(mapping.wanted);
       }
     }

@@ -21,12 +21,8 @@ namespace capstan::tools {
 namespace {
 
 auto stacked_signal(const std::vector<AxisLog>& logs, Eigen::VectorXd AxisLog::*signal) -> Eigen::VectorXd {
+  Eigen::VectorXd all(total_samples(logs));
   Eigen::Index rows = 0;
-  for (const auto& log : logs) {
-    rows += log.samples();
-  }
-  Eigen::VectorXd all(rows);
-  rows = 0;
   for (const auto& log : logs) {
     all.segment(rows, log.samples()) = log.*signal;
     rows += log.samples();

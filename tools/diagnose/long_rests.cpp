@@ -29,10 +29,6 @@ constexpr double kKept = 0.05;
 /// Places of a log at which a rest is looked for: several in each long one.
 constexpr Eigen::Index kPlaces = 128;
 
-auto range_of(const Eigen::VectorXd& angle) -> double {
-  return angle.maxCoeff() - angle.minCoeff();
-}
-
 /// Within what each angle of a log stands.
 class Standing {
  public:

@@ -18,14 +18,6 @@ constexpr double kGapS = 0.1;
 constexpr Eigen::Index kDerivativeReach = 2;  // samples to either side
 constexpr Eigen::Index kShortestGap = 10;     // at least the noise model's order
 
-auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index {
-  Eigen::Index total = 0;
-  for (const auto& log : logs) {
-    total += log.samples();
-  }
-  return total;
-}
-
 /// `averaged`: half width of the mean that an effort's columns have been through. Rows closer than that would only
 /// repeat each other, and whitening would bring out what little they differ by.
 auto choose_factor(const std::vector<AxisLog>& logs, Eigen::Index averaged) -> Eigen::Index {

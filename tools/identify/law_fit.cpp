@@ -119,12 +119,8 @@ auto LawDesign::apply(const CatalogueTerm& term, const Shapes& shapes, const Eig
 }
 
 auto stacked_target(const std::vector<AxisLog>& logs) -> Eigen::VectorXd {
+  Eigen::VectorXd target(total_samples(logs));
   Eigen::Index rows = 0;
-  for (const auto& log : logs) {
-    rows += log.samples();
-  }
-  Eigen::VectorXd target(rows);
-  rows = 0;
   for (const auto& log : logs) {
     target.segment(rows, log.samples()) = log.measured();
     rows += log.samples();
@@ -327,12 +323,8 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
 }
 
 auto simulate(const std::vector<AxisLog>& logs, const LawParameters<double>& law) -> Eigen::VectorXd {
+  Eigen::VectorXd estimate(total_samples(logs));
   Eigen::Index rows = 0;
-  for (const auto& log : logs) {
-    rows += log.samples();
-  }
-  Eigen::VectorXd estimate(rows);
-  rows = 0;
   for (const auto& log : logs) {
     MotionLaw<double> motion(SamplePeriod<double>(log.period_s), law);
     for (const auto& now : measured_series(log)) {

@@ -8,6 +8,7 @@
 
 #include "capstan/tools/identify/settled.hpp"
 #include "capstan/tools/support/play_column.hpp"
+#include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -26,23 +27,21 @@ struct Rows {
   Blocks blocks;  ///< in which every log has settled
 };
 
+auto thin(const Eigen::VectorXd& signal, Index step) -> Eigen::VectorXd {
+  return signal(Eigen::seqN(0, (signal.size() + step - 1) / step, step));
+}
+
 /// Every `step`-th row of all logs, one below the other.
 auto thinned_rows(const std::vector<AxisLog>& logs, Index step) -> Rows {
   Rows rows;
-  std::vector<double> q1;
   for (const auto& log : logs) {
-    rows.log_rows.push_back((log.samples() + step - 1) / step);
-    for (Index i = 0; i < log.samples(); i += step) {
-      q1.push_back(log.q1_rad[i]);
-    }
+    const Eigen::VectorXd here = thin(log.q1_rad, step);
+    rows.log_rows.push_back(here.size());
+    rows.q1.conservativeResize(rows.q1.size() + here.size());
+    rows.q1.tail(here.size()) = here;
   }
-  rows.q1 = Eigen::Map<Eigen::VectorXd>(q1.data(), std::ssize(q1));
   rows.blocks = even_parts(settled_rows(rows.q1, pieces_of(rows.log_rows)), kBlocks);
   return rows;
-}
-
-auto thin(const Eigen::VectorXd& signal, Index step) -> Eigen::VectorXd {
-  return signal(Eigen::seqN(0, (signal.size() + step - 1) / step, step));
 }
 
 /// Least squares of a target on a constant for each log and the columns behind them.
@@ -71,14 +70,6 @@ auto with_constants(const Rows& rows, Index more) -> Eigen::MatrixXd {
   return columns;
 }
 
-auto step_for(const std::vector<AxisLog>& logs) -> Index {
-  Index all = 0;
-  for (const auto& log : logs) {
-    all += log.samples();
-  }
-  return std::max<Index>(1, all / kEnoughRows);
-}
-
 /// Whether every log moves where the first one does, for half of its motion. Where one does not, a curve over the angle
 /// is as good an answer as another zero of the motor's.
 auto share_angles(const std::vector<AxisLog>& logs) -> bool {
@@ -88,10 +79,6 @@ auto share_angles(const std::vector<AxisLog>& logs) -> bool {
     const double high = log.q1_rad.maxCoeff();
     return std::min(high, first.maxCoeff()) - std::max(low, first.minCoeff()) > 0.5 * (high - low);
   });
-}
-
-auto range_of(const Eigen::VectorXd& angle) -> double {
-  return angle.maxCoeff() - angle.minCoeff();
 }
 
 auto least_range(const std::vector<AxisLog>& logs) -> double {
@@ -133,7 +120,7 @@ auto take_off(const std::vector<LogZero>& zeros, const std::vector<std::size_t>&
 }  // namespace
 
 auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
-  const Index step = step_for(logs);
+  const Index step = std::max<Index>(1, total_samples(logs) / kEnoughRows);
   const Rows rows = thinned_rows(logs, step);
   const double middle = rows.q1.mean();
   const double range = least_range(logs);

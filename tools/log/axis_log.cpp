@@ -233,6 +233,14 @@ auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   return axis;
 }
 
+auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index {
+  Eigen::Index total = 0;
+  for (const auto& log : logs) {
+    total += log.samples();
+  }
+  return total;
+}
+
 auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog {
   for_each_signal(log, [rows](Eigen::VectorXd& signal) { signal.conservativeResize(std::min(rows, signal.size())); });
   return log;

@@ -65,6 +65,8 @@ void for_each_signal(AxisLog& log, Visit&& visit) {
   }
 }
 
+/// Rows of all logs.
+auto total_samples(const std::vector<AxisLog>& logs) -> Eigen::Index;
 /// The rows of a log up to some row, or from one on.
 auto first_rows(AxisLog log, Eigen::Index rows) -> AxisLog;
 auto rows_from(AxisLog log, Eigen::Index first) -> AxisLog;

@@ -28,6 +28,20 @@ auto without_number(std::string_view stem) -> std::string_view {
   return last == std::string_view::npos || last + 1 == stem.size() ? stem : stem.substr(0, last + 1);
 }
 
+/// Whether some command reads a column of that name without being told so by --target.
+auto is_contract_column(const std::string& name) -> bool {
+  const auto slash = name.find('/');
+  if (slash == std::string::npos) {
+    return is_one_of(kOfLog, name);
+  }
+  const std::string_view stem = std::string_view(name).substr(0, slash);
+  const std::string_view quantity = std::string_view(name).substr(slash + 1);
+  if (stem == "tip_right" || stem == "tip_left") {
+    return is_one_of(kOfJaw, quantity);
+  }
+  return stem != "axis" && without_number(stem) == "axis" && is_one_of(kOfAxis, quantity);
+}
+
 /// The name that was probably meant, in the stem that was written.
 auto meant_by(const std::string& wanted) -> std::string {
   const auto slash = wanted.find('/');
@@ -42,19 +56,6 @@ auto meant_by(const std::string& wanted) -> std::string {
 }
 
 }  // namespace
-
-auto is_contract_column(const std::string& name) -> bool {
-  const auto slash = name.find('/');
-  if (slash == std::string::npos) {
-    return is_one_of(kOfLog, name);
-  }
-  const std::string_view stem = std::string_view(name).substr(0, slash);
-  const std::string_view quantity = std::string_view(name).substr(slash + 1);
-  if (stem == "tip_right" || stem == "tip_left") {
-    return is_one_of(kOfJaw, quantity);
-  }
-  return stem != "axis" && without_number(stem) == "axis" && is_one_of(kOfAxis, quantity);
-}
 
 void expect_read(const std::vector<ColumnMapping>& mappings, const std::vector<std::string>& targets) {
   for (const auto& mapping : mappings) {

@@ -22,9 +22,6 @@ struct ColumnMapping {
 auto parse_mapping(const std::string& text) -> ColumnMapping;
 auto parse_mappings(const std::vector<std::string>& texts) -> std::vector<ColumnMapping>;
 
-/// Whether some command reads a column of that name without being told so by --target.
-auto is_contract_column(const std::string& name) -> bool;
-
 /// Throws BadInput if a mapping makes a column that nothing reads. @param targets  columns that are read beside those
 void expect_read(const std::vector<ColumnMapping>& mappings, const std::vector<std::string>& targets);
 

@@ -215,16 +215,17 @@ auto own_play(const VectorXd& angle, const VectorXd& target, Index late) -> doub
   };
   double best = kNarrowest;
   double least = left(best);
-  for (double share = kNarrowest * kStep; share < kWidest; share *= kStep) {
+  const auto ask = [&](double share) {
     const double now = left(share);
     best = now < least ? share : best;
     least = std::min(now, least);
+  };
+  for (double share = kNarrowest * kStep; share < kWidest; share *= kStep) {
+    ask(share);
   }
   for (double factor = std::sqrt(kStep); factor > 1.0005; factor = std::sqrt(factor)) {
     for (const double share : {best / factor, best * factor}) {
-      const double now = left(share);
-      best = now < least ? share : best;
-      least = std::min(now, least);
+      ask(share);
     }
   }
   return best * range;

@@ -52,10 +52,6 @@ auto beginnings(const AxisLog& log) -> std::vector<Index> {
   return first;
 }
 
-auto motion_of(const AxisLog& log) -> double {
-  return log.q1_rad.maxCoeff() - log.q1_rad.minCoeff();
-}
-
 }  // namespace
 
 auto recordings_in(AxisLog log) -> std::vector<AxisLog> {
@@ -77,9 +73,9 @@ auto recordings_in(AxisLog log) -> std::vector<AxisLog> {
       recordings.back().warnings.clear();
     }
   }
-  const auto by_motion = [](const auto& a, const auto& b) { return motion_of(a) < motion_of(b); };
+  const auto by_motion = [](const auto& a, const auto& b) { return range_of(a.q1_rad) < range_of(b.q1_rad); };
   const auto [least, most] = std::minmax_element(recordings.begin(), recordings.end(), by_motion);
-  if (motion_of(*least) < kLeastMotion * motion_of(*most)) {
+  if (range_of(least->q1_rad) < kLeastMotion * range_of(most->q1_rad)) {
     return {std::move(log)};
   }
   recordings.front().warnings.push_back(log.name + ": the motor is somewhere else from one row to the next at " +

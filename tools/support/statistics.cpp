@@ -31,6 +31,10 @@ auto rms_about_mean(const Eigen::VectorXd& values) -> double {
   return rms((values.array() - values.mean()).matrix());
 }
 
+auto range_of(const Eigen::VectorXd& values) -> double {
+  return values.maxCoeff() - values.minCoeff();
+}
+
 auto student_t95(double degrees_of_freedom) -> double {
   // Cornish-Fisher expansion of the t quantile about the normal one, exact to 0.3 % from 3 degrees of freedom on.
   const double v = std::max(degrees_of_freedom, 1.0);

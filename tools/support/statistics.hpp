@@ -12,6 +12,9 @@ auto median(const Eigen::VectorXd& values) -> double;
 auto rms(const Eigen::VectorXd& values) -> double;
 auto rms_about_mean(const Eigen::VectorXd& values) -> double;
 
+/// From the least to the most. @pre values not empty
+auto range_of(const Eigen::VectorXd& values) -> double;
+
 /// Two-sided 95 % point of Student's t.
 auto student_t95(double degrees_of_freedom) -> double;
 /// Upper tail probability of the standard normal.

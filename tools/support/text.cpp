@@ -101,29 +101,31 @@ void finish_writing(std::ofstream& file, const std::string& path) {
 
 void write_text_file(const std::string& path, std::string_view text) {
   namespace fs = std::filesystem;
-  const auto write = [text](const std::string& to) {
+  const auto write = [&](const std::string& to) {
     std::ofstream file(to, std::ios::binary | std::ios::trunc);
     file.write(text.data(), static_cast<std::streamsize>(text.size()));
     file.close();
     return !file.fail();
   };
+  constexpr const char* kNoRoom = ": the file can not be written; check that the folder exists and has room";
   std::error_code error;
-  // A device or a pipe takes the text itself: a file that is renamed to it would stand in its place.
-  const bool is_file = !fs::exists(path, error) || fs::is_regular_file(path, error);
-  const std::string temporary = path + ".part";
-  if (is_file ? !write(temporary) : !write(path)) {
-    if (is_file) {
-      fs::remove(temporary, error);
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
+    // A device or a pipe takes the text itself: a file that is renamed to it would stand in its place.
+    if (!write(path)) {
+      throw BadInput(path + kNoRoom);
     }
-    throw BadInput(path + ": the file can not be written; check that the folder exists and has room");
+    return;
   }
-  if (is_file) {
-    fs::rename(temporary, path, error);
-    if (error) {
-      const std::string why = error.message();
-      fs::remove(temporary, error);
-      throw BadInput(path + ": the file can not be written (" + why + "); choose another name");
-    }
+  const std::string temporary = path + ".part";
+  if (!write(temporary)) {
+    fs::remove(temporary, error);
+    throw BadInput(path + kNoRoom);
+  }
+  fs::rename(temporary, path, error);
+  if (error) {
+    const std::string why = error.message();
+    fs::remove(temporary, error);
+    throw BadInput(path + ": the file can not be written (" + why + "); choose another name");
   }
 }
 
