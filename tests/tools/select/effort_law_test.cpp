@@ -52,6 +52,12 @@ auto rigid_log(double noise, double angle_scale = 1.0, double effort_scale = 1.0
   return log;
 }
 
+/// The law of that axis with noise of 0.02, grown once for all tests of a program: growing takes most of their time.
+auto rigid_selection() -> const EffortSelection& {
+  static const EffortSelection found = select_effort_law({rigid_log(0.02)});
+  return found;
+}
+
 /// Adds to the effort what `effect(q, v)` gives.
 template <typename Effect>
 void add_effect(AxisLog& log, Effect&& effect) {
@@ -168,7 +174,7 @@ TEST(EffortLaw, LetsDryFrictionGoAtRestUnlessTheLogShowsThatItHolds) {
   EXPECT_EQ(holds.law.view.letting_go_s, 0.0);
   EXPECT_LT(holds.after, 0.1);  // beside a friction of 0.5
   EXPECT_LT(lets_go.after, 0.15);
-  EXPECT_GT(select_effort_law({rigid_log(0.02)}).law.view.letting_go_s, 0.0);  // it never rests
+  EXPECT_GT(rigid_selection().law.view.letting_go_s, 0.0);  // it never rests
 }
 
 /// Moves of a second and a half without a jerk at either end, large and small, half a second of rest after each:
@@ -202,7 +208,7 @@ TEST(EffortLaw, SeesRestAsSlowAsTheLogShowsIt) {
   EXPECT_LT(found.law.view.standstill, 0.5 * usual.standstill);
   EXPECT_GT(found.law.view.letting_go_s, 0.0);
   EXPECT_LT(found.after, 0.08);  // beside a friction of 0.5
-  EXPECT_EQ(select_effort_law({rigid_log(0.02)}).law.view.standstill, usual_view({rigid_log(0.02)}).standstill);
+  EXPECT_EQ(rigid_selection().law.view.standstill, usual_view({rigid_log(0.02)}).standstill);
 }
 
 TEST(EffortLaw, FindsASpringAndSaysHowMuchBetterItPredicts) {
@@ -287,13 +293,13 @@ TEST(EffortFile, ReadsBackWhatItWrote) {
 }
 
 TEST(EffortFile, TargetIsWhatAColumnWasCalledInAnyLetters) {
-  EffortLaw law = select_effort_law({rigid_log(0.02)}).law;
+  EffortLaw law = rigid_selection().law;
   law.target = "axis0/\u03c4_Nm \"~x41\\";
   EXPECT_EQ(parse_effort_file(effort_file_text(law), "law.toml").target, law.target);
 }
 
 TEST(EffortFile, RefusesWhatCanNotBeMeant) {
-  const std::string good = effort_file_text(select_effort_law({rigid_log(0.02)}).law);
+  const std::string good = effort_file_text(rigid_selection().law);
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = good;
     const auto at = text.find(from);
