@@ -10,6 +10,7 @@
 #include "capstan/tools/identify/settled.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/identify/torque_balance.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -94,6 +95,18 @@ auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std:
   return free.empty() ? logs : free;
 }
 
+/// Whether logs, the tip held in some, tell the pretension from the friction numbers: by more than a law of tendons
+/// errs itself, and that law leaves no more than so much.
+auto tells_pretension(const LawDesign& design, const Eigen::VectorXd& target, const JointFile& joint) -> bool {
+  const auto loop = loop_of(joint);
+  if (!loop) {
+    return false;
+  }
+  const double half_width = std::abs(beta_of(joint)) * loop->half_width_rad;  // at the joint
+  const auto trial = try_pretensions(design, target, even_blocks(design.log_rows(), 2), form_of(joint));
+  return trial.left < kTendonForm * half_width && trial.rise > kPretensionShows * half_width;
+}
+
 void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
                     const Eigen::VectorXd& estimate, const Blocks& settled, JointFile& joint) {
   joint.fit->error_bar = error_bar(design.samples(), target - estimate, settled);
@@ -104,7 +117,7 @@ void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, c
   } else {
     describe_free_motion(logs, design, target, joint);
   }
-  joint.fit->pretension = pretension_of(joint, held);
+  joint.fit->pretension = pretension_of(joint, held && tells_pretension(design, target, joint));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ struct LawForm {
   const Catalogue* catalogue = &term_catalogue();
   std::vector<std::string> terms;
   Shapes shapes = catalogue->initial_shapes();
-  std::vector<std::string> held = {};  ///< terms whose shapes no fit moves
+  std::vector<std::string> held = {};  ///< terms, and single shapes as TERM.SHAPE, that no fit moves
   /// Tendons' compliance over beta, rad/Nm, where no fit moves that either: their column goes with the motor angle's.
   std::optional<double> tied_compliance = {};
 

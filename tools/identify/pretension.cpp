@@ -54,10 +54,15 @@ auto goes_with_width(const JointFile& healthy, const Loop& before, const Loop& n
 }  // namespace
 
 auto is_held(const AxisLog& log, double beta) -> bool {
-  // A free joint follows but for its loop; one that is held moves by its noise.
+  // A free joint follows but for its loop; one that is held moves by its noise, which may be as large as the way of a
+  // motor that pulls at it.
   constexpr double kFollows = 0.25;
-  const auto way = [](const Eigen::VectorXd& signal) { return signal.maxCoeff() - signal.minCoeff(); };
-  return log.q2_rad.size() > 0 && way(log.q2_rad) < kFollows * std::abs(beta) * way(log.q1_rad);
+  if (log.q2_rad.size() == 0) {
+    return false;
+  }
+  const Eigen::ArrayXd motor = log.q1_rad.array() - log.q1_rad.mean();
+  const double follows = (motor * log.q2_rad.array()).sum();
+  return std::abs(follows) < kFollows * std::abs(beta) * motor.square().sum();
 }
 
 auto pretension_of(const JointFile& joint, bool held) -> std::optional<PretensionNumbers> {
@@ -113,8 +118,8 @@ auto pretension_sentence(const PretensionNumbers& n) -> std::string {
   const std::string radius = "the radius of the motor's pulley (--radius METRES)";
   if (n.torque_nm() == 0.0) {
     return "friction along the tendons takes " + range_text({n.friction_nm(), n.friction_95_nm()}, "Nm") +
-           ", friction number times pretension times radius, and a free tip tells no more: for the pretension in N, " +
-           "a log with the tip held is lacking" + (n.radius_m() > 0.0 ? "" : ", and " + radius);
+           ", friction number times pretension times radius, and these logs tell no more: for the pretension in N, a log " +
+           "with the tip held is lacking in which the motor pulls both ways until each tendon is slack in turn" + (n.radius_m() > 0.0 ? "" : ", and " + radius);
   }
   const std::string eta = "; friction number " + range_text({n.eta(), n.eta_95()}, "1");
   if (n.force_n() == 0.0) {
@@ -180,16 +185,20 @@ auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs
 }
 
 auto drift_sentence(const PretensionDrift& drift) -> std::string {
+  // A free tip tells their product.
+  const std::string condition =
+      ", if the tendons rub as they did: a friction number that has changed as much looks the same under a free tip";
   if (drift.unit == "1") {
     return "pretension is " +
-           range_text({100.0 * drift.times.value, 100.0 * drift.times.half}, "% of the healthy joint's") +
+           range_text({100.0 * drift.times.value, 100.0 * drift.times.half}, "% of the healthy joint's") + condition +
            "; for N, a log with the tip held is lacking where the healthy joint is identified";
   }
   const bool less = drift.change.value < 0.0;
   const std::string name = drift.unit == "N" ? "pretension is " : "pretension times the motor pulley's radius is ";
   return name + range_text(drift.pretension, drift.unit) + ", " +
          range_text({std::abs(drift.change.value), drift.change.half}, drift.unit) + (less ? " less" : " more") +
-         " than the healthy joint's" + (drift.unit == "N" ? "" : "; for N, that radius is lacking (--radius METRES)");
+         " than the healthy joint's" + condition +
+         (drift.unit == "N" ? "" : "; for N, that radius is lacking (--radius METRES)");
 }
 
 }  // namespace capstan::tools

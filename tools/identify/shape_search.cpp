@@ -17,7 +17,9 @@ namespace {
 auto is_searched(const LawForm& form, const TermShape& shape) -> bool {
   const CatalogueTerm& term = *shape.term;
   const int switched = shape.info().idle_without;
-  const bool held = std::find(form.held.begin(), form.held.end(), term.name) != form.held.end();
+  const std::string own = term.name + "." + shape.info().name;
+  const bool held = std::any_of(form.held.begin(), form.held.end(),
+                                [&](const std::string& name) { return name == term.name || name == own; });
   return !held && !term.shapes_are_given && shape.info().of != ShapeOf::kGiven &&
          (switched < 0 || form.shapes[term.first_shape + static_cast<std::size_t>(switched)] != 0.0);
 }

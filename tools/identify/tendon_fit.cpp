@@ -11,6 +11,7 @@
 #include "capstan/tools/identify/thinned_design.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/side_by_side.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -133,6 +134,31 @@ auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const
   const Thinned many = thinned(design, target, rows, kRowsToSettle);
   const Catalogue* own = std::exchange(form.catalogue, &fine_tendon_catalogue());
   return as_it_runs(many, *own, refined(many, std::move(form)).second);
+}
+
+auto try_pretensions(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& law)
+    -> PretensionTrial {
+  const Thinned many = thinned(design, target, rows, kRowsToSettle);
+  LawForm fine = law;
+  fine.catalogue = &fine_tendon_catalogue();
+  const Fitted best = refined(many, std::move(fine));
+  const CatalogueTerm& term = best.second.catalogue->term(kTendonModel);
+  std::array<double, 2> left{};
+  two_at_a_time(left.size(), [&](std::size_t i) {
+    const double times = i == 0 ? 0.8 : 1.25;
+    LawForm other = best.second;
+    Shapes shapes = other.shapes_of(term);
+    shapes[TendonShape::kPretension] *= times;
+    shapes[TendonShape::kEtaTop] /= times;  // the product, which is sure
+    shapes[TendonShape::kEtaBottom] /= times;
+    other.set_shapes(term, shapes);
+    other.held.push_back(term.name + "." + term.shapes[TendonShape::kPretension].name);
+    left[i] = refined(many, std::move(other)).first;
+  });
+  const auto beyond = [](double all, double part) { return std::sqrt(std::max(0.0, all * all - part * part)); };
+  const double rows_per_mean = static_cast<double>(rows_in(rows)) / static_cast<double>(rows_in(many.rows));
+  return {beyond(best.first, white_noise_level(target) / std::sqrt(rows_per_mean)),
+          beyond(std::min(left[0], left[1]), best.first)};
 }
 
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)

@@ -33,6 +33,18 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
 /// The same from where the shapes are: for a law whose joint has changed a little.
 auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form) -> LawForm;
 
+/// How well logs tell a law's pretension from its friction numbers.
+struct PretensionTrial {
+  double left = 0.0;  ///< rms that the law leaves beyond the target's white noise
+  double rise = 0.0;  ///< rms by which it leaves more with a fifth less pretension or a quarter more, the lesser of both
+};
+
+/// Fits all but the pretension anew beside other pretensions. What a search's own intervals say holds near one of them
+/// only: where both tendons stay taut their friction alone is told, and each pretension has friction numbers that serve
+/// nearly as well.
+auto try_pretensions(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, const LawForm& law)
+    -> PretensionTrial;
+
 /// The law with the pretension that fits these rows best, its other shapes as they are.
 auto with_other_pretension(const LawDesign& design, const Eigen::VectorXd& target, const Blocks& rows, LawForm form)
     -> LawForm;

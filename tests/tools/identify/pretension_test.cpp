@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "capstan/tools/identify/tendon_fit.hpp"
 
@@ -39,6 +40,18 @@ TEST(Held, IsAJointThatHardlyFollowsItsMotor) {
   log.q2_rad = 0.5 * 0.24 * log.q1_rad;
   EXPECT_TRUE(is_held(log, 0.5));
   EXPECT_TRUE(is_held(log, -0.5));
+}
+
+TEST(Held, IsAJointThatANoisyCameraSeesMoveAsFarAsItsMotor) {
+  AxisLog log;
+  log.q1_rad = Eigen::VectorXd::LinSpaced(3000, 0.0, 0.005);
+  std::mt19937 engine(3);
+  std::normal_distribution<double> noise(0.0, 0.001);
+  log.q2_rad = Eigen::VectorXd::NullaryExpr(3000, [&] { return noise(engine); });
+  ASSERT_GT(log.q2_rad.maxCoeff() - log.q2_rad.minCoeff(), 0.005);
+  EXPECT_TRUE(is_held(log, 1.0));
+  log.q2_rad += log.q1_rad;
+  EXPECT_FALSE(is_held(log, 1.0));
 }
 
 TEST(Pretension, OfALogWithTheTipHeldTellsItsParts) {
@@ -115,7 +128,7 @@ TEST(Newtons, StayOutWithoutADrawingOrAPretension) {
 TEST(PretensionSentence, SaysWhatIsLacking) {
   JointFile joint = tendons();
   EXPECT_TRUE(
-      has(pretension_sentence(*pretension_of(joint, false)), "a log with the tip held is lacking, and the radius"));
+      has(pretension_sentence(*pretension_of(joint, false)), "until each tendon is slack in turn, and the radius"));
   EXPECT_TRUE(has(pretension_sentence(*pretension_of(joint, true)), "--stiffness N/m) is lacking"));
 }
 
