@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/pretension.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
@@ -53,6 +55,20 @@ auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vecto
   return moved;
 }
 
+/// The law that now's logs are measured by. Under a free tip tendons' numbers trade against each other, so none of them
+/// moves by itself: they stay the healthy joint's, and what has changed there is asked of the loop.
+auto law_of_now(const JointFile& healthy, const std::vector<AxisLog>& now) -> LawForm {
+  const auto told = [](const JointFile& joint) { return joint.fit->pretension && joint.fit->pretension->eta() > 0.0; };
+  const bool held =
+      std::any_of(now.begin(), now.end(), [&healthy](const AxisLog& log) { return is_held(log, beta_of(healthy)); });
+  if (!healthy.has(kTendonModel) || (held && told(healthy))) {
+    return form_of(healthy);
+  }
+  LawForm form = base_of(healthy);
+  form.held.emplace_back(kTendonModel);
+  return form;
+}
+
 /// What the pretension has changed by: from the healthy time's to now's, both beside the law that both are measured by.
 auto pretension_between(const Comparison& comparison) -> std::optional<PretensionDrift> {
   if (!comparison.healthy.pretension || !comparison.now.pretension) {
@@ -98,7 +114,7 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   Comparison result;
   result.healthy = healthy.diagnosis;
   result.terms = healthy.law.terms;
-  result.moved = moved_between(healthy.fitted, identify(now, form_of(healthy.fitted)).joint);
+  result.moved = moved_between(healthy.fitted, identify(now, law_of_now(healthy.fitted, now)).joint);
   DiagnoseOptions from_healthy = options;
   if (healthy.law.catalogue->target() == TargetKind::kAngle) {
     from_healthy.base_law = healthy.law;

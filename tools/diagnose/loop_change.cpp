@@ -29,13 +29,20 @@ auto name_of_change(double width, double torque) -> std::string {
 }
 
 auto change_sentence(const std::string& name, const EffectSize& size) -> std::string {
-  const bool gap = name == kPlayTerm;
-  const double unit = gap ? 1.0 : 100.0;
-  const std::string range = rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
-                            rounded(unit * (*size.ci95)[1], 3) + "]";
-  return gap ? "the gap is " + range + " rad to either side, at the joint"
-             : std::string(name == kPretensionTerm ? "pretension" : "the tendons' stiffness") + " is " + range +
-                   " % of the healthy joint's";
+  const auto range = [&size](double unit) {
+    return rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
+           rounded(unit * (*size.ci95)[1], 3) + "]";
+  };
+  if (name == kPlayTerm) {
+    return "the gap is " + range(1.0) + " rad to either side, at the joint";
+  }
+  if (name == kDelayTerm) {
+    return "the joint is seen " + range(1e3) + " ms later than the healthy joint was";
+  }
+  // A free tip tells the product of pretension and friction number.
+  return (name == kPretensionTerm ? "pretension, while the tendons rub as they did, is "
+                                  : "the tendons' stiffness is ") +
+         range(100.0) + " % of the healthy joint's";
 }
 
 auto changed_tendons(LawForm tendons, const std::string& name, double width) -> LawForm {

@@ -173,7 +173,7 @@ class LoopSearch {
   }
 
   /// Calls what makes the joint later than the healthy one by its name; a delay and drag that were found beside each
-  /// other are one lateness. Whether they were.
+  /// other are one lateness. Whether the law's term is another then.
   auto name_lateness() -> bool {
     auto& effects = search_.effects;
     const auto is_lateness = [](const AddedEffect& effect) { return is_late_term(effect.name); };
@@ -184,20 +184,28 @@ class LoopSearch {
     const auto others = std::remove_if(first + 1, effects.end(), is_lateness);
     const bool were_two = others != effects.end();
     effects.erase(others, effects.end());
-    first->name = name_of_lateness();
+    const std::string found_as = std::exchange(first->name, name_of_lateness());
     first->alternatives.clear();
-    first->size = size_->of_delay(first->name);
-    return were_two;
+    size_lateness(*first);
+    return were_two || first->name != found_as;
   }
 
-  /// A lateness and nothing else.
+  void size_lateness(AddedEffect& effect) {
+    effect.size = size_->of_delay(effect.name);
+    if (effect.size && effect.size->ci95) {
+      search_.sizes.push_back(change_sentence(effect.name, *effect.size));
+    }
+  }
+
+  /// A lateness and nothing else: by the term that it is called by, if that leaves little enough.
   auto of_lateness_alone() -> std::optional<Search> {
-    for (const char* term : kLateTerms) {
+    const std::string name = name_of_lateness();
+    for (const std::string& term : {name, std::string(name == kDelayTerm ? kDragTerm : kDelayTerm)}) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
         size_.emplace(p_, healthy_, before_, late);
-        AddedEffect effect = named(name_of_lateness());
-        effect.size = size_->of_delay(effect.name);
+        AddedEffect effect = named(name);
+        size_lateness(effect);
         return complete(late, left_by_it, {effect});
       }
     }
@@ -206,10 +214,10 @@ class LoopSearch {
 
   auto of_what_came_beside() -> Search {
     const bool is_as_late = loop_.has(kDelayTerm);
-    const bool late_by_two = !is_as_late && name_lateness();
+    const bool late_otherwise = !is_as_late && name_lateness();
     const auto& found = search_.effects;
     const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
-    if (!found.empty() && !about_tendons && !late_by_two && left_by_found_ <= enough_) {
+    if (!found.empty() && !about_tendons && !late_otherwise && left_by_found_ <= enough_) {
       return complete(search_.law, left_by_found_, found);
     }
     if (auto late = is_as_late ? std::nullopt : of_lateness_alone()) {

@@ -23,6 +23,12 @@ auto shape_of(const JointFile& joint, TendonShape::Place place, double share) ->
   return {value, std::hypot(share * value, ci95 ? 0.5 * ((*ci95)[1] - (*ci95)[0]) : share * value)};
 }
 
+/// A friction number of the law's tendons.
+auto friction_number(const JointFile& joint, TendonShape::Place place) -> Gauged {
+  const bool large = joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + place] > kLargeEta;
+  return shape_of(joint, place, large ? kLargeEtaKnown : kTendonEtaKnown);
+}
+
 auto motor_friction(const JointFile& joint) -> double {
   return joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + TendonShape::kFriction];
 }
@@ -69,8 +75,8 @@ auto pretension_of(const JointFile& joint, bool held) -> std::optional<Pretensio
   if (!joint.has(kTendonModel)) {
     return std::nullopt;
   }
-  const Gauged top = shape_of(joint, TendonShape::kEtaTop, kTendonEtaKnown);
-  const Gauged bottom = shape_of(joint, TendonShape::kEtaBottom, kTendonEtaKnown);
+  const Gauged top = friction_number(joint, TendonShape::kEtaTop);
+  const Gauged bottom = friction_number(joint, TendonShape::kEtaBottom);
   const Gauged torque = shape_of(joint, TendonShape::kPretension, kTendonPretensionKnown);
   const Gauged eta = {0.5 * (top.value + bottom.value), 0.5 * (top.half + bottom.half)};
   const double friction = eta.value * torque.value;
@@ -118,8 +124,10 @@ auto pretension_sentence(const PretensionNumbers& n) -> std::string {
   const std::string radius = "the radius of the motor's pulley (--radius METRES)";
   if (n.torque_nm() == 0.0) {
     return "friction along the tendons takes " + range_text({n.friction_nm(), n.friction_95_nm()}, "Nm") +
-           ", friction number times pretension times radius, and these logs tell no more: for the pretension in N, a log " +
-           "with the tip held is lacking in which the motor pulls both ways until each tendon is slack in turn" + (n.radius_m() > 0.0 ? "" : ", and " + radius);
+           ", friction number times pretension times radius, and these logs tell no more: for the pretension in N, a "
+           "log " +
+           "with the tip held is lacking in which the motor pulls both ways until each tendon is slack in turn" +
+           (n.radius_m() > 0.0 ? "" : ", and " + radius);
   }
   const std::string eta = "; friction number " + range_text({n.eta(), n.eta_95()}, "1");
   if (n.force_n() == 0.0) {

@@ -36,7 +36,8 @@ auto refine_tendon(const LawDesign& design, const Eigen::VectorXd& target, const
 /// How well logs tell a law's pretension from its friction numbers.
 struct PretensionTrial {
   double left = 0.0;  ///< rms that the law leaves beyond the target's white noise
-  double rise = 0.0;  ///< rms by which it leaves more with a fifth less pretension or a quarter more, the lesser of both
+  double rise =
+      0.0;  ///< rms by which it leaves more with a fifth less pretension or a quarter more, the lesser of both
 };
 
 /// Fits all but the pretension anew beside other pretensions. What a search's own intervals say holds near one of them

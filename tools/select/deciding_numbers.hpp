@@ -155,14 +155,18 @@ inline constexpr double kLoopBias = 0.02;
 /// How well a law with tendons knows the motor's own friction, as a share of all friction, two spreads: off by 2.6,
 /// 0.5, -3.7, -0.1, 0.4 and -0.6 % on drawn joints 700 to 705 (November 2026).
 inline constexpr double kMotorFrictionKnown = 0.04;
-/// By how much more of the loop's half width, rms, another pretension has to leave (PretensionTrial) to be told from the
-/// friction numbers: what a law of tendons errs itself was 1.9 % (kTendonForm). Where the tip is held and no tendon goes
-/// slack it is 0.4 to 1.4 % (six joints), where each does 12 to 25 %; on joints 9240 to 9255, whose motors can not pull
-/// further than 0.25 Nm, 1.3 to 25 % (28 November 2026).
+/// By how much more of the loop's half width, rms, another pretension has to leave (PretensionTrial) to be told from
+/// the friction numbers: what a law of tendons errs itself was 1.9 % (kTendonForm). Where the tip is held and no tendon
+/// goes slack it is 0.4 to 1.4 % (six joints), where each does 12 to 25 %; on joints 9240 to 9255, whose motors can not
+/// pull further than 0.25 Nm, 1.3 to 25 % (28 November 2026).
 inline constexpr double kPretensionShows = 0.02;
 /// How well a log with the tip held, beside a free one, tells eta and pretension, as shares, two spreads: eta was off
 /// by 0.1 to 2.6 %, the pretension by 0.0 to 1.3 % on drawn joints 9001 to 9012 with 3 to 30 N (23 November 2026).
 inline constexpr double kTendonEtaKnown = 0.025;
+/// Friction numbers from here on come out small, as the board's few places take them: by 0.7 to 6.2 % on twelve joints
+/// of 9240 to 9287; of smaller ones the worst was 1.1 % (28 November 2026).
+inline constexpr double kLargeEta = 0.8;
+inline constexpr double kLargeEtaKnown = 0.06;
 inline constexpr double kTendonPretensionKnown = 0.015;
 /// How well a free tip alone tells their product: the motor's friction beside it is off by up to so much of itself
 /// (joints 701 to 705), the rest by so much of the product. 9001 to 9012: all held, 6 to 24 % off.

@@ -72,6 +72,14 @@ TEST(Pretension, ItsIntervalIsThatOfTheFitBesideWhatIsKnownAtBest) {
   EXPECT_NEAR(pretension_of(joint, true)->torque_95_nm(), std::hypot(0.015 * 0.05, 0.004), 1e-12);
 }
 
+TEST(Pretension, LargeFrictionNumbersAreKnownLessWell) {
+  JointFile joint = tendons();
+  for (std::size_t tendon = 0; tendon < 2; ++tendon) {
+    joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + tendon] = 1.2;
+  }
+  EXPECT_NEAR(pretension_of(joint, true)->eta_95(), 1.2 * 0.06 * std::sqrt(2.0), 1e-12);
+}
+
 TEST(Pretension, OfAFreeTipTellsTheProductOnly) {
   const auto told = pretension_of(tendons(), false);
   ASSERT_TRUE(told);
