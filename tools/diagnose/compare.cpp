@@ -58,10 +58,9 @@ auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vecto
 /// The law that now's logs are measured by. Under a free tip tendons' numbers trade against each other, so none of them
 /// moves by itself: they stay the healthy joint's, and what has changed there is asked of the loop.
 auto law_of_now(const JointFile& healthy, const std::vector<AxisLog>& now) -> LawForm {
-  const auto told = [](const JointFile& joint) { return joint.fit->pretension && joint.fit->pretension->eta() > 0.0; };
-  const bool held =
-      std::any_of(now.begin(), now.end(), [&healthy](const AxisLog& log) { return is_held(log, beta_of(healthy)); });
-  if (!healthy.has(kTendonModel) || (held && told(healthy))) {
+  const auto held = [&healthy](const AxisLog& log) { return is_held(log, beta_of(healthy)); };
+  const auto told = [&healthy] { return healthy.fit->pretension && healthy.fit->pretension->eta() > 0.0; };
+  if (!healthy.has(kTendonModel) || (told() && std::any_of(now.begin(), now.end(), held))) {
     return form_of(healthy);
   }
   LawForm form = base_of(healthy);

@@ -12,6 +12,7 @@
 #include "capstan/tools/identify/torque_balance.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 
@@ -96,19 +97,31 @@ auto free_logs(const std::vector<AxisLog>& logs, const JointFile& joint) -> std:
 }
 
 /// Whether logs, the tip held in some, tell the pretension from the friction numbers: by more than a law of tendons
-/// errs itself, and that law leaves no more than so much.
-auto tells_pretension(const LawDesign& design, const Eigen::VectorXd& target, const JointFile& joint) -> bool {
+/// errs itself, and that law leaves no more than so much; else why not, if it is not that no tendon went slack.
+struct Telling {
+  bool pretension = false;
+  std::vector<std::string> notes = {};
+};
+
+auto tells_pretension(const LawDesign& design, const Eigen::VectorXd& target, const JointFile& joint) -> Telling {
   const auto loop = loop_of(joint);
   if (!loop) {
-    return false;
+    return {};
   }
   const double half_width = std::abs(beta_of(joint)) * loop->half_width_rad;  // at the joint
   const auto trial = try_pretensions(design, target, even_blocks(design.log_rows(), 2), form_of(joint));
-  return trial.left < kTendonForm * half_width && trial.rise > kPretensionShows * half_width;
+  if (trial.left >= kTendonForm * half_width) {
+    return {false,
+            {"the law of two tendons leaves " + rounded(trial.left, 2) +
+             " rad beside the noise, more than it may err of this loop, so these logs tell no pretension: look at both "
+             "for a slip, a contact or a limit of the motor's torque"}};
+  }
+  return {trial.rise > kPretensionShows * half_width};
 }
 
-void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
-                    const Eigen::VectorXd& estimate, const Blocks& settled, JointFile& joint) {
+auto describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                    const Eigen::VectorXd& estimate, const Blocks& settled, JointFile& joint)
+    -> std::vector<std::string> {
   joint.fit->error_bar = error_bar(design.samples(), target - estimate, settled);
   const std::vector<AxisLog> free = free_logs(logs, joint);
   const bool held = free.size() < logs.size();
@@ -117,13 +130,15 @@ void describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, c
   } else {
     describe_free_motion(logs, design, target, joint);
   }
-  joint.fit->pretension = pretension_of(joint, held && tells_pretension(design, target, joint));
+  const Telling telling = held && joint.has(kTendonModel) ? tells_pretension(design, target, joint) : Telling{};
+  joint.fit->pretension = pretension_of(joint, telling.pretension);
+  return telling.notes;
 }
 
 }  // namespace
 
-void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
-                   const Eigen::VectorXd& estimate, JointFile& joint) {
+auto describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                   const Eigen::VectorXd& estimate, JointFile& joint) -> std::vector<std::string> {
   const auto& others = logs.front().others;
   for (std::size_t slot = 0; slot < std::min(slots_used(joint), others.size()); ++slot) {
     joint.coupled_to.push_back(others[slot].number);
@@ -145,9 +160,7 @@ void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, co
   }
   summary.motor_range = range;
   joint.fit = summary;
-  if (angle) {
-    describe_angle(logs, design, target, estimate, rows, joint);
-  }
+  return angle ? describe_angle(logs, design, target, estimate, rows, joint) : std::vector<std::string>{};
 }
 
 }  // namespace capstan::tools

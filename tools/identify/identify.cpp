@@ -341,7 +341,8 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
     result.notes.push_back(averaging_note(design));
   }
   result.estimate = estimates(logs, design, result.joint);
-  describe_logs(logs, design, target, result.estimate, result.joint);
+  const auto notes = describe_logs(logs, design, target, result.estimate, result.joint);
+  result.notes.insert(result.notes.end(), notes.begin(), notes.end());
   return result;
 }
 

@@ -62,9 +62,10 @@ auto design_for(const std::vector<AxisLog>& logs, const LawForm& form, const Con
 /// Fits a law to logs of one joint, its shapes too. @pre every log has the target
 auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identification;
 
-/// Writes into the law what the logs say beside its terms: steady torque, the axis that pulls, how well it fits.
-void describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
-                   const Eigen::VectorXd& estimate, JointFile& joint);
+/// Writes into the law what the logs say beside its terms: steady torque, the axis that pulls, how well it fits. What a
+/// person should know of that is the answer.
+auto describe_logs(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
+                   const Eigen::VectorXd& estimate, JointFile& joint) -> std::vector<std::string>;
 
 /// Median torque of steady motion forward and backward; nothing for an effort law, which has the torque as its target.
 auto steady_torque(const std::vector<AxisLog>& logs, const LawDesign& design) -> std::optional<SteadyTorque>;
