@@ -58,6 +58,7 @@ struct ShapeInfo {
   ShapeOf of = ShapeOf::kNothing;
   /// Place, among the term's shapes, of the one without which (0) this one does nothing, itself perhaps; -1: none.
   std::int8_t idle_without = -1;
+  bool whole = false;  ///< a count or the number of a choice: between two whole numbers it means nothing
 };
 
 /// A short list of effects by their names in the catalogue.

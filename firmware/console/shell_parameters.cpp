@@ -37,7 +37,10 @@ auto stage(Session& session, std::string_view arguments) -> bool {
       << ": " << parameter.group << '.' << parameter.name << " takes ";
   print_range(out, parameter);
   out << " and nothing was changed; give a "
-      << (problem == ValueError::kRange ? "value in that range" : "number, with that unit or none") << "\r\n";
+      << (problem == ValueError::kRange            ? "value in that range"
+          : parameter.type == ParameterType::kReal ? "number, with that unit or none"
+                                                   : "whole number")
+      << "\r\n";
   session.refused();
   return false;
 }
@@ -131,6 +134,11 @@ void print_refusal(Session& session, const SetAnswer& answer) {
       session.out()
           << "error maintenance: " << answer.limit->group << '.' << answer.limit->name
           << " is a safety limit, and nothing was changed; 'maintenance open' first, with the key if one is set\r\n";
+      break;
+    case Refusal::kNoSuchJoint:
+      session.out() << "error inconsistent: nothing was changed, because " << answer.limit->group << '.'
+                    << answer.limit->name
+                    << " names this joint itself or one that the board has not; give another's number, or -1\r\n";
       break;
     case Refusal::kInconsistent:
       session.out() << "error inconsistent: nothing was changed, because ";

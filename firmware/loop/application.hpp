@@ -72,6 +72,10 @@ class Application final : public Machine {
     const bool live = has_torque();
     for (std::size_t axis = 0; axis < count; ++axis) {
       SetAnswer answer = judge_change(config_[axis], axes[axis], rights, live);
+      const ParameterInfo* nobody = impossible_joint(axes[axis], axis, kAxes);
+      if (answer.taken() && nobody != nullptr) {
+        answer = {.refusal = SetAnswer::Refusal::kNoSuchJoint, .limit = nobody};
+      }
       if (!answer.taken()) {
         answer.axis = axis;
         return answer;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <array>
 
 #include "capstan/firmware/parameters/parameter_rows.hpp"
@@ -35,7 +34,7 @@ constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
   constexpr std::size_t kLaw = kEffort + offsetof(EffortConfig, law);
   std::size_t next = 5;
   std::size_t coefficient = kLaw + offsetof(TorqueLawParameters<Q24>, coefficients);
-  std::size_t shape = kLaw + offsetof(TorqueLawParameters<Q24>, shapes);
+  std::size_t at = kLaw + offsetof(TorqueLawParameters<Q24>, shapes);
   TorqueTerms::for_each<Q24>([&]<typename Term>() {
     for (const CoefficientInfo& declared : Term::kInfo.coefficients) {
       const CoefficientInfo c = of_torque(declared);
@@ -44,9 +43,8 @@ constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
       coefficient += sizeof(Q24);
     }
     for (const ShapeInfo& s : Term::kInfo.shapes) {
-      table[next++] =
-          real(kEffortGroup<Term>.data(), s.name, s.unit, s.doc, shape, std::min(0.0, s.minimum), s.maximum);
-      shape += sizeof(Q24);
+      table[next++] = shape(kEffortGroup<Term>.data(), s, at);
+      at += sizeof(Q24);
     }
   });
   return table;

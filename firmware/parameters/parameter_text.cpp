@@ -37,6 +37,12 @@ auto scale_of(std::string_view given, std::string_view wanted) -> const UnitScal
   return nullptr;
 }
 
+/// No unit begins so: what is before it in "0x10", "1,5" or "1e" is not all of a number.
+auto breaks_off(std::string_view rest) -> bool {
+  constexpr std::string_view kInNumbers = ",.'_:+-xXeE";
+  return !rest.empty() && kInNumbers.find(rest.front()) != std::string_view::npos;
+}
+
 }  // namespace
 
 auto parse_quantity(std::string_view text, std::string_view unit, Q24& value) -> ValueError {
@@ -48,6 +54,9 @@ auto parse_quantity(std::string_view text, std::string_view unit, Q24& value) ->
   }
   std::string_view rest = text;
   rest.remove_prefix(used);
+  if (breaks_off(rest)) {
+    return ValueError::kNotANumber;
+  }
   const UnitScale* scale = scale_of(next_word(rest), unit);
   if (scale == nullptr || !next_word(rest).empty()) {
     return ValueError::kUnit;
@@ -56,7 +65,7 @@ auto parse_quantity(std::string_view text, std::string_view unit, Q24& value) ->
 }
 
 auto parse_value(std::string_view text, const ParameterInfo& parameter, std::int32_t& raw) -> ValueError {
-  if (parameter.type == ParameterType::kReal) {
+  if (parameter.type != ParameterType::kInteger) {
     Q24 value;
     const ValueError error = parse_quantity(text, parameter.unit, value);
     if (error != ValueError::kNone) {
@@ -74,11 +83,15 @@ auto parse_value(std::string_view text, const ParameterInfo& parameter, std::int
       return ValueError::kRange;
     }
   }
-  return raw < parameter.minimum || raw > parameter.maximum ? ValueError::kRange : ValueError::kNone;
+  if (raw < parameter.minimum || raw > parameter.maximum) {
+    return ValueError::kRange;
+  }
+  const bool part = parameter.type == ParameterType::kWhole && nearest_whole(Q24::from_raw(raw)).raw() != raw;
+  return part ? ValueError::kNotANumber : ValueError::kNone;
 }
 
 void print_value(Print& out, const ParameterInfo& parameter, std::int32_t raw) {
-  if (parameter.type == ParameterType::kReal) {
+  if (parameter.type != ParameterType::kInteger) {
     out << Q24::from_raw(raw);
   } else {
     out << raw;
@@ -89,7 +102,7 @@ void print_value(Print& out, const ParameterInfo& parameter, std::int32_t raw) {
 }
 
 void print_range(Print& out, const ParameterInfo& parameter) {
-  if (parameter.type == ParameterType::kReal) {
+  if (parameter.type != ParameterType::kInteger) {
     out << Q24::from_raw(parameter.minimum);
   } else {
     out << parameter.minimum;

@@ -223,9 +223,8 @@ class LawRows {
                              c.sign == Sign::kNonPositive ? 0.0 : kCoefficientLimit);
     }
     for (const ShapeInfo& s : Term::kInfo.shapes) {
-      table_[next_++] = real(Term::kInfo.name, s.name, s.unit, s.doc,
-                             kLaw + offsetof(LawParameters<Q24>, shapes) + shape_++ * sizeof(Q24),
-                             std::min(0.0, s.minimum), s.maximum);
+      table_[next_++] =
+          shape(Term::kInfo.name, s, kLaw + offsetof(LawParameters<Q24>, shapes) + shape_++ * sizeof(Q24));
     }
   }
 
@@ -260,6 +259,13 @@ consteval auto hashes_are_unique() -> bool {
   return std::adjacent_find(hashes.begin(), hashes.end()) == hashes.end();
 }
 static_assert(hashes_are_unique<0>() && hashes_are_unique<1>() && hashes_are_unique<2>() && hashes_are_unique<3>());
+
+constexpr auto kNoJoint = static_cast<std::size_t>(std::int32_t{-1});
+
+auto names_joint(const ParameterInfo& parameter) -> bool {
+  return (parameter.offset >= kCoupledTo && parameter.offset < kCoupledTo + kMostOthers * sizeof(std::int32_t)) ||
+         parameter.offset == kTip + offsetof(TipConfig, pitch);
+}
 
 }  // namespace
 
@@ -310,6 +316,16 @@ auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> cons
   return nullptr;
 }
 
+auto impossible_joint(const AxisConfig& config, std::size_t axis, std::size_t axes) -> const ParameterInfo* {
+  for (const ParameterInfo& parameter : kTable) {
+    const auto joint = static_cast<std::size_t>(names_joint(parameter) ? raw_value(config, parameter) : -1);
+    if (joint == axis || (joint >= axes && joint != kNoJoint)) {
+      return &parameter;
+    }
+  }
+  return nullptr;
+}
+
 auto judge_change(const AxisConfig& now, const AxisConfig& next, Rights rights, bool live) -> SetAnswer {
   using Refusal = SetAnswer::Refusal;
   if (live && needs_rest(now, next)) {
@@ -339,7 +355,7 @@ auto check_law(const LawParameters<Q24>& law) -> const char* {
       return "the curve of curved_ratio turns back within its span, so the law can not be inverted; make square and "
              "cube smaller or span larger";
     case LawFault::kTableEnds:
-      return "table.low is not below table.high; set them in order";
+      return "a table with values needs table.low below table.high; set these two in order first";
     case LawFault::kNone:
       break;
   }

@@ -9,7 +9,11 @@
 
 namespace capstan {
 
-enum class ParameterType : std::uint8_t { kReal, kInteger };
+enum class ParameterType : std::uint8_t {
+  kReal,
+  kWhole,    ///< a Q24 that holds a whole number, for it is a law's
+  kInteger,  ///< not a Q24
+};
 
 /// When a parameter may be changed.
 enum class ParameterChange : std::uint8_t {
@@ -41,6 +45,11 @@ auto parameters() -> std::span<const ParameterInfo>;
 /// The parameter called `group.name`, or nullptr.
 auto find_parameter(std::string_view group_dot_name) -> const ParameterInfo*;
 
+/// What a law reads of a parameter that is kWhole, and in its range.
+constexpr auto nearest_whole(Q24 value) -> Q24 {
+  return Q24::from_int(low_word_rounded<Q24::kFrac>(value.raw()));
+}
+
 auto raw_value(const AxisConfig& config, const ParameterInfo& parameter) -> std::int32_t;
 void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int32_t raw);
 
@@ -49,6 +58,10 @@ auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool;
 
 /// The first safety limit in which the two sets differ, or nullptr.
 auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo*;
+
+/// The first parameter that names a joint, and names this one itself or one that a board of so many has not; nullptr if
+/// there is none.
+auto impossible_joint(const AxisConfig& config, std::size_t axis, std::size_t axes) -> const ParameterInfo*;
 
 /// What a set may change.
 enum class Rights : std::uint8_t {
@@ -62,6 +75,7 @@ struct SetAnswer {
     kNone,          ///< it was taken
     kNeedsRest,     ///< model, motor and limits change only without torque
     kSafetyLimit,   ///< `limit` differs, and the rights do not reach so far
+    kNoSuchJoint,   ///< `limit` names the joint itself, or one that the board has not
     kInconsistent,  ///< the numbers contradict each other: `reason`, of the Preisach grid at `grid`
     kBusy,          ///< the cycle has not taken the last set yet
   };

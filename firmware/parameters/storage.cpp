@@ -183,10 +183,11 @@ class Restorer {
       likely_ = i + 1;
       seen_[i / 32] |= 1U << (i % 32);
       if (raw >= parameter.minimum && raw <= parameter.maximum) {
+        // What 'set' refuses now was stored once.
+        raw = parameter.type == ParameterType::kWhole ? nearest_whole(Q24::from_raw(raw)).raw() : raw;
         set_raw_value(axes_[i / count], parameter, raw);
       } else {
-        ++report_.out_of_range;
-        note(parameter);
+        refuse(parameter);
       }
       return true;
     }
@@ -200,10 +201,20 @@ class Restorer {
         note(parameters()[i % parameters().size()]);
       }
     }
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      while (const ParameterInfo* joint = impossible_joint(axes_[axis], axis, axes_.size())) {
+        set_raw_value(axes_[axis], *joint, raw_value(kDefaultAxis, *joint));
+        refuse(*joint);
+      }
+    }
   }
 
  private:
   static constexpr std::size_t kMostAxes = 4;
+  void refuse(const ParameterInfo& parameter) {
+    ++report_.out_of_range;
+    note(parameter);
+  }
   void note(const ParameterInfo& parameter) {
     report_.first_default = report_.first_default == nullptr ? &parameter : report_.first_default;
   }

@@ -134,14 +134,14 @@ class Table {
           {{{"signal", "1", 0.0, kTableSignals - 1.0, 0.0,
              "0 motor angle, 1 torque, 2 rate, 3 time since a reversal, 4 way since it, 5 to 7 the coupled "
              "joints' motor angles, 8 temperature above 25 C",
-             ShapeScale::kPeriods, ShapeOf::kGiven},
+             ShapeScale::kPeriods, ShapeOf::kGiven, -1, true},
             {"knots", "1", 0.0, kKnots, kKnots, "knots in use of each direction, 2 and more; less: no table",
-             ShapeScale::kPeriods, ShapeOf::kGiven},
+             ShapeScale::kPeriods, ShapeOf::kGiven, -1, true},
             {"low", "1", -127.0, 127.0, -1.0, "the signal at the first knot", ShapeScale::kPeriods, ShapeOf::kGiven},
             {"high", "1", -127.0, 127.0, 1.0, "the signal at the last knot", ShapeScale::kPeriods, ShapeOf::kGiven},
             {"factor", "1", 0.0, kTableFactors - 1.0, 0.0,
              "what the values are multiplied by: 0 one, 1 torque, 2 rate, 3 motor angle", ShapeScale::kPeriods,
-             ShapeOf::kGiven}}},
+             ShapeOf::kGiven, -1, true}}},
       .relations = {.form_free = true, .placed = true},
   };
 

@@ -167,16 +167,17 @@ class FlashBanks final : public Banks {
   }
 };
 
-/// Every parameter at a value of its own within its range, and the whole consistent. Sets of different seeds differ
-/// everywhere.
+/// Every parameter at a value of its own within its range, and the whole consistent, for the joint whose number is the
+/// seed's on a board of two. Sets of different seeds differ everywhere but in such choices.
 inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   AxisConfig config;
   std::uint32_t next = seed * 2654435761U + 12345U;
   for (const ParameterInfo& parameter : parameters()) {
     next = next * 1664525U + 1013904223U;
     const auto span = static_cast<std::uint64_t>(std::int64_t{parameter.maximum} - parameter.minimum) + 1;
-    const auto raw = static_cast<std::int64_t>((next * span) >> 32) + parameter.minimum;
-    set_raw_value(config, parameter, static_cast<std::int32_t>(raw));
+    const auto raw = static_cast<std::int32_t>(static_cast<std::int64_t>((next * span) >> 32) + parameter.minimum);
+    const bool whole = parameter.type == ParameterType::kWhole;
+    set_raw_value(config, parameter, whole ? Q24::from_int(raw >> Q24::kFrac).raw() : raw);
   }
   const auto scaled = [seed](double value) { return Q24::from_double(value * (1.0 + 0.001 * seed)); };
   for (Q24& coefficient : config.law.coefficients) {
@@ -193,6 +194,8 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   named("curved_ratio.span", scaled(2.0));
   named("table.low", scaled(-1.0));
   named("table.high", scaled(1.0));
+  config.coupled_to = {-1, seed % 2 == 0 ? 1 : 0, -1};  // on a board of two, where even seeds are joint 0
+  config.tip.pitch = seed % 2 == 0 ? 1 : 0;
   config.motor.encoder_sign = seed % 2 == 0 ? 1 : -1;
   config.law.coefficients[0] = scaled(1.1);
   config.limits.motor_min_rad = scaled(-6.0);

@@ -95,7 +95,7 @@ TEST(ShellParameters, AnotherUnitIsRefusedAndNothingChanges) {
   for (const char* line :
        {"set joint0.control.stiffness 4 Nm", "set joint0.control.stiffness 4 rad", "set joint0.control.kp 1 rad",
         "set joint0.limits.current 1 V", "set joint0.limits.joint_max 1 ms", "set joint0.limits.joint_max 1 rad rad",
-        "set joint0.limits.joint_max 1,5", "set joint0.limits.joint_max 1 Rad"}) {
+        "set joint0.limits.joint_max 1 Rad", "set joint0.limits.joint_max 1Rad", "set joint0.control.kp 1%"}) {
     EXPECT_TRUE(refused(bench.say(line), "unit")) << line;
   }
   EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
@@ -123,6 +123,54 @@ TEST(ShellParameters, WhatIsNoNumberIsRefused) {
     EXPECT_TRUE(refused(bench.say(std::string("set joint0.motor.encoder_counts ") + value), "not_a_number")) << value;
   }
   EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
+}
+
+TEST(ShellParameters, WhatBeginsAsANumberAndIsNoneIsNotSaidToHaveAnotherUnit) {
+  Bench bench;
+  for (const char* value : {"0x10", "0X1F", "1,5", "1e", "1E", "1.2.3", "1'000", "1_000", "12:30", "1-2", "1e+"}) {
+    EXPECT_TRUE(refused(bench.say(std::string("set joint0.control.kp ") + value), "not_a_number")) << value;
+  }
+  EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
+  EXPECT_EQ(verdict(bench.say("set joint0.control.kp 1e1")), "ok");
+  EXPECT_EQ(in_force(bench).control.kp, q(10.0));
+}
+
+// Numbers of a choice and counts, by the names and meanings in docs/reference.md.
+TEST(ShellParameters, WhatCountsOrChoosesTakesNoFractions) {
+  Bench bench;
+  bench.say("maintenance open");
+  for (const char* name :
+       {"motor.encoder_counts", "motor.encoder_sign", "motor.fitted", "axis_coupling.joint", "axis_coupling.joint_2",
+        "axis_coupling.joint_3", "tip.pitch", "law.status", "force.law", "effort.feedforward", "effort.status",
+        "observer.answer_gains", "preisach.levels", "table.signal", "table.knots", "table.factor"}) {
+    const std::string answer = bench.say(std::string("set joint0.") + name + " 0.5");
+    EXPECT_TRUE(refused(answer, "not_a_number")) << name << ": " << answer;
+    EXPECT_NE(answer.find("give a whole number"), std::string::npos) << answer;
+  }
+  EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
+  EXPECT_EQ(verdict(bench.say("set joint0.table.knots 9.00000000")), "ok") << "as 'capstan apply' writes it";
+  EXPECT_EQ(lines_of(bench.say("get joint0.table.knots"))[0], "joint0.table.knots 9 (0 to 17)");
+  EXPECT_EQ(verdict(bench.say("set joint0.angle_periodic.order 2.5")), "ok") << "gears have such periods";
+}
+
+TEST(ShellParameters, AJointIsNamedOnlyToAnotherThatTheBoardHas) {
+  Bench bench;
+  for (const char* name : {"axis_coupling.joint", "axis_coupling.joint_2", "axis_coupling.joint_3", "tip.pitch"}) {
+    const std::string stem = std::string("set joint1.") + name + " ";
+    for (const char* nobody : {"1", "2", "3"}) {  // itself, and two that a board of two has not
+      const std::string answer = bench.say(stem + nobody);
+      EXPECT_TRUE(refused(answer, "inconsistent")) << answer;
+      EXPECT_NE(answer.find(name), std::string::npos) << answer;
+    }
+    EXPECT_TRUE(test::same(in_force(bench, 1), AxisConfig{})) << name;
+    EXPECT_EQ(verdict(bench.say(stem + "0")), "ok");
+    EXPECT_EQ(verdict(bench.say(stem + "-1")), "ok");
+  }
+  test::Bench<1> alone;
+  EXPECT_TRUE(refused(alone.say("set joint0.axis_coupling.joint 1"), "inconsistent"));
+  bench.say("begin");
+  EXPECT_EQ(verdict(bench.say("set joint0.axis_coupling.joint 0")), "ok") << "judged together at the commit";
+  EXPECT_TRUE(refused(bench.say("commit"), "inconsistent"));
 }
 
 TEST(ShellParameters, BlanksAndTabsMaySeparateWords) {

@@ -89,10 +89,13 @@ class StoragePowerCut : public testing::TestWithParam<Cut> {};
 
 using OneAxis = std::array<AxisConfig, 1>;
 auto one_of(std::uint32_t seed) -> OneAxis {
-  return {distinct_config(seed)};
+  OneAxis set = {distinct_config(seed)};
+  set[0].coupled_to.fill(-1);  // there is no other joint
+  set[0].tip.pitch = -1;
+  return set;
 }
 auto is(const OneAxis& set, std::uint32_t seed) -> bool {
-  return same(set[0], distinct_config(seed));
+  return same(set[0], one_of(seed)[0]);
 }
 
 TEST_P(StoragePowerCut, LeavesTheOldOrTheNewSetAfterEveryByteAndSavingWorksAgain) {
@@ -228,6 +231,37 @@ TEST(Storage, UnknownAndImpossibleEntriesAreIgnoredAndTheOthersLoad) {
   EXPECT_EQ(set[0].control.kp, Q24::from_double(3.5));
   EXPECT_EQ(set[1].control.kp, Q24::from_double(4.5));
   EXPECT_EQ(set[0].control.ki_per_s, AxisConfig{}.control.ki_per_s);
+}
+
+TEST(Storage, AJointThatCanNotBeMeantIsLeftOutOfAStoredSetAndCounted) {
+  FlashBanks banks;
+  Image image(1);
+  image.add(0, "axis_coupling.joint", 0);    // itself
+  image.add(0, "axis_coupling.joint_2", 1);  // the other
+  image.add(1, "axis_coupling.joint", 2);    // of two joints
+  image.add(1, "tip.pitch", 1);
+  image.write(banks, 0);
+  Set set{};
+  const LoadReport report = ParameterStorage(banks).load(set);
+  ASSERT_EQ(report.result, LoadResult::kLoaded);
+  EXPECT_EQ(report.out_of_range, 3U);
+  EXPECT_EQ(set[0].coupled_to, (std::array<std::int32_t, 3>{-1, 1, -1}));
+  EXPECT_EQ(set[1].coupled_to, (std::array<std::int32_t, 3>{-1, -1, -1}));
+  EXPECT_EQ(set[1].tip.pitch, -1);
+}
+
+TEST(Storage, AFractionOfAKnotThatWasStoredOnceIsReadAsItsLawReadIt) {
+  FlashBanks banks;
+  Image image(1);
+  image.add(0, "table.knots", Q24::from_double(2.5).raw());
+  image.add(0, "table.factor", Q24::from_double(1.25).raw());
+  image.write(banks, 0);
+  Set set{};
+  const LoadReport report = ParameterStorage(banks).load(set);
+  ASSERT_EQ(report.result, LoadResult::kLoaded);
+  EXPECT_EQ(report.out_of_range, 0U);
+  EXPECT_EQ(raw_value(set[0], *find_parameter("table.knots")), Q24::from_int(3).raw());
+  EXPECT_EQ(raw_value(set[0], *find_parameter("table.factor")), Q24::from_int(1).raw());
 }
 
 TEST(Storage, ValuesThatDoNotGoTogetherAreCorruptAndNotUsed) {
