@@ -30,10 +30,10 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"defaults", "", 0, "stages the defaults of every parameter; 'commit' takes them", commands::defaults},
     ShellCommand{"save", "", 0, "writes the parameters to storage (disarmed only)", commands::save},
     ShellCommand{"load", "", 0, "reads them back from storage (disarmed only)", commands::load},
-    ShellCommand{
-        "maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
-        "opens the safety limits (limits.*, observer.*, motor.speed_limit) for changes; without a key set, 'open' does",
-        commands::maintenance},
+    ShellCommand{"maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
+                 "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes; without "
+                 "a key set, 'open' does",
+                 commands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", commands::disarm},
     ShellCommand{

@@ -2,6 +2,10 @@
 // Safety limits change only while maintenance is open, and the key that opens it is never shown.
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <set>
+#include <sstream>
+
 #include "capstan/firmware/console/shell_input.hpp"
 #include "capstan/tests/firmware/support.hpp"
 
@@ -43,6 +47,47 @@ TEST(ShellMaintenance, EveryLimitIsRefusedWhileClosedAndNothingElseIs) {
   EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
   EXPECT_EQ(verdict(bench.say("set joint0.motor.torque_per_current 0.2")), "ok");
   EXPECT_EQ(verdict(bench.say("set joint0.motor_angle.beta 1.1")), "ok");
+}
+
+/// "limits.*", and names of groups that are not safety limits as a whole.
+auto safety_limits() -> std::set<std::string> {
+  std::set<std::string> wholes;
+  std::set<std::string> names;
+  for (const ParameterInfo& parameter : parameters()) {
+    wholes.insert(parameter.group);
+  }
+  for (const ParameterInfo& parameter : parameters()) {
+    if (parameter.change != ParameterChange::kMaintenance) {
+      wholes.erase(parameter.group);
+    }
+  }
+  for (const ParameterInfo& parameter : parameters()) {
+    if (parameter.change == ParameterChange::kMaintenance) {
+      names.insert(std::string(parameter.group) + "." + (wholes.count(parameter.group) > 0 ? "*" : parameter.name));
+    }
+  }
+  return names;
+}
+
+/// What stands between the first pair of brackets behind `words`, without quotes.
+auto listed_behind(const std::string& text, const std::string& words) -> std::set<std::string> {
+  const std::size_t begin = text.find('(', text.find(words)) + 1;
+  std::istringstream list(text.substr(begin, text.find(')', begin) - begin));
+  std::set<std::string> names;
+  for (std::string name; list >> name;) {
+    std::erase_if(name, [](char c) { return c == '`' || c == ','; });
+    names.insert(name);
+  }
+  return names;
+}
+
+TEST(ShellMaintenance, HelpAndTheManualListWhatItOpens) {
+  Bench bench;
+  EXPECT_EQ(listed_behind(bench.say("help maintenance"), "opens the safety limits"), safety_limits());
+  std::ifstream page(CAPSTAN_FIRMWARE_PAGE);
+  std::stringstream text;
+  text << page.rdbuf();
+  EXPECT_EQ(listed_behind(text.str(), "\nSafety limits"), safety_limits());
 }
 
 TEST(ShellMaintenance, TheRefusalNamesTheLimitAndATransactionIsRefusedWhole) {

@@ -14,8 +14,8 @@ namespace capstan {
 namespace {
 
 auto readme() -> std::string {
-  std::ifstream file(CAPSTAN_FAULTS_PAGE);
-  EXPECT_TRUE(file) << CAPSTAN_FAULTS_PAGE;
+  std::ifstream file(CAPSTAN_FIRMWARE_PAGE);
+  EXPECT_TRUE(file) << CAPSTAN_FIRMWARE_PAGE;
   std::stringstream text;
   text << file.rdbuf();
   return text.str();
