@@ -6,12 +6,11 @@
 namespace capstan {
 namespace {
 
-auto words_in(std::string_view text) -> std::size_t {
-  std::size_t count = 0;
-  while (!next_word(text).empty()) {
-    ++count;
+/// What follows the first words of a text.
+auto behind(std::string_view text, std::size_t words) -> std::string_view {
+  for (; words > 0 && !next_word(text).empty(); --words) {
   }
-  return count;
+  return text;
 }
 
 }  // namespace
@@ -78,10 +77,7 @@ void Shell::execute(std::string_view line) {
     if (!command.acts) {
       editor_.remember();  // only what begins with a command, for a slip of the keys may have put a key into it
     }
-    if (words_in(rest) > command.most_words) {
-      error("usage", "the command was given more words than it takes, and nothing was done",
-            "'help' shows its arguments");
-    } else {
+    if (!refuses_more(*this, behind(rest, command.most_words))) {
       command.run(*this, rest);
     }
     return;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/shell_commands.hpp"
 
+#include <algorithm>
+
 #include "capstan/firmware/loop/version.hpp"
 
 namespace capstan {
@@ -101,6 +103,29 @@ void commands::help(Session& session, std::string_view arguments) {
   } else {
     help_parameters(session, about);
   }
+}
+
+auto refuses_more(Session& session, std::string_view rest) -> bool {
+  const bool more = !next_word(rest).empty();
+  if (more) {
+    session.error("usage", "the command was given more words than it takes, and nothing was done",
+                  "'help' shows its arguments");
+  }
+  return more;
+}
+
+auto refuses_repeat(Session& session, std::string_view word, std::string_view rest) -> bool {
+  const auto name_of = [](std::string_view option) {
+    return std::string_view(option.data(), std::min(option.find('='), option.size()));
+  };
+  for (std::string_view next = next_word(rest); !next.empty(); next = next_word(rest)) {
+    if (name_of(next) == name_of(word)) {
+      session.out() << "error option: '" << name_of(word) << "' is given twice, and nothing moved; give it once\r\n";
+      session.refused();
+      return true;
+    }
+  }
+  return false;
 }
 
 auto parse_count(std::string_view text, std::int32_t minimum, std::int32_t maximum, std::int32_t& value) -> bool {

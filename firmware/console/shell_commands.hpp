@@ -62,6 +62,10 @@ void reboot(Session& session, std::string_view arguments);
 auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, kMostSignals>& signals,
                    std::size_t& count) -> bool;
 void refuse_signals(Session& session);
+/// Refuses words that nothing would read.
+auto refuses_more(Session& session, std::string_view rest) -> bool;
+/// Of a line's "name=value" words: refuses `word` where `rest`, what follows it, gives the same option again.
+auto refuses_repeat(Session& session, std::string_view word, std::string_view rest) -> bool;
 /// A whole number in a range.
 auto parse_count(std::string_view text, std::int32_t minimum, std::int32_t maximum, std::int32_t& value) -> bool;
 /// What `experiment` takes.

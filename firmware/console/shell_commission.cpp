@@ -210,6 +210,9 @@ void begin_commissioning(Session& session, std::size_t axis, std::string_view ar
   ExperimentSetup& setup = stream.setup;
   take_usual(setup, axis, config, session.machine().axis_telemetry(axis).q2_rad);
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
+    if (refuses_repeat(session, word, arguments)) {
+      return;
+    }
     if (!parse_option(word, setup)) {
       session.error("option", "an option is not understood, and nothing moved",
                     "write 'commission joint0 amplitude=0.2rad dither=5mNm'");

@@ -137,6 +137,9 @@ auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t ax
   take_usual(setup, recipe, axis);
   Options options;
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
+    if (refuses_repeat(session, word, arguments)) {
+      return nullptr;
+    }
     if (!parse_option(word, recipe, setup, options)) {
       session.out() << "error option: '" << word << "' is not understood by " << recipe.name
                     << ", and nothing moved; write 'amplitude=0.2rad " << recipe.rungs << '=' << recipe.usual_rungs[0]
@@ -258,6 +261,9 @@ void commands::palpate(Session& session, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   std::size_t axis = 0;
   if (joint == "map" || joint == "clear") {
+    if (refuses_more(session, arguments)) {
+      return;
+    }
     if (joint == "clear") {
       session.machine().palpation().clear();
     }

@@ -93,8 +93,10 @@ void commands::frames(Session& session, std::string_view arguments) {
     return;
   }
   if (word == "off") {
-    session.end_beside();
-    session.ok();
+    if (!refuses_more(session, rest)) {
+      session.end_beside();
+      session.ok();
+    }
     return;
   }
   RecorderSetup setup;
@@ -109,7 +111,8 @@ void commands::frames(Session& session, std::string_view arguments) {
     return;
   }
   if (!parse_signals(arguments, session.machine().axes(), setup.signals, setup.count)) {
-    session.error("unknown_signal", "a signal is unknown, or there are more than 8, and nothing was changed",
+    session.error("unknown_signal",
+                  "a signal is unknown or named twice, or there are more than 8, and nothing was changed",
                   "'scope signals' shows all of them; write 'frames 10 joint0.q2'");
     return;
   }

@@ -14,6 +14,10 @@ void maintenance_status(Session& session) {
 }
 
 void maintenance_open(Session& session, std::string_view key) {
+  if (!key.empty() && !session.machine().maintenance_key().is_set()) {
+    session.error("usage", "no key is set, and nothing was opened", "'maintenance open' does without one");
+    return;
+  }
   switch (session.maintenance().open(key, session.machine().maintenance_key(), session.machine().telemetry().tick)) {
     case Maintenance::Attempt::kOpened:
       session.ok();

@@ -113,6 +113,9 @@ void move_force(Session& session, std::size_t axis, std::string_view arguments) 
                   .axis = static_cast<std::uint8_t>(axis),
                   .torque_rate_nm_s = config.force.rate_nm_per_s};
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
+    if (refuses_repeat(session, word, arguments)) {
+      return;
+    }
     const std::size_t sign = std::min(word.find('='), word.size());
     const std::string_view name(word.data(), sign);
     std::string_view value(word.data() + std::min(sign + 1, word.size()),

@@ -105,6 +105,9 @@ void begin_response(Session& session, std::string_view recipe, std::size_t axis,
   take_usual(setup.excitation, chirp, next_word(first) == "on=reference", config);
   std::int32_t every = 1;
   for (std::string_view word = next_word(arguments); !word.empty(); word = next_word(arguments)) {
+    if (refuses_repeat(session, word, arguments)) {
+      return;
+    }
     if (!parse_option(word, setup, every)) {
       session.out()
           << "error option: '" << word << "' is not understood by " << recipe

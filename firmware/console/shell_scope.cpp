@@ -201,6 +201,10 @@ void scope_dump(Session& session) {
 
 void commands::scope(Session& session, std::string_view arguments) {
   const std::string_view word = next_word(arguments);
+  const bool alone = word == "signals" || word == "stop" || word == "dump";
+  if (alone && refuses_more(session, arguments)) {
+    return;
+  }
   if (word.empty()) {
     scope_status(session);
   } else if (word == "signals") {

@@ -50,7 +50,10 @@ auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, 
   std::size_t found = 0;
   for (std::string_view word = next_word(words); !word.empty(); word = next_word(words)) {
     const Signal signal = find_signal(word, axes);
-    if (signal.info == nullptr || found == all.size()) {
+    const auto same = [&signal](const Signal& before) {
+      return before.info == signal.info && before.axis == signal.axis;
+    };
+    if (signal.info == nullptr || found == all.size() || std::any_of(all.begin(), all.begin() + found, same)) {
       return false;
     }
     all[found++] = signal;
@@ -63,7 +66,8 @@ auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, 
 }
 
 void refuse_signals(Session& session) {
-  session.error("unknown_signal", "a signal is unknown, or there are more than 8, and nothing was changed",
+  session.error("unknown_signal",
+                "a signal is unknown or named twice, or there are more than 8, and nothing was changed",
                 "'scope signals' shows all of them; write 'joint0.q2'");
 }
 

@@ -128,6 +128,9 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
   if (setup.cycles < 1 || setup.cycles > kMost || setup.repeats < 1 || setup.repeats > kMost) {
     return "cycles and repeats are 1 to 1000; correct them";
   }
+  if (setup.decay_per_s < Q24{}) {
+    return "a decay is 0 or more, and this one would grow; correct it";
+  }
   const LimitConfig& limits = config.limits;
   if (setup.recipe == Recipe::kTorqueTriangle) {
     return setup.amplitude > limits.current_a * config.motor.torque_per_current_nm_per_a

@@ -196,6 +196,9 @@ TEST(ShellExperiment, WithoutTorqueInMotionOrWithWrongOptionsNothingMoves) {
   refused("experiment joint0 triangle amplitude=2.5", "range");
   refused("experiment joint0 triangle speeds=3", "range");
   refused("experiment joint0 sine_ladder frequencies=5", "range");
+  refused("experiment joint0 decaying_sine decay=-1", "range");
+  refused("experiment joint0 triangle amplitude=0.2 cycles=1 amplitude=0.3", "option");
+  refused("experiment joint0 triangle amplitude=0.2 amplitude=0.2", "option");
   EXPECT_EQ(bench.state(), State::kHolding);
   EXPECT_NEAR(bench.io.motors[0].angle_rad, 0.0, 1e-3);
 }

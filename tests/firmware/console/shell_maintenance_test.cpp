@@ -127,6 +127,13 @@ TEST(ShellMaintenance, TheKeyOpensAWrongOneDoesNotAndTheNextHasToWait) {
   EXPECT_TRUE(has_line(bench.say("maintenance"), "maintenance open, closes 10 minutes after it was opened, a key is"));
 }
 
+TEST(ShellMaintenance, AKeyIsNotTakenWhereNoneIsSet) {
+  Bench bench;
+  EXPECT_TRUE(refused(bench.say(std::string("maintenance open ") + kKey), "usage"));
+  EXPECT_TRUE(refused(bench.say("set joint0.limits.current 2"), "maintenance"));
+  EXPECT_EQ(verdict(bench.say("maintenance open")), "ok");
+}
+
 TEST(ShellMaintenance, TheKeyChangesOnlyWhileOpenAndCanBeTakenAway) {
   Bench bench;
   EXPECT_TRUE(refused(bench.say("maintenance key secret-enough"), "maintenance"));

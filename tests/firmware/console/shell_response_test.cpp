@@ -133,6 +133,7 @@ TEST(ShellResponse, WhatCanNotBeMeasuredIsRefusedAndNothingMoves) {
     refused(std::string("chirp on=torque ") + option, "option");
   }
   refused("multisine on=both", "option");
+  refused("chirp on=torque amplitude=5mNm amplitude=6mNm", "option");
   refused("chirp amplitude=5mNm on=reference", "option");
   refused("chirp on=torque every=3", "range");
   refused("multisine on=torque every=2 duration=60", "range");

@@ -101,6 +101,7 @@ TEST(ShellScope, WrongSettingsAreRefusedWithTheCureAndChangeNothing) {
            {"scope channels joint0.q2 joint9.q2", "unknown_signal"},
            {"scope channels joint0.q1 joint0.q1 joint0.q1 joint0.q1 joint0.q1 joint0.q1 joint0.q1 joint0.q1 joint0.q1",
             "unknown_signal"},
+           {"scope channels joint0.q1 joint0.q2 joint0.q1", "unknown_signal"},
            {"scope trigger", "unknown_signal"},
            {"scope trigger sometimes", "unknown_signal"},
            {"scope trigger fault 3", "usage"},
@@ -154,6 +155,7 @@ TEST(ShellWatch, CtrlCEndsItAndWrongOnesAreRefused) {
   EXPECT_EQ(error_of(bench.say("watch 100")), "unknown_signal");
   EXPECT_EQ(error_of(bench.say("watch 5 joint0.q2")), "range");
   EXPECT_EQ(error_of(bench.say("watch joint0.q9")), "unknown_signal");
+  EXPECT_EQ(error_of(bench.say("watch joint0.q2 joint1.q2 joint0.q2")), "unknown_signal");
 }
 
 TEST(ShellTiming, ShowsWhatTheBoardSaysAndWhatWasLost) {

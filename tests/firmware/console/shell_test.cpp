@@ -244,6 +244,22 @@ TEST(Shell, ArmWithAWordTooManyDoesNotArmButDisarmAlwaysDisarms) {
   EXPECT_EQ(bench.state(), State::kDisarmed);
 }
 
+TEST(Shell, AWordThatNothingReadsIsRefusedAndNothingIsDone) {
+  Bench bench;
+  for (const char* line : {"frames off x", "scope signals x", "scope stop x", "scope dump x", "palpate map x",
+                           "palpate clear x", "maintenance open x", "maintenance open x y", "maintenance close x",
+                           "maintenance key none x", "faults second x", "help move x", "status x"}) {
+    EXPECT_EQ(test::error_of(bench.say(line)), "usage") << line;
+  }
+  bench.say("frames 10 joint0.q2");
+  EXPECT_EQ(test::error_of(bench.say("frames off now")), "usage");
+  EXPECT_NE(bench.say("frames").find("frames on"), std::string::npos) << "they go on";
+  bench.say("frames off");
+  EXPECT_NE(bench.say("frames").find("frames off"), std::string::npos);
+  EXPECT_EQ(test::error_of(bench.say("frames 10 joint0.q2 joint0.q2")), "unknown_signal");
+  EXPECT_TRUE(test::has_line(bench.say("maintenance"), "maintenance closed"));
+}
+
 TEST(Shell, MoveBringsTheJointToItsTargetInRadOrDegrees) {
   Bench bench;
   bench.say("arm");
@@ -276,6 +292,7 @@ TEST(Shell, MoveIsRefusedWithoutTorqueOutsideTheLimitsAndForGarbage) {
                                    {"move joint0 0.5 rad deg", "not_an_angle"},
                                    {"move joint0 0.1 0.2", "not_an_angle"},
                                    {"move joint0 0,5", "not_an_angle"},
+                                   {"move joint0 force=0.01 rate=1 rate=2", "option"},
                                    {"move joint2 0.5", "unknown_joint"},
                                    {"move joint 0.5", "unknown_joint"},
                                    {"move 0.5", "unknown_joint"},
