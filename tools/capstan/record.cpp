@@ -2,6 +2,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -63,10 +64,19 @@ auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::ti
   return true;
 }
 
+/// A log has one column of a name.
+void refuse_repeats(const std::vector<std::string>& signals) {
+  for (auto signal = signals.begin(); signal != signals.end(); ++signal) {
+    if (std::find(signals.begin(), signal, *signal) != signal) {
+      throw BadInput(*signal + " is given twice, and would be two columns of one name; name it once");
+    }
+  }
+}
+
 auto run_record(const RecordOptions& options) -> int {
+  refuse_repeats(options.signals);
   const ShellClient shell(options.port);
-  std::ofstream file = open_to_write(options.output);
-  const auto log = sink_for(options.output, file);
+  const auto log = file_sink(options.output);
   FrameRecorder recorder(*log);
   for (const int signal_number : {SIGINT, SIGTERM}) {
     static_cast<void>(std::signal(signal_number, stop_recording));
@@ -84,12 +94,11 @@ auto run_record(const RecordOptions& options) -> int {
     static_cast<void>(receive(shell, recorder, steady_clock::now() + kFarewell, said));
   }
   log->end();
-  finish_writing(file, options.output);
+  if (recorder.rows() == 0) {
+    throw Refusal("no frame came within the time, and no log was written; check the port, or record for longer");
+  }
   std::cout << "recorded " << recorder.rows() << " samples in " << options.output << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged\n";
-  if (recorder.rows() == 0) {
-    throw Refusal("no frame came within the time; check the port, or record for longer");
-  }
   if (!there) {
     throw Refusal(options.port + ": the board closed the line; what came before is in the log");
   }

@@ -101,14 +101,15 @@ auto run_shell(const ShellOptions& options) -> int {
   if (options.record.empty()) {
     return talk(options.port, nullptr);
   }
-  std::ofstream file = open_to_write(options.record);
-  const auto log = sink_for(options.record, file);
+  const auto log = file_sink(options.record);
   FrameRecorder recorder(*log);
   const int status = talk(options.port, &recorder);
   log->end();
-  finish_writing(file, options.record);
   std::cerr << "recorded " << recorder.rows() << " samples in " << options.record << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged, " << recorder.foreign() << " of other signals\n";
+  if (recorder.rows() == 0) {
+    std::cerr << "so no log was written; 'frames 10 joint0.q2' at the prompt sends what a log is made of\n";
+  }
   return status;
 }
 

@@ -12,8 +12,10 @@ using mcap::FieldWriter;
 using mcap::Opcode;
 using mcap::record;
 
-/// Small enough that a recording that breaks off loses a second or so, large enough to pack well.
+/// Large enough to pack well.
 constexpr std::size_t kChunkBytes = 256U << 10U;
+/// A chunk spans less, so that a recording that breaks off has lost no more, however slowly its messages come.
+constexpr std::uint64_t kChunkNs = 1'000'000'000;
 constexpr std::string_view kLibrary = "capstan";
 
 /// Schema ids count from 1; 0 means none.
@@ -56,6 +58,10 @@ auto McapWriter::add_channel(const std::string& topic, const std::string& schema
 }
 
 void McapWriter::add_message(std::uint16_t channel, std::uint64_t time_ns, std::string_view json) {
+  // Before the message, so that those of one time stay together.
+  if (chunk_span_.messages > 0 && time_ns >= chunk_span_.first_ns + kChunkNs) {
+    end_chunk();
+  }
   chunk_index_[channel].emplace_back(time_ns, chunk_.size());
   const auto sequence = static_cast<std::uint32_t>(channels_[channel].messages++);
   chunk_ += record(Opcode::kMessage, FieldWriter().u16(channel).u32(sequence).u64(time_ns).u64(time_ns).bytes(json));

@@ -16,7 +16,8 @@ namespace capstan::tools {
 enum class McapCompression { kNone, kLz4, kZstd };
 
 /// Writes JSON messages as an MCAP file with chunks, indices, statistics and checksums, so that readers may seek. What
-/// has been written before finish() can be read without the indices, should the recording break off.
+/// has been written before finish() can be read without the indices, should the recording break off: all but the last
+/// second.
 class McapWriter {
  public:
   /// @param out  binary, outlives this object

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/support/text.hpp"
 
+#include <unistd.h>
+
 #include <array>
 #include <charconv>
 #include <cstdio>
@@ -84,10 +86,29 @@ auto read_text_file(const std::string& path) -> std::string {
   return std::move(text).str();
 }
 
+namespace {
+
+[[noreturn]] void refuse_path(const std::string& path) {
+  throw BadInput(path + ": the log can not be written; give a path in a folder that exists");
+}
+
+}  // namespace
+
+void expect_writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code none;
+  const bool there = fs::exists(path, none);
+  const std::string folder = fs::path(path).parent_path().string();
+  const std::string& asked = there ? path : folder.empty() ? "." : folder;
+  if (path.empty() || fs::is_directory(path, none) || ::access(asked.c_str(), there ? W_OK : W_OK | X_OK) != 0) {
+    refuse_path(path);
+  }
+}
+
 auto open_to_write(const std::string& path) -> std::ofstream {
   std::ofstream file(path, std::ios::binary);
   if (!file) {
-    throw BadInput(path + ": the log can not be written; give a path in a folder that exists");
+    refuse_path(path);
   }
   return file;
 }

@@ -33,6 +33,8 @@ void make_folder(const std::string& path);
 /// Whole file. Throws BadInput if it can not be read.
 auto read_text_file(const std::string& path) -> std::string;
 
+/// Throws BadInput where open_to_write() would. Makes and changes nothing.
+void expect_writable(const std::string& path);
 /// A file that is written bit by bit, as a log is. Throws BadInput.
 auto open_to_write(const std::string& path) -> std::ofstream;
 /// Its end: only now is it certain that the disk took all of it. Throws BadInput.

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
 
 #include "capstan/tools/log/mcap_writer.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -22,6 +26,7 @@ class CsvSink final : public LogSink {
     out_ << '\n';
   }
   void row(std::int64_t time_ms, const std::vector<std::string>& values) override {
+    constexpr std::int64_t kFlushEveryMs = 1000;
     char time[32];
     std::snprintf(time, sizeof(time), "%lld.%03lld", static_cast<long long>(time_ms / 1000),
                   static_cast<long long>(time_ms % 1000));
@@ -30,11 +35,16 @@ class CsvSink final : public LogSink {
       out_ << ',' << value;
     }
     out_ << '\n';
+    if (!flushed_ms_ || time_ms - *flushed_ms_ >= kFlushEveryMs) {  // whoever is killed loses no more
+      out_.flush();
+      flushed_ms_ = time_ms;
+    }
   }
   void end() override { out_.flush(); }
 
  private:
   std::ostream& out_;
+  std::optional<std::int64_t> flushed_ms_;
 };
 
 class McapSink final : public LogSink {
@@ -83,6 +93,48 @@ class McapSink final : public LogSink {
   std::vector<Topic> topics_;
 };
 
+class FileSink final : public LogSink {
+ public:
+  explicit FileSink(std::string path) : path_(std::move(path)) {
+    expect_writable(path_);
+    std::error_code none;
+    if (std::filesystem::exists(path_, none) && !std::filesystem::is_regular_file(path_, none)) {
+      open();  // nothing is lost in it, and whoever waits at the other end of a pipe is to see its end
+    }
+  }
+
+  void begin(const std::vector<std::string>& columns) override {
+    columns_ = columns;
+    if (log_ != nullptr) {
+      log_->begin(columns_);
+    }
+  }
+  void row(std::int64_t time_ms, const std::vector<std::string>& values) override {
+    if (log_ == nullptr) {
+      open();
+      log_->begin(columns_);
+    }
+    log_->row(time_ms, values);
+  }
+  void end() override {
+    if (log_ != nullptr) {
+      log_->end();
+      finish_writing(file_, path_);
+    }
+  }
+
+ private:
+  void open() {
+    file_ = open_to_write(path_);
+    log_ = path_.ends_with(".mcap") ? mcap_sink(file_) : csv_sink(file_);
+  }
+
+  std::string path_;
+  std::vector<std::string> columns_;
+  std::ofstream file_;
+  std::unique_ptr<LogSink> log_;
+};
+
 }  // namespace
 
 auto csv_sink(std::ostream& out) -> std::unique_ptr<LogSink> {
@@ -93,8 +145,8 @@ auto mcap_sink(std::ostream& out) -> std::unique_ptr<LogSink> {
   return std::make_unique<McapSink>(out);
 }
 
-auto sink_for(const std::string& path, std::ostream& out) -> std::unique_ptr<LogSink> {
-  return path.ends_with(".mcap") ? mcap_sink(out) : csv_sink(out);
+auto file_sink(const std::string& path) -> std::unique_ptr<LogSink> {
+  return std::make_unique<FileSink>(path);
 }
 
 }  // namespace capstan::tools

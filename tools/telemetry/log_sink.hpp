@@ -25,11 +25,13 @@ class LogSink {
   virtual void end() = 0;
 };
 
-/// A log by the contract, as CSV. @param out  outlives the sink
+/// A log by the contract, as CSV, flushed every second of its time. @param out  outlives the sink
 auto csv_sink(std::ostream& out) -> std::unique_ptr<LogSink>;
 /// As MCAP: a topic for each axis ("axis0"), one for what belongs to none ("log"), a JSON message per row and topic.
 auto mcap_sink(std::ostream& out) -> std::unique_ptr<LogSink>;
-/// MCAP for a path that ends in ".mcap", CSV for others.
-auto sink_for(const std::string& path, std::ostream& out) -> std::unique_ptr<LogSink>;
+/// A file, MCAP for a path that ends in ".mcap", CSV for others. It is made, or emptied, with the first row: who
+/// records nothing leaves an older log as it was. Throws BadInput if no file can be written there, and from end() if
+/// the disk did not take all of it.
+auto file_sink(const std::string& path) -> std::unique_ptr<LogSink>;
 
 }  // namespace capstan::tools

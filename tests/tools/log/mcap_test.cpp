@@ -66,6 +66,21 @@ TEST(Mcap, ARecordingThatBrokeOffIsReadAsFarAsItGoes) {
   EXPECT_NE(log.warnings()[0].find("ends before its footer"), std::string::npos);
 }
 
+// 100 bytes a second: by size alone nothing would be there for minutes.
+TEST(Mcap, OfASlowRecordingAllButTheLastSecondIsThereBeforeItsEnd) {
+  std::ostringstream out;
+  McapWriter writer(out);
+  const auto motor = writer.add_channel("/axis0", "motor", "{}");
+  const auto joint = writer.add_channel("/axis1", "joint", "{}");
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    writer.add_message(motor, 100 * i * kMillisecond, R"({"q1_rad":1})");
+    writer.add_message(joint, 100 * i * kMillisecond, R"({"q1_rad":2})");
+  }
+  const CsvLog log = CsvLog::parse(out.str(), "x.mcap");
+  EXPECT_DOUBLE_EQ(log.time()[log.time().size() - 1], 3.9);
+  EXPECT_EQ(log.column("axis0/q1_rad").size(), log.column("axis1/q1_rad").size()) << "messages of a time stay together";
+}
+
 TEST(Mcap, EveryBitThatFlipsInTheDataIsNoticed) {
   for (const auto compression : kCompressions) {
     const std::string whole = two_rates(compression, 40);
