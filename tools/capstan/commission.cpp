@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/commission/commission.hpp"
@@ -44,6 +45,9 @@ auto progress_of(const CommissionCommand& options, int axis) -> Progress {
 }
 
 auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
+  if (std::set<int>(options.axes.begin(), options.axes.end()).size() != options.axes.size()) {
+    throw BadInput("--axis names a joint twice; give each once, for instance 0,1,2");
+  }
   const std::size_t inertias = options.inertia_gm2.size();
   if (inertias > 1 && inertias != options.axes.size()) {
     throw BadInput("--inertia has " + std::to_string(inertias) + " values for " + std::to_string(options.axes.size()) +

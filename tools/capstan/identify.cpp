@@ -83,6 +83,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->add_option("--wrist-axes", options->wrist,
                    "of --model wrist: numbers of pitch, right and left jaw; the files are called FILE_axis<N>.toml")
       ->expected(3)
+      ->delimiter(',')
       ->check(CLI::Range(0, kMostAxes - 1))
       ->capture_default_str();
   add_drawing(*command, options->drawing);

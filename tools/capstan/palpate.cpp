@@ -28,6 +28,7 @@ auto law_of(const std::string& file) -> TensionStateParameters<double> {
 }
 
 auto run_palpate(const PalpateOptions& options) -> int {
+  refuse_repeats(options.logs.files);
   const PalpatingAxis jaw = {options.logs.axis, law_of(options.model)};
   std::optional<PalpatingAxis> other;
   if (options.against >= 0) {

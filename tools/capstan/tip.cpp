@@ -65,6 +65,7 @@ void add_tip(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(-0.1, 0.1));
   command->add_option("--wrist-axes", options->axes, "numbers of pitch, right and left jaw")
       ->expected(3)
+      ->delimiter(',')
       ->check(CLI::Range(0, 999))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "the log with the tips appended");

@@ -13,14 +13,20 @@
 
 namespace capstan::tools {
 
-auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog> {
-  const auto mappings = parse_mappings(maps);
-  std::vector<CsvLog> logs;
+void refuse_repeats(const std::vector<std::string>& paths) {
   for (auto path = paths.begin(); path != paths.end(); ++path) {
     if (std::any_of(paths.begin(), path, [&](const auto& before) { return same_file(before, *path); })) {
       throw BadInput(*path + " is given twice, and its rows would count as evidence twice; name it once");
     }
-    logs.push_back(CsvLog::read(*path, mappings));
+  }
+}
+
+auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog> {
+  const auto mappings = parse_mappings(maps);
+  refuse_repeats(paths);
+  std::vector<CsvLog> logs;
+  for (const auto& path : paths) {
+    logs.push_back(CsvLog::read(path, mappings));
   }
   return logs;
 }

@@ -21,6 +21,9 @@ struct JobLogs {
   std::vector<int> coupled_to;  ///< axes that may pull at this one, by slots
 };
 
+/// Throws BadInput if a file is among them twice.
+void refuse_repeats(const std::vector<std::string>& paths);
+
 /// Throws BadInput if a file is given twice. @param maps  texts of --map
 auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog>;
 

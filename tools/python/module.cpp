@@ -6,6 +6,8 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
+
 #include "capstan/tools/diagnose/next_experiment.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/jobs/diagnose_job.hpp"
@@ -67,16 +69,42 @@ auto read_one(const LogLike& log, const std::vector<std::string>& maps) -> CsvLo
   return *std::get<const CsvLog*>(log);
 }
 
+auto list_of(const LogsLike& logs) -> std::vector<LogLike> {
+  const auto* one = std::get_if<LogLike>(&logs);
+  return one != nullptr ? std::vector<LogLike>{*one} : std::get<1>(logs);
+}
+
+auto name_of(const LogLike& log) -> std::string {
+  const auto* file = std::get_if<path>(&log);
+  return file != nullptr ? file->string() : std::get<const CsvLog*>(log)->name();
+}
+
+/// Of one file, however they are given. Logs of arrays have a name that is no file.
+auto is_same(const LogLike& a, const LogLike& b) -> bool {
+  return a == b || (std::filesystem::exists(name_of(a)) && same_file(name_of(a), name_of(b)));
+}
+
 auto read_all(const LogsLike& logs, const Maps& map) -> std::vector<CsvLog> {
   const auto maps = texts_of(map);
-  if (const auto* one = std::get_if<LogLike>(&logs)) {
-    return {read_one(*one, maps)};
-  }
+  const auto list = list_of(logs);
   std::vector<CsvLog> all;
-  for (const auto& log : std::get<1>(logs)) {
-    all.push_back(read_one(log, maps));
+  for (auto log = list.begin(); log != list.end(); ++log) {
+    if (std::any_of(list.begin(), log, [&](const auto& before) { return is_same(before, *log); })) {
+      throw BadInput(name_of(*log) + " is given twice, and its rows would count as evidence twice; give it once");
+    }
+    all.push_back(read_one(*log, maps));
   }
   return all;
+}
+
+/// A log that is fitted is not unseen.
+void refuse_fitted(const LogsLike& logs, const LogsLike& test) {
+  const auto fitted = list_of(logs);
+  for (const auto& one : list_of(test)) {
+    if (std::any_of(fitted.begin(), fitted.end(), [&](const auto& log) { return is_same(log, one); })) {
+      throw BadInput("test has " + name_of(one) + ", which is among the logs that are fitted; give one that is not");
+    }
+  }
 }
 
 auto read_some(const LogsLike& logs, const Maps& map) -> std::vector<CsvLog> {
@@ -160,6 +188,7 @@ auto progress_to(const py::object& callback) -> Say {
 auto diagnose_logs(const LogsLike& logs, const std::string& base, const std::string& target, const LogsLike& test,
                    int axis, const Maps& map, const std::vector<int>& coupled_to, const Outputs& outputs,
                    const py::object& progress) -> py::object {
+  refuse_fitted(logs, test);
   DiagnoseJob job{.logs = {read_some(logs, map), axis, coupled_to},
                   .tests = read_all(test, map),
                   .base = base,

@@ -383,6 +383,8 @@ TEST_F(Command, WristNamesThreeAxesThatTheLogHas) {
   const Outcome twice = run("identify " + log + " --model wrist --wrist-axes 0 1 1");
   EXPECT_EQ(twice.status, 2);
   EXPECT_NE(twice.output.find("names an axis twice"), std::string::npos) << twice.output;
+  const Outcome commas = run("identify " + log + " --model wrist --wrist-axes 0,1,1");
+  EXPECT_NE(commas.output.find("names an axis twice"), std::string::npos) << commas.output;
   const Outcome absent = run("identify " + log + " --model wrist");
   EXPECT_EQ(absent.status, 2);
   EXPECT_NE(absent.output.find("axis1/"), std::string::npos) << absent.output;
@@ -393,6 +395,16 @@ TEST_F(Command, TipAppendsItsColumnsAndRefusesLengthsOfNoWrist) {
   const std::string log = "tip \"" + path("wrist.csv") + "\" ";
   EXPECT_EQ(run(log + "--pitch-to-jaw 0.009 --jaw 0.01 -o \"" + path("tips.csv") + "\"").status, 0);
   EXPECT_NE(read_text_file(path("tips.csv")).find("tip_left/z_m"), std::string::npos);
+  const Outcome turned = run(log + "--pitch-to-jaw 0.009 --jaw 0.01 --wrist-axes 0,2,1");
+  EXPECT_EQ(turned.status, 0) << turned.output;
+  for (const char* axes : {"0,0,1", "0 0 1"}) {
+    const Outcome twice = run(log + "--pitch-to-jaw 0.009 --jaw 0.01 --wrist-axes " + axes);
+    EXPECT_EQ(twice.status, 2);
+    EXPECT_NE(twice.output.find("names an axis twice"), std::string::npos) << twice.output;
+  }
+  const Outcome commission = run("commission --corridor 0.8 --yes --axis 0,0");
+  EXPECT_EQ(commission.status, 2);
+  EXPECT_NE(commission.output.find("--axis names a joint twice"), std::string::npos) << commission.output;
   const Outcome long_jaw = run(log + "--pitch-to-jaw 0.009 --jaw 10");
   EXPECT_EQ(long_jaw.status, 2);
   EXPECT_NE(long_jaw.output.find("not in range"), std::string::npos) << long_jaw.output;

@@ -159,6 +159,19 @@ class Module(unittest.TestCase):
         with self.assertRaises(TypeError):
             capstan.identify(3)
 
+    def test_a_log_is_evidence_once(self):
+        path = self.write(joint(5.0))
+        link = self.folder / "link.csv"
+        link.symlink_to(path)
+        read, made = capstan.read_log(path), capstan.log(joint(5.0))
+        for twice in ([path, path], [path, link], [path, read], [read, read], [read, capstan.read_log(path)], [made, made]):
+            for command in (capstan.identify, capstan.diagnose):
+                with self.assertRaisesRegex(capstan.BadInput, "is given twice"):
+                    command(twice)
+        with self.assertRaisesRegex(capstan.BadInput, "is among the logs that are fitted"):
+            capstan.diagnose(path, test=read)
+        capstan.identify([made, capstan.log(joint(5.0, seed=2))])  # two of arrays have one name
+
     # Laws
 
     def test_identified_numbers_are_those_of_the_joint(self):
