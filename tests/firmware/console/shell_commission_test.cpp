@@ -53,6 +53,7 @@ TEST(ShellCommission, IsRefusedWithTheCureWhereItCanNotBegin) {
   EXPECT_EQ(verdict(bench.say("commission joint0")).rfind("error maintenance: ", 0), 0U);
   bench.say("maintenance open");
   EXPECT_EQ(verdict(bench.say("commission joint0 amplitude=fast")).rfind("error option: ", 0), 0U);
+  EXPECT_NE(bench.say("commission joint0 dither=5mNm dither=6mNm").find("'dither' is given twice"), std::string::npos);
   EXPECT_EQ(verdict(bench.say("commission joint0 dither=0Nm")).rfind("error option: ", 0), 0U);
   EXPECT_EQ(verdict(bench.say("commission joint0 amplitude=9rad")).rfind("error range: ", 0), 0U);
   EXPECT_EQ(verdict(bench.say("commission joint0")).rfind("error not_holding: ", 0), 0U);
