@@ -260,13 +260,6 @@ consteval auto hashes_are_unique() -> bool {
 }
 static_assert(hashes_are_unique<0>() && hashes_are_unique<1>() && hashes_are_unique<2>() && hashes_are_unique<3>());
 
-constexpr auto kNoJoint = static_cast<std::size_t>(std::int32_t{-1});
-
-auto names_joint(const ParameterInfo& parameter) -> bool {
-  return (parameter.offset >= kCoupledTo && parameter.offset < kCoupledTo + kMostOthers * sizeof(std::int32_t)) ||
-         parameter.offset == kTip + offsetof(TipConfig, pitch);
-}
-
 }  // namespace
 
 auto parameters() -> std::span<const ParameterInfo> {
@@ -310,16 +303,6 @@ auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool {
 auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo* {
   for (const ParameterInfo& parameter : kTable) {
     if (parameter.change == ParameterChange::kMaintenance && raw_value(now, parameter) != raw_value(next, parameter)) {
-      return &parameter;
-    }
-  }
-  return nullptr;
-}
-
-auto impossible_joint(const AxisConfig& config, std::size_t axis, std::size_t axes) -> const ParameterInfo* {
-  for (const ParameterInfo& parameter : kTable) {
-    const auto joint = static_cast<std::size_t>(names_joint(parameter) ? raw_value(config, parameter) : -1);
-    if (joint == axis || (joint >= axes && joint != kNoJoint)) {
       return &parameter;
     }
   }
