@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "capstan/tests/tools/plant/independent_joint.hpp"
+#include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -88,6 +89,25 @@ TEST(IndependentPlant, AHealthyJointLacksNothingAndAGapAndALeaningWeightAreNamed
   ASSERT_TRUE(weight.effects.front().size);
   EXPECT_NEAR(weight.effects.front().size->value, 0.05 * std::cos(0.5), 0.1 * 0.05);
   EXPECT_TRUE(asked(&independent::Effects::sticky_nm, 0.02).effects.empty());
+  const Diagnosis late = asked(&independent::Effects::camera_delay_s, 0.008);
+  ASSERT_EQ(late.effects.size(), 1U) << late.reason;
+  EXPECT_EQ(late.effects.front().name, "transport_delay");
+  EXPECT_TRUE(late.law.has("transport_delay")) << "and no drag in its place";
+  EXPECT_TRUE(std::any_of(late.sizes.begin(), late.sizes.end(), [](const std::string& sentence) {
+    return sentence.find("ms later than the healthy joint was") != std::string::npos;
+  }));
+}
+
+// Tendons fitted to each log alone exchange what a free tip does not tell apart.
+TEST(IndependentPlant, NoParameterOfAHealthyJointHasMovedByTheNextLog) {
+  constexpr std::uint64_t kJoint = 4;
+  const independent::Parameters joint = independent_joint(kJoint);
+  LabExperiment experiment = drawn_experiment(kJoint);
+  const AxisLog monday = log_of(joint, experiment);
+  experiment.noise_seed += 1;
+  const Comparison both = compare({monday}, {log_of(joint, experiment)}, {});
+  ASSERT_NE(std::find(both.terms.begin(), both.terms.end(), "tendon"), both.terms.end());
+  EXPECT_TRUE(both.moved.empty()) << both.moved.front().name;
 }
 
 /// The law of tendons from the joint's drawn experiment.
