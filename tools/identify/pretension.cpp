@@ -124,9 +124,8 @@ auto pretension_sentence(const PretensionNumbers& n) -> std::string {
   const std::string radius = "the radius of the motor's pulley (--radius METRES)";
   if (n.torque_nm() == 0.0) {
     return "friction along the tendons takes " + range_text({n.friction_nm(), n.friction_95_nm()}, "Nm") +
-           ", friction number times pretension times radius, and these logs tell no more: the pretension in N takes a "
-           "log " +
-           "with the tip held in which the motor pulls both ways until each tendon is slack in turn" +
+           ", friction number times pretension times radius, and these logs tell no more: for the pretension in N, a " +
+           "log with the tip held is lacking in which the motor pulls both ways until each tendon is slack in turn" +
            (n.radius_m() > 0.0 ? "" : ", and " + radius);
   }
   const std::string eta = "; friction number " + range_text({n.eta(), n.eta_95()}, "1");
