@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <set>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -45,7 +45,7 @@ auto progress_of(const CommissionCommand& options, int axis) -> Progress {
 }
 
 auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
-  if (std::set<int>(options.axes.begin(), options.axes.end()).size() != options.axes.size()) {
+  if (first_repeat(options.axes) != options.axes.end()) {
     throw BadInput("--axis names a joint twice; give each once, for instance 0,1,2");
   }
   const std::size_t inertias = options.inertia_gm2.size();

@@ -3,11 +3,11 @@
 
 #include <filesystem>
 #include <iostream>
-#include <set>
 
 #include "capstan/tools/identify/wrist_fit.hpp"
 #include "capstan/tools/jobs/identify_job.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -22,7 +22,7 @@ auto file_of_axis(const std::string& output, int axis) -> std::string {
 }  // namespace
 
 auto identify_wrist(const LogOptions& options, const std::vector<int>& axes, const std::string& output) -> int {
-  if (std::set<int>(axes.begin(), axes.end()).size() != kWristAxes) {
+  if (first_repeat(axes) != axes.end()) {
     throw BadInput("--wrist-axes names an axis twice; give pitch, right and left jaw, for instance 0 1 2");
   }
   JobLogs job = options.job_logs();

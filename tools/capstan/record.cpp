@@ -2,7 +2,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
@@ -13,6 +12,7 @@
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 #include "capstan/tools/telemetry/frame_recorder.hpp"
 
@@ -64,17 +64,10 @@ auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::ti
   return true;
 }
 
-/// A log has one column of a name.
-void refuse_repeats(const std::vector<std::string>& signals) {
-  for (auto signal = signals.begin(); signal != signals.end(); ++signal) {
-    if (std::find(signals.begin(), signal, *signal) != signal) {
-      throw BadInput(*signal + " is given twice, and would be two columns of one name; name it once");
-    }
-  }
-}
-
 auto run_record(const RecordOptions& options) -> int {
-  refuse_repeats(options.signals);
+  if (const auto signal = first_repeat(options.signals); signal != options.signals.end()) {
+    throw BadInput(*signal + " is given twice, and would be two columns of one name; name it once");
+  }
   const ShellClient shell(options.port);
   const auto log = file_sink(options.output);
   FrameRecorder recorder(*log);

@@ -3,10 +3,10 @@
 
 #include <iostream>
 #include <memory>
-#include <set>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -22,7 +22,7 @@ struct TipOptions {
 };
 
 auto run_tip(const TipOptions& options) -> int {
-  if (std::set<int>(options.axes.begin(), options.axes.end()).size() != options.axes.size()) {
+  if (first_repeat(options.axes) != options.axes.end()) {
     throw BadInput("--wrist-axes names an axis twice; give pitch, right and left jaw, for instance 0 1 2");
   }
   const CsvLog log = CsvLog::read(options.log, parse_mappings(options.maps));

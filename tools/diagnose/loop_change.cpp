@@ -30,8 +30,7 @@ auto name_of_change(double width, double torque) -> std::string {
 
 auto change_sentence(const std::string& name, const EffectSize& size) -> std::string {
   const auto range = [&size](double unit) {
-    return rounded(unit * size.value, 4) + " [" + rounded(unit * (*size.ci95)[0], 3) + ", " +
-           rounded(unit * (*size.ci95)[1], 3) + "]";
+    return with_interval(unit * size.value, unit * (*size.ci95)[0], unit * (*size.ci95)[1]);
   };
   if (name == kPlayTerm) {
     return "the gap is " + range(1.0) + " rad to either side, at the joint";

@@ -186,15 +186,8 @@ class LoopSearch {
     effects.erase(others, effects.end());
     const std::string found_as = std::exchange(first->name, name_of_lateness());
     first->alternatives.clear();
-    size_lateness(*first);
+    first->size = size_->of_delay(first->name);
     return were_two || first->name != found_as;
-  }
-
-  void size_lateness(AddedEffect& effect) {
-    effect.size = size_->of_delay(effect.name);
-    if (effect.size && effect.size->ci95) {
-      search_.sizes.push_back(change_sentence(effect.name, *effect.size));
-    }
   }
 
   /// A lateness and nothing else: by the term that it is called by, if that leaves little enough.
@@ -205,7 +198,7 @@ class LoopSearch {
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
         size_.emplace(p_, healthy_, before_, late);
         AddedEffect effect = named(name);
-        size_lateness(effect);
+        effect.size = size_->of_delay(name);
         return complete(late, left_by_it, {effect});
       }
     }
@@ -277,6 +270,11 @@ class LoopSearch {
   auto complete(const LawForm& law, double left, std::vector<AddedEffect> effects) -> Search {
     Search answer = search_;
     answer.law = law;
+    for (const auto& effect : effects) {
+      if (effect.name == kDelayTerm && effect.size && effect.size->ci95) {
+        answer.sizes.push_back(change_sentence(effect.name, *effect.size));
+      }
+    }
     answer.effects = std::move(effects);
     answer.unlisted.clear();
     answer.lacks_something = false;

@@ -15,8 +15,7 @@ auto text_of(const EffectSize& size) -> std::string {
   if (!size.ci95) {
     return rounded(size.value, 2) + " " + size.unit + " or less";
   }
-  return rounded(size.value, 3) + " [" + rounded((*size.ci95)[0], 3) + ", " + rounded((*size.ci95)[1], 3) + "] " +
-         size.unit;
+  return with_interval(size.value, (*size.ci95)[0], (*size.ci95)[1], 3) + " " + size.unit;
 }
 
 /// At the joint: its torque is the motor's over beta, its speed the motor's times beta.

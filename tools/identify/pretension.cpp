@@ -34,8 +34,8 @@ auto motor_friction(const JointFile& joint) -> double {
 }
 
 auto range_text(const Gauged& number, const std::string& unit) -> std::string {
-  return rounded(number.value, 4) + " [" + rounded(number.value - number.half, 3) + ", " +
-         rounded(number.value + number.half, 3) + "]" + (unit == "1" ? "" : " " + unit);
+  return with_interval(number.value, number.value - number.half, number.value + number.half) +
+         (unit == "1" ? "" : " " + unit);
 }
 
 /// What is told best of two times' pretension: newtons, torque, or nothing but the ratio.

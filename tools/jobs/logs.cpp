@@ -9,15 +9,14 @@
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/log/recordings.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 
 void refuse_repeats(const std::vector<std::string>& paths) {
-  for (auto path = paths.begin(); path != paths.end(); ++path) {
-    if (std::any_of(paths.begin(), path, [&](const auto& before) { return same_file(before, *path); })) {
-      throw BadInput(*path + " is given twice, and its rows would count as evidence twice; name it once");
-    }
+  if (const auto path = first_repeat(paths, same_file); path != paths.end()) {
+    throw BadInput(*path + " is given twice, and its rows would count as evidence twice; name it once");
   }
 }
 

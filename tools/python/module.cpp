@@ -14,6 +14,7 @@
 #include "capstan/tools/python/law.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace py = pybind11;
@@ -87,12 +88,12 @@ auto is_same(const LogLike& a, const LogLike& b) -> bool {
 auto read_all(const LogsLike& logs, const Maps& map) -> std::vector<CsvLog> {
   const auto maps = texts_of(map);
   const auto list = list_of(logs);
+  if (const auto log = first_repeat(list, is_same); log != list.end()) {
+    throw BadInput(name_of(*log) + " is given twice, and its rows would count as evidence twice; give it once");
+  }
   std::vector<CsvLog> all;
-  for (auto log = list.begin(); log != list.end(); ++log) {
-    if (std::any_of(list.begin(), log, [&](const auto& before) { return is_same(before, *log); })) {
-      throw BadInput(name_of(*log) + " is given twice, and its rows would count as evidence twice; give it once");
-    }
-    all.push_back(read_one(*log, maps));
+  for (const auto& log : list) {
+    all.push_back(read_one(log, maps));
   }
   return all;
 }

@@ -47,6 +47,10 @@ auto rounded(double value, int digits) -> std::string {
   return buffer.data();
 }
 
+auto with_interval(double value, double low, double high, int digits) -> std::string {
+  return rounded(value, digits) + " [" + rounded(low, 3) + ", " + rounded(high, 3) + "]";
+}
+
 auto joined(const std::vector<std::string>& words, std::string_view separator) -> std::string {
   std::string result;
   for (const auto& word : words) {

@@ -18,6 +18,8 @@ auto exact(double value) -> std::string;
 
 /// `digits` significant digits, for people.
 auto rounded(double value, int digits = 4) -> std::string;
+/// "value [low, high]", the ends with three digits.
+auto with_interval(double value, double low, double high, int digits = 4) -> std::string;
 
 /// "a, b, c"
 auto joined(const std::vector<std::string>& words, std::string_view separator = ", ") -> std::string;

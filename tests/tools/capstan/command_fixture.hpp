@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 
+#include "capstan/tests/tools/own_folder.hpp"
 #include "capstan/tests/tools/synthetic_joint.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -20,18 +21,8 @@ struct Outcome {
 };
 
 /// The host program in a folder of the test's own.
-class Command : public testing::Test {
+class Command : public test::OwnFolder {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("capstan_command_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
-
   /// @param before  shell commands that set up the program's surroundings, each with its semicolon
   auto run(const std::string& arguments, const std::string& before = "") const -> Outcome {
     const std::string command =
@@ -48,8 +39,6 @@ class Command : public testing::Test {
     return "\"" + path("log.csv") + "\"";
   }
   auto exists(const std::string& name) const -> bool { return std::filesystem::exists(folder_ / name); }
-
-  std::filesystem::path folder_;
 };
 
 inline auto short_log(double rate_hz) -> test::SyntheticRequest {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "capstan/tests/tools/own_folder.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -16,16 +17,8 @@ struct Outcome {
   std::string output, said;  ///< stdout, stderr
 };
 
-class TuneCommand : public testing::Test {
+class TuneCommand : public test::OwnFolder {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("capstan_tune_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
   auto run(const std::string& arguments) const -> Outcome {
     const std::string command = std::string("\"") + CAPSTAN_PROGRAM + "\" " + arguments + " > \"" + path("output") +
                                 "\" 2> \"" + path("said") + "\"";
@@ -43,8 +36,6 @@ class TuneCommand : public testing::Test {
     EXPECT_EQ(shown.status, 0) << shown.said;
     return shown.output;
   }
-
-  std::filesystem::path folder_;
 };
 
 const std::string kShake = "experiment joint0 multisine on=torque amplitude=8mNm travel=1.8 speed=1 duration=60\n";

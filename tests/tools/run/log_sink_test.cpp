@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "capstan/tests/tools/own_folder.hpp"
 #include "capstan/tools/log/csv_log.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -16,20 +17,7 @@ namespace {
 
 const std::vector<std::string> kColumns = {"axis0/q2_est_rad", "axis1/q2_est_rad"};
 
-/// A folder of the test's own.
-class FileSink : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              ("capstan_sink_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  auto path(const std::string& name) const -> std::string { return (folder_ / name).string(); }
-
-  std::filesystem::path folder_;
-};
+using FileSink = test::OwnFolder;
 
 TEST_F(FileSink, AnOlderLogIsThereUntilTheFirstRow) {
   for (const char* name : {"log.csv", "log.mcap"}) {
