@@ -12,9 +12,9 @@ namespace capstan::tools {
 namespace {
 
 /// Writes one line per parameter.
-class Lines {
+class EffortLines {
  public:
-  explicit Lines(int axis) : prefix_("set joint" + std::to_string(axis) + ".") {}
+  explicit EffortLines(int axis) : prefix_("set joint" + std::to_string(axis) + ".") {}
   void set(const std::string& name, double value, std::string_view unit) {
     std::array<char, 40> number{};
     // First to what the board has, which eight decimals tell from its neighbours: replay then runs the same numbers.
@@ -41,7 +41,7 @@ auto status_of(const std::string& word) -> int {
 
 auto effort_lines(const EffortLaw& law, const std::string& name, int axis) -> std::vector<std::string> {
   const BoardEffortLaw board = board_effort_law(law, name);
-  Lines lines(axis);
+  EffortLines lines(axis);
   std::size_t coefficient = 0;
   std::size_t shape = 0;
   TorqueTerms::for_each<double>([&]<typename Term>() {

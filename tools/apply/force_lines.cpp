@@ -15,9 +15,9 @@ namespace {
 
 static_assert(ForceConfig::kDepth == kForceDepth, "a replay remembers what a board does");
 
-class Lines {
+class ForceLines {
  public:
-  explicit Lines(int axis) : prefix_("set joint" + std::to_string(axis) + ".") {}
+  explicit ForceLines(int axis) : prefix_("set joint" + std::to_string(axis) + ".") {}
   void set(const std::string& name, double value, const std::string& unit) {
     constexpr double kMost = 127.0;
     if (std::abs(value) > kMost) {
@@ -36,7 +36,7 @@ class Lines {
   std::vector<std::string> lines_;
 };
 
-void add_preisach(Lines& lines, const PreisachTable& table) {
+void add_preisach(ForceLines& lines, const PreisachTable& table) {
   lines.choose(ForceLawKind::kPreisach);
   lines.set("force.friction", 0.0, "Nm");  // it is in the table
   lines.set("force.offset", 0.0, "Nm");
@@ -52,7 +52,7 @@ void add_preisach(Lines& lines, const PreisachTable& table) {
 }  // namespace
 
 auto force_lines(const std::string& joint_file, const std::string& name, int axis) -> std::vector<std::string> {
-  Lines lines(axis);
+  ForceLines lines(axis);
   const std::string model = force_model(joint_file, name);
   if (is_of_tendons(model)) {
     const PullPushFit fit = read_pull_push(joint_file, name);

@@ -15,9 +15,9 @@ namespace capstan::tools {
 namespace {
 
 /// Writes one 'set' line per parameter, in the order of the catalogue.
-class Lines {
+class LawLines {
  public:
-  Lines(std::vector<std::string>& lines, const LawParameters<double>& law, int axis)
+  LawLines(std::vector<std::string>& lines, const LawParameters<double>& law, int axis)
       : lines_(lines), law_(law), prefix_("set joint" + std::to_string(axis) + ".") {}
 
   void set(const std::string& group, const std::string& name, double value, const char* unit) {
@@ -81,7 +81,7 @@ auto expected_friction_nm(const JointFile& joint) -> double {
 }
 
 /// All 0 where the file has none: the board then says that nobody knows.
-void write_error_bar(const JointFile& joint, Lines& write) {
+void write_error_bar(const JointFile& joint, LawLines& write) {
   constexpr double kWidestRad = 7.0;  // ends of the parameters
   const bool told = joint.fit && joint.fit->error_bar && joint.fit->error_bar->steady_rad() <= kWidestRad &&
                     joint.fit->error_bar->turning_rad() <= kWidestRad;
@@ -92,7 +92,7 @@ void write_error_bar(const JointFile& joint, Lines& write) {
 }
 
 /// What the board's gauge of pretension begins from; 0 where the file has none, or more than a board's numbers hold.
-void write_pretension(const JointFile& joint, Lines& write) {
+void write_pretension(const JointFile& joint, LawLines& write) {
   constexpr double kMost = 127.0;  // ends of the parameters
   constexpr double kTwoSpreads = 1.96;
   const PretensionNumbers numbers = joint.fit && joint.fit->pretension ? *joint.fit->pretension : PretensionNumbers{};
@@ -116,7 +116,7 @@ void write_pretension(const JointFile& joint, Lines& write) {
 auto model_lines(const JointFile& joint, int axis) -> std::vector<std::string> {
   std::vector<std::string> lines = {"begin"};
   const LawParameters<double> law = motion_parameters(joint);
-  Lines write(lines, law, axis);
+  LawLines write(lines, law, axis);
   for_each_term<double>(write);
   const ConditionerShape<double>& conditioner = joint.parameters.conditioner;
   write.set("conditioner", "direction_threshold", conditioner.direction_threshold_rad, "rad");

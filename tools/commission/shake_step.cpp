@@ -12,21 +12,20 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test;
 // docs/tuning.md reports other seeds.
-constexpr double kFirstShare = 0.03;              // of the continuous torque, and raised until the motor answers
-constexpr double kMostShare = 0.4;                // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
-constexpr double kCounts = 4.0;                   // from end to end: an encoder that counts at all
-constexpr double kUnseenRad = 1.5 * kPi / 180.0;  // to and fro of a motor that nothing holds, until its encoder counts
+constexpr double kFirstShare = 0.03;  // of the continuous torque, and raised until the motor answers
+constexpr double kMostShare = 0.4;    // 0.9 moved a motor of a dead encoder by 8 deg (seed 733)
+constexpr double kCounts = 4.0;       // from end to end: an encoder that counts at all
+// To and fro of a motor that nothing holds, until its encoder counts.
+constexpr double kUnseenRad = 1.5 * std::numbers::pi / 180.0;
 constexpr double kSlowFromHz = 50.0;
 constexpr double kFastFromHz = 80.0;  // of a harder shake, ...
 // On wrists 1150 to 1155, which friction holds and whose tendons are stiff, a motor alone shows up there: inertia 1.41
 // to 1.44 times the true one, for an amplifier's lag passes for some of it.
 constexpr double kFastestFromHz = 120.0;
 constexpr double kFastRad =
-    2.5 * kPi / 180.0;                  // ... in which a motor that nothing holds goes no further to and fro ...
+    2.5 * std::numbers::pi / 180.0;     // ... in which a motor that nothing holds goes no further to and fro ...
 constexpr double kFastWayRad = 0.0125;  // ... and none but this: its counts may be wrong by four
 constexpr double kFastestWayRad = 0.018;
 // ... or so many counts: on RAVEN's elbow, of 4,000, that is 0.9 deg. Elbows 1335 to 1349, which friction holds.
@@ -96,7 +95,7 @@ auto CommissionSteps::inertia_of(const CsvLog& log) const -> std::optional<doubl
   for (const ResponsePoint& point : response.points) {
     if (point.hz < kTellsTo) {
       way += point.motor.value.real() * point.hz * point.hz;
-      inertias.push_back(1.0 / std::abs(point.motor.value) / std::pow(2.0 * kPi * point.hz, 2));
+      inertias.push_back(1.0 / std::abs(point.motor.value) / std::pow(2.0 * std::numbers::pi * point.hz, 2));
       springs.push_back(1.0 / std::abs(point.motor.value));
     }
   }
@@ -115,7 +114,7 @@ auto CommissionSteps::over_data_sheet(double inertia) const -> double {
 }
 
 auto CommissionSteps::unseen_nm() const -> double {
-  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * kPi * kSlowFromHz, 2);
+  return kUnseenRad * options_.inertia_kgm2.value_or(1.0) * std::pow(2.0 * std::numbers::pi * kSlowFromHz, 2);
 }
 
 void CommissionSteps::refuse_scale(double inertia) const {
@@ -165,7 +164,7 @@ auto CommissionSteps::shakes() const -> std::vector<Shake> {
   }
   const auto add = [&](double from_hz, const char* to, double way_rad) {
     const double most_nm =
-        std::min(continuous_nm(), kFastRad * *options_.inertia_kgm2 * std::pow(2.0 * kPi * from_hz, 2));
+        std::min(continuous_nm(), kFastRad * *options_.inertia_kgm2 * std::pow(2.0 * std::numbers::pi * from_hz, 2));
     for (double before_nm = amplitude_nm / kGrowth; before_nm < most_nm; before_nm *= kGrowth) {
       all.push_back({"from=" + rounded(from_hz) + to, std::min(most_nm, kGrowth * before_nm), way_rad, true});
     }

@@ -12,8 +12,7 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
+constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Numbers that decide, chosen in November 2026 on the drawn forceps 720, 721 and 740 to 759 of commission_test, those
 // of `press` on forceps, wrist and finger 911 and 912; docs/tuning.md reports other seeds.
@@ -331,7 +330,7 @@ void CommissionSteps::motor(CommissionSteps& steps) {
   joint.set("observer.inertia", "0");
   joint.arm();
   const double softest = 0.5 * kLouderDither * steps.continuous_nm() /
-                         (steps.all_.progress.inertia_kgm2 * std::pow(2.0 * kPi * kDitherHz, 2));
+                         (steps.all_.progress.inertia_kgm2 * std::pow(2.0 * std::numbers::pi * kDitherHz, 2));
   const bool louder = softest < kFewDitherCounts * joint.count_rad();
   const double reach = std::min(louder ? 0.4 : 0.3, 0.8 * steps.options_.corridor_rad);
   const std::string order = "commission " + joint.name() + " amplitude=" + rounded(reach) + "rad" +

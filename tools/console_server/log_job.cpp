@@ -17,7 +17,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr const char* kLog = "log.csv";
-constexpr const char* kReport = "report";
+constexpr const char* kLogReport = "report";
 constexpr const char* kLaw = "law.toml";
 constexpr const char* kSaid = "said";
 constexpr const char* kLines = "lines";
@@ -31,7 +31,7 @@ auto to_write(const std::string& file) -> FileDescriptor {
 auto LogJob::diagnose(std::string_view log, std::string_view options, Done done) -> bool {
   return start(log,
                {"diagnose", folder_.file(kLog), "--json", folder_.file("diagnosis.json"), "--report",
-                folder_.file(kReport), "-o", folder_.file(kLaw)},
+                folder_.file(kLogReport), "-o", folder_.file(kLaw)},
                options, "--target=", false, std::move(done));
 }
 
@@ -41,7 +41,7 @@ auto LogJob::identify(std::string_view log, std::string_view options, Done done)
 }
 
 auto LogJob::tune(std::string_view log, std::string_view options, Done done) -> bool {
-  return start(log, {"tune", folder_.file(kLog), "--dump", folder_.file(kLog), "--report", folder_.file(kReport)},
+  return start(log, {"tune", folder_.file(kLog), "--dump", folder_.file(kLog), "--report", folder_.file(kLogReport)},
                options, "--bandwidth=", true, std::move(done));
 }
 
@@ -74,7 +74,7 @@ auto LogJob::start(std::string_view log, std::vector<std::string> words, std::st
 }
 
 auto LogJob::report() const -> std::optional<std::string> {
-  return folder_.text(std::filesystem::path(kReport) / "index.html");
+  return folder_.text(std::filesystem::path(kLogReport) / "index.html");
 }
 
 auto LogJob::answer(int status) const -> std::string {

@@ -11,8 +11,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr Eigen::Index kLargestOrder = 8;
-
 auto sign_allows(double value, Sign sign) -> bool {
   return sign == Sign::kAny || (sign == Sign::kNonNegative ? value >= 0.0 : value <= 0.0);
 }
@@ -75,7 +73,7 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
   evidence.noise_from_repeats = p.repeats.has_value();
   const Eigen::VectorXd rest = steadied(p, residual);
   if (!evidence.noise_from_repeats) {
-    evidence.noise = fit_noise(rest, p.split.learned(), kLargestOrder);
+    evidence.noise = fit_noise(rest, p.split.learned(), kLargestNoiseOrder);
     return;
   }
   const Repeats cycles = learned_cycles(p);
@@ -84,7 +82,7 @@ void model_noise(const Preparation& p, const LawResidual& residual, Evidence& ev
     pieces.push_back(cycles.cycle(i));
   }
   // What the encoder hides repeats with the motion, and is noise all the same.
-  evidence.noise = fit_noise(pure_error(rest, cycles) + residual.resolution, pieces, kLargestOrder);
+  evidence.noise = fit_noise(pure_error(rest, cycles) + residual.resolution, pieces, kLargestNoiseOrder);
 }
 
 /// Makes a gram whole of which only what stands on and below the diagonal was worked out, by squares that fit into the

@@ -14,6 +14,9 @@ struct AutoregressiveNoise {
   [[nodiscard]] auto order() const -> Eigen::Index { return coefficients.size(); }
 };
 
+/// The largest order that noise of residuals is asked for.
+inline constexpr Eigen::Index kLargestNoiseOrder = 8;
+
 /// Fits by Burg's method over pieces that do not touch each other; the order up to `largest_order` by BIC.
 auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise;
 

@@ -8,8 +8,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr Eigen::Index kLargestOrder = 8;
-
 /// The model's free columns with what they have to explain behind them, rows stacked; `local` are the blocks' places
 /// there.
 auto gathered(const Eigen::MatrixXd& columns, const Layout& layout, const ColumnModel& model, const Blocks& rows,
@@ -53,10 +51,10 @@ auto fit_profile(const Eigen::MatrixXd& columns, const Layout& layout, const Col
   Profile profile{least_squares(x, model.signs), {}};
   constexpr int kAlternations = 3;
   for (int i = 0; i < kAlternations; ++i) {
-    profile.noise = fit_noise(x.col(n) - x.leftCols(n) * profile.theta, local, kLargestOrder);
+    profile.noise = fit_noise(x.col(n) - x.leftCols(n) * profile.theta, local, kLargestNoiseOrder);
     profile.theta = least_squares(whitened(x, local, profile.noise), model.signs);
   }
-  profile.noise = fit_noise(x.col(n) - x.leftCols(n) * profile.theta, local, kLargestOrder);
+  profile.noise = fit_noise(x.col(n) - x.leftCols(n) * profile.theta, local, kLargestNoiseOrder);
   return profile;
 }
 
@@ -70,7 +68,7 @@ auto log_likelihood(const Eigen::MatrixXd& columns, const Layout& layout, const 
   Eigen::VectorXd result(static_cast<Eigen::Index>(rows.size()));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     // The same rows for every order: likelihoods of different rows can not be compared.
-    const Eigen::Index judged = std::max<Eigen::Index>(0, rows[i].size() - kLargestOrder);
+    const Eigen::Index judged = std::max<Eigen::Index>(0, rows[i].size() - kLargestNoiseOrder);
     const auto count = static_cast<double>(judged);
     const double energy = innovations.segment(local[i].end - judged, judged).squaredNorm();
     result[static_cast<Eigen::Index>(i)] =

@@ -14,14 +14,14 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index kCells = 8;           // of each signal and direction
-constexpr Index kEnoughRows = 40000;  // neighbours say the same
-constexpr Index kFewestVisits = 4;    // a mean of fewer has no spread worth the name
-constexpr double kFalseShare = 0.05;  // of the cells that are found
+constexpr Index kCells = 8;            // of each signal and direction
+constexpr Index kEnoughToMap = 40000;  // neighbours say the same
+constexpr Index kFewestVisits = 4;     // a mean of fewer has no spread worth the name
+constexpr double kFalseShare = 0.05;   // of the cells that are found
 /// Of the motor's range: what turns round within less is taken for noise.
 constexpr double kTurnShare = 0.01;
 
-struct Motion {
+struct MapMotion {
   VectorXd speed, since_reversal;
   std::vector<bool> forward;
 };
@@ -40,7 +40,7 @@ auto logs_in(const VectorXd& time_s) -> std::vector<std::pair<Index, Index>> {
 }
 
 /// Direction and reversals of one log, each put where the motor was farthest.
-void add_motion(const MapSignals& s, Index begin, Index end, double turn, Motion& motion) {
+void add_motion(const MapSignals& s, Index begin, Index end, double turn, MapMotion& motion) {
   Index farthest = begin;
   Index turned = begin;
   bool forward = true;
@@ -66,9 +66,9 @@ void add_motion(const MapSignals& s, Index begin, Index end, double turn, Motion
   }
 }
 
-auto motion_of(const MapSignals& s) -> Motion {
-  Motion motion{VectorXd::Zero(s.q1.size()), VectorXd::Zero(s.q1.size()),
-                std::vector<bool>(static_cast<std::size_t>(s.q1.size()), true)};
+auto motion_of(const MapSignals& s) -> MapMotion {
+  MapMotion motion{VectorXd::Zero(s.q1.size()), VectorXd::Zero(s.q1.size()),
+                   std::vector<bool>(static_cast<std::size_t>(s.q1.size()), true)};
   const double turn = kTurnShare * (s.q1.maxCoeff() - s.q1.minCoeff());
   for (const auto& [begin, end] : logs_in(s.time_s)) {
     add_motion(s, begin, end, turn, motion);
@@ -110,7 +110,7 @@ void judge(const std::vector<Index>& rows, const VectorXd& residual, MapCell& ce
   cell.p_value = error > 0.0 ? p_of_t(cell.mean / error, visits - 1.0) : (cell.mean == 0.0 ? 1.0 : 0.0);
 }
 
-void add_cells(const std::string& name, const VectorXd& signal, const Motion& motion, bool forward,
+void add_cells(const std::string& name, const VectorXd& signal, const MapMotion& motion, bool forward,
                const VectorXd& residual, ResidualMap& map) {
   std::vector<Index> rows;
   for (Index i = 0; i < signal.size(); ++i) {
@@ -178,11 +178,11 @@ auto residual_map(const MapSignals& all, const VectorXd& of_all) -> ResidualMap 
   if (of_all.size() == 0 || all.q1.size() != of_all.size()) {
     return map;
   }
-  const auto some = Eigen::seq(0, of_all.size() - 1, std::max<Index>(1, of_all.size() / kEnoughRows));
+  const auto some = Eigen::seq(0, of_all.size() - 1, std::max<Index>(1, of_all.size() / kEnoughToMap));
   const VectorXd residual = of_all(some);
   const bool loaded = all.load.size() == of_all.size();
   const MapSignals signals{all.time_s(some), all.q1(some), loaded ? VectorXd(all.load(some)) : VectorXd()};
-  const Motion motion = motion_of(signals);
+  const MapMotion motion = motion_of(signals);
   for (const bool forward : {true, false}) {
     add_cells("angle", signals.q1, motion, forward, residual, map);
     add_cells("speed", motion.speed, motion, forward, residual, map);

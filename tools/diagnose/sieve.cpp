@@ -11,8 +11,8 @@
 namespace capstan::tools {
 namespace {
 
-constexpr Eigen::Index kDraws = 299;
-constexpr Eigen::Index kEnoughRows = 2500;
+constexpr Eigen::Index kNullDraws = 299;
+constexpr Eigen::Index kEnoughToSieve = 2500;
 constexpr Eigen::Index kBurnIn = 500;
 
 auto sign_holds(double value, Sign sign) -> bool {
@@ -24,9 +24,9 @@ auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd
   Random random(0x51E7E);
   const Eigen::VectorXd pool = evidence.white_error.array() - evidence.white_error.mean();
   const Eigen::Index order = evidence.noise.order();
-  Eigen::MatrixXd draws(rows, kDraws);
+  Eigen::MatrixXd draws(rows, kNullDraws);
   Eigen::VectorXd series(rows + kBurnIn);
-  for (Eigen::Index draw = 0; draw < kDraws; ++draw) {
+  for (Eigen::Index draw = 0; draw < kNullDraws; ++draw) {
     for (Eigen::Index i = 0; i < series.size(); ++i) {
       const auto at =
           std::min(pool.size() - 1, static_cast<Eigen::Index>(random.uniform() * static_cast<double>(pool.size())));
@@ -119,13 +119,13 @@ class CrossFit {
 
 auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<Half, 2> {
   const Blocks learned = p.split.learned();
-  const Eigen::Index step = std::max<Eigen::Index>(1, rows_in(learned) / kEnoughRows);
+  const Eigen::Index step = std::max<Eigen::Index>(1, rows_in(learned) / kEnoughToSieve);
   const Eigen::MatrixXd draws = noise_draws(evidence, evidence.columns.rows());
   std::array<Half, 2> halves;
   two_at_a_time(2, [&](std::size_t h) {
     const Eigen::MatrixXd x = half_rows(evidence.columns, learned, h, step);
     const Eigen::MatrixXd luck = half_rows(draws, learned, h, step);
-    Eigen::MatrixXd residuals(x.rows(), 1 + kDraws);
+    Eigen::MatrixXd residuals(x.rows(), 1 + kNullDraws);
     residuals << x.col(evidence.layout.error()), luck;
     halves[h].gram.noalias() = x.transpose() * x;
     halves[h].products.noalias() = x.transpose() * residuals;
@@ -138,7 +138,7 @@ auto make_halves(const Preparation& p, const Evidence& evidence) -> std::array<H
 /// draws.
 auto candidate_statistics(const std::array<Half, 2>& halves, const Layout& layout, const Candidate& candidate,
                           const Eigen::VectorXd& law) -> Eigen::VectorXd {
-  Eigen::VectorXd best = Eigen::VectorXd::Zero(1 + kDraws);
+  Eigen::VectorXd best = Eigen::VectorXd::Zero(1 + kNullDraws);
   for (std::size_t v = 0; v < candidate.variants.size(); ++v) {
     ColumnModel model = model_of(layout, candidate, v);
     const bool exact = candidate.acts_on_output && v == 0;
@@ -194,25 +194,25 @@ auto tail_p(const Eigen::VectorXd& draws, double observed) -> double {
 auto sieve(const Preparation& p, const Evidence& evidence) -> SieveResult {
   const std::array<Half, 2> halves = make_halves(p, evidence);
   const CrossFit alone(halves, law_model(evidence.layout).free, {}, -1);
-  Eigen::VectorXd law(1 + kDraws);
+  Eigen::VectorXd law(1 + kNullDraws);
   for (Eigen::Index i = 0; i < law.size(); ++i) {
     law[i] = alone.energy(i);
   }
   // Standardised per candidate: a candidate that luck favours must show more.
-  Eigen::MatrixXd scores(1 + kDraws, static_cast<Eigen::Index>(evidence.candidates.size()));
+  Eigen::MatrixXd scores(1 + kNullDraws, static_cast<Eigen::Index>(evidence.candidates.size()));
   two_at_a_time(evidence.candidates.size(), [&](std::size_t f) {
     const Eigen::VectorXd statistics = candidate_statistics(halves, evidence.layout, evidence.candidates[f], law);
-    const auto draws = statistics.tail(kDraws).array();
+    const auto draws = statistics.tail(kNullDraws).array();
     const double spread = std::sqrt((draws - draws.mean()).square().mean()) + 1e-12;
     scores.col(static_cast<Eigen::Index>(f)) = (statistics.array() - draws.mean()) / spread;
   });
-  const Eigen::VectorXd null_maximum = scores.bottomRows(kDraws).rowwise().maxCoeff();
+  const Eigen::VectorXd null_maximum = scores.bottomRows(kNullDraws).rowwise().maxCoeff();
   SieveResult result;
   for (Eigen::Index f = 0; f < scores.cols(); ++f) {
     result.candidate_p.push_back(tail_p(null_maximum, scores(0, f)));
   }
   const Eigen::VectorXd flexible = flexible_statistics(halves, evidence.layout, law);
-  result.flexible_p = tail_p(flexible.tail(kDraws), flexible[0]);
+  result.flexible_p = tail_p(flexible.tail(kNullDraws), flexible[0]);
   return result;
 }
 

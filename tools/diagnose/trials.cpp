@@ -11,7 +11,7 @@
 namespace capstan::tools {
 namespace {
 
-constexpr int kDraws = 499;
+constexpr int kTrialDraws = 499;
 /// One-sided 5 % point of the normal: the worse of two laws is called worse no sooner.
 constexpr double kVuong = 1.645;
 /// Student's t, over some 40 blocks at a half of kAlpha, of what is explained out of fold.
@@ -34,12 +34,12 @@ auto null_maxima(const Evidence& evidence, const Projected& rows) -> std::vector
   drawn.gram /= evidence.innovation_variance;
   const Eigen::MatrixXd root = square_root(drawn.gram.block(1, 1, variants, variants));
   Random random(0xCA95);
-  Eigen::MatrixXd normals(variants, kDraws);
+  Eigen::MatrixXd normals(variants, kTrialDraws);
   for (double& value : normals.reshaped()) {
     value = random.normal();
   }
   const Eigen::MatrixXd products = root * normals;
-  std::vector<double> largest(kDraws);
+  std::vector<double> largest(kTrialDraws);
   two_at_a_time(2, [&](std::size_t half) {
     Projected own = drawn;
     for (std::size_t draw = half; draw < largest.size(); draw += 2) {

@@ -7,7 +7,7 @@
 namespace capstan::tools {
 namespace {
 
-constexpr Eigen::Index kBlocks = 16;
+constexpr Eigen::Index kBlendBlocks = 16;
 constexpr double kEnough = 0.25;     // half of a weight's 95 % interval; wider, it is not known
 constexpr double kMostWeight = 2.0;  // that a board takes
 constexpr double kLeastTolerance = 1e-4;
@@ -82,7 +82,7 @@ auto unseen_sentence(const BothLaws& both, const Blocks& blocks) -> std::string 
 auto fit_blend(const std::vector<ForceLog>& logs) -> PullPushFit {
   PullPushFit fit = fit_pull_push(logs);
   const BothLaws both = run_both(logs, fit);
-  const Blocks blocks = even_blocks(both.log_rows, kBlocks);
+  const Blocks blocks = even_blocks(both.log_rows, kBlendBlocks);
   const LinearFit weights = weigh(both, blocks);
   fit.kind = ForceLawKind::kBlend;
   fit.law.pull_weight = weights.theta[0];

@@ -52,7 +52,7 @@ auto second_difference(const Eigen::VectorXd& signal, double period_s) -> Eigen:
   return result;
 }
 
-auto angles_of(const Samples& samples) -> Eigen::VectorXd {
+auto motor_angles(const Samples& samples) -> Eigen::VectorXd {
   Eigen::VectorXd angle(static_cast<Eigen::Index>(samples.size()));
   std::transform(samples.begin(), samples.end(), angle.begin(), [](const auto& sample) { return sample.q1; });
   return angle;
@@ -60,7 +60,7 @@ auto angles_of(const Samples& samples) -> Eigen::VectorXd {
 
 void set_acceleration(double period_s, Samples& samples) {
   constexpr double kKilo = 1e-3;
-  const Eigen::VectorXd acceleration = second_difference(angles_of(samples), period_s);
+  const Eigen::VectorXd acceleration = second_difference(motor_angles(samples), period_s);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].ddq1 = kKilo * acceleration[static_cast<Eigen::Index>(i)];
   }
@@ -138,7 +138,7 @@ auto given_motion(const AxisLog& log, const ConditionerShape<double>& conditione
 
 auto motion_seen_again(const AxisLog& log, const NoncausalSamples& seen, const AngleNoise& noise) -> Samples {
   Samples samples = seen.samples;
-  Eigen::VectorXd angle = angles_of(samples) + seen.hidden_rad;
+  Eigen::VectorXd angle = motor_angles(samples) + seen.hidden_rad;
   if (noise.step_rad <= 0.0) {
     Random random(0xA1E);
     const double level = fast_noise_level(log.q1_rad);

@@ -16,12 +16,12 @@ namespace {
 
 using Eigen::Index;
 
-constexpr Index kEnoughRows = 8000;
-constexpr Index kBlocks = 24;
+constexpr Index kEnoughForZeros = 8000;
+constexpr Index kZeroBlocks = 24;
 /// Half widths of gaps, of the least of the logs' ranges: each is crossed in every log.
 constexpr std::array<double, 8> kGaps = {0.002, 0.005, 0.011, 0.025, 0.055, 0.12, 0.25, 0.4};
 
-struct Rows {
+struct ZeroRows {
   std::vector<Index> log_rows;
   Eigen::VectorXd q1;
   Blocks blocks;  ///< in which every log has settled
@@ -32,20 +32,21 @@ auto thin(const Eigen::VectorXd& signal, Index step) -> Eigen::VectorXd {
 }
 
 /// Every `step`-th row of all logs, one below the other.
-auto thinned_rows(const std::vector<AxisLog>& logs, Index step) -> Rows {
-  Rows rows;
+auto thinned_rows(const std::vector<AxisLog>& logs, Index step) -> ZeroRows {
+  ZeroRows rows;
   for (const auto& log : logs) {
     const Eigen::VectorXd here = thin(log.q1_rad, step);
     rows.log_rows.push_back(here.size());
     rows.q1.conservativeResize(rows.q1.size() + here.size());
     rows.q1.tail(here.size()) = here;
   }
-  rows.blocks = even_parts(settled_rows(rows.q1, pieces_of(rows.log_rows)), kBlocks);
+  rows.blocks = even_parts(settled_rows(rows.q1, pieces_of(rows.log_rows)), kZeroBlocks);
   return rows;
 }
 
 /// Least squares of a target on a constant for each log and the columns behind them.
-auto zeros_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const Rows& rows) -> std::vector<LogZero> {
+auto zeros_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, const ZeroRows& rows)
+    -> std::vector<LogZero> {
   const LinearFit fit = fit_columns(columns, target, rows.blocks,
                                     std::vector<Sign>(static_cast<std::size_t>(columns.cols()), Sign::kAny));
   std::vector<LogZero> zeros(1);
@@ -59,7 +60,7 @@ auto zeros_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, con
 }
 
 /// A constant for each log, and room for more columns.
-auto with_constants(const Rows& rows, Index more) -> Eigen::MatrixXd {
+auto with_constants(const ZeroRows& rows, Index more) -> Eigen::MatrixXd {
   const Index logs = std::ssize(rows.log_rows);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows.q1.size(), logs + more);
   const Blocks pieces = pieces_of(rows.log_rows);
@@ -120,8 +121,8 @@ auto take_off(const std::vector<LogZero>& zeros, const std::vector<std::size_t>&
 }  // namespace
 
 auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
-  const Index step = std::max<Index>(1, total_samples(logs) / kEnoughRows);
-  const Rows rows = thinned_rows(logs, step);
+  const Index step = std::max<Index>(1, total_samples(logs) / kEnoughForZeros);
+  const ZeroRows rows = thinned_rows(logs, step);
   const double middle = rows.q1.mean();
   const double range = least_range(logs);
   const bool is_curved = share_angles(logs);
@@ -152,7 +153,7 @@ auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
 }
 
 auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& residual) -> std::vector<LogZero> {
-  const Rows rows = thinned_rows(logs, 1);
+  const ZeroRows rows = thinned_rows(logs, 1);
   return zeros_by(with_constants(rows, 0), residual, rows);
 }
 

@@ -41,17 +41,17 @@ auto averaged(const ForceLog& log) -> ForceLog {
 }
 
 /// One sample as the tension state sees it.
-struct Seen {
+struct SeenRow {
   ForcePhase phase;
   bool forward, known;
   double joint_torque;
   double q2;
 };
 
-auto see(const ForceLog& log, const TensionStateParameters<double>& parameters) -> std::vector<Seen> {
+auto see(const ForceLog& log, const TensionStateParameters<double>& parameters) -> std::vector<SeenRow> {
   TensionState<double> state(parameters);
   SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
-  std::vector<Seen> seen;
+  std::vector<SeenRow> seen;
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const bool forward = conditioner.update(log.q1_rad[i], log.tau_nm[i]).forward;
     const auto estimate = state.update(log.q1_rad[i], log.tau_nm[i], forward);
@@ -72,7 +72,7 @@ struct Pressed {
   const Eigen::VectorXd& time_s;
   const Eigen::VectorXd& torque;
   const Eigen::VectorXd& angle;
-  const std::vector<Seen>& seen;
+  const std::vector<SeenRow>& seen;
   std::function<Meaning(ForcePhase, bool forward, double slope)> meaning;
 };
 
@@ -84,7 +84,7 @@ auto pair_of(const TensionStateParameters<double>& p, bool forward) -> TendonPai
 }
 
 /// One joint: the motor's angle over its torque, (3.22).
-auto one_joint(const ForceLog& log, const std::vector<Seen>& seen, const TensionStateParameters<double>& parameters)
+auto one_joint(const ForceLog& log, const std::vector<SeenRow>& seen, const TensionStateParameters<double>& parameters)
     -> Pressed {
   return {log.time_s, log.tau_nm, log.q1_rad, seen, [&parameters](ForcePhase phase, bool forward, double slope) {
             const TendonPair pair = pair_of(parameters, forward);
@@ -104,7 +104,7 @@ struct Stroke {
 };
 
 /// The motor moves as the stroke does and the joint's torque is large enough to be contact.
-auto counts(const Seen& s, ForcePhase phase, const Stroke& stroke, double least_torque) -> bool {
+auto counts(const SeenRow& s, ForcePhase phase, const Stroke& stroke, double least_torque) -> bool {
   return s.known && s.phase == phase && s.forward == stroke.forward() &&
          (stroke.forward_side ? s.joint_torque : -s.joint_torque) > least_torque;
 }
@@ -269,7 +269,7 @@ auto stiffness_of(const Pressed& log, const std::vector<SiteSpan>& sites, double
 /// it equally, and its length is the difference of their angles, as in (3.27).
 class Grip {
  public:
-  Grip(const std::vector<Seen>& first, const std::vector<Seen>& second, const std::string& name)
+  Grip(const std::vector<SeenRow>& first, const std::vector<SeenRow>& second, const std::string& name)
       : torque_(static_cast<Eigen::Index>(first.size())), opening_(torque_.size()) {
     double together = 0.0;
     double all = 0.0;
@@ -287,8 +287,8 @@ class Grip {
     const double sign = together < 0.0 ? -1.0 : 1.0;  // of the second joint's angles, for the first one's torque
     SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
     for (std::size_t i = 0; i < first.size(); ++i) {
-      const Seen& a = first[i];
-      const Seen& b = second[i];
+      const SeenRow& a = first[i];
+      const SeenRow& b = second[i];
       const auto row = static_cast<Eigen::Index>(i);
       torque_[row] = 0.5 * (a.joint_torque + sign * b.joint_torque);
       opening_[row] = a.q2 + sign * b.q2;
@@ -314,15 +314,15 @@ class Grip {
   static constexpr double kMostlyAgree = 0.8;
   /// Of the torque, what both jaws' may differ by: more than friction of the joints and errors of the laws make of it.
   static constexpr double kMostApart = 0.3;
-  static auto slides(const Seen& s) -> bool {
+  static auto slides(const SeenRow& s) -> bool {
     return s.phase == ForcePhase::kBothActive || s.phase == ForcePhase::kOneSlack;
   }
 
   /// A jaw that the other one drives back does the contrary, and what its tendons pass on is then not known.
-  static auto presses(const Seen& s) -> bool { return s.forward == (s.joint_torque > 0.0); }
+  static auto presses(const SeenRow& s) -> bool { return s.forward == (s.joint_torque > 0.0); }
 
   Eigen::VectorXd torque_, opening_;
-  std::vector<Seen> seen_;
+  std::vector<SeenRow> seen_;
 };
 
 }  // namespace

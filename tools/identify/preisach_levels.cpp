@@ -20,7 +20,7 @@ auto held_out(Eigen::Index row) -> bool {
 }
 
 /// The table fitted to the rows that take part, and no others.
-auto fitted(const Levels& levels, ForceRows rows) -> PreisachTable {
+auto fitted_table(const Levels& levels, ForceRows rows) -> PreisachTable {
   Relays relays = relays_of(levels, rows);
   const Eigen::Index n = relays.columns.cols();
   std::vector<Eigen::Index> kept;
@@ -80,7 +80,7 @@ auto inputs_of(const PreisachTable& table) -> Levels {
 }  // namespace
 
 auto chosen_levels(const ForceRows& rows, std::size_t count) -> ChosenLevels {
-  PreisachTable table = fitted(levels_over(rows, kMostPreisachLevels), rows);
+  PreisachTable table = fitted_table(levels_over(rows, kMostPreisachLevels), rows);
   while (table.levels > count) {
     PreisachTable best = table;
     double least = std::numeric_limits<double>::infinity();
@@ -94,8 +94,8 @@ auto chosen_levels(const ForceRows& rows, std::size_t count) -> ChosenLevels {
     table = best;
   }
   const Levels even = levels_over(rows, count);
-  ChosenLevels chosen{inputs_of(table), error_of(fitted(even, rows), rows), 0.0};
-  chosen.adaptive_rmse_nm = error_of(fitted(chosen.levels, rows), rows);
+  ChosenLevels chosen{inputs_of(table), error_of(fitted_table(even, rows), rows), 0.0};
+  chosen.adaptive_rmse_nm = error_of(fitted_table(chosen.levels, rows), rows);
   if (!(chosen.adaptive_rmse_nm < kWorthIt * chosen.even_rmse_nm)) {
     chosen.levels = even;
   }

@@ -6,7 +6,7 @@
 namespace capstan::tools {
 namespace {
 
-using Law = Preisach<double, kMostPreisachLevels>;
+using PreisachLaw = Preisach<double, kMostPreisachLevels>;
 
 auto grid_of(const Levels& levels) -> PreisachTable {
   PreisachTable table;
@@ -90,7 +90,7 @@ auto relay_columns(const Levels& levels, const Eigen::VectorXd& tau_nm) -> Eigen
   Eigen::MatrixXd columns(tau_nm.size(), cells_of(levels.size()) + 1);
   columns.col(0).setOnes();
   for_each_cell(grid_of(levels), [&](Eigen::Index column, const PreisachTable& table) {
-    Law relays(table);
+    PreisachLaw relays(table);
     for (Eigen::Index i = 0; i < tau_nm.size(); ++i) {
       columns(i, column) = relays.update(tau_nm[i]).force;
     }
@@ -105,7 +105,7 @@ auto relays_of(const Levels& levels, const ForceRows& rows) -> Relays {
   for (const Eigen::Index count : rows.log_rows) {
     const Eigen::VectorXd in = rows.in.segment(at, count);
     result.columns.middleRows(at, count) = relay_columns(levels, in);
-    Law any(any_cell);
+    PreisachLaw any(any_cell);
     for (const double input : in) {
       result.known.push_back(any.update(input).known);
     }

@@ -18,7 +18,7 @@ constexpr std::array kUnits = {"1", "1", "Nm", "1", "Nm", "Nm"};
 using Theta = Eigen::Matrix<double, kUnknowns, 1>;
 
 /// Rows of all strokes, one below the other, both torques counted positive where the motor pulls.
-struct Rows {
+struct StrokeRows {
   Eigen::VectorXd in, out, q1;
   std::vector<double> sign;
   Blocks strokes;
@@ -46,7 +46,7 @@ auto turning_points(const Eigen::VectorXd& q1, double threshold) -> std::vector<
 }
 
 /// One way of the motor in one log, and the part of it that is fitted.
-struct Stroke {
+struct PullStroke {
   std::size_t log;
   Eigen::Index first, begin, end;
   double sign;
@@ -55,11 +55,11 @@ struct Stroke {
 /// At first the part of each stroke where the output goes with the motor: from a tenth of its peak on, so that both
 /// tendons surely move in their whole length (or one is slack), to shortly before the turn, where friction begins to
 /// change sign.
-auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<Stroke> {
+auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<PullStroke> {
   constexpr double kFrom = 0.1;
   constexpr double kBeforeTurn = 0.04;
   constexpr Eigen::Index kFewest = 50;
-  std::vector<Stroke> strokes;
+  std::vector<PullStroke> strokes;
   for (std::size_t number = 0; number < logs.size(); ++number) {
     const auto& log = logs[number];
     const double peak = log.tau_out_nm.cwiseAbs().maxCoeff();
@@ -83,8 +83,8 @@ auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<Stroke> {
   return strokes;
 }
 
-auto rows_of(const std::vector<ForceLog>& logs, const std::vector<Stroke>& strokes) -> Rows {
-  Rows rows;
+auto rows_of(const std::vector<ForceLog>& logs, const std::vector<PullStroke>& strokes) -> StrokeRows {
+  StrokeRows rows;
   for (const auto& stroke : strokes) {
     const auto before = static_cast<Eigen::Index>(rows.sign.size());
     const Eigen::Index length = stroke.end - stroke.begin;
@@ -109,11 +109,11 @@ auto line_of(const Theta& theta, double s) -> TransmissionLine<double> {
   return {theta[forward ? kEtaTop : kEtaBottom], theta[forward ? kEtaBottom : kEtaTop], theta[kPretension],
           theta[kRatio]};
 }
-auto tendon_torque(const Theta& theta, const Rows& rows, Eigen::Index i) -> double {
+auto tendon_torque(const Theta& theta, const StrokeRows& rows, Eigen::Index i) -> double {
   return rows.in[i] - theta[kFriction] - rows.sign[static_cast<std::size_t>(i)] * theta[kOffset];
 }
 
-auto simulate_rows(const Theta& theta, const Rows& rows) -> Eigen::VectorXd {
+auto simulate_rows(const Theta& theta, const StrokeRows& rows) -> Eigen::VectorXd {
   const auto forward = line_of(theta, 1.0);
   const auto backward = line_of(theta, -1.0);
   Eigen::VectorXd out(rows.in.size());
@@ -124,7 +124,7 @@ auto simulate_rows(const Theta& theta, const Rows& rows) -> Eigen::VectorXd {
   return out;
 }
 
-auto sensitivities(const Theta& theta, const Rows& rows) -> Eigen::MatrixXd {
+auto sensitivities(const Theta& theta, const StrokeRows& rows) -> Eigen::MatrixXd {
   Eigen::MatrixXd columns(rows.in.size(), Eigen::Index{kUnknowns});
   for (Eigen::Index k = 0; k < kUnknowns; ++k) {
     const double step = 1e-5 * std::max(std::abs(theta[k]), 0.01);
@@ -141,7 +141,7 @@ auto sensitivities(const Theta& theta, const Rows& rows) -> Eigen::MatrixXd {
 struct Slopes {
   double low = 0.9, high = 0.3;
 };
-auto end_slopes(const Rows& rows, double s) -> Slopes {
+auto end_slopes(const StrokeRows& rows, double s) -> Slopes {
   std::array<double, 2> sxy{}, sxx{};
   for (const auto& stroke : rows.strokes) {
     if (rows.sign[static_cast<std::size_t>(stroke.begin)] != s) {
@@ -161,7 +161,7 @@ auto end_slopes(const Rows& rows, double s) -> Slopes {
   return {slope(0, 0.9), slope(1, 0.3)};
 }
 
-auto start_of(const Rows& rows) -> Theta {
+auto start_of(const StrokeRows& rows) -> Theta {
   const Slopes up = end_slopes(rows, 1.0);
   const Slopes down = end_slopes(rows, -1.0);
   const double ratio = std::clamp(0.5 * (up.low + down.low), 0.05, 4.0);
@@ -185,7 +185,7 @@ auto at_limit(const Theta& theta, Eigen::Index i) -> bool {
 /// What the law leaves of the output.
 class LineResidual final : public NonlinearResidual {
  public:
-  explicit LineResidual(const Rows& rows) : rows_(rows) {}
+  explicit LineResidual(const StrokeRows& rows) : rows_(rows) {}
   auto at(const Eigen::VectorXd& parameters) -> Eigen::VectorXd override {
     theta_ = parameters;
     return rows_.out - simulate_rows(theta_, rows_);
@@ -193,12 +193,12 @@ class LineResidual final : public NonlinearResidual {
   auto jacobian() -> Eigen::MatrixXd override { return -sensitivities(theta_, rows_); }
 
  private:
-  const Rows& rows_;
+  const StrokeRows& rows_;
   Theta theta_;
 };
 
 /// The law that fits best near a start; `fit` gets the covariance.
-auto solve_rows(const Rows& rows, const Theta& start, LinearFit& fit) -> Theta {
+auto solve_rows(const StrokeRows& rows, const Theta& start, LinearFit& fit) -> Theta {
   LineResidual residual(rows);
   const Theta theta = least_squares_within({kLeast, kMost}, start, residual).parameters;
   fit = fit_columns(sensitivities(theta, rows), rows.out - simulate_rows(theta, rows), rows.strokes,
@@ -208,7 +208,7 @@ auto solve_rows(const Rows& rows, const Theta& start, LinearFit& fit) -> Theta {
 
 /// Extends each stroke backward as far as the law holds: what comes before is phase II, where the pushed tendon does
 /// not move in its whole length yet. Returns whether any grew.
-auto grow(const std::vector<ForceLog>& logs, const Theta& theta, std::vector<Stroke>& strokes) -> bool {
+auto grow(const std::vector<ForceLog>& logs, const Theta& theta, std::vector<PullStroke>& strokes) -> bool {
   constexpr double kHolds = 0.01;  // of the largest torque: several times the slope error that is left after a round
   bool grew = false;
   for (auto& stroke : strokes) {
@@ -233,7 +233,7 @@ auto grow(const std::vector<ForceLog>& logs, const Theta& theta, std::vector<Str
 }
 
 /// r1^2 Kn of the tendon pulled in direction s, from the slope dq1 / dtau while the other one is slack, (2.26).
-auto stiffness(const Theta& theta, const LinearFit& fit, const Rows& rows, double s, const char* name)
+auto stiffness(const Theta& theta, const LinearFit& fit, const StrokeRows& rows, double s, const char* name)
     -> std::optional<ForceParameter> {
   constexpr Eigen::Index kFewest = 50;
   const auto line = line_of(theta, s);
@@ -291,7 +291,7 @@ void judge_run(const std::vector<ForceLog>& logs, PullPushFit& result) {
 
 auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit {
   auto strokes = pulling_strokes(logs);
-  Rows rows = rows_of(logs, strokes);
+  StrokeRows rows = rows_of(logs, strokes);
   const auto has = [&](double s) { return std::find(rows.sign.begin(), rows.sign.end(), s) != rows.sign.end(); };
   if (rows.strokes.size() < 2 || !has(1.0) || !has(-1.0)) {
     throw Refusal("the logs do not pull in both directions with the joint torque following; record slow triangles of " +

@@ -63,19 +63,19 @@ auto starts(const Thinned& data, const LawForm& form, double free_share) -> std:
 /// What a law leaves, and the law.
 using Fitted = std::pair<double, LawForm>;
 
-auto fitted(const Thinned& data, LawForm law) -> Fitted {
+auto fitted_law(const Thinned& data, LawForm law) -> Fitted {
   const double left = fit_law(data.design, data.target, data.rows, law).rmse;
   return {left, std::move(law)};
 }
 auto refined(const Thinned& data, LawForm law) -> Fitted {
-  return fitted(data, refine_shapes(data.design, data.target, data.rows, std::move(law)));
+  return fitted_law(data, refine_shapes(data.design, data.target, data.rows, std::move(law)));
 }
 
 /// A law whose tendons were seen at many places, to run with the few of the board: with the same numbers, which say
 /// what the tendons are made of, unless numbers of its own serve it much better.
 auto as_it_runs(const Thinned& data, const Catalogue& own, LawForm law) -> LawForm {
   law.catalogue = &own;
-  Fitted same = fitted(data, std::move(law));
+  Fitted same = fitted_law(data, std::move(law));
   Fitted better = refined(data, same.second);
   return better.first < kWorthOwnPlaces * same.first ? std::move(better.second) : std::move(same.second);
 }
@@ -113,7 +113,7 @@ auto fit_tendon(const LawDesign& design, const Eigen::VectorXd& target, const Bl
     const auto by_error = [](const auto& a, const auto& b) { return a.first < b.first; };
     std::vector<Fitted> tried;
     for (auto& start : starts(few, fine, free_share)) {
-      tried.push_back(fitted(few, std::move(start)));
+      tried.push_back(fitted_law(few, std::move(start)));
     }
     std::sort(tried.begin(), tried.end(), by_error);
     tried.resize(std::min(kFollowed, tried.size()));

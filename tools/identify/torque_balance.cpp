@@ -16,10 +16,10 @@ namespace {
 
 constexpr auto kParts = static_cast<Eigen::Index>(TorqueParts::kCount);
 /// Of the parts, in their order.
-enum Column : Eigen::Index { kSense, kOne, kRate, kSpeedup, kSine, kCosine };
+enum BalanceColumn : Eigen::Index { kSense, kOne, kRate, kSpeedup, kSine, kCosine };
 
 /// Means over stretches in which the motor goes one way and is through the loop.
-struct Rows {
+struct BalanceRows {
   Eigen::MatrixXd columns;
   Eigen::VectorXd torque;
   Eigen::VectorXd angle;          ///< of the motor, rad
@@ -35,7 +35,7 @@ constexpr Eigen::Index kRowSize = kParts + 6;
 using Row = std::array<double, kRowSize>;
 
 /// Rates and accelerations of a log, rad/s and rad/s2.
-struct Motion {
+struct SmoothMotion {
   Eigen::VectorXd rate, speedup, joint_speedup, torque_alike;
 };
 
@@ -69,7 +69,7 @@ auto speedup_noise(const AxisLog& log, Eigen::Index reach) -> double {
   return squares * std::pow(white_noise_level(log.q2_rad), 2);
 }
 
-auto mean_row(const AxisLog& log, const Sample<double>& last, const Motion& motion, RowRange rows, double through,
+auto mean_row(const AxisLog& log, const Sample<double>& last, const SmoothMotion& motion, RowRange rows, double through,
               double time_s) -> Row {
   const auto mean = [&](const Eigen::VectorXd& signal) { return signal.segment(rows.begin, rows.size()).mean(); };
   const double s = last.forward ? 1.0 : -1.0;
@@ -108,8 +108,8 @@ void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from,
   const Eigen::Index reach = reach_of(log);
   const auto slope = [&](const Eigen::VectorXd& signal) { return local_slope(signal, reach, log.period_s); };
   const Eigen::VectorXd rate = slope(log.q1_rad);
-  const Motion motion{rate, slope(rate), slope(slope(ahead_by(from.late_s / log.period_s, log.q2_rad))),
-                      behind_slope(behind_slope(log.tau_nm, reach), reach)};
+  const SmoothMotion motion{rate, slope(rate), slope(slope(ahead_by(from.late_s / log.period_s, log.q2_rad))),
+                            behind_slope(behind_slope(log.tau_nm, reach), reach)};
   const double slowest = kResting * rms(rate);
   for (Eigen::Index begin = 0; begin + reach <= log.samples(); begin += reach) {
     bool slides = true;
@@ -126,7 +126,7 @@ void add_log(const AxisLog& log, const Samples& samples, const TorqueLogs& from,
   }
 }
 
-auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
+auto rows_of(const TorqueLogs& from) -> std::optional<BalanceRows> {
   constexpr std::size_t kFewest = 200;  // 4 s of sliding
   std::vector<Row> all;
   double noise = 0.0;
@@ -147,8 +147,9 @@ auto rows_of(const TorqueLogs& from) -> std::optional<Rows> {
   const auto count = static_cast<Eigen::Index>(all.size());
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
   const Matrix table = Eigen::Map<const Matrix>(all.front().data(), count, kRowSize);
-  return Rows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1), table.col(kParts + 2),
-              table.col(kParts + 3),  table.col(kParts + 4), table.col(kParts + 5), noise / static_cast<double>(count)};
+  return BalanceRows{
+      table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1), table.col(kParts + 2),
+      table.col(kParts + 3),  table.col(kParts + 4), table.col(kParts + 5), noise / static_cast<double>(count)};
 }
 
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
@@ -172,7 +173,7 @@ void judge(TorqueCause cause, const Eigen::MatrixXd& columns, const Eigen::Vecto
 /// Of the change's energy, by a mass. What shakes the joint from outside goes with the joint's acceleration, too, so
 /// the motor's has to explain the change as well. It does not where a mass swings on its tendons after each turn of the
 /// motor: then it has to say as large a mass, for certain, and a swing comes and goes where a tremor keeps its pitch.
-auto share_of_mass(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike,
+auto share_of_mass(const BalanceRows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike,
                    const TorqueChange& all) -> double {
   const double by_joint = all.share_of(TorqueCause::kMass);
   const LinearFit motor = fitted(with_offset(rows.columns.col(kSpeedup)), change);
@@ -189,7 +190,7 @@ auto share_of_mass(const Rows& rows, const Eigen::VectorXd& change, const Eigen:
 constexpr double kLoaded = 5.0;
 
 /// Rows that are far enough.
-auto loaded_rows(const Rows& rows, double half_width) -> std::vector<Eigen::Index> {
+auto loaded_rows(const BalanceRows& rows, double half_width) -> std::vector<Eigen::Index> {
   std::vector<Eigen::Index> far;
   for (Eigen::Index i = 0; i < rows.way.size(); ++i) {
     if (rows.way[i] > kLoaded * half_width) {
@@ -212,7 +213,7 @@ void take_load(TorqueCause cause, const LoadRows& of, double friction, TorqueCha
 
 /// A mass by the joint's own acceleration, whose noise makes every mass too small by its share of the acceleration's
 /// square.
-void size_mass(const Rows& rows, const std::vector<Eigen::Index>& far, const Eigen::VectorXd& alike, double beta,
+void size_mass(const BalanceRows& rows, const std::vector<Eigen::Index>& far, const Eigen::VectorXd& alike, double beta,
                double friction, TorqueChange& all) {
   constexpr double kMostNoise = 0.5;
   const Eigen::VectorXd speedup = rows.joint_speedup(far);
@@ -224,7 +225,7 @@ void size_mass(const Rows& rows, const std::vector<Eigen::Index>& far, const Eig
 }
 
 /// Friction that is not there yet at first: f s (1 - 2 fade), fade from one to nothing over the way until it slides.
-auto bristle(const Rows& rows, double way) -> Eigen::VectorXd {
+auto bristle(const BalanceRows& rows, double way) -> Eigen::VectorXd {
   const Eigen::ArrayXd fade = (1.0 - rows.way.array() / way).max(0.0).min(1.0);
   return rows.columns.col(kSense).array() * (1.0 - 2.0 * fade);
 }
@@ -233,7 +234,7 @@ auto bristle(const Rows& rows, double way) -> Eigen::VectorXd {
 /// within 1.4
 /// %; where a tendon goes slack under it the motor feels more, 23 and 27 % on 702 and 704. Twice what all rows say
 /// otherwise holds all five (November 2026).
-void size_bristle(const Rows& rows, const Eigen::VectorXd& change, TorqueChange& all) {
+void size_bristle(const BalanceRows& rows, const Eigen::VectorXd& change, TorqueChange& all) {
   const auto at = static_cast<std::size_t>(TorqueCause::kBristle);
   std::vector<Eigen::Index> slid;
   for (Eigen::Index i = 0; i < rows.way.size(); ++i) {
@@ -253,8 +254,8 @@ void size_bristle(const Rows& rows, const Eigen::VectorXd& change, TorqueChange&
 
 /// Of the causes that may be it: loads, as the tendons carry them.
 /// @param alike  the change, through what the joint's acceleration went through
-void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike, const TorqueLogs& now,
-                double friction, TorqueChange& all) {
+void take_sizes(const BalanceRows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike,
+                const TorqueLogs& now, double friction, TorqueChange& all) {
   constexpr double kMayBeIt = 0.3;
   const auto may_be = [&](TorqueCause cause) { return all.share[static_cast<std::size_t>(cause)] > kMayBeIt; };
   const Eigen::VectorXd sense = rows.columns.col(kSense);
@@ -273,7 +274,7 @@ void take_sizes(const Rows& rows, const Eigen::VectorXd& change, const Eigen::Ve
 }
 
 /// Beyond the healthy joint's.
-auto change_of(const Rows& rows, const TorqueParts& healthy) -> Eigen::VectorXd {
+auto change_of(const BalanceRows& rows, const TorqueParts& healthy) -> Eigen::VectorXd {
   return rows.torque - rows.columns * Eigen::Map<const Eigen::VectorXd>(healthy.values.data(), kParts);
 }
 

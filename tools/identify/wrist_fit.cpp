@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMostFollow = 10.0;
 constexpr Eigen::Index kOwn = 4;  // unknowns of a joint: beta, offset, and the pair of its tendons
-enum Own : Eigen::Index { kBeta, kOffset, kTop, kBottom };
+enum Own : Eigen::Index { kOwnBeta, kOwnOffset, kOwnTop, kOwnBottom };
 
 /// A joint's rows, divided by what its own law leaves, so that joints count by how well they can be known.
 struct JointRows {
@@ -53,8 +53,8 @@ auto tied_columns(const Wrist& wrist, const Eigen::VectorXd& follow) -> Eigen::M
     columns.block(row, kOwn * static_cast<Eigen::Index>(i), count, kOwn) = wrist[i].own;
     if (i > 0) {
       const double k = follow[static_cast<Eigen::Index>(i) - 1];
-      columns.block(row, kBeta, count, 1) += k * wrist[i].pitch.col(0);
-      columns.block(row, kTop, count, 2) += k * wrist[i].pitch.rightCols(2);
+      columns.block(row, kOwnBeta, count, 1) += k * wrist[i].pitch.col(0);
+      columns.block(row, kOwnTop, count, 2) += k * wrist[i].pitch.rightCols(2);
     }
     row += count;
   }
@@ -98,7 +98,7 @@ class Left final : public SteppedResidual {
 
 /// The pitch's part in the jaws' rows, a column per jaw: how the law moves with K.
 auto follow_columns(const Wrist& wrist, const Eigen::VectorXd& theta, Eigen::Index rows) -> Eigen::MatrixXd {
-  const Eigen::Vector3d pitch(theta[kBeta], theta[kTop], theta[kBottom]);
+  const Eigen::Vector3d pitch(theta[kOwnBeta], theta[kOwnTop], theta[kOwnBottom]);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(wrist.size()) - 1);
   Eigen::Index row = wrist.front().own.rows();
   for (std::size_t i = 1; i < wrist.size(); ++i) {
@@ -135,9 +135,10 @@ void put(JointFile& joint, std::size_t at, double value, const Eigen::VectorXd& 
 
 auto transmission_of(const Eigen::VectorXd& theta, const Eigen::VectorXd& follow) -> WristTransmission<double> {
   const auto pair = [&](Eigen::Index i) {
-    return ElongationPair<double>{theta[kOwn * i + kTop], theta[kOwn * i + kBottom]};
+    return ElongationPair<double>{theta[kOwn * i + kOwnTop], theta[kOwn * i + kOwnBottom]};
   };
-  return {theta[kBeta], theta[kOwn + kBeta], theta[2 * kOwn + kBeta], follow[0], follow[1], pair(0), pair(1), pair(2)};
+  return {theta[kOwnBeta], theta[kOwn + kOwnBeta], theta[2 * kOwn + kOwnBeta], follow[0], follow[1], pair(0), pair(1),
+          pair(2)};
 }
 
 void put_row(std::size_t i, const CouplingMatrices<double, kWristAxes>& m, const Eigen::VectorXd& follow,
@@ -145,19 +146,19 @@ void put_row(std::size_t i, const CouplingMatrices<double, kWristAxes>& m, const
   const auto first = kOwn * static_cast<Eigen::Index>(i);
   const auto unit = [&](Eigen::Index at) -> Eigen::VectorXd { return Eigen::VectorXd::Unit(fit.theta.size(), at); };
   const auto at = [](const char* term) { return catalogue_term(term).first_coefficient; };
-  put(joint, at("motor_angle"), m.rigid[i][i], unit(first + kBeta), fit);
-  put(joint, at("joint_offset"), fit.theta[first + kOffset], unit(first + kOffset), fit);
-  put(joint, at("tendon_elongation"), m.elongation_top[i][i], unit(first + kTop), fit);
-  put(joint, at("tendon_elongation") + 1, m.elongation_bottom[i][i], unit(first + kBottom), fit);
+  put(joint, at("motor_angle"), m.rigid[i][i], unit(first + kOwnBeta), fit);
+  put(joint, at("joint_offset"), fit.theta[first + kOwnOffset], unit(first + kOwnOffset), fit);
+  put(joint, at("tendon_elongation"), m.elongation_top[i][i], unit(first + kOwnTop), fit);
+  put(joint, at("tendon_elongation") + 1, m.elongation_bottom[i][i], unit(first + kOwnBottom), fit);
   if (i == 0) {
     return;
   }
   const double k = follow[static_cast<Eigen::Index>(i) - 1];
   const Eigen::VectorXd by_k = unit(kOwn * static_cast<Eigen::Index>(kWristAxes) + static_cast<Eigen::Index>(i) - 1);
   const std::size_t coupling = at("axis_coupling");
-  put(joint, coupling, m.rigid[i][0], k * unit(kBeta) + fit.theta[kBeta] * by_k, fit);
-  put(joint, coupling + 1, m.elongation_top[i][0], k * unit(kTop) + fit.theta[kTop] * by_k, fit);
-  put(joint, coupling + 2, m.elongation_bottom[i][0], k * unit(kBottom) + fit.theta[kBottom] * by_k, fit);
+  put(joint, coupling, m.rigid[i][0], k * unit(kOwnBeta) + fit.theta[kOwnBeta] * by_k, fit);
+  put(joint, coupling + 1, m.elongation_top[i][0], k * unit(kOwnTop) + fit.theta[kOwnTop] * by_k, fit);
+  put(joint, coupling + 2, m.elongation_bottom[i][0], k * unit(kOwnBottom) + fit.theta[kOwnBottom] * by_k, fit);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ constexpr double kStuckBeside = 3.0;   // times the longest travel at the other 
 constexpr Index kFewestStuck = 8;      // rows
 
 constexpr double kNearZero = 0.03;      // of the largest value
-constexpr Index kFewestTurns = 4;       // at zero
+constexpr Index kFewestSharpTurns = 4;  // at zero
 constexpr double kEdge = 0.01;          // of the largest value: the smallest
 constexpr double kFewestAtEdge = 12.0;  // rows near zero
 constexpr double kEvenDensity = 0.25;   // of neighbouring bands
@@ -97,7 +97,7 @@ auto turns_sharply(const Eigen::VectorXd& x, double top) -> bool {
     const double rise = (x[i + kReach] - x[i]) / kReach;
     sharp += fall > 0.3 * speed && rise > 0.3 * speed && fall < 4.0 * rise && rise < 4.0 * fall ? 1 : 0;
   }
-  return turns >= kFewestTurns && static_cast<double>(sharp) >= kSharpTurns * static_cast<double>(turns);
+  return turns >= kFewestSharpTurns && static_cast<double>(sharp) >= kSharpTurns * static_cast<double>(turns);
 }
 
 }  // namespace

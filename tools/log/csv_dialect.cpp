@@ -14,7 +14,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr char kRemark = '#';
 /// Lines looked at to tell the separator and the header. A preamble may have as many.
 constexpr std::size_t kSampleLines = 60;
 

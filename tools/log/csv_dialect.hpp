@@ -7,6 +7,9 @@
 
 namespace capstan::tools {
 
+/// Begins a line that is no row.
+inline constexpr char kRemark = '#';
+
 /// Between the cells of a line.
 enum class Separator { kTab, kSemicolon, kComma, kWideBlanks, kBlanks };
 

@@ -29,7 +29,6 @@ auto cell_of(std::string_view line, std::size_t index) -> std::string_view {
 }
 
 /// Lines that begin so are a board's remarks between the rows, and are skipped.
-constexpr char kRemark = '#';
 
 auto cells_in(std::string_view line) -> std::size_t {
   return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;

@@ -16,13 +16,13 @@ using Eigen::Index;
 /// A jump is so many times what all but one in two hundred changes are at most, and its neighbours: a motor speeds up
 /// by less from one row to the next. Set before a log was looked at.
 constexpr double kTimesUsual = 8.0;
-constexpr double kUsual = 0.995;
+constexpr double kUsualMoves = 0.995;
 /// Rows are lost where the clock goes by so many periods.
 constexpr double kLost = 1.5;
 /// More are how the motion or its channel is, as steps are, or an angle that starts anew.
 constexpr std::size_t kMostRecordings = 8;
 /// A recording has so many rows, and moves by this share of what the farthest going one does.
-constexpr Index kFewestRows = 100;
+constexpr Index kFewestRowsOfOne = 100;
 constexpr double kLeastMotion = 0.3;
 
 /// What a motor goes from one row to the next, where it goes.
@@ -43,7 +43,7 @@ auto beginnings(const AxisLog& log) -> std::vector<Index> {
   if (moving.size() == 0) {
     return first;
   }
-  const double usual = quantile(moving, kUsual);
+  const double usual = quantile(moving, kUsualMoves);
   for (Index i = 1; i + 1 < change.size(); ++i) {
     if (may_begin(i) && change[i] > kTimesUsual * std::max({usual, change[i - 1], change[i + 1]})) {
       first.push_back(i + 1);
@@ -63,7 +63,7 @@ auto recordings_in(AxisLog log) -> std::vector<AxisLog> {
   std::vector<std::string> when;
   for (std::size_t i = 0; i < first.size(); ++i) {
     const Index end = i + 1 < first.size() ? first[i + 1] : log.samples();
-    if (end - first[i] < kFewestRows) {
+    if (end - first[i] < kFewestRowsOfOne) {
       return {std::move(log)};
     }
     recordings.push_back(rows_from(first_rows(log, end), first[i]));

@@ -28,7 +28,7 @@ auto shape(const JointFile& joint, const std::string& term, std::size_t number) 
   return joint.has(term) ? joint.parameters.shapes[joint.catalogue->term(term).first_shape + number] : 0.0;
 }
 
-auto escaped(const std::string& name) -> std::string {
+auto xml_text(const std::string& name) -> std::string {
   std::string text;
   for (const char c : name) {
     text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
@@ -38,7 +38,7 @@ auto escaped(const std::string& name) -> std::string {
 
 /// ` name="value"`.
 auto attribute(const std::string& name, const std::string& value) -> std::string {
-  return " " + name + "=\"" + escaped(value) + "\"";
+  return " " + name + "=\"" + xml_text(value) + "\"";
 }
 auto attribute(const std::string& name, double value) -> std::string {
   return attribute(name, rounded(value, 9));

@@ -11,8 +11,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr std::int32_t kFirmwareRateHz = 1000;
-
 auto effort_log(const CsvLog& csv, int axis, const EffortLaw& law) -> AxisLog {
   const auto slash = law.target.find('/');
   const std::string quantity = slash == std::string::npos ? law.target : law.target.substr(slash + 1);

@@ -10,8 +10,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr std::int32_t kFirmwareRateHz = 1000;
-
 template <typename Scalar, typename ToScalar, typename ToDouble>
 auto run(const AxisLog& log, MotionLaw<Scalar> law, ToScalar&& to_scalar, ToDouble&& to_double) -> Replayed {
   Replayed result{Eigen::VectorXd(log.samples()), Eigen::VectorXd(log.samples()), 0};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,9 @@
 #include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
+
+/// Of the firmware's cycle: its laws in fixed point exist at this rate only.
+inline constexpr std::int32_t kFirmwareRateHz = 1000;
 
 enum class Arithmetic { kFixed, kDouble };
 

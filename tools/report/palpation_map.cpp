@@ -9,7 +9,7 @@ namespace capstan::tools {
 namespace {
 
 constexpr const char* kPlain = "#1d4ed8";
-constexpr const char* kStiff = "#c2410c";
+constexpr const char* kStiffColour = "#c2410c";
 constexpr const char* kLimit = "#444";
 
 auto line(const std::string& label, const std::string& colour, const std::vector<std::pair<double, double>>& path)
@@ -82,7 +82,7 @@ auto palpation_map(const std::vector<MapRow>& rows) -> Plot {
     bool& named = stands_out ? stiff_named : plain_named;
     const std::string label = named ? "" : stands_out ? "stiffer than the rest" : "site";
     named = true;
-    plot.series.push_back(bar(at, *rows[i].stiffness.combined, label, stands_out ? kStiff : kPlain));
+    plot.series.push_back(bar(at, *rows[i].stiffness.combined, label, stands_out ? kStiffColour : kPlain));
   }
   if (!values.empty()) {
     const double limit = kStiffFactor * median(Eigen::Map<const Eigen::VectorXd>(

@@ -16,8 +16,8 @@ constexpr double kWidth = 760.0;
 constexpr double kHeight = 340.0;
 constexpr double kLeft = 74.0;
 constexpr double kRight = 16.0;
-constexpr double kTop = 34.0;
-constexpr double kBottom = 48.0;
+constexpr double kTopMargin = 34.0;
+constexpr double kBottomMargin = 48.0;
 constexpr Eigen::Index kMostPoints = 4000;
 
 /// One axis: data range on a stretch of pixels.
@@ -28,7 +28,7 @@ struct Scale {
   }
 };
 
-auto number(double value) -> std::string {
+auto coordinate(double value) -> std::string {
   char text[32];
   std::snprintf(text, sizeof(text), "%.1f", value);
   return text;
@@ -96,29 +96,29 @@ auto drawn_rows(const Series& series, const Scale& x) -> std::vector<Eigen::Inde
 }
 
 auto line(double x1, double y1, double x2, double y2, const char* colour) -> std::string {
-  return "<line x1=\"" + number(x1) + "\" y1=\"" + number(y1) + "\" x2=\"" + number(x2) + "\" y2=\"" + number(y2) +
-         "\" stroke=\"" + colour + "\"/>\n";
+  return "<line x1=\"" + coordinate(x1) + "\" y1=\"" + coordinate(y1) + "\" x2=\"" + coordinate(x2) + "\" y2=\"" +
+         coordinate(y2) + "\" stroke=\"" + colour + "\"/>\n";
 }
 
 auto label(double x, double y, const char* anchor, const std::string& text, const std::string& extra = "")
     -> std::string {
-  return "<text x=\"" + number(x) + "\" y=\"" + number(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" +
+  return "<text x=\"" + coordinate(x) + "\" y=\"" + coordinate(y) + "\" text-anchor=\"" + anchor + "\"" + extra + ">" +
          escaped(text) + "</text>\n";
 }
 
 auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
   std::string svg;
   for (const double tick : ticks_of(x.low, x.high, 8)) {
-    svg += line(x.at(tick), kTop, x.at(tick), kHeight - kBottom, "#ddd");
-    svg += label(x.at(tick), kHeight - kBottom + 16.0, "middle", rounded(tick, 6));
+    svg += line(x.at(tick), kTopMargin, x.at(tick), kHeight - kBottomMargin, "#ddd");
+    svg += label(x.at(tick), kHeight - kBottomMargin + 16.0, "middle", rounded(tick, 6));
   }
   for (const double tick : ticks_of(y.low, y.high, 6)) {
     svg += line(kLeft, y.at(tick), kWidth - kRight, y.at(tick), tick == 0.0 ? "#888" : "#ddd");
     svg += label(kLeft - 6.0, y.at(tick) + 4.0, "end", rounded(tick, 6));
   }
   svg += label((kLeft + kWidth - kRight) / 2.0, kHeight - 10.0, "middle", plot.x_label);
-  const double middle = (kTop + kHeight - kBottom) / 2.0;
-  svg += label(16.0, middle, "middle", plot.y_label, " transform=\"rotate(-90 16 " + number(middle) + ")\"");
+  const double middle = (kTopMargin + kHeight - kBottomMargin) / 2.0;
+  svg += label(16.0, middle, "middle", plot.y_label, " transform=\"rotate(-90 16 " + coordinate(middle) + ")\"");
   svg += label(kLeft, 20.0, "start", plot.title, " font-weight=\"bold\"");
   return svg;
 }
@@ -126,7 +126,7 @@ auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
 auto trace(const Series& series, const Scale& x, const Scale& y) -> std::string {
   std::string points;
   for (const Eigen::Index row : drawn_rows(series, x)) {
-    points += number(x.at(series.x[row])) + "," + number(y.at(series.y[row])) + " ";
+    points += coordinate(x.at(series.x[row])) + "," + coordinate(y.at(series.y[row])) + " ";
   }
   return "<polyline fill=\"none\" stroke=\"" + series.colour + "\" stroke-width=\"1.2\" points=\"" + points + "\"/>\n";
 }
@@ -161,9 +161,9 @@ auto svg_of(const Plot& plot) -> std::string {
   const auto [x_low, x_high] = x_range(plot);
   const auto [y_low, y_high] = plot.y_range ? *plot.y_range : common_range({plot});
   const Scale x{x_low, x_high, kLeft, kWidth - kRight};
-  const Scale y{y_low, y_high, kHeight - kBottom, kTop};
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(kWidth) + " " +
-                    number(kHeight) + "\" width=\"" + number(kWidth) + "\" height=\"" + number(kHeight) +
+  const Scale y{y_low, y_high, kHeight - kBottomMargin, kTopMargin};
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + coordinate(kWidth) + " " +
+                    coordinate(kHeight) + "\" width=\"" + coordinate(kWidth) + "\" height=\"" + coordinate(kHeight) +
                     "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"" + escaped(plot.title) +
                     "\">\n";
   svg += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";

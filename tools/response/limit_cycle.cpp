@@ -10,7 +10,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMostFactor = 100.0;
 
 // Rms rate of the shake over the rate of the way, chosen in November 2026 on the forceps 640 to 644 of
@@ -33,7 +32,8 @@ auto swings_of(const Response& response, const LoopGains& gains) -> std::vector<
     const Complex inverse = 1.0 / all.motor[i];
     const Complex control = loop[i].value / all.motor[i];
     const double factor = -inverse.real() / control.real();
-    swings.push_back({loop[i].hz, factor, -(inverse + factor * control).imag() / (2.0 * kPi * loop[i].hz)});
+    swings.push_back(
+        {loop[i].hz, factor, -(inverse + factor * control).imag() / (2.0 * std::numbers::pi * loop[i].hz)});
   }
   return swings;
 }
@@ -73,7 +73,7 @@ auto turned_about(const Response& response) -> std::string {
 }
 
 auto swing_rad(const LimitCycle& cycle, double speed_rad_s) -> double {
-  return speed_rad_s / (2.0 * kPi * cycle.hz);
+  return speed_rad_s / (2.0 * std::numbers::pi * cycle.hz);
 }
 
 auto sentence_of(const LimitCycle& cycle, double speed_rad_s) -> std::string {

@@ -14,12 +14,10 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kBetween = 8;  // points from line to line
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
-constexpr double kLeastCoherence = 0.8;
 constexpr double kMostCircle = 0.5;  // radius over value; above, the phase is anybody's guess
 constexpr std::size_t kLeastLines = 5;
 constexpr double kLowGain = 1.0 / 3.0;
@@ -53,7 +51,7 @@ auto sense_of(const Dense& all) -> double {
 }
 
 auto law_of(const LoopGains& gains, double hz) -> Law {
-  const Complex back = std::polar(1.0, -2.0 * kPi * hz * kCycleS);
+  const Complex back = std::polar(1.0, -2.0 * std::numbers::pi * hz * kCycleS);
   const double gain = SamplePeriod<double>(kCycleS).filter_gain(gains.rate_time_constant_s);
   const Complex rate = (1.0 - back) / kCycleS;
   return {.servo = gains.stiffness + gains.damping * rate * gain / (1.0 - (1.0 - gain) * back),
@@ -170,8 +168,8 @@ auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle) -> Margins
       margins.crossover_hz = loop[i].hz;
       const double share = std::log(1.0 / std::abs(before)) / std::log(size / std::abs(before));
       const Complex at = between(before, now, share);
-      const double off = std::asin(std::min(1.0, radius)) * 180.0 / kPi;
-      const double phase = std::fabs(std::arg(-at)) * 180.0 / kPi - off;  // from -1, either way round
+      const double off = std::asin(std::min(1.0, radius)) * 180.0 / std::numbers::pi;
+      const double phase = std::fabs(std::arg(-at)) * 180.0 / std::numbers::pi - off;  // from -1, either way round
       if (phase < margins.phase_deg) {
         margins.phase_deg = phase;
         margins.phase_hz = loop[i].hz;
@@ -206,7 +204,7 @@ auto as_stable_as(const std::vector<LoopPoint>& loop, const std::vector<LoopPoin
     before = now;
   }
   // From its value at the first line to that at the last, without a turn round zero.
-  return std::fabs(first + turned) < kPi;
+  return std::fabs(first + turned) < std::numbers::pi;
 }
 
 }  // namespace capstan::tools

@@ -8,6 +8,9 @@ namespace capstan::tools {
 /// Period of the control that is tuned: a torque is held for so long.
 inline constexpr double kCycleS = 1e-3;
 
+/// The mean square of what is within a circle of 95 %, of its radius's square; less where it is of few windows.
+inline constexpr double kNoiseShare = 1.0 / 3.0;
+
 /// What control makes of an angle at one frequency.
 struct Law {
   Complex servo;  // Nm per rad of the motor

@@ -11,8 +11,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33, those
 // of the joint on robot fingers 910 to 915, that of its drag on RAVEN's elbows 1150 to 1154.
 constexpr double kResonanceDb = 6.0;  // above the model of motor and delay
@@ -42,7 +40,7 @@ struct Shape {
 
 /// m's factor in the dynamic stiffness: what binds the joint to the motor, in series with its inertia and drag.
 auto joint_part(double w, const Joint& joint) -> Complex {
-  const double own = 2.0 * kPi * joint.hz;
+  const double own = 2.0 * std::numbers::pi * joint.hz;
   const Complex bound(own * own, 2.0 * joint.damping * own * w);
   const Complex moved(-w * w, 2.0 * joint.drag * own * w);
   return bound * moved / (bound + moved);
@@ -51,7 +49,7 @@ auto joint_part(double w, const Joint& joint) -> Complex {
 /// The board holds its torque for a cycle, and a step of that length has so much of a sine; its half a cycle of delay
 /// is in the delay.
 auto held(double hz, double hold_s) -> double {
-  const double half = kPi * hz * hold_s;
+  const double half = std::numbers::pi * hz * hold_s;
   return half > 0.0 ? std::sin(half) / half : 1.0;
 }
 
@@ -68,7 +66,7 @@ class LeastSquares {
     Eigen::VectorXd one = Eigen::VectorXd::Zero(2 * rows);
     for (Eigen::Index i = 0; i < rows; ++i) {
       const ResponsePoint& point = points_[static_cast<std::size_t>(i)];
-      const double w = 2.0 * kPi * point.hz;
+      const double w = 2.0 * std::numbers::pi * point.hz;
       const Complex turned = point.motor.value * std::polar(1.0, w * shape.delay_s) * Complex(1.0, w * shape.lag_s) /
                              held(point.hz, hold_s_);
       const double weight = 1.0 / (kModelShare + point.motor.radius95 / std::abs(point.motor.value));
@@ -214,7 +212,7 @@ class OverCircles final : public SteppedResidual {
   static constexpr double kTimeS = 1e-3;
 
   [[nodiscard]] auto at_moved(const Eigen::VectorXd& moved) const -> MotorModel {
-    const double rate = 2.0 * kPi * kMeasureHz;
+    const double rate = 2.0 * std::numbers::pi * kMeasureHz;
     MotorModel model = from_;
     model.inertia_kgm2 *= std::exp(moved[kInertia]);
     model.viscous_nms += from_.inertia_kgm2 * rate * moved[kViscous];
@@ -250,7 +248,7 @@ class OverCircles final : public SteppedResidual {
 }  // namespace
 
 auto MotorModel::at(double hz) const -> Complex {
-  const double w = 2.0 * kPi * hz;
+  const double w = 2.0 * std::numbers::pi * hz;
   const Complex joint =
       joint_inertia_kgm2 > 0.0 ? joint_inertia_kgm2 * joint_part(w, {joint_hz, joint_damping, joint_drag}) : Complex{};
   return std::polar(held(hz, hold_s), -w * delay_s) / Complex(1.0, w * lag_s) /

@@ -11,7 +11,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr int kPeriod = kMultisinePeriodMs;
 constexpr Eigen::Index kRampMs = 256;  // the board's, at either end
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
@@ -86,29 +85,31 @@ auto point_of(double hz, const std::vector<Spectra>& all, bool on_torque) -> Res
 auto spectrum_at(const Eigen::VectorXd& x, Eigen::Index from, const Eigen::VectorXd& weights,
                  const std::vector<int>& phases, const std::vector<Complex>& table, std::size_t harmonic) -> Complex {
   Complex sum{};
-  for (Eigen::Index i = 0; i < kPeriod; ++i) {
+  for (Eigen::Index i = 0; i < kMultisinePeriodMs; ++i) {
     const std::size_t place = harmonic * static_cast<std::size_t>(phases[static_cast<std::size_t>(from + i)]);
-    sum += weights[i] * x[from + i] * table[place % kPeriod];
+    sum += weights[i] * x[from + i] * table[place % kMultisinePeriodMs];
   }
-  return sum * (2.0 / kPeriod);
+  return sum * (2.0 / kMultisinePeriodMs);
 }
 
 /// What a turn leaves dies away slowly, so it differs at both ends of a window, and that leaks into all lines as 1 / f:
 /// of a RAVEN elbow, twice what was shaken at 15 Hz. Under von Hann's window it leaks as 1 / f3, and a line mixes with
 /// its two neighbours alone, which are even and empty.
 auto von_hann() -> Eigen::VectorXd {
-  return 1.0 - (Eigen::ArrayXd::LinSpaced(kPeriod, 0, kPeriod - 1) * (kTwoPi / kPeriod)).cos();
+  return 1.0 -
+         (Eigen::ArrayXd::LinSpaced(kMultisinePeriodMs, 0, kMultisinePeriodMs - 1) * (kTwoPi / kMultisinePeriodMs))
+             .cos();
 }
 
 /// Windows of one period each, in which the joint goes one way or stands.
 class Periods {
  public:
   explicit Periods(const ResponseLog& log, bool on_torque) : log_(log) {
-    for (int i = 0; i < kPeriod; ++i) {
-      table_.push_back(std::polar(1.0, -kTwoPi * i / kPeriod));
+    for (int i = 0; i < kMultisinePeriodMs; ++i) {
+      table_.push_back(std::polar(1.0, -kTwoPi * i / kMultisinePeriodMs));
     }
     for (Eigen::Index i = 0; i < log.time_s.size(); ++i) {
-      phases_.push_back(static_cast<int>(std::llround((log.time_s[i] - log.time_s[0]) * 1e3) % kPeriod));
+      phases_.push_back(static_cast<int>(std::llround((log.time_s[i] - log.time_s[0]) * 1e3) % kMultisinePeriodMs));
     }
     step_ms_ = static_cast<int>(std::llround((log.time_s[1] - log.time_s[0]) * 1e3));
     find(on_torque);
@@ -143,9 +144,9 @@ class Periods {
     double sum = 0.0;
     int count = 0;
     for (const Eigen::Index from : starts_) {
-      const double way = log_.q1_rad[from + kPeriod - 1] - log_.q1_rad[from];
+      const double way = log_.q1_rad[from + kMultisinePeriodMs - 1] - log_.q1_rad[from];
       if ((way > 0.0) == forward) {
-        sum += log_.torque_nm.segment(from, kPeriod).mean();
+        sum += log_.torque_nm.segment(from, kMultisinePeriodMs).mean();
         ++count;
       }
     }
@@ -155,8 +156,8 @@ class Periods {
   [[nodiscard]] auto mean_speed() const -> double {
     double sum = 0.0;
     for (const Eigen::Index from : starts_) {
-      sum += std::fabs(log_.q1_rad[from + kPeriod - 1] - log_.q1_rad[from]) /
-             (log_.time_s[from + kPeriod - 1] - log_.time_s[from]);
+      sum += std::fabs(log_.q1_rad[from + kMultisinePeriodMs - 1] - log_.q1_rad[from]) /
+             (log_.time_s[from + kMultisinePeriodMs - 1] - log_.time_s[from]);
     }
     return sum / static_cast<double>(starts_.size());
   }
@@ -166,17 +167,17 @@ class Periods {
   void find_slopes(const std::vector<std::size_t>& lines, const std::array<const Eigen::VectorXd*, kSignals>& signals) {
     std::vector<std::array<double, kSignals>> slopes(starts_.size());
     for (std::size_t w = 0; w < starts_.size(); ++w) {
-      Eigen::VectorXd rest = ramp_.segment(starts_[w], kPeriod);
+      Eigen::VectorXd rest = ramp_.segment(starts_[w], kMultisinePeriodMs);
       rest.array() -= rest.mean();
       for (const std::size_t line : lines) {
         const Complex own = spectrum_at(ramp_, starts_[w], flat_, phases_, table_, line);
-        for (Eigen::Index i = 0; i < kPeriod; ++i) {
+        for (Eigen::Index i = 0; i < kMultisinePeriodMs; ++i) {
           const std::size_t place = line * static_cast<std::size_t>(phases_[static_cast<std::size_t>(starts_[w] + i)]);
-          rest[i] -= (own * std::conj(table_[place % kPeriod])).real();
+          rest[i] -= (own * std::conj(table_[place % kMultisinePeriodMs])).real();
         }
       }
       for (std::size_t s = 0; s < kSignals; ++s) {
-        slopes[w][s] = rest.dot(signals[s]->segment(starts_[w], kPeriod)) / rest.squaredNorm();
+        slopes[w][s] = rest.dot(signals[s]->segment(starts_[w], kMultisinePeriodMs)) / rest.squaredNorm();
       }
     }
     slopes_ = std::move(slopes);
@@ -185,7 +186,7 @@ class Periods {
  private:
   /// As many as there is room for, as late as can be: what a turn left has died away most then.
   void fill(Eigen::Index from, Eigen::Index end) {
-    for (Eigen::Index start = end - kPeriod; start >= from; start -= kPeriod) {
+    for (Eigen::Index start = end - kMultisinePeriodMs; start >= from; start -= kMultisinePeriodMs) {
       starts_.push_back(start);
     }
   }
@@ -194,7 +195,7 @@ class Periods {
     const Eigen::VectorXd& reference = log_.reference_rad;
     ramp_ = log_.time_s.array() - log_.time_s[0];
     const Eigen::Index rows = reference.size();
-    Eigen::Index from = static_cast<Eigen::Index>(kPeriod);  // the first period settles
+    Eigen::Index from = static_cast<Eigen::Index>(kMultisinePeriodMs);  // the first period settles
     for (Eigen::Index i = 2; i < rows; ++i) {
       const double turn = (reference[i] - 2.0 * reference[i - 1] + reference[i - 2]) * 1e3 / step_ms_;
       if (on_torque && std::fabs(turn) > kTurnRadS) {
@@ -212,7 +213,7 @@ class Periods {
   std::vector<Eigen::Index> starts_;
   std::vector<std::array<double, kSignals>> slopes_;
   Eigen::VectorXd ramp_;
-  const Eigen::VectorXd flat_ = Eigen::VectorXd::Ones(kPeriod), von_hann_ = von_hann();
+  const Eigen::VectorXd flat_ = Eigen::VectorXd::Ones(kMultisinePeriodMs), von_hann_ = von_hann();
   int step_ms_ = 1;
   bool travels_ = false;
 };
@@ -270,14 +271,14 @@ auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
   double power = 0.0;
   for (const std::size_t line : lines) {
     const double way = std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
-    power += 0.5 * way * std::pow(kTwoPi * 1e3 * static_cast<double>(line) / kPeriod, 2);
+    power += 0.5 * way * std::pow(kTwoPi * 1e3 * static_cast<double>(line) / kMultisinePeriodMs, 2);
   }
   return std::sqrt(power);
 }
 
 auto lines_of(const Periods& periods, const std::array<const Eigen::VectorXd*, kSignals>& signals)
     -> std::vector<std::size_t> {
-  std::vector<double> power(kPeriod / 2);
+  std::vector<double> power(kMultisinePeriodMs / 2);
   for (std::size_t h = 1; h < power.size(); ++h) {
     power[h] = periods.shaken_power(h, *signals[kShaken]);
   }
@@ -311,8 +312,8 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     response.motor_shake_rad_s = shake_rate(periods, lines, signals);
   }
   for (const std::size_t line : lines) {
-    response.points.push_back(
-        point_of(1e3 * static_cast<double>(line) / kPeriod, periods.at(line, signals, true), response.on_torque));
+    response.points.push_back(point_of(1e3 * static_cast<double>(line) / kMultisinePeriodMs,
+                                       periods.at(line, signals, true), response.on_torque));
   }
   response.distortion = distortion_of(periods, lines, signals);
   return response;

@@ -10,11 +10,8 @@
 namespace capstan::tools {
 namespace {
 
-constexpr int kPeriod = kMultisinePeriodMs;
-
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
-constexpr double kLeastCoherence = 0.8;
 constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
 constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
 
@@ -40,9 +37,9 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
                      .reference_rad = log.column(prefix + "q2_ref_rad"),
                      .excitation_nm = log.column(prefix + "tau_exc_Nm")};
   const Eigen::Index rows = result.time_s.size();
-  if (rows < 4 * kPeriod) {
+  if (rows < 4 * kMultisinePeriodMs) {
     throw BadInput(log.name() + ": has " + std::to_string(rows) + " rows, and a response takes " +
-                   std::to_string(4 * kPeriod) + "; shake for longer");
+                   std::to_string(4 * kMultisinePeriodMs) + "; shake for longer");
   }
   const double step = result.time_s[1] - result.time_s[0];
   for (Eigen::Index i = 1; i < rows; ++i) {
@@ -57,12 +54,12 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
 
 auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
   // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
-  const Eigen::Index first = kPeriod / 2;
-  if (shaken.size() < first + 2 * kPeriod) {
+  const Eigen::Index first = kMultisinePeriodMs / 2;
+  if (shaken.size() < first + 2 * kMultisinePeriodMs) {
     return false;
   }
-  const Eigen::VectorXd now = shaken.segment(first, kPeriod);
-  const Eigen::VectorXd later = shaken.segment(first + kPeriod, kPeriod);
+  const Eigen::VectorXd now = shaken.segment(first, kMultisinePeriodMs);
+  const Eigen::VectorXd later = shaken.segment(first + kMultisinePeriodMs, kMultisinePeriodMs);
   return (now - later).norm() < 0.01 * now.norm();
 }
 

@@ -12,8 +12,6 @@
 namespace capstan::tools {
 namespace {
 
-// The mean square of what is within a circle of 95 %, of its radius's square; less where it is of few windows.
-constexpr double kNoiseShare = 1.0 / 3.0;
 constexpr double kLeastNoise = 1e-6;  // relative power: no line is known to better than a thousandth
 // What may be, all as likely before a line is looked at: how far the model is wrong (rms, relative), over how many
 // octaves that changes, and what differs from line to line beyond noise (rms, relative).

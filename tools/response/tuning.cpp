@@ -15,19 +15,17 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDegreesPerTurn = 360.0;
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
-constexpr double kServoReserveDeg = 6.0;   // that the joint loop may take of the servo's phase margin
-constexpr double kEncoderShare = 0.02;     // rms torque of the encoder's steps, of the continuous torque
-constexpr double kAboveFirst = 1.5;        // crossover over the first clear line: below it, the loop is not known
-constexpr double kAboveAsked = 1.15;       // crossover over the one that was asked for
-constexpr double kCascade = 0.1;           // joint loop over servo: a cascade's usual distance, and little to hunt with
-constexpr double kMostMismatch = 0.1;      // of measured loop and gains; 0.01 to 0.03 where they belong together
-constexpr double kNoiseShare = 1.0 / 3.0;  // mean square of what is within a circle of 95 %, of its radius's square
-constexpr double kStepUp = 1.12;           // how much more gain is tried to see what limits
+constexpr double kServoReserveDeg = 6.0;  // that the joint loop may take of the servo's phase margin
+constexpr double kEncoderShare = 0.02;    // rms torque of the encoder's steps, of the continuous torque
+constexpr double kAboveFirst = 1.5;       // crossover over the first clear line: below it, the loop is not known
+constexpr double kAboveAsked = 1.15;      // crossover over the one that was asked for
+constexpr double kCascade = 0.1;          // joint loop over servo: a cascade's usual distance, and little to hunt with
+constexpr double kMostMismatch = 0.1;     // of measured loop and gains; 0.01 to 0.03 where they belong together
+constexpr double kStepUp = 1.12;          // how much more gain is tried to see what limits
 // Filters of the servo's rate that are tried beside the present one, s: what one takes of the phase, the encoder's
 // steps pay, and those have a limit of their own. A cycle is 1 ms, so a fifth of it is hardly a filter any more.
 constexpr std::array<double, 3> kRateTimes = {1e-3, 5e-4, 2e-4};
@@ -45,7 +43,7 @@ auto encoder_torque(const LoopGains& gains) -> double {
   for (int i = 1; i <= kPoints; ++i) {
     power += std::norm(law_of(gains, 0.5 / kCycleS * i / kPoints).servo) / kPoints;
   }
-  return 2.0 * kPi / gains.counts_per_turn / std::sqrt(12.0) * std::sqrt(power);
+  return 2.0 * std::numbers::pi / gains.counts_per_turn / std::sqrt(12.0) * std::sqrt(power);
 }
 auto too_coarse(const LoopGains& gains) -> bool {
   return encoder_torque(gains) > kEncoderShare * gains.continuous_nm;
@@ -120,7 +118,7 @@ auto joint_bandwidth(const Dense& all, const LoopGains& gains) -> double {
 /// The joint loop's integral as fast as the margins and a tenth of the servo's crossover allow; kp as it was, or less.
 auto tune_joint(const Dense& all, const std::vector<LoopPoint>& known, const Found& servo, const LoopGains& present,
                 const Wanted& wanted) -> std::optional<Found> {
-  const double most = std::min(kMostKi, 2.0 * kPi * kCascade * servo.margins.crossover_hz);
+  const double most = std::min(kMostKi, 2.0 * std::numbers::pi * kCascade * servo.margins.crossover_hz);
   for (const double part : {1.0, 0.5, 0.25, 0.0}) {
     for (double ki = most; ki > 0.1; ki *= 0.9) {
       LoopGains gains = servo.gains;
@@ -156,7 +154,7 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
   more.stiffness *= kStepUp;
   more.damping *= kStepUp;
   if (too_coarse(more)) {
-    return "encoder: its steps of " + rounded(2e3 * kPi / more.counts_per_turn, 2) +
+    return "encoder: its steps of " + rounded(2e3 * std::numbers::pi / more.counts_per_turn, 2) +
            " mrad would shake the torque by more than 2 % of the continuous one; a finer encoder allows more";
   }
   const Margins margins = margins_of(loop_of(all, more));

@@ -9,18 +9,18 @@ namespace {
 // A law of one surface per tendon is identified to a few per cent (docs/thesis.md); 5 % is beyond that.
 constexpr double kSurfaceErrs = 0.05;
 
-struct Shapes {
+struct LoadShapes {
   RunShape top, bottom;
 };
-auto shapes_of(const BeltDrive& drive, double s) -> Shapes {
+auto shapes_of(const BeltDrive& drive, double s) -> LoadShapes {
   return {exact_shape(drive.top, s), exact_shape(drive.bottom, -s)};
 }
 
 auto state_of(const Routing& routing) -> RoutingState {
   const BeltDrive drive = routing.drive();
   const double driving = routing.load_nm < 0.0 ? -1.0 : 1.0;
-  const Shapes on = shapes_of(drive, driving);
-  const Shapes back = shapes_of(drive, -driving);
+  const LoadShapes on = shapes_of(drive, driving);
+  const LoadShapes back = shapes_of(drive, -driving);
   const double torque_on = torque_in_for(drive, on.top, on.bottom, routing.load_nm);
   const double torque_back = torque_in_for(drive, back.top, back.bottom, routing.load_nm);
   const BeltState moving = solve_belt(drive, on.top, on.bottom, torque_on);

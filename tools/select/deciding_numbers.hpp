@@ -112,6 +112,7 @@ struct EffortNumbers {
   double largest_share = 3.0;
   std::size_t most_parts = 16;
 };
+inline constexpr EffortNumbers kEffortNumbers;
 
 /// `nothing_missing` takes a law that leaves less than this many floors on rows set aside; 1.2 is the contract's.
 inline constexpr double kAboveFloor = 1.2;

@@ -58,7 +58,7 @@ void add_places(std::vector<CatalogueTerm>& terms) {
 }
 
 /// Newtons and metres.
-void make_linear(std::vector<CatalogueTerm>& terms) {
+void make_linear_effort(std::vector<CatalogueTerm>& terms) {
   static const std::map<std::string, const char*> kLinear = {{"rad", "m"},      {"rad/s", "m/s"},    {"Nm", "N"},
                                                              {"Nm/rad", "N/m"}, {"Nms/rad", "Ns/m"}, {"Nm/K", "N/K"},
                                                              {"kgm2", "kg"}};
@@ -92,7 +92,7 @@ auto grown_efforts(AxisKind axis) -> Catalogue {
   add_terms<MachineEffortTerms>(own);
   add_couplings(own);
   if (axis == AxisKind::kLinear) {
-    make_linear(own);
+    make_linear_effort(own);
   }
   terms.insert(terms.end(), own.begin(), own.end());
   add_places(terms);

@@ -10,8 +10,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr EffortNumbers kNumbers;
-
 /// Time constant with which dry friction lets go at a standstill, s. Chosen in November 2026 on the 13 effort joints of
 /// the shared measured machines, laws of inertia, friction, weight and spring: with 0.06, 0.12 and 0.25 s each of the
 /// six of industrial robots and servos leaves less at rest than with friction that holds (a factor of 1.2 to 3.5); of
@@ -33,7 +31,7 @@ auto plain_loss(const std::vector<AxisLog>& logs, const EffortLaw& law, const Ef
   const PartLaw plain =
       law.of_gear() ? PartLaw{{0, 0}, {1, 0}, {2, 0}, {5, 0}} : PartLaw{{0, 0}, {1, 0}, {2, 0}, {3, 0}};
   const PartProducts products(PartColumns(design, stacked_target(logs), *law.joint.catalogue, parts), 1.0);
-  return 0.5 * std::log(products.fold_errors(plain, kNumbers.ridge).mean());
+  return 0.5 * std::log(products.fold_errors(plain, kEffortNumbers.ridge).mean());
 }
 
 /// The motor's torque late or early against the joint's: the skew at which a plain law leaves least, if that is worth

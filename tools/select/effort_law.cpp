@@ -12,8 +12,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr EffortNumbers kNumbers;
-
 /// Laws after each step, and what their numbers come from.
 struct Grown {
   PartProducts products;
@@ -64,14 +62,14 @@ struct Choice {
   /// On the first rows, by their share.
   [[nodiscard]] auto grown(double share) const -> Grown {
     PartProducts products(columns, share);
-    PartLaws laws(products, kNumbers);
-    Grower grower(laws, kNumbers.growth);
+    PartLaws laws(products, kEffortNumbers);
+    Grower grower(laws, kEffortNumbers.growth);
     std::vector<ScoredLaw<PartLaw>> path;
     for (const auto& start : starts()) {
       auto other = grower.run(start);
       if (path.empty()) {
         path = std::move(other);
-      } else if (other.back().score < kNumbers.growth.worth_a_step * path.back().score) {
+      } else if (other.back().score < kEffortNumbers.growth.worth_a_step * path.back().score) {
         other.insert(other.begin(), path.front());  // what is called the base law stays without a load
         path = std::move(other);
       }
@@ -122,7 +120,7 @@ void place_part(const Choice& choice, const ChosenPart& chosen, const Eigen::Vec
 auto in_numbers(const Choice& choice, const PartProducts& products, const PartLaw& chosen_parts) -> EffortLaw {
   EffortLaw law = choice.frame.law;
   JointFile& joint = law.joint;
-  const Eigen::VectorXd theta = products.coefficients(chosen_parts, kNumbers.ridge);
+  const Eigen::VectorXd theta = products.coefficients(chosen_parts, kEffortNumbers.ridge);
   Eigen::MatrixXd columns(choice.frame.design.rows(), theta.size());
   std::vector<std::size_t> places;
   std::set<std::string> terms;
@@ -216,7 +214,7 @@ auto select_effort_law(const std::vector<AxisLog>& logs, bool bare) -> EffortSel
     learned.push_back(each.grown(kLearned));
   }
   const bool other =
-      choices.size() > 1 && learned.back().score() < kNumbers.worth_another_rest * learned.front().score();
+      choices.size() > 1 && learned.back().score() < kEffortNumbers.worth_another_rest * learned.front().score();
   const Choice& choice = other ? choices.back() : choices.front();
   const EffortDesign& design = choice.frame.design;
   PartLaw start = {{0, 0}};

@@ -13,8 +13,8 @@
 namespace capstan::tools {
 namespace {
 
-constexpr Eigen::Index kBlocks = 12;
-constexpr Eigen::Index kFolds = 6;
+constexpr Eigen::Index kPartBlocks = 12;
+constexpr Eigen::Index kPartFolds = 6;
 
 }  // namespace
 
@@ -54,9 +54,9 @@ PartProducts::PartProducts(const PartColumns& from, double share) : parts_(from.
   columns.col(count) = y;
   std::vector<Eigen::MatrixXd> products;
   std::vector<double> sizes;
-  for (Eigen::Index block = 0; block < kBlocks; ++block) {
-    const Eigen::Index begin = block * y.size() / kBlocks;
-    const Eigen::Index size = (block + 1) * y.size() / kBlocks - begin;
+  for (Eigen::Index block = 0; block < kPartBlocks; ++block) {
+    const Eigen::Index begin = block * y.size() / kPartBlocks;
+    const Eigen::Index size = (block + 1) * y.size() / kPartBlocks - begin;
     const auto own = columns.middleRows(begin, size);
     products.emplace_back(own.transpose() * own);
     sizes.push_back(static_cast<double>(size));
@@ -65,7 +65,7 @@ PartProducts::PartProducts(const PartColumns& from, double share) : parts_(from.
   all_rows_ = static_cast<double>(y.size());
   const auto add_fold = [&](auto&& fits, auto&& checks) {
     Fold fold{Eigen::MatrixXd::Zero(count + 1, count + 1), Eigen::MatrixXd::Zero(count + 1, count + 1)};
-    for (Eigen::Index block = 0; block < kBlocks; ++block) {
+    for (Eigen::Index block = 0; block < kPartBlocks; ++block) {
       const auto at = static_cast<std::size_t>(block);
       if (fits(block)) {
         fold.fit += products[at];
@@ -77,8 +77,8 @@ PartProducts::PartProducts(const PartColumns& from, double share) : parts_(from.
     }
     folds_.push_back(std::move(fold));
   };
-  constexpr Eigen::Index kWide = kBlocks / kFolds;
-  for (Eigen::Index fold = 0; fold < kFolds; ++fold) {
+  constexpr Eigen::Index kWide = kPartBlocks / kPartFolds;
+  for (Eigen::Index fold = 0; fold < kPartFolds; ++fold) {
     add_fold([fold](Eigen::Index block) { return block / kWide != fold; }, [](Eigen::Index) { return true; });
   }
   for (const Eigen::Index known : {6, 8, 10}) {

@@ -27,8 +27,8 @@ constexpr Tendons kLeftJawWithDrag = {2.938e4, 6.655e4, 13.63};
 // The same with pictures at the printed 30 Hz that come late instead, by what KM of signal I asks for.
 constexpr Tendons kRightJawLate = {1.6374e4, 3.7536e4, 8.024};
 constexpr Tendons kLeftJawLate = {3.0496e4, 9.0201e4, 11.845};
-constexpr std::array<double, 2> kPictureDelayS = {0.016, 0.022};
-constexpr double kPicturesHz = 30.0;
+constexpr std::array<double, 2> kJawPictureDelayS = {0.016, 0.022};
+constexpr double kWristPicturesHz = 30.0;
 // By KM of signal IV of both jaws, 24 Nov 2026; PM and the goodness of fit of both are predicted.
 constexpr double kPretensionOfIv = 1.72;
 
@@ -45,7 +45,7 @@ auto with_tendons(Study study, const Tendons& tendons) -> Study {
 }
 
 /// Four of the twelve experiments of 6.4, one of each amplitude.
-auto identification() -> std::vector<sim::Motion> {
+auto wrist_identification() -> std::vector<sim::Motion> {
   std::vector<sim::Motion> motions;
   for (const double amplitude : {20.0, 15.0, 10.0, 7.0}) {
     motions.push_back(sine(amplitude, 0.1, 20.0));
@@ -54,7 +54,7 @@ auto identification() -> std::vector<sim::Motion> {
 }
 
 auto plain(std::size_t axis) -> Study {
-  return {built_in("da_vinci_wrist"), axis, identification()};
+  return {built_in("da_vinci_wrist"), axis, wrist_identification()};
 }
 
 auto without_pretension(Study study) -> Study {
@@ -199,8 +199,8 @@ auto table_6_2() -> ThesisTable {
     study.identification_signals = {signals.front()};
     Study no_drag = with_tendons(study, jaw == 0 ? kRightJaw : kLeftJaw);
     Study late = with_tendons(study, jaw == 0 ? kRightJawLate : kLeftJawLate);
-    late.late_s = kPictureDelayS[jaw];
-    late.instrument[axis].plant.camera_rate_hz = kPicturesHz;
+    late.late_s = kJawPictureDelayS[jaw];
+    late.instrument[axis].plant.camera_rate_hz = kWristPicturesHz;
     late.extra_terms = {"transport_delay"};
     plant.effects.transmission_viscous_forward_ns_per_m = kDragNsPerM;
     plant.effects.transmission_viscous_backward_ns_per_m = kDragNsPerM;

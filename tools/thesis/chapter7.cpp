@@ -57,7 +57,7 @@ auto with_file_tendons(Study study) -> Study {
   return study;
 }
 
-auto trials(const Study& study) -> std::vector<StudyTrial> {
+auto elbow_trials(const Study& study) -> std::vector<StudyTrial> {
   Study late = study;
   late.late_s = 0.05;
   late.extra_terms = {"transport_delay"};
@@ -89,7 +89,7 @@ auto elbow_of_chapter_7() -> Instrument {
 
 auto table_7_1() -> ThesisTable {
   const Study study = identified_study();
-  const std::vector<StudyTrial> tried = trials(study);
+  const std::vector<StudyTrial> tried = elbow_trials(study);
   ThesisTable table{"7.1", "RAVEN II elbow (ch. 7): identified on signal III", {}, {}, {}};
   std::vector<std::string> groups = {"printed", "simulated"};
   std::vector<std::array<double, 3>> values = {{-5.302, -1.002, 0.839}};
@@ -118,7 +118,7 @@ auto table_7_1() -> ThesisTable {
 auto table_7_2() -> ThesisTable {
   const Study study = identified_study();
   const auto& plant = study.instrument[0].plant;
-  std::vector<StudyTrial> tried = trials(study);
+  std::vector<StudyTrial> tried = elbow_trials(study);
   tried.push_back({{"longer", "sines of four periods", "two",
                     "a run begins from rest inside the loop, where no law is at home, and the longer it is the less of "
                     "it that is."},

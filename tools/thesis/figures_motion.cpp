@@ -12,8 +12,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPerDegree = 180.0 / std::numbers::pi;
-
 /// The last `share` of a signal: the run after its start.
 auto tail_of(const Eigen::VectorXd& signal, double share) -> Eigen::VectorXd {
   return signal.tail(static_cast<Eigen::Index>(share * static_cast<double>(signal.size())));
@@ -22,7 +20,7 @@ auto tail_of(const Eigen::VectorXd& signal, double share) -> Eigen::VectorXd {
 // ---- Chapters 5 to 7 --------------------------------------------------------------------------------------------
 
 auto loop_series(const std::string& name, const std::string& colour, const AxisLog& log, double share) -> Series {
-  return {name, colour, tail_of(log.q1_rad, share) * kPerDegree, tail_of(log.q2_rad, share) * kPerDegree};
+  return {name, colour, tail_of(log.q1_rad, share) * kDegreesPerRadian, tail_of(log.q2_rad, share) * kDegreesPerRadian};
 }
 
 /// Loops of one axis over frequency, the last turn of each.
@@ -49,7 +47,7 @@ auto two_sines(double a, double phase, double b) -> sim::Motion {
   for (int i = 0; i <= 240; ++i) {
     const double t = 0.25 * i;
     segment.points_rad.push_back((a * std::sin(kTurn * t / 30.0 + phase) + b * std::sin(kTurn * t / 10.0)) /
-                                 kPerDegree);
+                                 kDegreesPerRadian);
   }
   segment.duration_s = sim::polyline_duration_s(segment);
   return sim::Motion({segment}, 1, 0.5);
@@ -71,7 +69,7 @@ auto errors_of(const Study& study, const std::vector<Signal>& signals) -> std::v
   for (const Signal& s : signals) {
     const AxisLog log = run_experiment(study.instrument, study.axis, s.motion, stiff_gains(), seed++).log;
     const auto error = [&](const JointFile& law) {
-      return Eigen::VectorXd((log.q2_rad - simulate({log}, motion_parameters(law))) * kPerDegree);
+      return Eigen::VectorXd((log.q2_rad - simulate({log}, motion_parameters(law))) * kDegreesPerRadian);
     };
     all.push_back({s.name, error(laws.kinematic), error(laws.thesis)});
   }
@@ -144,8 +142,8 @@ auto chapter_5() -> std::vector<ThesisFigure> {
   const Instrument forceps = built_in("micro_forceps");
   const Experiment sample = run_experiment(forceps, 0, sine(20.0, 0.1, 20.0), stiff_gains(), 620);
   Plot time = plot_of("(a) 20 deg at 0.1 Hz", "time [s]", "angle [deg]");
-  time.series = {{"motor", kColours[1], sample.log.time_s, sample.log.q1_rad * kPerDegree},
-                 {"tip", kColours[7], sample.log.time_s, sample.log.q2_rad * kPerDegree}};
+  time.series = {{"motor", kColours[1], sample.log.time_s, sample.log.q1_rad * kDegreesPerRadian},
+                 {"tip", kColours[7], sample.log.time_s, sample.log.q2_rad * kDegreesPerRadian}};
   Plot minor = plot_of("(c) minor loops", "motor angle q1 [deg]", "joint angle q2 [deg]");
   std::size_t k = 0;
   for (const auto& [name, a, phase, b] :

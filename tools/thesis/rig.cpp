@@ -8,7 +8,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr int kRecordEvery = 10;  // ms
-constexpr double kPerDegree = 180.0 / std::numbers::pi;
 
 class Pid {
  public:
@@ -44,7 +43,7 @@ struct Motor {
 }  // namespace
 
 auto thesis_gains() -> Gains {
-  return {0.05 * kPerDegree, 0.0004 * kPerDegree, 0.01 * kPerDegree, 10};
+  return {0.05 * kDegreesPerRadian, 0.0004 * kDegreesPerRadian, 0.01 * kDegreesPerRadian, 10};
 }
 
 auto stiff_gains() -> Gains {

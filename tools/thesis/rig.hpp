@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,8 @@
 #include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
+
+inline constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
 
 /// PID on an angle, output a motor current; the derivative is of the error.
 struct Gains {

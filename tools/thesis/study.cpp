@@ -11,8 +11,6 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPerDegree = 57.29577951308232;
-
 auto with_camera(Instrument axes, double late_s) -> Instrument {
   for (sim::InstrumentAxis& axis : axes) {
     axis.plant.camera_delay_s += late_s;
@@ -64,7 +62,7 @@ auto fit_quality(const Eigen::VectorXd& measured_rad, const Eigen::VectorXd& est
   const Eigen::VectorXd error = measured_rad - estimated_rad;
   const double total = (measured_rad.array() - measured_rad.mean()).matrix().squaredNorm();
   const auto n = static_cast<double>(error.size());
-  return {rms(error) * kPerDegree, 100.0 * (1.0 - std::sqrt(error.squaredNorm() / total)),
+  return {rms(error) * kDegreesPerRadian, 100.0 * (1.0 - std::sqrt(error.squaredNorm() / total)),
           1.0 - (n - 1.0) * error.squaredNorm() / ((n - parameters) * total),
           goodness_of_fit_percent(measured_rad, estimated_rad)};
 }
