@@ -69,11 +69,29 @@ auto refuses_mode(Session& session, std::size_t axis, ControlMode mode) -> bool 
   return false;
 }
 
+/// Says where the joint is, if it may not be moved from there. True: nothing may be done.
+/// @param margin_rad  that it may be outside its limits
+auto refuses_outside(Session& session, std::size_t axis, Q24 margin_rad) -> bool {
+  const AxisTelemetry joint = session.machine().axis_telemetry(axis);
+  const LimitConfig& limits = session.machine().config()[axis].limits;
+  const bool outside = is_outside(limits, joint.q2_rad, margin_rad);
+  if (outside) {
+    session.out()
+        << "error outside: by its law the joint is at " << joint.q2_rad << " rad, outside limits.joint_min "
+        << limits.joint_min_rad << " to limits.joint_max " << limits.joint_max_rad
+        << " rad, and nothing was done; if it is not there, see with 'model' whether the law is this joint's, "
+           "or 'disarm' and 'zero' it; if it is, 'disarm' and turn it back by hand\r\n";
+    session.refused();
+  }
+  return outside;
+}
+
 void move_joint(Session& session, std::size_t axis, std::string_view target) {
   Request request{.kind = Request::Kind::kMove, .axis = static_cast<std::uint8_t>(axis)};
   const LimitConfig& limits = session.machine().config()[axis].limits;
   if (!parse_target(session, target, {"joint", limits.joint_min_rad, limits.joint_max_rad}, request.position_rad) ||
-      refuses_mode(session, axis, ControlMode::kPosition)) {
+      refuses_mode(session, axis, ControlMode::kPosition) ||
+      refuses_outside(session, axis, limits.following_error_rad)) {
     return;
   }
   request.speed_rad_s = limits.joint_speed_rad_s;
@@ -84,7 +102,7 @@ void move_motor(Session& session, std::size_t axis, std::string_view target) {
   Request request{.kind = Request::Kind::kMoveMotor, .axis = static_cast<std::uint8_t>(axis)};
   const LimitConfig& limits = session.machine().config()[axis].limits;
   if (!parse_target(session, target, {"motor", limits.motor_min_rad, limits.motor_max_rad}, request.position_rad) ||
-      refuses_mode(session, axis, ControlMode::kMotor)) {
+      refuses_mode(session, axis, ControlMode::kMotor) || refuses_outside(session, axis, Q24{})) {
     return;
   }
   request.speed_rad_s = limits.joint_speed_rad_s;

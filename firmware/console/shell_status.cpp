@@ -28,6 +28,10 @@ void print_force(Print& out, const AxisTelemetry& joint, const ForceConfig& forc
     return;  // neither a law of forces nor tendons in the law of motion
   }
   out << " force " << joint.joint_torque_nm << " Nm";
+  if (!joint.estimate_valid) {
+    out << " (not valid)";
+    return;
+  }
   if (joint.mode == ControlMode::kForce) {
     out << " of " << joint.joint_torque_reference_nm << " Nm";
   }
@@ -103,6 +107,9 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
     out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
         << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
         << joint.current_a << " A";
+    if ((joint.faults & (bit(Fault::kSensorMissing) | bit(Fault::kSensorInvalid))) != 0) {
+      out << " (the last values of a sensor that is missing or invalid)";
+    }
     if (joint.mode == ControlMode::kMotor) {
       out << " motor reference " << joint.q1_reference_rad << " rad";
     }

@@ -8,6 +8,9 @@ constexpr SamplePeriod<Q24> kPeriod{kCycleRateHz};
 constexpr Q24 kOne = Q24::from_int(1);
 constexpr Q24 kHalf = Q24::from_double(0.5);
 
+// New gains bring their torque within this time: at once it would throw a joint that holds.
+constexpr Q30 kBlendGain = kPeriod.filter_gain(Q24::from_double(0.2));
+
 // References are exact, so their direction needs only a threshold above the rounding of a slow stream.
 constexpr ConditionerShape<Q24> kReferenceShape{.direction_threshold_rad = Q24::from_double(1e-5),
                                                 .rate_time_constant_s = Q24::from_double(0.002)};
@@ -31,6 +34,7 @@ void Controller::rt_configure(const ControlConfig& gains) {
   per_reversal_angle_ = Reciprocal<Q24>(gains.reversal_angle_rad);
   per_stiffness_ = Reciprocal<Q24>(gains.stiffness_nm_per_rad);
   settled_ = false;
+  changed_ = true;
 }
 
 auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm,
@@ -53,7 +57,10 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   motor_reference_ = pull_extreme_ + integral_;
   last_q1_ = law.sample().q1;
   motor_rate_ = law.sample().dq1;
-  return rt_servo(gains, Q24{}, feedforward);
+  changed_ = false;
+  blend_ = Q24{};
+  torque_ = rt_servo(gains, Q24{}, feedforward);
+  return torque_;
 }
 
 auto Controller::rt_feedforward(const ControlConfig& gains, const TorqueLaw<Q24>* effort, Sample<Q24>& motion) const
@@ -75,6 +82,17 @@ void Controller::rt_follow_motor(Q24 q1) {
 auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24 {
   return feedforward + gains.stiffness_nm_per_rad * (motor_reference_ - last_q1_) +
          gains.damping_nms_per_rad * (rate - motor_rate_);
+}
+
+auto Controller::rt_answer(const ControlConfig& gains, Q24 rate, Q24 feedforward) -> Q24 {
+  const Q24 asked = rt_servo(gains, rate, feedforward);
+  if (changed_) {
+    changed_ = false;
+    blend_ = torque_ - asked;
+  }
+  blend_ -= blend_ * kBlendGain;
+  torque_ = asked + blend_;
+  return torque_;
 }
 
 void Controller::rt_settle(const ControlConfig& gains, const MotionLaw<Q24>& law) {
@@ -161,7 +179,7 @@ auto Controller::rt_update_motor(const ControlConfig& gains, const MotionLaw<Q24
   integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
   motor_reference_ = q1_reference + integral_;
   rt_follow_motor(law.sample().q1);
-  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion));
+  return rt_answer(gains, motion.dq1, rt_feedforward(gains, effort, motion));
 }
 
 auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, Q24 q2_reference, Q24 q2,
@@ -191,7 +209,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   }
   motor_reference_ = asked + correction;
   rt_follow_motor(law.sample().q1);
-  return rt_servo(gains, motion.dq1, rt_feedforward(gains, effort, motion));
+  return rt_answer(gains, motion.dq1, rt_feedforward(gains, effort, motion));
 }
 
 }  // namespace capstan

@@ -22,7 +22,7 @@ namespace capstan {
 class Controller {
  public:
   explicit Controller(const ControlConfig& gains);
-  /// New gains.
+  /// New gains or another law. The torque that they ask for comes in within a second, without a jump.
   void rt_configure(const ControlConfig& gains);
   /// Takes over without a jump, in place of rt_update in that cycle: the reference is the present estimate, and the
   /// motor is asked to stay where it is. What an update would turn the law round for is what the start does, so a cycle
@@ -65,6 +65,8 @@ class Controller {
   /// The motor servo: the torque that takes the motor to motor_reference_, which runs at `rate`, rad/s, beside that of
   /// the feedforward.
   [[nodiscard]] auto rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24;
+  /// The servo's torque, and what is left of the one before new gains.
+  auto rt_answer(const ControlConfig& gains, Q24 rate, Q24 feedforward) -> Q24;
   void rt_cross_over(bool forward);
   /// @param rate  of the motor's reference, rad/s
   void rt_cross_over(const ControlConfig& gains, bool forward, Q24 rate);
@@ -91,6 +93,9 @@ class Controller {
   WeightedSum<Q24> settled_backward_;  // of the law's rest what only other gains or another law change
   WeightedSum<Q24> settled_forward_;
   bool settled_ = false;
+  bool changed_ = false;  // gains or law, since the last torque
+  Q24 torque_;            // of the last cycle
+  Q24 blend_;             // from the torque under the gains before to that under these
   bool pull_known_ = false;
   bool pull_forward_ = true;
   Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet

@@ -17,8 +17,7 @@ constexpr Q24 kPressedBack = Q24::from_double(1.0 / 32.0);
 constexpr Q24 kBrakes = Q24::from_double(0.25);
 
 auto out_of_range(const JointView& joint) -> bool {
-  const LimitConfig& limits = joint.config.limits;
-  return joint.estimate.q2_rad > limits.joint_max_rad || joint.estimate.q2_rad < limits.joint_min_rad;
+  return is_outside(joint.config.limits, joint.estimate.q2_rad);
 }
 
 /// Of a trajectory of the motor, rad/s2: what is left to the joint is the motor's over beta.
@@ -87,7 +86,7 @@ auto Modes::rt_take(const JointView& joint, const Request& request) -> bool {
 auto Modes::rt_take_move(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
   if (request.position_rad < limits.joint_min_rad || request.position_rad > limits.joint_max_rad ||
-      request.speed_rad_s <= Q24{} || rt_motor_moves()) {
+      request.speed_rad_s <= Q24{} || rt_motor_moves() || is_lost(limits, joint.estimate.q2_rad)) {
     return false;
   }
   if (reference_.mode != ControlMode::kPosition) {
@@ -100,7 +99,7 @@ auto Modes::rt_take_move(const JointView& joint, const Request& request) -> bool
 
 auto Modes::rt_take_stream(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
-  if (rt_motor_moves()) {
+  if (rt_motor_moves() || is_lost(limits, joint.estimate.q2_rad)) {
     return false;
   }
   if (reference_.mode != ControlMode::kPosition) {
@@ -123,7 +122,7 @@ auto Modes::rt_take_stream(const JointView& joint, const Request& request) -> bo
 auto Modes::rt_take_motor(const JointView& joint, const Request& request) -> bool {
   const LimitConfig& limits = joint.config.limits;
   if (request.position_rad < limits.motor_min_rad || request.position_rad > limits.motor_max_rad ||
-      request.speed_rad_s <= Q24{} || (!in_motor() && in_motion())) {
+      request.speed_rad_s <= Q24{} || (!in_motor() && in_motion()) || out_of_range(joint)) {
     return false;
   }
   if (!in_motor()) {

@@ -36,6 +36,16 @@ enum class ControlMode : std::uint8_t {
   kMotor,     ///< the motor's angle
 };
 
+/// By its law the joint is outside its limits, further than the margin.
+constexpr auto is_outside(const LimitConfig& limits, Q24 q2_rad, Q24 margin_rad = {}) -> bool {
+  return q2_rad > limits.joint_max_rad + margin_rad || q2_rad < limits.joint_min_rad - margin_rad;
+}
+/// Further than it may be from a reference: the law is another joint's, or its zero is wrong. A way back into the
+/// limits would take the motor as far the other way.
+constexpr auto is_lost(const LimitConfig& limits, Q24 q2_rad) -> bool {
+  return is_outside(limits, q2_rad, limits.following_error_rad);
+}
+
 /// What is wanted of one joint in this cycle.
 struct JointReference {
   Q24 q2_rad;

@@ -127,6 +127,7 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
     faults |= limit_cycle_.rt_step(motor, modes_.reference(), looked_ || dither_nm_ != Q24{} || modes_.in_torque());
     // What the winding's heat holds back does not go on with the reference, so no count has to answer it.
     const bool held_back = (gate_.limits() & bit(Limit::kThermal)) != 0;
+    faults |= monitors_.rt_watch_speed(config_.limits, motor.q1_rad, estimator_.law().beta());
     faults |= monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(),
                                         modes_.rt_took_begin() || held_back) |
               (modes_.rt_stream_lost() ? bit(Fault::kLinkLost) : 0);
@@ -197,9 +198,10 @@ void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, con
   // A law of forces was made for the torque; the tendons of the law of motion know it beside the angle.
   const ForceEstimate<Q24>& force = modes_.force().has_law() ? modes_.force().estimate() : estimate.joint_torque;
   telemetry_.joint_torque_nm = force.force;
-  telemetry_.joint_torque_known = force.known;
+  telemetry_.joint_torque_known = force.known && estimate.valid;
   telemetry_.joint_torque_phase = force.phase;
-  telemetry_.joint_torque_error_nm = force_error_.rt_step(config_.force.error, telemetry_.drive_nm, force);
+  const Q24 force_error_nm = force_error_.rt_step(config_.force.error, telemetry_.drive_nm, force);
+  telemetry_.joint_torque_error_nm = estimate.valid ? force_error_nm : Q24::from_int(-1);
   telemetry_.law_torque_nm = effort_.estimate().law_nm;
   telemetry_.disturbance_nm = effort_.estimate().disturbance_nm;
   telemetry_.disturbance_known = effort_.estimate().known;

@@ -33,12 +33,13 @@ enum class Fault : std::uint8_t {
   kWatchdog = 18,
   kEncoderMotion = 19,
   kLimitCycle = 20,
+  kOverspeed = 21,
 };
 
 using FaultInfo = CodeInfo<Fault>;
 
 /// One table for shell, log, heartbeat and documentation.
-inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
+inline constexpr std::array<FaultInfo, 22> kFaultTable = {{
     {Fault::kNone, "none", "nothing is wrong", "nothing to do"},
     {Fault::kOverrun, "overrun", "three or more cycles within a second began late or were skipped",
      "take load off the processor; on Linux run the board's timing check"},
@@ -93,6 +94,10 @@ inline constexpr std::array<FaultInfo, 21> kFaultTable = {{
      "check the encoder's cable and coupling and what the joint has hit; if neither is it, commission the joint anew"},
     {Fault::kLimitCycle, "limit_cycle", "the joint oscillated for 4 s by its own control, without a command to move",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
+    {Fault::kOverspeed, "overspeed",
+     "within 8 ms the motor took the joint further than twice limits.joint_speed would, by limits.fault_travel",
+     "undo what was set last: control.stiffness, damping, kp, ki or a law that is not this joint's; or raise "
+     "limits.joint_speed if the joint may really be that fast"},
 }};
 static_assert(in_order(kFaultTable));
 

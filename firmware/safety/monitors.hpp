@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
 #include "capstan/firmware/control/modes.hpp"
 
 namespace capstan {
@@ -14,11 +16,19 @@ class Monitors {
   /// @param begins  the reference has nothing to do with the last one
   auto rt_watch_motion(const LimitConfig& limits, const MotorState& motor, const JointEstimate& estimate,
                        const JointReference& reference, bool begins) -> FaultSet;
+  /// Whether the motor runs away, whatever it was asked for: a loop that its gains make unstable is at full speed
+  /// before the joint is far from its reference for long. Only while energised.
+  /// @param beta  ratio of the law, joint over motor
+  auto rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta) -> FaultSet;
   /// Without torque nothing is asked of the joint.
   void rt_rest();
 
  private:
   auto rt_supply_fault(bool low) -> FaultSet;
+
+  static constexpr std::size_t kPaceCycles = 8;
+  std::array<Q24, kPaceCycles> way_{};  // of the motor, a ring
+  std::size_t paces_ = 0;               // since torque came
 
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;

@@ -44,6 +44,7 @@ inline constexpr std::array<StopRow, kFaultTable.size()> kStopTable = {{
     {Fault::kStorageFailed, true, false}, {Fault::kSupplyLow, false, false},
     {Fault::kWatchdog, false, false},                                         // nothing is known of before
     {Fault::kEncoderMotion, true, false}, {Fault::kLimitCycle, true, false},  // what swings is the loop
+    {Fault::kOverspeed, true, false},                                         // the loop runs away, or the encoder lies
 }};
 
 constexpr auto stop_table_is_in_order() -> bool {

@@ -206,6 +206,9 @@ inline auto distinct_config(std::uint32_t seed) -> AxisConfig {
   config.limits.joint_jerk_krad_s3 = scaled(100.0);
   config.limits.continuous_current_a = scaled(1.0);
   config.limits.current_a = scaled(2.0);
+  config.motor.torque_per_current_nm_per_a = scaled(0.1);
+  config.control.torque_forward_nm = scaled(0.1);
+  config.control.torque_backward_nm = scaled(-0.05);
   return config;
 }
 

@@ -30,6 +30,7 @@ constexpr std::array<double, 4> kBristles = {0.0025, 0.006, 0.015, 0.05};
 constexpr std::array<double, 3> kTorquePlays = {0.02, 0.06, 0.2};  // of the torque's range
 constexpr std::array<double, 2> kSlowSpeeds = {0.1, 0.4};          // of the speed's rms: friction changes over it
 constexpr std::array<double, 2> kCreepTimes = {0.3, 1.5};          // s
+constexpr Index kMostStrokes = 200;                                // of a motion that is repeated
 constexpr Index kAngleKnots = 24;                                  // of any function of the angle
 constexpr Index kFrictionKnots = 6;                                // of friction by angle
 constexpr Index kTorqueKnots = 8;
@@ -120,7 +121,8 @@ void add_torque(const LawChannels& channels, const Turns& turns, const MatrixXd&
 
 }  // namespace
 
-/// Rms over mean of lengths or of times of the strokes between turns, the larger.
+/// Rms over mean of how the lengths or the times of the strokes between turns differ, the larger: from their mean, or,
+/// where it is less, from those so many strokes before, for a motion of several strokes may be repeated as a whole.
 auto spread_of(const VectorXd& angle, const VectorXd& direction) -> double {
   std::vector<double> lengths;
   std::vector<double> times;
@@ -134,11 +136,22 @@ auto spread_of(const VectorXd& angle, const VectorXd& direction) -> double {
       last = i;
     }
   }
-  const auto relative = [](const std::vector<double>& values) {
-    const Eigen::Map<const VectorXd> all(values.data(), std::ssize(values));
-    return values.empty() ? 0.0 : rms_about_mean(all) / all.mean();
+  if (lengths.empty()) {
+    return 0.0;
+  }
+  const Index strokes = std::ssize(lengths);
+  const auto larger = [&](const auto& differing) {
+    return std::max(differing(VectorXd(VectorXd::Map(lengths.data(), strokes))),
+                    differing(VectorXd(VectorXd::Map(times.data(), strokes))));
   };
-  return std::max(relative(lengths), relative(times));
+  double spread = larger([](const VectorXd& all) { return rms_about_mean(all) / all.mean(); });
+  for (Index before = 2; before <= std::min(strokes / 2, kMostStrokes); ++before) {
+    spread = std::min(spread, larger([before](const VectorXd& all) {
+                        const Index pairs = all.size() - before;
+                        return rms(all.tail(pairs) - all.head(pairs)) / std::sqrt(2.0) / all.mean();
+                      }));
+  }
+  return spread;
 }
 
 auto turns_of(const VectorXd& angle) -> Turns {

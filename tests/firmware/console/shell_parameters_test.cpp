@@ -192,6 +192,22 @@ TEST(ShellParameters, StagedChangesComeIntoForceTogetherAtCommit) {
   EXPECT_TRUE(refused(bench.say("commit"), "not_staging"));
 }
 
+// 3 A of 0.1 Nm/A are 0.3 Nm.
+TEST(ShellParameters, AFeedforwardThatTheMotorCanNotGiveOrThatPushesIsRefused) {
+  Bench bench;
+  for (const char* line : {"set joint0.control.torque_forward 10", "set joint0.control.torque_forward 0.301",
+                           "set joint0.control.torque_backward -10"}) {
+    const std::string answer = bench.say(line);
+    EXPECT_TRUE(refused(answer, "inconsistent")) << line;
+    EXPECT_NE(answer.find("more than limits.current gives"), std::string::npos) << answer;
+  }
+  EXPECT_NE(bench.say("set joint0.control.torque_backward 10mNm").find("so friction would push the motor on"),
+            std::string::npos);
+  EXPECT_TRUE(test::same(in_force(bench), AxisConfig{}));
+  EXPECT_EQ(verdict(bench.say("set joint0.control.torque_forward 0.299")), "ok");
+  EXPECT_EQ(verdict(bench.say("set joint0.control.torque_backward 10mNm")), "ok") << "a weight, and less friction";
+}
+
 TEST(ShellParameters, AnInconsistentCommitChangesNothingAndCanBeMended) {
   Bench bench;
   bench.say("maintenance open");

@@ -171,6 +171,7 @@ TEST(Shell, StatusShowsStateFaultAndEveryJointWithUnits) {
   const std::string faulted = bench.say("status");
   EXPECT_TRUE(has_line(faulted, "state faulted fault sensor_missing")) << faulted;
   EXPECT_NE(faulted.find("(not valid)"), std::string::npos) << faulted;
+  EXPECT_NE(faulted.find(" A (the last values of a sensor that is missing or invalid)"), std::string::npos) << faulted;
 }
 
 TEST(Shell, StatusNamesTheSettingBehindAnActiveLimit) {

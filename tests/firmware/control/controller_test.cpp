@@ -268,6 +268,29 @@ TEST(Controller, NewTorquesOfASteadyMotionReachTheInverse) {
   EXPECT_NEAR(rig.controller.motor_reference().to_double() - before, (0.0005 + 0.9 * 0.02) / 1.08, 1e-6);
 }
 
+TEST(Controller, NewGainsBringTheirTorqueWithoutAJumpAndWithinASecond) {
+  AxisConfig config = lossy_config();
+  config.control.kp = config.control.ki_per_s = config.control.kd_s = Q24{};
+  Rig rig(config);
+  rig.rest_at(q(1.0), q(0.0));
+  rig.start();
+  double torque = rig.torque(rig.q2, rig.q2).to_double();
+  const double before = torque;
+  rig.config.control.torque_forward_nm += q(0.2);
+  rig.config.control.stiffness_nm_per_rad += rig.config.control.stiffness_nm_per_rad;
+  rig.controller.rt_configure(rig.config.control);
+  double largest_step = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    const double now = rig.torque(rig.q2, rig.q2).to_double();
+    largest_step = std::max(largest_step, std::abs(now - torque));
+    torque = now;
+  }
+  EXPECT_LT(largest_step, 0.006 * std::abs(torque - before)) << "a time constant of 200 cycles";
+  // Half way between the branches: half of what is new. The inverse asks for as much again of the servo, which is a
+  // rad per -0.9 rad/Nm of the law; with the torque at rest it is seen alone in NewTorquesOfASteadyMotion...
+  EXPECT_GT(std::abs(torque - before), 0.1);
+}
+
 TEST(Controller, TheDerivativeActsOnTheEstimateAndNotOnTheReference) {
   Rig rig(loop_only(0.0, 0.0, 0.1));
   rig.config.control.stiffness_nm_per_rad = q(1.0);

@@ -164,6 +164,37 @@ TEST(MotorPosition, JointThatLeavesItsRangeIsHeldThereInPositionControl) {
   EXPECT_LT(rig.io.motors[0].angle_rad, 0.6);
 }
 
+/// A law whose zero is 3 rad off, of a joint that may go from -2 to 2 rad.
+TEST(MotorPosition, AJointThatIsFarOutsideItsLimitsByItsLawIsNotTakenBackIntoThem) {
+  Bench bench;
+  bench.say("set joint0.joint_offset.offset 3");
+  ASSERT_EQ(verdict(bench.say("arm")), "ok");
+  for (const char* line : {"move joint0 0.1", "move joint0 motor=0.1"}) {
+    const std::string answer = bench.say(line);
+    EXPECT_EQ(verdict(answer).rfind("error outside: by its law the joint is at ", 0), 0U) << answer;
+    EXPECT_NE(answer.find("limits.joint_min -2 to limits.joint_max 2 rad"), std::string::npos) << answer;
+  }
+  Rig rig;
+  AxisConfig config;
+  set_raw_value(config, *find_parameter("joint_offset.offset"), Q24::from_int(3).raw());
+  rig.state.axis[0].rt_configure(config);
+  rig.arm();
+  rig.move(0.1);
+  rig.follow(0.1);
+  rig.ticks(2000);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.0, 1e-3);
+}
+
+TEST(MotorPosition, AJointALittleOutsideItsLimitsMovesBackIntoThem) {
+  Bench bench;
+  bench.say("set joint0.joint_offset.offset 2.2");
+  ASSERT_EQ(verdict(bench.say("arm")), "ok");
+  EXPECT_EQ(verdict(bench.say("move joint0 motor=-1")).rfind("error outside: ", 0), 0U) << "it would be held at once";
+  EXPECT_EQ(verdict(bench.say("move joint0 1.9")), "ok");
+  bench.ticks(2000);
+  EXPECT_NEAR(bench.io.motors[0].angle_rad, -0.3, 0.01);
+}
+
 TEST(MotorPosition, BlockedMotorIsAFollowingErrorAndADeadEncoderIsFoundAsInPositionControl) {
   {
     Rig rig;

@@ -106,6 +106,14 @@ const std::vector<Cause> kCauses = {
          s.axis[0].encoder_counts += shift;
        };
      }},
+    {"the motor runs away", Fault::kOverspeed, 10, true,
+     [](Rig& rig) {
+       const double counts_per_rad = AxisConfig{}.motor.encoder_counts_per_turn / 6.283185307179586;
+       const auto step = static_cast<std::int32_t>(0.05 * counts_per_rad);  // 50 rad/s of 60 that the encoder may
+       rig.disturb = [step, shift = std::int32_t{0}](Sensed<1>& s) mutable {
+         s.axis[0].encoder_counts += shift += step;
+       };
+     }},
     {"the watchdog ended the last run", Fault::kWatchdog, 1, false,
      [](Rig& rig) { rig.state.board_faults = bit(Fault::kWatchdog); }},
 };

@@ -32,11 +32,11 @@ TEST(Faults, NamesAreUniqueAndCausesAndCuresAreGiven) {
 
 // Numbers are in logs and on the wire: this list may grow, and no line of it may change.
 TEST(Faults, NumbersAreThoseThatWereGivenOut) {
-  const std::array<const char*, 21> given_out = {
+  const std::array<const char*, 22> given_out = {
       "none",         "overrun",         "sensor_missing",   "sensor_invalid", "encoder_jump",   "following_error",
       "over_current", "estimator_range", "link_lost",        "emergency_stop", "model_invalid",  "drive_failed",
       "board_clock",  "encoder_frozen",  "current_mismatch", "winding_hot",    "storage_failed", "supply_low",
-      "watchdog",     "encoder_motion",  "limit_cycle"};
+      "watchdog",     "encoder_motion",  "limit_cycle",      "overspeed"};
   ASSERT_EQ(kFaultTable.size(), given_out.size());
   for (std::size_t i = 0; i < given_out.size(); ++i) {
     EXPECT_STREQ(info(static_cast<Fault>(i)).name, given_out[i]);
@@ -54,7 +54,7 @@ TEST(Faults, EveryFaultHasABitOfItsOwn) {
 
 TEST(Faults, TheLowestOfASetIsTheOneWithTheLowestNumber) {
   EXPECT_EQ(lowest(0), Fault::kNone);
-  EXPECT_EQ(lowest(bit(Fault::kLimitCycle)), Fault::kLimitCycle);
+  EXPECT_EQ(lowest(bit(Fault::kOverspeed)), Fault::kOverspeed);
   EXPECT_EQ(lowest(bit(Fault::kWatchdog) | bit(Fault::kSensorMissing) | bit(Fault::kDriveFailed)),
             Fault::kSensorMissing);
 }

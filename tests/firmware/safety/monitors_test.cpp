@@ -34,6 +34,33 @@ TEST(Monitors, AMotorThatPressesMayStandWhileItsReferenceReturns) {
   EXPECT_EQ(faults_of_a_standing_motor(-0.9, 0.0), FaultSet{0});
 }
 
+/// A motor at a steady speed for 20 ms. @returns when that was a fault, ms; -1: never
+auto overspeed_ms(double motor_rad_s, double beta) -> int {
+  Monitors monitors;
+  LimitConfig limits;
+  limits.joint_speed_rad_s = Q24::from_double(2.0);
+  limits.fault_travel_rad = Q24::from_double(0.05);
+  for (int ms = 0; ms < 20; ++ms) {
+    const auto q1_rad = Q24::from_double(motor_rad_s * ms * 1e-3);
+    if (monitors.rt_watch_speed(limits, q1_rad, Q24::from_double(beta)) == bit(Fault::kOverspeed)) {
+      return ms;
+    }
+  }
+  return -1;
+}
+
+// 0.05 rad and 16 ms of 2 rad/s are 0.082 rad, which 8 ms of 10.25 rad/s are.
+TEST(Monitors, AMotorThatRunsAwayIsStoppedWithin8Ms) {
+  EXPECT_EQ(overspeed_ms(10.3, 1.0), 8);
+  EXPECT_EQ(overspeed_ms(-10.3, 1.0), 8);
+  EXPECT_EQ(overspeed_ms(10.2, 1.0), -1);
+}
+
+TEST(Monitors, WhatCountsIsTheSpeedAtTheJoint) {
+  EXPECT_EQ(overspeed_ms(20.4, 0.5), -1);
+  EXPECT_EQ(overspeed_ms(5.2, -2.0), 8);
+}
+
 TEST(Monitors, AReferenceThatReturnsAndGoesBeyondIsAnsweredAgain) {
   EXPECT_EQ(faults_of_a_standing_motor(0.2, -0.9), bit(Fault::kEncoderFrozen));
 }

@@ -17,7 +17,7 @@ struct Expected {
 };
 
 // Written from what each fault says has failed, not from the table.
-constexpr std::array<Expected, 20> kExpected = {{
+constexpr std::array<Expected, 21> kExpected = {{
     {Fault::kOverrun, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
     {Fault::kSensorMissing, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
     {Fault::kSensorInvalid, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
@@ -38,6 +38,7 @@ constexpr std::array<Expected, 20> kExpected = {{
     {Fault::kWatchdog, SafeStop::kTorqueOff, SafeStop::kTorqueOff},
     {Fault::kEncoderMotion, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
     {Fault::kLimitCycle, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
+    {Fault::kOverspeed, SafeStop::kShortedPhases, SafeStop::kTorqueOff},
 }};
 
 TEST(SafeStop, EachFaultIsStoppedByWhatItLeavesToBeReliedOn) {
