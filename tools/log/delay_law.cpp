@@ -30,7 +30,8 @@ constexpr std::array<double, 4> kBristles = {0.0025, 0.006, 0.015, 0.05};
 constexpr std::array<double, 3> kTorquePlays = {0.02, 0.06, 0.2};  // of the torque's range
 constexpr std::array<double, 2> kSlowSpeeds = {0.1, 0.4};          // of the speed's rms: friction changes over it
 constexpr std::array<double, 2> kCreepTimes = {0.3, 1.5};          // s
-constexpr Index kMostStrokes = 200;                                // of a motion that is repeated
+constexpr Index kMostStrokes = 200;                                // of a motion that is repeated as a whole
+constexpr double kAlikeStrokes = 0.02;                             // rms over mean
 constexpr Index kAngleKnots = 24;                                  // of any function of the angle
 constexpr Index kFrictionKnots = 6;                                // of friction by angle
 constexpr Index kTorqueKnots = 8;
@@ -119,40 +120,56 @@ void add_torque(const LawChannels& channels, const Turns& turns, const MatrixXd&
   columns.add(turned.cwiseProduct(turns.direction));
 }
 
-}  // namespace
-
-/// Rms over mean of how the lengths or the times of the strokes between turns differ, the larger: from their mean, or,
-/// where it is less, from those so many strokes before, for a motion of several strokes may be repeated as a whole.
-auto spread_of(const VectorXd& angle, const VectorXd& direction) -> double {
-  std::vector<double> lengths;
-  std::vector<double> times;
+/// Lengths and times of the strokes between turns.
+struct Strokes {
+  std::vector<double> lengths, times;
+};
+auto strokes_of(const VectorXd& angle, const VectorXd& direction) -> Strokes {
+  Strokes strokes;
   Index last = 0;
   for (Index i = 1; i < angle.size(); ++i) {
     if (direction[i] * direction[i - 1] < 0.0) {
       if (last > 0) {
-        lengths.push_back(std::abs(angle[i] - angle[last]));
-        times.push_back(static_cast<double>(i - last));
+        strokes.lengths.push_back(std::abs(angle[i] - angle[last]));
+        strokes.times.push_back(static_cast<double>(i - last));
       }
       last = i;
     }
   }
-  if (lengths.empty()) {
-    return 0.0;
-  }
-  const Index strokes = std::ssize(lengths);
-  const auto larger = [&](const auto& differing) {
-    return std::max(differing(VectorXd(VectorXd::Map(lengths.data(), strokes))),
-                    differing(VectorXd(VectorXd::Map(times.data(), strokes))));
-  };
-  double spread = larger([](const VectorXd& all) { return rms_about_mean(all) / all.mean(); });
-  for (Index before = 2; before <= std::min(strokes / 2, kMostStrokes); ++before) {
-    spread = std::min(spread, larger([before](const VectorXd& all) {
-                        const Index pairs = all.size() - before;
-                        return rms(all.tail(pairs) - all.head(pairs)) / std::sqrt(2.0) / all.mean();
-                      }));
-  }
-  return spread;
+  return strokes;
 }
+
+/// Of both, the larger rms over mean: from their own mean, ...
+auto spread_of(const Strokes& strokes) -> double {
+  const auto relative = [](const std::vector<double>& values) {
+    const Eigen::Map<const VectorXd> all(values.data(), std::ssize(values));
+    return values.empty() ? 0.0 : rms_about_mean(all) / all.mean();
+  };
+  return std::max(relative(strokes.lengths), relative(strokes.times));
+}
+
+/// ... or from those so many strokes before.
+auto spread_over(const Strokes& strokes, Index before) -> double {
+  const auto relative = [before](const std::vector<double>& values) {
+    const Eigen::Map<const VectorXd> all(values.data(), std::ssize(values));
+    const Index pairs = all.size() - before;
+    return rms(all.tail(pairs) - all.head(pairs)) / std::sqrt(2.0) / all.mean();
+  };
+  return std::max(relative(strokes.lengths), relative(strokes.times));
+}
+
+/// How often the strokes come as a whole, at least two of them.
+auto repeats_of(const Strokes& strokes) -> double {
+  const Index count = std::ssize(strokes.lengths);
+  for (Index before = 2; before <= std::min(count / 2, kMostStrokes); ++before) {
+    if (spread_over(strokes, before) < kAlikeStrokes) {
+      return static_cast<double>(count) / static_cast<double>(before);
+    }
+  }
+  return 1.0;
+}
+
+}  // namespace
 
 auto turns_of(const VectorXd& angle) -> Turns {
   const Index n = angle.size();
@@ -200,7 +217,9 @@ auto turns_of(const VectorXd& angle) -> Turns {
     extreme = angle[i];
   }
   turns.direction.tail(n - from).setConstant(sign);
-  turns.spread = spread_of(angle, turns.direction);
+  const Strokes strokes = strokes_of(angle, turns.direction);
+  turns.spread = spread_of(strokes);
+  turns.repeats = repeats_of(strokes);
   turns.count = static_cast<Index>(unsure.size());
   turns.unsure = unsure.empty() ? 0.0 : median(Eigen::Map<VectorXd>(unsure.data(), turns.count));
   return turns;

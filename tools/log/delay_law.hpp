@@ -12,8 +12,9 @@ namespace capstan::tools {
 struct Turns {
   Eigen::VectorXd direction;  ///< per row: 1, -1, before the first motion 0
   Eigen::Index count = 0;
-  double spread = 0.0;  ///< of the strokes' lengths or times, rms over mean; 0: each is like the last
-  double unsure = 0.0;  ///< rows to which the angle's steps let a turn be known, median
+  double spread = 0.0;   ///< of the strokes' lengths or times, rms over mean; 0: each is like the last
+  double repeats = 1.0;  ///< how often a motion of several strokes comes as a whole
+  double unsure = 0.0;   ///< rows to which the angle's steps let a turn be known, median
 };
 /// A turn is certain only after some travel. It is put where the way back began, at the acceleration that the first of
 /// that travel shows: not at the start of a rest, and not where the first step came.

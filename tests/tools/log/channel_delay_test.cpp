@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include "capstan/tests/tools/log/small_log.hpp"
@@ -108,6 +109,19 @@ TEST(ShiftFit, ATurnIsPutWhereTheWayBackBegan) {
   ASSERT_EQ(turns.count, 1);
   EXPECT_GT(turns.direction[880], 0.0);
   EXPECT_LT(turns.direction[920], 0.0);
+}
+
+// A large and a small stroke each way, 15 times; the same with a stroke that grows each time.
+TEST(ShiftFit, AMotionThatIsRepeatedAsAWholeIsCounted) {
+  VectorXd repeated(30'000);
+  VectorXd growing(repeated.size());
+  for (Index i = 0; i < repeated.size(); ++i) {
+    const double t = static_cast<double>(i) / 2000.0;
+    repeated[i] = std::sin(2.0 * std::numbers::pi * t) + 0.8 * std::sin(4.0 * std::numbers::pi * t);
+    growing[i] = (1.0 + 0.1 * t) * repeated[i];
+  }
+  EXPECT_NEAR(turns_of(repeated).repeats, 15.0, 1.0);
+  EXPECT_EQ(turns_of(growing).repeats, 1.0);
 }
 
 TEST(ShiftFit, ALogThatIsTooShortHasNone) {

@@ -13,6 +13,7 @@
 #include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/log/channel_delay.hpp"
 #include "capstan/tools/run/run.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
@@ -70,6 +71,13 @@ TEST(TendonLaw, FindsWhatTheForcepsAreMadeOf) {
   EXPECT_NEAR(shape_of(law, "top_share"), 0.5, 0.02);
   EXPECT_NEAR(shape_of(law, "friction"), 0.003, 0.001);
   EXPECT_NEAR(law.parameters.coefficients[0], 2.6 / 2.4, 0.005);
+}
+
+// Nothing in the simulator is late; friction that comes with the tendons' stretch looks like it.
+TEST(TendonLaw, NoChannelOfAHealthyJointIsCalledLate) {
+  const AxisLog log = record("identify.toml").log;
+  const auto delay = delay_between({&log.q1_rad, &log.tau_nm, &log.q2_rad, log.period_s});
+  EXPECT_FALSE(delay) << delay->rows;
 }
 
 TEST(TendonLaw, IsTheBaseOfAHealthyJointWhichThenLacksNothing) {
