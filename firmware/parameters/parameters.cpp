@@ -373,11 +373,6 @@ auto check(const AxisConfig& config) -> const char* {
   if (config.limits.continuous_current_a > config.limits.current_a) {
     return "limits.continuous_current is above limits.current; lower it or raise limits.current";
   }
-  if (config.control.torque_forward_nm < config.control.torque_backward_nm) {
-    return "control.torque_forward is below control.torque_backward, so friction would push the motor on; exchange "
-           "them, "
-           "between 'begin' and 'commit'";
-  }
   // The current is below 128 A and the torque of one below 128 Nm: the product may leave the range of Q24.
   const std::int64_t most_nm =
       static_cast<std::int64_t>(config.limits.current_a.raw()) * config.motor.torque_per_current_nm_per_a.raw();

@@ -14,6 +14,8 @@ constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
 // 8 ms by 2.7 times at most, of joints drawn as for the false alarms and of tuned ones (seeds 570001 to 581008, 28
 // November 2026). That is half of what this and limits.fault_travel allow there.
 constexpr Q24 kSpeedFactor = Q24::from_int(2);
+// Stretched tendons let a motor spring back when what held it goes.
+constexpr std::int32_t kSettleCycles = 64;
 
 auto cycles_in(Q24 duration_s) -> std::int32_t {
   return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
@@ -78,18 +80,20 @@ auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& moto
   return faults;
 }
 
-auto Monitors::rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta) -> FaultSet {
+auto Monitors::rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta, bool own) -> FaultSet {
   constexpr Q24 kTime = kSpeedFactor * Q24::from_double(static_cast<double>(kPaceCycles) / kCycleRateHz);
-  Q24& oldest = way_[paces_ % kPaceCycles];
-  const bool too_far = paces_ >= kPaceCycles &&
-                       abs((q1_rad - oldest) * beta) > limits.joint_speed_rad_s * kTime + limits.fault_travel_rad;
+  cycles_of_own_ = own ? std::min(cycles_of_own_ + 1, kSettleCycles) : 0;
+  Q24& oldest = way_[paces_];
+  const Q24 way_rad = abs((q1_rad - oldest) * beta);
   oldest = q1_rad;
-  paces_ = paces_ < kPaceCycles ? paces_ + 1 : kPaceCycles + (paces_ + 1) % kPaceCycles;
-  return too_far ? bit(Fault::kOverspeed) : 0;
+  paces_ = (paces_ + 1) % kPaceCycles;
+  return cycles_of_own_ == kSettleCycles && way_rad > limits.joint_speed_rad_s * kTime + limits.fault_travel_rad
+             ? bit(Fault::kOverspeed)
+             : 0;
 }
 
 void Monitors::rt_rest() {
-  paces_ = 0;
+  cycles_of_own_ = 0;
   cycles_off_reference_ = 0;
   still_cycles_ = 0;
 }

@@ -18,8 +18,8 @@ class Monitors {
                        const JointReference& reference, bool begins) -> FaultSet;
   /// Whether the motor runs away, whatever it was asked for: a loop that its gains make unstable is at full speed
   /// before the joint is far from its reference for long. Only while energised.
-  /// @param beta  ratio of the law, joint over motor
-  auto rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta) -> FaultSet;
+  /// @param beta  ratio of the law, joint over motor   @param own  the servo alone moves the motor
+  auto rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta, bool own) -> FaultSet;
   /// Without torque nothing is asked of the joint.
   void rt_rest();
 
@@ -27,8 +27,9 @@ class Monitors {
   auto rt_supply_fault(bool low) -> FaultSet;
 
   static constexpr std::size_t kPaceCycles = 8;
-  std::array<Q24, kPaceCycles> way_{};  // of the motor, a ring
-  std::size_t paces_ = 0;               // since torque came
+  std::array<Q24, kPaceCycles> way_{};  // of the motor, a ring ...
+  std::size_t paces_ = 0;               // ... from here on
+  std::int32_t cycles_of_own_ = 0;      // in which the servo alone moved the motor
 
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;

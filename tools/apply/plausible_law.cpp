@@ -12,7 +12,7 @@ namespace {
 /// Of a stroke: what runs against its direction. A tenth is twice what the curve of a ratio at its least slope, a
 /// cogging of 5 % and a stretch that turns with the torque leave of a stroke in the tests' laws (2026-11-22).
 constexpr double kMostAgainst = 0.1;
-/// Of the joint's range in the logs: further is no motion that they showed.
+/// Of the joint's range in the logs: further is no motion that they showed. Also how far away its zero may be.
 constexpr double kMostTimes = 10.0;
 
 struct Stroke {
@@ -48,6 +48,9 @@ auto implausible(const JointFile& joint) -> std::string {
   const auto range = joint.fit ? joint.fit->motor_range : std::nullopt;
   const Interval motor = range.value_or(Interval{-1.0, 1.0});
   const SteadyTorque torque = joint.steady_torque.value_or(SteadyTorque{});
+  if (torque.forward_nm < torque.backward_nm) {
+    return "its steady torque is less forward than backward, so friction would push the joint on";
+  }
   MotionLaw<double> law(SamplePeriod<double>(0.001), parameters);
   stroke_of(law, motor[0], motor[1], torque.forward_nm);  // until nothing of the start is left
   const Stroke back = stroke_of(law, motor[1], motor[0], torque.backward_nm);
@@ -63,6 +66,12 @@ auto implausible(const JointFile& joint) -> std::string {
     }
   }
   const double way = std::max(forth.high, back.high) - std::min(forth.low, back.low);
+  const double farthest =
+      std::max({std::abs(forth.low), std::abs(forth.high), std::abs(back.low), std::abs(back.high)});
+  if (farthest > kMostTimes * (way + std::abs(beta) * std::max(std::abs(motor[0]), std::abs(motor[1])))) {
+    return over + "be as far as " + rounded(farthest, 3) + " rad from zero, and move over " + rounded(way, 3) +
+           " there: joint_offset puts it there";
+  }
   if (range && joint.fit->joint_range > 0.0 && way > kMostTimes * joint.fit->joint_range) {
     return over + "go " + rounded(way, 3) + " rad, and in the logs it went " + rounded(joint.fit->joint_range, 3);
   }

@@ -106,7 +106,7 @@ const std::vector<Cause> kCauses = {
          s.axis[0].encoder_counts += shift;
        };
      }},
-    {"the motor runs away", Fault::kOverspeed, 10, true,
+    {"the motor runs away", Fault::kOverspeed, 80, true,
      [](Rig& rig) {
        const double counts_per_rad = AxisConfig{}.motor.encoder_counts_per_turn / 6.283185307179586;
        const auto step = static_cast<std::int32_t>(0.05 * counts_per_rad);  // 50 rad/s of 60 that the encoder may

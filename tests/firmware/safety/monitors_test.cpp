@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace capstan {
 namespace {
 
@@ -34,16 +36,18 @@ TEST(Monitors, AMotorThatPressesMayStandWhileItsReferenceReturns) {
   EXPECT_EQ(faults_of_a_standing_motor(-0.9, 0.0), FaultSet{0});
 }
 
-/// A motor at a steady speed for 20 ms. @returns when that was a fault, ms; -1: never
-auto overspeed_ms(double motor_rad_s, double beta) -> int {
+/// A motor at rest for a tenth of a second and then at a steady speed for 20 ms. @returns after how many of those that
+/// was a fault, ms; -1: never. @param pushed_ms  until then something else moves the motor
+auto overspeed_ms(double motor_rad_s, double beta, int pushed_ms = 0) -> int {
   Monitors monitors;
   LimitConfig limits;
   limits.joint_speed_rad_s = Q24::from_double(2.0);
   limits.fault_travel_rad = Q24::from_double(0.05);
-  for (int ms = 0; ms < 20; ++ms) {
-    const auto q1_rad = Q24::from_double(motor_rad_s * ms * 1e-3);
-    if (monitors.rt_watch_speed(limits, q1_rad, Q24::from_double(beta)) == bit(Fault::kOverspeed)) {
-      return ms;
+  constexpr int kRestMs = 100;
+  for (int ms = 0; ms < kRestMs + 20; ++ms) {
+    const auto q1_rad = Q24::from_double(motor_rad_s * std::max(0, ms - kRestMs) * 1e-3);
+    if (monitors.rt_watch_speed(limits, q1_rad, Q24::from_double(beta), ms >= pushed_ms) == bit(Fault::kOverspeed)) {
+      return ms - kRestMs;
     }
   }
   return -1;
@@ -59,6 +63,12 @@ TEST(Monitors, AMotorThatRunsAwayIsStoppedWithin8Ms) {
 TEST(Monitors, WhatCountsIsTheSpeedAtTheJoint) {
   EXPECT_EQ(overspeed_ms(20.4, 0.5), -1);
   EXPECT_EQ(overspeed_ms(5.2, -2.0), 8);
+}
+
+TEST(Monitors, AMotorThatSomethingElseMovesMayBeFast) {
+  EXPECT_EQ(overspeed_ms(10.3, 1.0, 120), -1);
+  EXPECT_EQ(overspeed_ms(10.3, 1.0, 60), -1) << "and springs back for 64 ms after";
+  EXPECT_EQ(overspeed_ms(10.3, 1.0, 40), 8);
 }
 
 TEST(Monitors, AReferenceThatReturnsAndGoesBeyondIsAnsweredAgain) {

@@ -144,6 +144,23 @@ TEST(PlausibleLaw, IsOneThatFollowsItsMotorAsFarAsItsLogsDid) {
       << implausible(joint);
 }
 
+TEST(PlausibleLaw, IsNoneThatPutsTheJointFarFromItsZero) {
+  JointFile joint = law_with_ranges();
+  coefficient(joint, "joint_offset") = 40.0;
+  EXPECT_EQ(implausible(joint), "") << "the joint goes 3 rad and its motor 2 from zero";
+  coefficient(joint, "joint_offset") = 100.0;
+  EXPECT_NE(implausible(joint).find("be as far as 102 rad from zero, and move over 3 there"), std::string::npos)
+      << implausible(joint);
+}
+
+TEST(PlausibleLaw, IsNoneWhoseFrictionPushes) {
+  JointFile joint = law_with_ranges();
+  joint.steady_torque = SteadyTorque{0.3, 0.1};  // a weight, and less friction
+  EXPECT_EQ(implausible(joint), "");
+  joint.steady_torque = SteadyTorque{-0.1, 0.1};
+  EXPECT_NE(implausible(joint).find("so friction would push the joint on"), std::string::npos) << implausible(joint);
+}
+
 TEST(PlausibleLaw, IsNoneThatRunsAgainstItsMotor) {
   JointFile joint = law_with_ranges();
   const auto& table = catalogue_term("table");
