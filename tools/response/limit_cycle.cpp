@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "capstan/tools/response/loop.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -24,8 +23,7 @@ struct Swing {
   double missing_nms = 0.0;  ///< damping that friction would have to give
 };
 
-auto swings_of(const Response& response, const LoopGains& gains) -> std::vector<Swing> {
-  const Dense all = dense(response);
+auto swings_of(const Dense& all, const LoopGains& gains) -> std::vector<Swing> {
   const std::vector<LoopPoint> loop = loop_of(all, gains);
   std::vector<Swing> swings;
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -41,7 +39,11 @@ auto swings_of(const Response& response, const LoopGains& gains) -> std::vector<
 }  // namespace
 
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
-  const std::vector<Swing> swings = swings_of(response, gains);
+  return predict_limit_cycle(dense(response), gains);
+}
+
+auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle> {
+  const std::vector<Swing> swings = swings_of(all, gains);
   std::optional<LimitCycle> first;
   for (std::size_t i = 1; i < swings.size(); ++i) {
     const Swing& a = swings[i - 1];
@@ -78,8 +80,10 @@ auto swing_rad(const LimitCycle& cycle, double speed_rad_s) -> double {
 
 auto sentence_of(const LimitCycle& cycle, double speed_rad_s) -> std::string {
   return "at " + rounded(cycle.onset, 3) + " times these gains a moving joint begins to swing at " +
-         rounded(cycle.hz, 3) + " Hz, its motor by " + rounded(1e3 * swing_rad(cycle, speed_rad_s), 2) +
-         " mrad where it goes at " + rounded(speed_rad_s, 2) + " rad/s";
+         rounded(cycle.hz, 3) + " Hz" +
+         (speed_rad_s > 0.0 ? ", its motor by " + rounded(1e3 * swing_rad(cycle, speed_rad_s), 2) +
+                                  " mrad where it goes at " + rounded(speed_rad_s, 2) + " rad/s"
+                            : " (how far is not known: the joint of this log stood)");
 }
 
 }  // namespace capstan::tools

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "capstan/tools/response/tuning.hpp"
+#include "capstan/tools/response/loop.hpp"
 
 namespace capstan::tools {
 
@@ -24,15 +24,14 @@ struct LimitCycle {
 /// Nothing: no factor up to 100 makes the loop swing below the last line.
 /// @pre with these gains the loop is stable
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle>;
+auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle>;
 /// Where the shake of a travelling joint turned its motor about, friction turned with it and is in the response as
 /// damping that no steady motion has, so the onset comes sooner than predicted: a sentence with its cure. Else nothing.
 auto turned_about(const Response& response) -> std::string;
 /// Amplitude of the motor, rad, once the swing is there, of a motor that goes at this speed.
 auto swing_rad(const LimitCycle& cycle, double speed_rad_s) -> double;
 
-/// Gains are kept this far from the onset.
-inline constexpr double kFromOnset = 2.0;
-/// "a moving joint begins to swing at ..."
+/// "a moving joint begins to swing at ..." @param speed_rad_s  0: the joint of the log stood
 auto sentence_of(const LimitCycle& cycle, double speed_rad_s) -> std::string;
 
 }  // namespace capstan::tools

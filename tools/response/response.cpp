@@ -18,7 +18,7 @@ constexpr Eigen::Index kRampMs = 256;  // the board's, at either end
 constexpr std::size_t kLeastWindows = 4;  // for a spread that means anything
 constexpr int kSettleMs = 500;            // after a turn of a joint that travels
 constexpr double kTurnRadS = 2e-3;        // change of the reference's rate in a row that is a turn, not rounding
-constexpr double kExcited = 0.1;          // of the strongest line
+constexpr double kExcited = 0.1;          // of the strongest line, or of a chirp's strongest octave
 constexpr std::size_t kLeastBins = 8;     // of a chirp in one point
 constexpr double kOctaveShare = 1.0 / 6.0;
 
@@ -359,9 +359,9 @@ auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
       all[k][s] = spectrum[k];
     }
   }
-  double most = 0.0;  // each octave takes as long, so a sweep's amplitude falls as 1 / sqrt(f)
-  for (const Spectra& one : all) {
-    most = std::max(most, std::abs(one[kShaken]));
+  double most = 0.0;  // each octave takes as long, so a sweep's power falls as 1 / f, and what leaks beside it more
+  for (std::size_t k = 1; k < bins; ++k) {
+    most = std::max(most, static_cast<double>(k) * std::norm(all[k][kShaken]));
   }
   for (std::size_t k = 1; k < bins;) {
     const auto width = static_cast<std::size_t>(static_cast<double>(k) * (std::exp2(kOctaveShare) - 1.0));
@@ -371,11 +371,10 @@ auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
     }
     const std::vector<Spectra> some(all.begin() + static_cast<std::ptrdiff_t>(k),
                                     all.begin() + static_cast<std::ptrdiff_t>(next));
-    double shaken = 0.0;
-    for (const Spectra& one : some) {
-      shaken += std::norm(one[kShaken]) / static_cast<double>(some.size());
-    }
-    if (std::sqrt(shaken) > 0.02 * most) {
+    const auto is_shaken = [&](const Spectra& one) {
+      return static_cast<double>(k) * std::norm(one[kShaken]) > kExcited * kExcited * most;
+    };
+    if (std::all_of(some.begin(), some.end(), is_shaken)) {
       const double hz = resolution * 0.5 * static_cast<double>(k + next - 1);
       response.points.push_back(point_of(hz, some, response.on_torque));
     }
@@ -389,11 +388,8 @@ auto estimate_chirp(const ResponseLog& log, Response response) -> Response {
 auto estimate_response(const ResponseLog& log) -> Response {
   Response response{.name = log.name, .points = {}, .distortion = {}};
   response.on_torque = log.excitation_nm.cwiseAbs().maxCoeff() > 0.0;
-  const Eigen::VectorXd& shaken = response.on_torque ? log.excitation_nm : log.reference_rad;
-  if (shaken.maxCoeff() - shaken.minCoeff() < 1e-7) {
-    throw Refusal(log.name + ": nothing shakes the joint; record it with 'experiment joint0 multisine on=torque'");
-  }
-  response.multisine = is_multisine(shaken);
+  require_signals(log, response.on_torque);
+  response.multisine = is_multisine(response.on_torque ? log.excitation_nm : log.reference_rad);
   return response.multisine ? estimate_multisine(log, std::move(response)) : estimate_chirp(log, std::move(response));
 }
 

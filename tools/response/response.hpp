@@ -23,6 +23,9 @@ struct ResponseLog {
 /// Throws BadInput: a missing column, rows that are not evenly spaced, or nothing that shakes.
 auto read_response(const CsvLog& log, int axis) -> ResponseLog;
 
+/// Throws Refusal where nothing shakes, the torque is what shakes alone, or the joint's estimate stands still.
+void require_signals(const ResponseLog& log, bool on_torque);
+
 /// Whether what shakes repeats with the board's period.
 auto is_multisine(const Eigen::VectorXd& shaken) -> bool;
 

@@ -14,6 +14,11 @@ namespace {
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
 constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
 constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
+constexpr double kRounding = 1e-6;        // of a signal: logs carry seven digits at least
+
+auto span_of(const Eigen::VectorXd& signal) -> double {
+  return signal.maxCoeff() - signal.minCoeff();
+}
 
 /// How much louder a shake has to be for the least coherence, if what does not repeat stays as it is.
 auto louder(double coherence) -> double {
@@ -52,6 +57,27 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
   return result;
 }
 
+void require_signals(const ResponseLog& log, bool on_torque) {
+  if (span_of(on_torque ? log.excitation_nm : log.reference_rad) < 1e-7) {
+    throw Refusal(log.name + ": nothing shakes the joint; record it with 'experiment joint0 multisine on=torque'");
+  }
+  if (span_of(log.q1_rad) == 0.0) {
+    throw Refusal(log.name +
+                  ": the motor's angle stands still throughout; check the encoder, or name its column with "
+                  "--map axis0/q1_rad=COLUMN");
+  }
+  if (on_torque && span_of(log.torque_nm - log.excitation_nm) <= kRounding * span_of(log.excitation_nm)) {
+    throw Refusal(log.name +
+                  ": the torque is what shakes and nothing else, so no loop was closed; tau_cmd_Nm has to be control "
+                  "and shake together: record it with 'experiment joint0 multisine on=torque' on an armed joint");
+  }
+  if (span_of(log.q2_rad) <= kRounding * span_of(log.q1_rad)) {
+    throw Refusal(log.name +
+                  ": the joint's estimate stands still while the motor moves, so the joint loop can not be told; "
+                  "give the board a law whose estimate follows ('status' says whether it is valid) and shake again");
+  }
+}
+
 auto is_multisine(const Eigen::VectorXd& shaken) -> bool {
   // Rows an odd number of ms apart come back to the same phases after as many rows as the period has ms.
   const Eigen::Index first = kMultisinePeriodMs / 2;
@@ -87,12 +113,19 @@ void require_usable(const Response& response) {
     }
   }
   if (worst != nullptr && worst->coherence < kLeastCoherence) {
+    std::string other = ", or let the joint travel faster";
+    if (!response.multisine) {
+      other = ", or record 'experiment joint0 multisine on=torque travel=0.4 speed=0.4': a chirp does not travel";
+    } else if (!response.travels) {
+      other = ", or let the joint travel (travel=0.4 speed=0.4)";
+    }
     throw FaintShake(
         response.name + ": at " + rounded(worst->hz, 3) + " Hz only " + rounded(100.0 * worst->coherence, 2) +
-        " % of the power repeats with what shakes (80 % are needed where the loop's gain is near 1); shake with " +
-        rounded(louder(worst->coherence), 2) + " times the amplitude at least, or let the joint travel" +
-        (response.travels ? " faster" : " (travel=0.4 speed=0.4)") +
-        "; to shake for longer does not help, as each period is as noisy");
+        " % of the power " + (response.multisine ? "repeats with" : "follows") +
+        " what shakes (80 % are needed where the loop's gain is near 1); shake with " +
+        rounded(louder(worst->coherence), 2) + " times the amplitude at least" + other +
+        "; to shake for longer does not help, as " +
+        (response.multisine ? "each period is as noisy" : "the noise grows with the time as the shake does"));
   }
   if (response.distortion.known && response.distortion.odd > kMostDistortion) {
     throw Refusal(response.name + ": " + rounded(100.0 * response.distortion.odd, 2) +

@@ -134,6 +134,12 @@ auto padded(const std::string& text, std::size_t width) -> std::string {
   return std::string(width > text.size() ? width - text.size() : 0, ' ') + text;
 }
 
+/// A circle over its value, as far as it says anything.
+auto share_text(const Estimate& estimate) -> std::string {
+  const double percent = 100.0 * estimate.radius95 / std::max(std::abs(estimate.value), 1e-12);
+  return percent > 100.0 ? ">100%" : percent < 0.01 ? "<0.01%" : rounded(percent, 2) + "%";
+}
+
 auto margins_text(const Margins& margins) -> std::string {
   if (margins.crossover_hz == 0.0) {
     return "gain below 1 throughout, modulus " + rounded(margins.modulus, 3);
@@ -149,15 +155,14 @@ auto response_text(const Response& response) -> std::string {
                      (response.on_torque ? "torque" : "reference") + ", " + std::to_string(response.windows) +
                      (response.windows == 1 ? " sweep" : " periods") +
                      (response.travels ? " while the joint travels\n" : " while the joint stands\n");
-  text += "      Hz   rad/Nm   +-     deg |   loop   +-     deg | coherence\n";
+  text += "      Hz   rad/Nm      +-    deg |     loop      +-    deg | coherence\n";
   for (const ResponsePoint& p : response.points) {
     const auto three = [](const Estimate& e) {
-      return padded(rounded(std::abs(e.value), 3), 9) +
-             padded(rounded(100.0 * e.radius95 / std::max(std::abs(e.value), 1e-12), 2) + "%", 7) +
+      return padded(rounded(std::abs(e.value), 3), 9) + padded(share_text(e), 8) +
              padded(rounded(kDegrees * std::arg(e.value), 3), 7);
     };
     text += padded(rounded(p.hz, 3), 8) + three(p.motor) + " |" +
-            (response.on_torque ? three(p.loop) : padded("", 23)) + " | " + rounded(p.coherence, 3) + "\n";
+            (response.on_torque ? three(p.loop) : padded("", 24)) + " | " + rounded(p.coherence, 3) + "\n";
   }
   if (response.distortion.known) {
     text += "distortion of the motor's motion: even " + rounded(100.0 * response.distortion.even, 2) + " %, odd " +

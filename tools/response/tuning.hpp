@@ -35,6 +35,7 @@ struct Margins {
 /// What is asked of a loop.
 struct Wanted {
   double phase_deg = 45.0, gain_db = 6.0, modulus = 0.5;
+  double onset = 2.0;  ///< times the gains until a moving joint begins to swing
   std::optional<double>
       bandwidth_hz;  ///< of the motor servo: its highest crossover; nothing: as much as the margins allow
 };

@@ -4,8 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
+#include <sstream>
+
 #include "capstan/firmware/control/excitation.hpp"
 #include "capstan/tests/tools/response/known_loop.hpp"
+#include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
@@ -121,15 +125,17 @@ TEST(Response, WhatATurnLeavesForALegDoesNotLeakIntoTheLines) {
   }
 }
 
+/// From 1 to 200 Hz within 30 s, N m.
+auto chirp(long i) -> double {
+  const double t = 1e-3 * static_cast<double>(i);
+  const double ramp = std::min({1.0, t / 0.256, (30.0 - t) / 0.256});
+  const double rate = std::log(200.0) / 30.0;
+  return t > 30.0 ? 0.0 : 0.01 * ramp * std::sin(2.0 * std::numbers::pi * (std::exp(rate * t) - 1.0) / rate);
+}
+
 TEST(Response, AChirpShowsTheSamePlant) {
   KnownLoop known;
   known.noise_nm = 2e-4;
-  const auto chirp = [](long i) {
-    const double t = 1e-3 * static_cast<double>(i);
-    const double ramp = std::min({1.0, t / 0.256, (30.0 - t) / 0.256});
-    const double rate = std::log(200.0) / 30.0;
-    return t > 30.0 ? 0.0 : 0.01 * ramp * std::sin(2.0 * std::numbers::pi * (std::exp(rate * t) - 1.0) / rate);
-  };
   const Response response = estimate_response(known.run(chirp, 30'001, 9));
   EXPECT_FALSE(response.multisine);
   ASSERT_GE(response.points.size(), 20U);
@@ -139,6 +145,59 @@ TEST(Response, AChirpShowsTheSamePlant) {
     EXPECT_LT(std::abs(point.loop.value / known.loop(point.hz) - 1.0), 0.3) << point.hz;
   }
   EXPECT_GE(good, static_cast<int>(0.9 * static_cast<double>(response.points.size())));
+}
+
+// What leaks beyond 1 and 200 Hz is noise's, and no amplitude would mend it.
+TEST(Response, AChirpIsJudgedWhereItShakesAndItsCureIsOneThatTheBoardTakes) {
+  KnownLoop known;
+  known.noise_nm = 5e-3;
+  const Response response = estimate_response(known.run(chirp, 30'001, 9));
+  ASSERT_FALSE(response.points.empty());
+  EXPECT_GT(response.points.front().hz, 0.7);
+  EXPECT_LT(response.points.back().hz, 200.0);
+  known.noise_nm = 0.5;
+  const std::string refusal = refusal_of(estimate_response(known.run(chirp, 30'001, 9)));
+  EXPECT_NE(refusal.find("multisine on=torque travel"), std::string::npos) << refusal;
+  EXPECT_EQ(refusal.find("period"), std::string::npos) << refusal;
+}
+
+// A board whose law holds its estimate, and a shake of a joint that is not armed.
+TEST(Response, AnEstimateThatStandsAndATorqueWithoutControlAreRefusedWithTheirCause) {
+  const KnownLoop known;
+  const ResponseLog good = known.run(random_multisine(6, 0.01, kRows), kRows, 6);
+  const auto told = [](const ResponseLog& log) -> std::string {
+    try {
+      static_cast<void>(estimate_response(log));
+    } catch (const Refusal& refusal) {
+      return refusal.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(told(good), "");
+  ResponseLog held = good;
+  held.q2_rad.setZero();
+  EXPECT_NE(told(held).find("joint's estimate stands still"), std::string::npos) << told(held);
+  ResponseLog open = good;
+  open.torque_nm = open.excitation_nm;
+  EXPECT_NE(told(open).find("no loop was closed"), std::string::npos) << told(open);
+  ResponseLog dead = good;
+  dead.q1_rad.setConstant(0.3);
+  EXPECT_NE(told(dead).find("check the encoder"), std::string::npos) << told(dead);
+}
+
+// Of lines that noise buries the circle is larger than the value.
+TEST(Response, ColumnsOfTheTableStayApart) {
+  const KnownLoop known;
+  Response response = estimate_response(known.run(random_multisine(6, 0.01, kRows), kRows, 6));
+  response.points.front().motor.radius95 = 1.6 * std::abs(response.points.front().motor.value);
+  std::istringstream rows(response_text(response));
+  for (std::string line; std::getline(rows, line);) {
+    if (line.find('|') != std::string::npos && line.find("Hz") == std::string::npos) {
+      std::istringstream words(line);
+      EXPECT_EQ(std::distance(std::istream_iterator<std::string>(words), {}), 10) << line;
+    }
+  }
+  EXPECT_NE(rows.str().find(" >100% "), std::string::npos) << rows.str();
 }
 
 TEST(Response, RowsElevenMillisecondsApartShowWhatEveryRowShows) {

@@ -180,6 +180,25 @@ TEST(LimitCycle, AGainWithinTwoOfTheOnsetIsRefusedWithThatSentence) {
   EXPECT_TRUE(told);
 }
 
+// Margins alone do not keep it away: 6 dB are less than two times, and here less is asked for.
+TEST(Tuning, WhatTheSearchChoosesByItselfIsNeverTooNearToSwinging) {
+  const LoopGains present = gentle();
+  const Response response = Motor{.delay = 3}.response(present);
+  Wanted wanted{.phase_deg = 20.0, .gain_db = 3.0, .modulus = 0.2, .onset = 1.0, .bandwidth_hz = {}};
+  const auto careless = predict_limit_cycle(response, tune(response, present, wanted).gains);
+  ASSERT_TRUE(careless);
+  EXPECT_LT(careless->onset, 1.9);
+  wanted.onset = Wanted{}.onset;
+  const Tuning tuning = tune(response, present, wanted);
+  const auto cycle = predict_limit_cycle(response, tuning.gains);
+  ASSERT_TRUE(cycle);
+  EXPECT_GE(cycle->onset, 2.0);
+  EXPECT_LT(cycle->onset, 2.3) << "and no more is given away";
+  EXPECT_NE(tuning.limited_by.find("gain margin"), std::string::npos) << tuning.limited_by;
+  EXPECT_NE(tuning.swings.find("the joint of this log stood"), std::string::npos) << tuning.swings;
+  EXPECT_EQ(tuning.swings.find("0 rad/s"), std::string::npos) << tuning.swings;
+}
+
 TEST(Tuning, ABandwidthThatIsAskedForIsTheCrossoverAndTooMuchIsRefused) {
   const Motor motor;
   const LoopGains present = gentle();
