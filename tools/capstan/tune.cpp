@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `response` and `tune`: what a log of chirp or multisine says of a joint, and the gains that follow.
-#include <cctype>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/response/response_report.hpp"
@@ -20,25 +18,8 @@ struct TuneOptions {
   double bandwidth_hz = 0.0;
 };
 
-/// What a terminal showed: the log without prompt, remarks and the last `ok`. Any other form is the log reader's.
-auto rows_of(const std::string& text) -> std::string {
-  std::istringstream all(text);
-  std::string rows;
-  for (std::string line; std::getline(all, line);) {
-    const bool header = line.rfind("time_s,", 0) == 0;
-    const bool row = !rows.empty() && !line.empty() && std::isdigit(static_cast<unsigned char>(line.front())) != 0;
-    if (header && !rows.empty()) {
-      throw BadInput("there are two logs in one file; give each its own");
-    }
-    rows += header || row ? line + "\n" : "";
-  }
-  return rows;
-}
-
 auto read(const TuneOptions& options) -> Response {
-  const std::string rows = rows_of(read_text_file(options.log));
-  const auto mappings = parse_mappings(options.maps);
-  const CsvLog log = rows.empty() ? CsvLog::read(options.log, mappings) : CsvLog::parse(rows, options.log, mappings);
+  const CsvLog log = CsvLog::read(options.log, parse_mappings(options.maps));
   for (const auto& warning : log.warnings()) {
     std::cerr << "warning: " << warning << "\n";
   }

@@ -23,8 +23,8 @@ constexpr double kGap = 1.5;
 void check_timing(const CsvLog& csv, AxisLog& axis) {
   const Eigen::Index n = axis.samples();
   if (n < 3) {
-    throw BadInput(place(csv.name(), 2) + "the log has only " + std::to_string(n) +
-                   " rows; record at least a few seconds");
+    throw BadInput(place(csv.name(), 2) + "the log has only " + std::to_string(n) + (n == 1 ? " row" : " rows") +
+                   "; record at least a few seconds");
   }
   const Eigen::VectorXd steps = axis.time_s.tail(n - 1) - axis.time_s.head(n - 1);
   axis.period_s = median(steps);

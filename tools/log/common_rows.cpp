@@ -46,6 +46,9 @@ auto at_row(const Channel& channel, const Eigen::VectorXd& time, Index row) -> d
 
 auto with_common_rows(const CsvLog& log, const std::vector<std::string>& main, const std::vector<std::string>& others,
                       std::vector<std::string>& notes) -> CsvLog {
+  if (log.rows() < 2) {
+    return log;
+  }
   std::vector<Channel> channels;
   for (const auto& names : {main, others}) {
     for (const auto& name : names) {

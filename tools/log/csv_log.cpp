@@ -9,6 +9,7 @@
 #include "capstan/tools/log/file_form.hpp"
 #include "capstan/tools/log/header_units.hpp"
 #include "capstan/tools/log/mcap_log.hpp"
+#include "capstan/tools/log/prompt_text.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -28,8 +29,6 @@ auto cell_of(std::string_view line, std::size_t index) -> std::string_view {
   return line.substr(begin, std::min(line.find(',', begin), line.size()) - begin);
 }
 
-/// Lines that begin so are a board's remarks between the rows, and are skipped.
-
 auto cells_in(std::string_view line) -> std::size_t {
   return static_cast<std::size_t>(std::count(line.begin(), line.end(), ',')) + 1;
 }
@@ -48,9 +47,13 @@ auto CsvLog::parse(std::string bytes, std::string name, std::vector<ColumnMappin
   CsvLog log;
   log.name_ = std::move(name);
   log.mappings_ = std::move(mappings);
-  log.text_ = is_mcap(bytes)
-                  ? csv_of_mcap(bytes, log.name_, log.warnings_)
-                  : canonical_csv(text_of_file(std::move(bytes), log.name_, log.warnings_), log.name_, log.warnings_);
+  if (is_mcap(bytes)) {
+    log.text_ = csv_of_mcap(bytes, log.name_, log.warnings_);
+  } else {
+    std::string text = text_of_file(std::move(bytes), log.name_, log.warnings_);
+    text = without_prompt(std::move(text), log.name_, log.warnings_);
+    log.text_ = canonical_csv(std::move(text), log.name_, log.warnings_);
+  }
   std::size_t begin = 0;
   auto end = log.text_.find('\n', begin);
   std::size_t number = 1;

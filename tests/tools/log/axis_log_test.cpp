@@ -68,6 +68,16 @@ TEST(AxisLog, AJointThatNeverMovesIsRefusedWithFileLinesAndCure) {
   }
 }
 
+TEST(AxisLog, ALogOfOneRowIsSaidToBeTooShort) {
+  const CsvLog csv = CsvLog::parse("time_s,axis0/q1_rad,axis0/q2_rad\n0,1,1\n", "x.csv");
+  try {
+    read_axis(csv, {});
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("only 1 row; record"), std::string::npos) << error.what();
+  }
+}
+
 TEST(AxisLog, SmallJitterIsQuietLargeJitterAndGapsAreTold) {
   auto log_with = [](double shake, double gap) {
     std::string text = "time_s,axis0/q1_rad,axis0/q2_rad\n";

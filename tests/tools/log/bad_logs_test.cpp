@@ -85,6 +85,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "time_s;axis0/q1_rad\n22.11.2026 05:00:00,00+02:00;1.5\n22.11.2026 03:00:00,01;-2\n22.11.2026 "
                  "03:00:00,02;3\n",
                  "semicolons"},
+        FileCase{"what a prompt answered",
+                 "ok\n12 parameters\nok\n" + kPlain + "ok\ncapstan 0.1.0 board sim joints 1\nok\n", ""},
+        FileCase{"a prompt's log with an error after it", kPlain + "error unknown_command: no such command\nok\n",
+                 "x.csv:5: the board answered 'error unknown_command"},
         FileCase{"UTF-16 with a mark", utf16(kPlain, false, true), ""},
         FileCase{"UTF-16 big endian", utf16(kPlain, true, true), ""},
         FileCase{"UTF-16 without a mark", utf16(kPlain, false, false), ""},
@@ -135,6 +139,7 @@ INSTANTIATE_TEST_SUITE_P(
         FileCase{"thousands", "time_s;axis0/q1_rad\n0;1.234,5\n1;2.234,5\n", "`tr -d . < x.csv > log.csv`"},
         FileCase{"both points and commas", "time_s;axis0/q1_rad\n0.00;1,5\n0.01;2,5\n0.02;3,5\n",
                  "`tr , . < x.csv > log.csv`"},
+        FileCase{"two logs of one prompt", kPlain + "ok\n" + kPlain + "ok\n", "x.csv:6: a second log begins here"},
         FileCase{"an open quote", "time_s,axis0/q1_rad\n0,\"1\n1,2\n", "x.csv:2: a quote is opened"},
         FileCase{"no names", "0;1\n1;2\n", "put the column names there"},
         FileCase{"dates with slashes", "time_s,axis0/q1_rad\n11/22/2026 05:00:00,1\n11/22/2026 05:00:01,2\n",
