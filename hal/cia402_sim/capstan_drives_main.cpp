@@ -84,6 +84,14 @@ auto nodes_of(const std::string& option, std::string_view text) -> std::vector<s
   return nodes;
 }
 
+/// What is to go wrong with a node that is not there would go wrong nowhere.
+void expect_node(const Options& options, const std::string& option, std::uint8_t node) {
+  if (std::find(options.nodes.begin(), options.nodes.end(), node) == options.nodes.end()) {
+    throw std::runtime_error(option + " names node " + std::to_string(node) +
+                             ", which is none of --nodes; give the number of a node that is there");
+  }
+}
+
 auto options_of(int count, char** words) -> Options {
   Options options;
   for (int i = 1; i < count; ++i) {
@@ -115,6 +123,17 @@ auto options_of(int count, char** words) -> Options {
   }
   if (options.bus.empty() || options.nodes.empty()) {
     throw std::runtime_error("a bus or the nodes are missing; see --help");
+  }
+  std::vector<std::uint8_t> nodes = options.nodes;
+  std::sort(nodes.begin(), nodes.end());
+  if (const auto twice = std::adjacent_find(nodes.begin(), nodes.end()); twice != nodes.end()) {
+    throw std::runtime_error("--nodes names node " + std::to_string(*twice) + " twice; give each drive its own number");
+  }
+  for (const auto& incident : options.incidents) {
+    expect_node(options, "--at", incident.node);
+  }
+  for (const auto& [node, ways] : options.peculiarities) {
+    expect_node(options, "--with", node);
   }
   std::sort(options.incidents.begin(), options.incidents.end(),
             [](const auto& a, const auto& b) { return a.at_s < b.at_s; });

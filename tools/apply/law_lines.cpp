@@ -48,7 +48,7 @@ auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std
   if (text.find(kEffortSchema) != std::string::npos) {
     return effort_lines(parse_effort_file(text, file), file, axis);
   }
-  if (text.find(kMachineSchema) != std::string::npos) {
+  if (text.find(kMachineFamily) != std::string::npos) {
     return machine_lines(text, file);
   }
   std::vector<std::string> force_law = force_lines(text, file, axis);

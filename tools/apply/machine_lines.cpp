@@ -2,7 +2,10 @@
 #include "capstan/tools/apply/machine_lines.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
+#include "capstan/firmware/parameters/parameter_text.hpp"
 #include "capstan/tools/support/toml_text.hpp"
 
 namespace capstan::tools {
@@ -37,6 +40,10 @@ void add_joint(const std::string& joint, const toml::table& table, const std::st
 }
 
 auto lines_of(const toml::table& root, const std::string& file) -> std::vector<std::string> {
+  if (root["schema"].value<std::string>() != kMachineSchema) {
+    throw BadInput(place(file, 1) + "the schema is not " + std::string(kMachineSchema) +
+                   "; give the machine.toml that 'capstan commission' of this version writes");
+  }
   std::vector<std::string> lines = {"maintenance open", "begin"};
   for (const auto& [key, node] : root) {
     const std::string joint(key.str());
@@ -57,6 +64,32 @@ auto lines_of(const toml::table& root, const std::string& file) -> std::vector<s
 }
 
 }  // namespace
+
+auto reports(const std::string& answer, const std::string& set_line) -> bool {
+  std::istringstream asked(set_line);
+  std::string command;
+  std::string name;
+  std::string text;
+  asked >> command >> name;
+  std::getline(asked >> std::ws, text);
+  std::istringstream answered(answer);
+  std::string answered_name;
+  std::string unit;
+  double value = 0.0;
+  if (!(answered >> answered_name >> value) || answered_name != name) {
+    return false;
+  }
+  answered >> unit;
+  std::istringstream parts(text);
+  std::string given_unit;
+  double wanted = 0.0;
+  parts >> wanted >> given_unit;
+  if (Q24 converted; given_unit != unit && parse_quantity(text, unit, converted) == ValueError::kNone) {
+    wanted = converted.to_double();
+  }
+  constexpr double kRounding = 8.1e-8;  // half of 2^-24, and half of the last decimal
+  return std::abs(value - wanted) <= kRounding;
+}
 
 auto machine_lines(const std::string& text, const std::string& file) -> std::vector<std::string> {
   return read_toml(text, file, "repair the line", [&file](const toml::table& root) { return lines_of(root, file); });

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/apply/law_lines.hpp"
 
-#include <cmath>
-#include <cstdio>
+#include <algorithm>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
+#include "capstan/tools/apply/machine_lines.hpp"
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -22,22 +21,12 @@ struct ApplyOptions {
   bool force = false;
 };
 
-/// Reads back what a 'set' line asked for. The board rounds to 2^-24 and prints what tells that step from the next,
-/// seven decimals; nothing else may differ.
+/// Reads back what a 'set' line asked for.
 void verify(ShellClient& shell, const std::string& set_line) {
-  std::istringstream words(set_line);
-  std::string command;
-  std::string name;
-  double wanted = 0.0;
-  words >> command >> name >> wanted;
-  for (const std::string& line : shell.ask("get " + name)) {
-    std::istringstream answer(line);
-    std::string answered_name;
-    double value = 0.0;
-    constexpr double kRounding = 8.1e-8;  // half of 2^-24, and half of the last decimal
-    if (answer >> answered_name >> value && answered_name == name && std::abs(value - wanted) <= kRounding) {
-      return;
-    }
+  const std::string name = set_line.substr(4, set_line.find(' ', 4) - 4);
+  const auto answers = shell.ask("get " + name);
+  if (std::any_of(answers.begin(), answers.end(), [&](const auto& answer) { return reports(answer, set_line); })) {
+    return;
   }
   throw Refusal("the board does not report " + name +
                 " as it was set; nothing was saved, so restart it and apply again");

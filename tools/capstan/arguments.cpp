@@ -60,6 +60,17 @@ void expect_folder(const CLI::Option& option) {
   }
 }
 
+/// Found out before minutes of work, or before a joint moves. A report makes its folders.
+void expect_folder_of(const std::vector<NamedFile>& written) {
+  for (const NamedFile& file : written) {
+    const auto folder = std::filesystem::path(file.path).parent_path();
+    if (file.option != "--report" && !folder.empty() && !std::filesystem::is_directory(folder)) {
+      throw BadInput(file.option + " " + file.path + ": there is no folder " + folder.string() +
+                     "; make it, or name another one");
+    }
+  }
+}
+
 void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
   for (auto output = written.begin(); output != written.end(); ++output) {
     const auto is_output = [&](const NamedFile& other) { return same_file(other.path, output->path); };
@@ -122,6 +133,7 @@ void expect_sound(const CLI::App& command) {
     }
   }
   expect_apart(read, written);
+  expect_folder_of(written);
   expect_maps_read(command);
 }
 

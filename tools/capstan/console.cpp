@@ -40,7 +40,9 @@ void add_console(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand("console", "serve the console page to this machine's browser, with a board");
   command->add_option("port", words->options.port,
                       "the board's shell: tcp:PORT, its serial device or pseudo-terminal; none: a simulated joint");
-  command->add_option("--listen", words->options.listen, "port of the page on 127.0.0.1; otherwise any that is free");
+  command
+      ->add_option("--listen", words->options.listen, "port of the page on 127.0.0.1; otherwise, or with 0, a free one")
+      ->check(CLI::Range(0, 65535));
   command->add_flag("--foxglove", words->options.foxglove, "show the signals by Foxglove's WebSocket protocol too");
   command->add_option("--scenario", words->scenario, "plant, effects and faults of the simulated joint, a TOML file");
   command->add_option("--page", words->options.page,

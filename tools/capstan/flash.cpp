@@ -144,6 +144,23 @@ auto default_image(const std::string& board) -> std::string {
   throw BadInput("no image for " + board + " is built; run 'cmake --workflow --preset stm32f405', or name a file");
 }
 
+/// Writes both pieces. Throws Refusal where that did not come to its end.
+void write_image(const std::string& programmer, const std::vector<CommandLine>& commands, HeldStops& stops) {
+  for (const CommandLine& command : commands) {
+    const int status = stops.came(std::chrono::milliseconds(0)) ? 0 : run_program(command, stops);
+    if (stops.came()) {
+      throw Refusal("stopped, and " + programmer +
+                    " with it; the board may hold half an image, so flash it again before it is used");
+    }
+    if (status != 0) {
+      throw Refusal(
+          programmer + " failed with status " + std::to_string(status) +
+          "; its own words are above. Check cable and supply (for dfu-util and stm32flash also that the board "
+          "started with BOOT0 high), then flash again: the board may hold half an image");
+    }
+  }
+}
+
 auto flash(const FlashOptions& options) -> int {
   if (options.board != "stm32f405") {
     throw BadInput("'" + options.board + "' is no board that is flashed; the one that is, is stm32f405");
@@ -155,27 +172,23 @@ auto flash(const FlashOptions& options) -> int {
   }
   std::cout << file << ": " << image.board << " " << image.version << " image " << hash_text(image.hash) << ", "
             << image.sector0.size() + image.code.size() << " bytes; the parameter banks stay as they are\n";
-  const PieceFolder folder;
-  const FlashJob job{folder.write("sector0.bin", image.sector0), folder.write("code.bin", image.code),
-                     options.boot_port};
   const std::string programmer = choose_programmer(options.tool, options.boot_port);
-  const auto commands = programming_commands(programmer, job);
-  if (options.dry_run) {
-    for (const CommandLine& command : commands) {
-      std::cout << joined(command, " ") << "\n";
-    }
-    return kExitDone;
-  }
-  if (!options.port.empty()) {
+  if (!options.dry_run && !options.port.empty()) {
     check_board(options);
   }
-  for (const CommandLine& command : commands) {
-    if (const int status = run_program(command); status != 0) {
-      throw Refusal(
-          programmer + " failed with status " + std::to_string(status) +
-          "; its own words are above. Check cable and supply (for dfu-util and stm32flash also that the board "
-          "started with BOOT0 high), then flash again: the board may hold half an image");
+  {
+    HeldStops stops;  // outlives the folder
+    const PieceFolder folder;
+    const FlashJob job{folder.write("sector0.bin", image.sector0), folder.write("code.bin", image.code),
+                       options.boot_port};
+    const auto commands = programming_commands(programmer, job);
+    if (options.dry_run) {
+      for (const CommandLine& command : commands) {
+        std::cout << joined(command, " ") << "\n";
+      }
+      return kExitDone;
     }
+    write_image(programmer, commands, stops);
   }
   if (options.port.empty()) {
     std::cout << "written by " << programmer

@@ -18,9 +18,8 @@ struct MjcfOptions {
 
 auto run_mjcf(const MjcfOptions& options) -> int {
   const Mjcf made = mjcf_of(read_joint_file(options.law), options.names);
-  if (!made.left_out.empty()) {
-    std::cerr << "warning: MuJoCo's tendons have no counterpart of " << joined(made.left_out)
-              << "; the simulated joint goes without\n";
+  for (const auto& warning : made.warnings) {
+    std::cerr << "warning: " << warning << "\n";
   }
   if (options.output.empty()) {
     std::cout << made.text;

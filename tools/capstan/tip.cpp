@@ -39,6 +39,11 @@ auto run_tip(const TipOptions& options) -> int {
                 << rounded(1e3 * error->largest_m) << " mm at most\n";
     }
   }
+  if (options.output.empty() && !track.errors[0] && !track.errors[1]) {
+    throw BadInput(options.log +
+                   ": no jaw has both estimates (q2_est_rad) and measured angles (q2_rad) to compare; run 'capstan "
+                   "replay' for estimates, or write the tips with -o FILE");
+  }
   if (!options.output.empty()) {
     write_text_file(options.output, log.text_with(track.names, track.columns));
     std::cerr << "wrote " << options.output << "\n";

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdlib>
 #include <sstream>
 
@@ -81,7 +80,25 @@ auto programming_commands(const std::string& programmer, const FlashJob& job) ->
           {"stm32flash", "-c", "-w", job.sector0_file, "-v", "-S", kSector0, "-g", kSector0, job.serial}};
 }
 
-auto run_program(const CommandLine& command) -> int {
+HeldStops::HeldStops() {
+  sigemptyset(&stops_);
+  sigaddset(&stops_, SIGINT);
+  sigaddset(&stops_, SIGTERM);
+  sigprocmask(SIG_BLOCK, &stops_, &usual_);
+}
+
+HeldStops::~HeldStops() {
+  sigprocmask(SIG_SETMASK, &usual_, nullptr);
+}
+
+auto HeldStops::came(std::chrono::milliseconds wait) -> bool {
+  const timespec most{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
+  const bool now = ::sigtimedwait(&stops_, nullptr, &most) > 0;
+  came_ = came_ || now;
+  return now;
+}
+
+auto run_program(const CommandLine& command, HeldStops& stops) -> int {
   std::vector<char*> words;
   for (const std::string& word : command) {
     words.push_back(const_cast<char*>(word.c_str()));
@@ -90,14 +107,22 @@ auto run_program(const CommandLine& command) -> int {
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
+  posix_spawnattr_t attributes;
+  ::posix_spawnattr_init(&attributes);
+  ::posix_spawnattr_setsigmask(&attributes, &stops.usual());
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = -1;
-  const int failed = ::posix_spawnp(&child, words[0], &actions, nullptr, words.data(), environ);
+  const int failed = ::posix_spawnp(&child, words[0], &actions, &attributes, words.data(), environ);
+  ::posix_spawnattr_destroy(&attributes);
   ::posix_spawn_file_actions_destroy(&actions);
   int status = 0;
   if (failed != 0) {
     return 127;
   }
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    if (stops.came(std::chrono::milliseconds(20))) {
+      ::kill(child, SIGTERM);
+    }
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }

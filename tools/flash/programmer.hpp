@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -27,7 +29,26 @@ auto choose_programmer(const std::string& wanted, const std::string& serial) -> 
 /// that lead to the fault handlers; verify where the program can; restart the chip at the end.
 auto programming_commands(const std::string& programmer, const FlashJob& job) -> std::vector<CommandLine>;
 
-/// Runs one command with its output on standard error; its exit status, 127 if it could not be started.
-auto run_program(const CommandLine& command) -> int;
+/// Keeps Ctrl-C and SIGTERM from ending this program while it lives; one that came ends it afterwards.
+class HeldStops {
+ public:
+  HeldStops();
+  HeldStops(const HeldStops&) = delete;
+  auto operator=(const HeldStops&) -> HeldStops& = delete;
+  ~HeldStops();
+  /// Whether one came within this time, or before.
+  [[nodiscard]] auto came(std::chrono::milliseconds wait) -> bool;
+  [[nodiscard]] auto came() const -> bool { return came_; }
+  /// What a program is to begin with.
+  [[nodiscard]] auto usual() const -> const sigset_t& { return usual_; }
+
+ private:
+  sigset_t stops_{}, usual_{};
+  bool came_ = false;
+};
+
+/// Runs one command with its output on standard error; its exit status, 127 if it could not be started. A stop that
+/// comes meanwhile ends it, too.
+auto run_program(const CommandLine& command, HeldStops& stops) -> int;
 
 }  // namespace capstan::tools

@@ -14,6 +14,12 @@ namespace {
 
 void read_conditioner(const SectionReader& reader, const toml::table& root, JointFile& joint) {
   const toml::table* table = reader.table(root, "conditioner");
+  if (table == nullptr && root.contains("force") && !root.contains("terms")) {
+    reader.fail(
+        root,
+        "the file has [force] alone, a law of the joint's torque, and one of the joint's angle is wanted; write "
+        "it into a board with 'capstan apply', or run it over a log with 'capstan replay'");
+  }
   if (table == nullptr) {
     reader.fail(root, "[conditioner] is missing; write it with direction_threshold and rate_time_constant");
   }

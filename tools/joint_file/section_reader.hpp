@@ -75,8 +75,8 @@ class SectionReader {
     }
     const double value = number(*entry->get("value"), key);
     if (value < limits.low || value > limits.high) {
-      fail(*node, key + " = " + rounded(value, 6) + " " + unit + " is out of range; it must be from " +
-                      rounded(limits.low, 6) + " to " + rounded(limits.high, 6));
+      fail(*node, key + " = " + rounded(value, 6) + (unit == "1" ? "" : " " + unit) +
+                      " is out of range; it must be from " + rounded(limits.low, 6) + " to " + rounded(limits.high, 6));
     }
     if (ci95 != nullptr && entry->get("ci95") != nullptr) {
       *ci95 = interval(*entry->get("ci95"), "ci95 of " + key);

@@ -25,6 +25,11 @@ constexpr double kMostJointTurns = 2.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kPulleys = 3.5;
 
+/// Only angles start anew after a turn.
+auto is_effort(const GateChannel& channel) -> bool {
+  return channel.role == ChannelRole::kMotorEffort || channel.role == ChannelRole::kJointEffort;
+}
+
 /// What a delay can be cured by.
 auto cure_of(double late_s) -> std::string {
   constexpr double kLongestS = TransportDelay<double>::kInfo.shapes[0].maximum;
@@ -72,7 +77,7 @@ class Gate {
       jump = std::max(jump, std::abs(x[row] - x[row - 1]));
     }
     const auto turn = nearest_turn(jump);
-    if (rows.size() == 1 && !turn) {
+    if (rows.size() == 1 && (!turn || is_effort(channel))) {
       add(ChannelFault::kJump, channel, std::move(rows), jump,
           "jumps by " + rounded(jump) +
               " here, once, as where two recordings are joined, a tendon slips or the zero is set anew" +
@@ -91,7 +96,9 @@ class Gate {
   void look_at(const GateChannel& channel) {
     const Eigen::VectorXd& x = *channel.values;
     if (auto rows = jump_rows(x); !rows.empty()) {
-      add_jumps(channel, std::move(rows));
+      if (rows.size() == 1 || !is_effort(channel)) {  // friction switches a torque to and fro between two levels
+        add_jumps(channel, std::move(rows));
+      }
       return;
     }
     const bool is_angle = channel.role == ChannelRole::kMotorAngle || channel.role == ChannelRole::kJointAngle;

@@ -65,10 +65,15 @@ auto gap_of(const JointFile& joint, double ratio) -> double {
   return std::abs(gain / ratio - 1.0) <= kGainOfAGap ? std::abs(gain) * shape(joint, "play", 0) : 0.0;
 }
 
-/// Of the spring between the hinges, N m/rad at the joint; 0: they are stiff. The joint lags by a tau, tau being the
-/// ratio times the joint's torque; a is the mean of both tendons.
+/// By which the joint lags per torque of the motor, rad/Nm: the mean of both tendons.
+auto lag_of(const JointFile& joint) -> double {
+  return -(coefficient(joint, "tendon_elongation", 0) + coefficient(joint, "tendon_elongation", 1)) / 2.0;
+}
+
+/// Of the spring between the hinges, N m/rad at the joint; 0: they are stiff. The motor's torque is the ratio times the
+/// joint's.
 auto stiffness_of(const JointFile& joint, double ratio) -> double {
-  const double lag = -(coefficient(joint, "tendon_elongation", 0) + coefficient(joint, "tendon_elongation", 1)) / 2.0;
+  const double lag = lag_of(joint);
   return lag * ratio > 0.0 ? 1.0 / (lag * ratio) : 0.0;
 }
 
@@ -92,13 +97,28 @@ auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf {
   }
   const double gap = gap_of(joint, ratio);
   const double stiffness = gap > 0.0 ? 0.0 : stiffness_of(joint, ratio);
+  const bool pushes = gap == 0.0 && lag_of(joint) * ratio < 0.0;
   Mjcf result;
+  std::vector<std::string> unknown;
   for (const auto& term : joint.terms) {
     const bool expressed = term == "motor_angle" || term == "joint_offset" || (term == "play" && gap > 0.0) ||
                            (term == "tendon_elongation" && stiffness > 0.0);
     if (!expressed) {
       result.left_out.push_back(term);
     }
+    if (!expressed && !(term == "tendon_elongation" && pushes)) {
+      unknown.push_back(term);
+    }
+  }
+  if (!unknown.empty()) {
+    result.warnings.push_back("MuJoCo's tendons have no counterpart of " + joined(unknown) +
+                              "; the simulated joint goes without");
+  }
+  if (pushes) {
+    result.warnings.push_back("with a ratio of " + rounded(ratio, 3) +
+                              " this law's tendon_elongation is a spring that pushes the joint on, which no tendon is; "
+                              "the simulated joint goes without. Count the joint the other way, --map with a minus on "
+                              "q2_rad, and identify the law again");
   }
   const double offset = coefficient(joint, "joint_offset", 0);
   std::string tendons;

@@ -18,7 +18,8 @@ struct MjcfNames {
 /// A law as the tendon of a simulated joint.
 struct Mjcf {
   std::string text;                   ///< to be included in a model
-  std::vector<std::string> left_out;  ///< terms of the law that MuJoCo's tendons have no counterpart of
+  std::vector<std::string> left_out;  ///< terms of the law that are not in it
+  std::vector<std::string> warnings;  ///< why, and the cure
 };
 
 /// The tendon between the two hinges: its ratio; its elasticity, from how far the joint lags behind under torque; the

@@ -286,9 +286,9 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
     for (const auto& [row, into] : rows) {
       if (set == "set" && name == prefix + row) {
         const std::optional<double> number = parse_number(value);
-        if (!number) {
+        if (!number || !std::isfinite(*number) || *number < 0.0) {
           throw BadInput("the dump's line '" + line +
-                         "' has no number; write 'dump' at the prompt and keep its answer");
+                         "' has no number of 0 or more; write 'dump' at the prompt and keep its answer");
         }
         *into = *number;
         ++found;

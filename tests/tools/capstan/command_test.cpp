@@ -357,8 +357,12 @@ TEST_F(Command, TipAppendsItsColumnsAndRefusesLengthsOfNoWrist) {
   const std::string log = "tip \"" + path("wrist.csv") + "\" ";
   EXPECT_EQ(run(log + "--pitch-to-jaw 0.009 --jaw 0.01 -o \"" + path("tips.csv") + "\"").status, 0);
   EXPECT_NE(read_text_file(path("tips.csv")).find("tip_left/z_m"), std::string::npos);
-  const Outcome turned = run(log + "--pitch-to-jaw 0.009 --jaw 0.01 --wrist-axes 0,2,1");
+  const Outcome turned =
+      run(log + "--pitch-to-jaw 0.009 --jaw 0.01 --wrist-axes 0,2,1 -o \"" + path("tips.csv") + "\"");
   EXPECT_EQ(turned.status, 0) << turned.output;
+  const Outcome nothing = run(log + "--pitch-to-jaw 0.009 --jaw 0.01");
+  EXPECT_EQ(nothing.status, 2);
+  EXPECT_NE(nothing.output.find("write the tips with -o"), std::string::npos) << nothing.output;
   for (const char* axes : {"0,0,1", "0 0 1"}) {
     const Outcome twice = run(log + "--pitch-to-jaw 0.009 --jaw 0.01 --wrist-axes " + axes);
     EXPECT_EQ(twice.status, 2);

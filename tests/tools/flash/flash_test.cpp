@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -345,6 +346,24 @@ TEST_F(FlashCommand, ProgramThatFailsIsReportedAndNothingIsCalledDone) {
   EXPECT_EQ(run("stm32f405 " + path("image.hex")), 1);
   EXPECT_TRUE(says("st-flash failed with status 9")) << output_;
   EXPECT_EQ(calls().find("sector0"), std::string::npos) << "no vectors for code that is not there";
+}
+
+TEST_F(FlashCommand, AStopEndsTheWritingProgramAndItsFolderAndSaysWhatTheBoardMayHold) {
+  const std::string program = path("bin/st-flash");
+  for (const char* signal : {"INT", "TERM"}) {
+    write_text_file(program, "#!/bin/sh\necho $$ > " + path("writer") + "\nexec sleep 60\n");
+    fs::permissions(program, fs::perms::owner_all);
+    fs::create_directories(path("tmp"));
+    const std::string command = "cd " + folder_.string() + " && TMPDIR=" + path("tmp") + " PATH=" + path("bin") +
+                                ":/usr/bin:/bin timeout --preserve-status -s " + signal + " 1 \"" + CAPSTAN_PROGRAM +
+                                "\" flash stm32f405 image.hex --tool st-flash > output 2>&1";
+    const int result = std::system(command.c_str());
+    output_ = read_text_file(path("output"));
+    EXPECT_TRUE(WIFEXITED(result) && WEXITSTATUS(result) == 1) << signal;
+    EXPECT_TRUE(says("the board may hold half an image")) << output_;
+    EXPECT_TRUE(fs::is_empty(path("tmp"))) << signal;
+    EXPECT_NE(::kill(std::stoi(read_text_file(path("writer"))), 0), 0) << "the writer still runs";
+  }
 }
 
 TEST_F(FlashCommand, WrongNamesAreBadInput) {

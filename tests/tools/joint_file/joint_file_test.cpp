@@ -253,15 +253,16 @@ TEST(JointFile, EveryMistakeGetsItsLineAndACure) {
       {kHead + "[terms.motor_angle]\nbeta = { value = 1.0, unit = \"rad\" }\n",
        "joint.toml:6: beta must be given in \"1\""},
       {kHead + "[terms.motor_angle]\nbeta = { value = 200, unit = \"1\" }\n",
-       "joint.toml:6: beta = 200 1 is out of range"},
+       "joint.toml:6: beta = 200 is out of range"},
       {kHead + "[terms.motor_angle]\nbeta = { value = 0.0, unit = \"1\" }\n", "too near zero"},
       {kHead + kRatio + "[terms.tendon_elongation]\ntop = { value = -1, unit = \"rad/Nm\" }\n", "bottom is missing"},
       {kHead + kRatio + "[terms.play]\ngain = { value = -0.1, unit = \"1\" }\n",
-       "joint.toml:8: gain = -0.1 1 is out of range; it must be from 0 to"},
+       "joint.toml:8: gain = -0.1 is out of range; it must be from 0 to"},
       {kHead + kRatio + "[terms.transport_delay]\ndelay = { value = 0.9, unit = \"s\" }\n",
        "joint.toml:8: delay = 0.9 s is out of range; it must be from 0 to 0.12"},
       {kHead + kRatio + "[feedforward]\ntorque_forward = { value = 1, unit = \"Nm\" }\n", "torque_backward is missing"},
       {"schema = \"capstan.joint/1\"\n" + kRatio, "[conditioner] is missing"},
+      {"schema = \"capstan.joint/1\"\n[force]\nmodel = \"pull_push\"\n", "[force] alone, a law of the joint's torque"},
   };
   for (const auto& one : cases) {
     const std::string message = refusal_of(one.text);

@@ -102,6 +102,20 @@ TEST(ChannelGate, AWrapIsUnwrappedByTheTurnOfItsSensor) {
   }
 }
 
+// Dry friction alone: only angles start anew after a turn.
+TEST(ChannelGate, ATorqueThatSwitchesBetweenTwoLevelsIsNotToldToBeUnwrapped) {
+  Log log;
+  for (Index i = 0; i < kRows; ++i) {
+    log.tau[i] = std::copysign(0.08, log.q1[std::min(i + 1, kRows - 1)] - log.q1[std::max<Index>(i - 1, 0)]);
+  }
+  for (const auto& word : found(log)) {
+    EXPECT_EQ(word.find("tau"), std::string::npos) << word;
+  }
+  log = {};
+  log.tau.tail(kRows / 2).array() += 2.0 * std::numbers::pi * log.tau.cwiseAbs().maxCoeff();
+  EXPECT_EQ(found(log).front(), "jump tau");
+}
+
 TEST(ChannelGate, ASingleJumpIsAWrapOnlyByATurn) {
   for (const auto& [jump, word] : {std::pair{9.0, "jump q2"}, {2.0 * std::numbers::pi, "wrapped q2"}}) {
     Log log;

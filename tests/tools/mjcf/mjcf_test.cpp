@@ -167,6 +167,17 @@ TEST(Mjcf, WhatHasNoCounterpartIsNamed) {
   EXPECT_EQ(mjcf_of(joint, {}).left_out, std::vector<std::string>{"play"});
 }
 
+// A spring that pushes is no tendon: it is a joint that is counted against its motor.
+TEST(Mjcf, ElongationOfTheOtherSignIsToldWithItsCure) {
+  JointFile joint = law({"motor_angle", "joint_offset", "tendon_elongation"});
+  EXPECT_TRUE(mjcf_of(joint, {}).warnings.empty());
+  joint.parameters.coefficients[joint.catalogue->term("motor_angle").first_coefficient] *= -1.0;
+  const auto warnings = mjcf_of(joint, {}).warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings.front().find("Count the joint the other way"), std::string::npos) << warnings.front();
+  EXPECT_EQ(warnings.front().find("no counterpart"), std::string::npos) << warnings.front();
+}
+
 TEST(Mjcf, ATendonJoinsTwoHingesThatHaveNames) {
   const JointFile joint = law({"motor_angle"});
   EXPECT_THROW(mjcf_of(joint, {.motor = ""}), BadInput);

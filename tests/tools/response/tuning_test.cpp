@@ -339,7 +339,9 @@ TEST(Tuning, ADumpGivesTheGainsAndAnotherTextIsRefused) {
   EXPECT_EQ(gains.rate_time_constant_s, 0.004);
   EXPECT_NEAR(gains.continuous_nm, 0.1, 1e-12);
   EXPECT_THROW(static_cast<void>(read_gains("hello", 0)), BadInput);
-  EXPECT_THROW(static_cast<void>(read_gains("set joint0.control.kp much", 0)), BadInput);
+  for (const char* wrong : {"much", "nan", "inf", "-1"}) {
+    EXPECT_THROW(static_cast<void>(read_gains(std::string("set joint0.control.kp ") + wrong, 0)), BadInput) << wrong;
+  }
 }
 
 TEST(Tuning, ThePageShowsBodeAndNyquist) {

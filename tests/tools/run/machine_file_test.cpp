@@ -31,6 +31,30 @@ TEST(MachineFile, SetsUpAnotherBoardAlike) {
   }
 }
 
+TEST(MachineFile, WhatTheBoardConvertedIsReadBackAsItWasSet) {
+  SimShell board{sim::Scenario{}};
+  board.ask("maintenance open");
+  for (const char* value : {"0.037 deg", "1 mrad", "0.002 rad", "0.0019"}) {
+    const std::string line = std::string("set joint0.control.reversal_angle ") + value;
+    board.ask(line);
+    const std::string answer = board.ask("get joint0.control.reversal_angle").front();
+    EXPECT_TRUE(reports(answer, line)) << answer << " for " << value;
+    EXPECT_FALSE(reports(answer, "set joint0.control.reversal_angle 3 mrad")) << answer;
+    EXPECT_FALSE(reports(answer, "set joint0.control.kp " + std::string(value))) << answer;
+  }
+  board.ask("set joint0.motor.encoder_counts 40000");
+  EXPECT_TRUE(reports(board.ask("get joint0.motor.encoder_counts").front(), "set joint0.motor.encoder_counts 40000"));
+}
+
+TEST(MachineFile, AnotherVersionsFileIsSaidToBeOne) {
+  try {
+    machine_lines("schema = \"capstan.machine/9\"\n[joint0]\n\"control.kp\" = \"0.5\"\n", "machine.toml");
+    ADD_FAILURE();
+  } catch (const BadInput& bad) {
+    EXPECT_NE(std::string(bad.what()).find("the schema is not capstan.machine/1"), std::string::npos) << bad.what();
+  }
+}
+
 TEST(MachineFile, WhatIsNoParameterIsRefusedWithItsLine) {
   for (const auto& [body, sentence] : std::vector<std::pair<std::string, std::string>>{
            {"[joint0]\n\"control.kp\" = 0.5\n", ":3: 'control.kp' is no parameter with its value in quotes"},
