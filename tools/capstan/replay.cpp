@@ -8,7 +8,6 @@
 #include "capstan/tools/jobs/replay_job.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/replay/effort_replay.hpp"
-#include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -56,20 +55,12 @@ auto run_force_replay(const ReplayOptions& options, const CsvLog& csv, Arithmeti
   if (law.parameters.kind == ForceLawKind::kNone) {
     return "";
   }
-  const ReplayedForce force = replay_force(read_motor_side(csv, options.logs.axis).tau_nm, law, arithmetic);
-  columns.add(axis_column(options.logs.axis, "tau_out_est_Nm"), force.torque_nm);
-  if (force.unknown > 0) {
-    warn("the past of the joint is taken as demagnetised in the first " + std::to_string(force.unknown) +
-         " samples; a log that begins with a full swing to one side does not need that");
-  }
-  if (force.beyond > 0) {
-    warn(std::to_string(force.beyond) + " samples lie beyond the torques of " + options.model +
-         ", which ends there; identify the law with more torque");
-  }
+  const Eigen::VectorXd torque = replay_torque(csv, options.logs.axis, law, arithmetic, warn);
+  columns.add(axis_column(options.logs.axis, "tau_out_est_Nm"), torque);
   const std::string measured = axis_column(options.logs.axis, "tau_out_Nm");
-  return csv.has(measured) ? "  error (RMSE) against " + measured + " " +
-                                 rounded(rms(csv.column(measured) - force.torque_nm)) + " Nm\n"
-                           : "";
+  return csv.has(measured)
+             ? "  error (RMSE) against " + measured + " " + rounded(rms(csv.column(measured) - torque)) + " Nm\n"
+             : "";
 }
 
 auto run_angle_replay(const ReplayOptions& options, const CsvLog& csv, Arithmetic arithmetic) -> int {

@@ -166,6 +166,13 @@ auto banks_of(const RunOptions& options) -> FileBanks {
   }
 }
 
+/// An option that has no effect beside another one would pass for done.
+void refuse_beside(const CLI::Option& one, const CLI::Option& other, const std::string& cure) {
+  if (one.count() > 0 && other.count() > 0) {
+    throw BadInput(other.get_name() + " has no effect with " + one.get_name() + "; " + cure);
+  }
+}
+
 auto run(const RunOptions& options) -> int {
   if (options.board != "sim") {
     throw BadInput("--board linux_rt takes all words that follow it; write it first: capstan run --board linux_rt ...");
@@ -181,13 +188,14 @@ void add_run(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<RunOptions>();
   CLI::App* command = app.add_subcommand("run", "run the firmware on the simulated joint");
   command->add_option("--scenario", options->scenario, "plant, effects, faults and motion, a TOML file");
-  command->add_option("--model", options->models,
-                      "law to load before the motion, a joint.toml (repeatable: for the first axis, the next, ...)");
+  const CLI::Option* model = command->add_option(
+      "--model", options->models,
+      "law to load before the motion, a joint.toml (repeatable: for the first axis, the next, ...)");
   command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")
       ->check(CLI::Range(0.001, 1e6));
-  command->add_option("--log", options->log, "CSV log to write");
-  command->add_option("--shell", options->shell,
-                      "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
+  const CLI::Option* log = command->add_option("--log", options->log, "CSV log to write");
+  const CLI::Option* shell = command->add_option(
+      "--shell", options->shell, "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
   command->add_option("--plant-effect", options->plant_effects,
                       "give the plant an effect, for instance play=0.03 (repeatable)");
   command->add_option("--fault", options->faults,
@@ -202,7 +210,11 @@ void add_run(CLI::App& app, int& exit_status) {
                    "sim, or, as the first word, linux_rt: the real-time program of this machine, which takes all "
                    "words that follow (capstan run --board linux_rt --help)")
       ->check(CLI::IsMember({"sim", "linux_rt"}));
-  command->callback([options, &exit_status] { exit_status = run(*options); });
+  command->callback([options, &exit_status, model, log, shell] {
+    refuse_beside(*shell, *model, "write the law into the running board with 'capstan apply LAW --port PORT'");
+    refuse_beside(*shell, *log, "record the running board with 'capstan record PORT -o LOG'");
+    exit_status = run(*options);
+  });
 }
 
 }  // namespace capstan::tools

@@ -99,6 +99,9 @@ struct PreisachFit : ForceFit {
   std::vector<double> half_intervals;  ///< of the table's values, in its order; infinite where undetermined
 };
 
+/// Lowest and highest torque of a reversal table and what the joint has there, with the half widths of their intervals.
+auto ends_of(const PreisachTable& table, double low_half, double high_half) -> std::vector<ForceParameter>;
+
 /// What joints answer from the lower end on whose relays fill one cell of the grid each: ones, then a column per cell,
 /// row by row of the grid below its diagonal. A reversal table is a sum of these.
 auto relay_columns(const Levels& levels, const Eigen::VectorXd& tau_nm) -> Eigen::MatrixXd;

@@ -125,7 +125,9 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
       throw BadInput(name + ": [force] has no number for " + parameter + "; write it as " + parameter +
                      " = { value = 1.0, unit = ... }, or identify the law anew");
     }
-    fit.parameters.push_back({parameter, section[parameter]["unit"].value<std::string>().value_or("1"), *value, 0.0});
+    const auto above = section[parameter]["ci95"][1].value<double>();
+    fit.parameters.push_back({parameter, section[parameter]["unit"].value<std::string>().value_or("1"), *value,
+                              above ? *above - *value : 0.0});
   };
   std::for_each(kWritten.begin(), kWritten.end(), read);
   const auto value_of = [&fit](std::size_t i) { return fit.parameters[i].value; };
@@ -138,6 +140,23 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
     fit.law.pull_weight = value_of(kWritten.size());
     fit.law.pull_push_weight = value_of(kWritten.size() + 1);
   }
+  return fit;
+}
+
+auto read_force_fit(const std::string& joint_file, const std::string& name) -> ForceFit {
+  ForceFit fit;
+  if (is_of_tendons(force_model(joint_file, name))) {
+    fit = read_pull_push(joint_file, name);
+  } else {
+    const PreisachTable table = read_preisach(joint_file, name);
+    const toml::table file = parse(joint_file, name);
+    const auto halves = file["force"]["ci95_half"];
+    const std::size_t last = table.levels - 1;
+    fit.parameters = ends_of(table, halves[0][0].value_or(0.0), halves[last][last].value_or(0.0));
+  }
+  const toml::table file = parse(joint_file, name);
+  fit.rmse_nm = file["force"]["rmse"]["value"].value_or(0.0);
+  fit.samples = file["force"]["samples"].value_or(0L);
   return fit;
 }
 

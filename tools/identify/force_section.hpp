@@ -21,6 +21,10 @@ auto force_model(const std::string& joint_file, const std::string& name) -> std:
 /// The file has a [force] section and no [terms]: nothing for the joint's angle.
 auto is_force_alone(const std::string& joint_file, const std::string& name) -> bool;
 
+/// What a [force] section says of its numbers and their fit; of a reversal table, its ends. Throws BadInput as the
+/// functions below.
+auto read_force_fit(const std::string& joint_file, const std::string& name) -> ForceFit;
+
 /// The pull-push law, or its blend with the pull law, of a joint file's [force] section, as far as it is written there.
 /// Throws BadInput: one sentence with file and cure where there is none or a number is missing.
 auto read_pull_push(const std::string& joint_file, const std::string& name) -> PullPushFit;

@@ -73,6 +73,14 @@ auto levels_for(const ForceRows& rows, const PreisachGrid& grid, PreisachFit& re
 
 }  // namespace
 
+auto ends_of(const PreisachTable& table, double low_half, double high_half) -> std::vector<ForceParameter> {
+  const std::size_t last = table.levels - 1;
+  return {{"input_low", "Nm", table.inputs[0], 0.0},
+          {"input_high", "Nm", table.inputs[last], 0.0},
+          {"saturation_low", "Nm", table.force(0, 0), low_half},
+          {"saturation_high", "Nm", table.force(last, last), high_half}};
+}
+
 auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid) -> PreisachFit {
   constexpr Eigen::Index kFewest = 200;
   ForceRows rows = averaged_rows(logs);
@@ -91,11 +99,8 @@ auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid) -
   result.table = with_weights(relays.levels, fit.theta);
   const std::size_t last = result.table.levels - 1;
   result.full_scale_nm = result.table.force(last, last) - result.table.force(0, 0);
-  result.parameters.push_back({"input_low", "Nm", result.table.inputs[0], 0.0});
-  result.parameters.push_back({"input_high", "Nm", result.table.inputs[last], 0.0});
   judge_values(fit, relays.columns, result);
-  result.parameters.push_back({"saturation_low", "Nm", result.table.force(0, 0), result.half_intervals.front()});
-  result.parameters.push_back({"saturation_high", "Nm", result.table.force(last, last), result.half_intervals.back()});
+  result.parameters = ends_of(result.table, result.half_intervals.front(), result.half_intervals.back());
   result.cure =
       "rise to every level of torque in turn and fall back to the lowest each time, as "
       "tools/scenarios/recipe_preisach.toml does for 11 (with levels = 20 in it for 21), or ask for fewer --levels";

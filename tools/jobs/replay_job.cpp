@@ -24,6 +24,20 @@ auto replay_angle(const CsvLog& log, int axis, const JointFile& joint, Arithmeti
   return done;
 }
 
+auto replay_torque(const CsvLog& log, int axis, const BoardForceLaw& law, Arithmetic arithmetic, const Say& warn)
+    -> Eigen::VectorXd {
+  ReplayedForce force = replay_force(read_motor_side(log, axis).tau_nm, law, arithmetic);
+  if (force.unknown > 0) {
+    warn("the past of the joint is taken as demagnetised in the first " + std::to_string(force.unknown) +
+         " samples; a log that begins with a full swing to one side does not need that");
+  }
+  if (force.beyond > 0) {
+    warn(std::to_string(force.beyond) +
+         " samples lie beyond the torques of the force law, which ends there; identify the law with more torque");
+  }
+  return std::move(force.torque_nm);
+}
+
 void refuse_saturated(long samples, const std::string& law) {
   if (samples > 0) {
     throw Refusal(std::to_string(samples) + " samples reached the end of the range of numbers (+-128); " +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/python/law.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/tools/identify/force_section.hpp"
@@ -27,6 +28,12 @@ void check_size(const Eigen::VectorXd& values, Eigen::Index samples, const std::
   }
 }
 
+/// A file's text without the line of its schema.
+auto without_schema(std::string text) -> std::string {
+  const std::size_t at = std::min(text.find("schema"), text.size());
+  return text.erase(at, text.find('\n', at) + 1 - at);
+}
+
 auto log_of(const Inputs& inputs, const JointFile& law) -> AxisLog {
   const Eigen::Index samples = inputs.q1.size();
   if (!(inputs.rate_hz > 0.0)) {
@@ -35,7 +42,7 @@ auto log_of(const Inputs& inputs, const JointFile& law) -> AxisLog {
   if (law.has("tendon_elongation") && !inputs.tau) {
     throw BadInput("the law has tendon_elongation and there is no tau; give the motor's torque in N m");
   }
-  if (law.coupled_to.size() > inputs.others.size()) {
+  if (law.coupled_to.size() != inputs.others.size()) {
     throw BadInput("the law is coupled to " + std::to_string(law.coupled_to.size()) + " other axes and others has " +
                    std::to_string(inputs.others.size()) + "; give q1 and tau of each");
   }
@@ -67,6 +74,8 @@ auto Law::read(const std::string& path) -> Law {
   law.text_ = read_text_file(path);
   if (is_effort_file(path)) {
     law.law_ = parse_effort_file(law.text_, path);
+  } else if (is_force_alone(law.text_, path)) {
+    law.law_ = Force{force_model(law.text_, path), read_force_fit(law.text_, path)};
   } else {
     law.law_ = parse_joint_file(law.text_, path);
   }
@@ -90,7 +99,6 @@ auto Law::from(const IdentifiedForce& identified, const std::string& model) -> L
   Law law;
   law.name_ = "the law";
   law.law_ = Force{model, identified.fit};
-  law.section_ = identified.section;
   law.text_ = with_force_section("", identified.section);
   law.notes_ = identified.fit.notes;
   return law;
@@ -175,12 +183,19 @@ auto Law::replay(const CsvLog& log, int axis, Arithmetic arithmetic, const Say& 
     } else {
       text = replay_effort(log, axis, *effort);
     }
-  } else if (kind() == "force") {
-    throw BadInput("a law of the joint's torque is not run over logs here; write it into a board with 'capstan apply'");
   } else {
-    const AngleReplay replayed = replay_angle(log, axis, joint(), arithmetic, warn);
-    text = replay_text(replayed.csv, axis, replayed.estimates);
-    saturated = replayed.estimates.saturated;
+    LogColumns columns;
+    CsvLog rows = log;
+    if (kind() == "angle") {
+      AngleReplay replayed = replay_angle(log, axis, joint(), arithmetic, warn);
+      columns = columns_of(axis, replayed.estimates);
+      saturated = replayed.estimates.saturated;
+      rows = std::move(replayed.csv);
+    }
+    if (const BoardForceLaw law = read_board_force_law(text_, name_); law.parameters.kind != ForceLawKind::kNone) {
+      columns.add(axis_column(axis, "tau_out_est_Nm"), replay_torque(rows, axis, law, arithmetic, warn));
+    }
+    text = rows.text_with(columns.names, columns.values);
   }
   refuse_saturated(saturated, name_);
   return CsvLog::parse(std::move(text), log.name());
@@ -188,7 +203,8 @@ auto Law::replay(const CsvLog& log, int axis, Arithmetic arithmetic, const Say& 
 
 void Law::save(const std::filesystem::path& path) const {
   const bool beside = kind() == "force" && std::filesystem::exists(path);
-  write_text_file(path.string(), beside ? with_force_section(read_text_file(path.string()), section_) : text_);
+  write_text_file(path.string(),
+                  beside ? with_force_section(read_text_file(path.string()), without_schema(text_)) : text_);
 }
 
 }  // namespace capstan::python

@@ -61,11 +61,10 @@ class Law {
  private:
   struct Force {
     std::string model;
-    tools::ForceFit fit;
+    tools::ForceFit fit;  ///< of a file: as far as it is written there
   };
   std::variant<tools::JointFile, tools::EffortLaw, Force> law_;
   std::string text_, name_;
-  std::string section_;  // of a force law
   std::vector<std::string> notes_;
 
   [[nodiscard]] auto joint() const -> const tools::JointFile&;

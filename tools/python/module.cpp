@@ -7,10 +7,12 @@
 #include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "capstan/tools/diagnose/next_experiment.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/jobs/diagnose_job.hpp"
+#include "capstan/tools/python/column.hpp"
 #include "capstan/tools/python/law.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -123,10 +125,16 @@ auto arithmetic_of(const std::string& name) -> Arithmetic {
   return name == "fixed" ? Arithmetic::kFixed : Arithmetic::kDouble;
 }
 
-auto log_from_columns(const std::map<std::string, Eigen::VectorXd>& columns) -> CsvLog {
+auto numbers_of(const std::optional<Column>& column) -> std::optional<Eigen::VectorXd> {
+  return column ? std::optional(column->values) : std::nullopt;
+}
+
+/// Cells are empty where nothing was measured.
+auto log_from_columns(const std::map<std::string, Column>& columns) -> CsvLog {
   Eigen::Index rows = -1;
   std::string text;
-  for (const auto& [name, values] : columns) {
+  for (const auto& [name, column] : columns) {
+    const Eigen::VectorXd& values = column.values;
     if (rows >= 0 && values.size() != rows) {
       throw BadInput("column " + name + " has " + std::to_string(values.size()) + " values and others have " +
                      std::to_string(rows) + "; give one for each row");
@@ -137,8 +145,9 @@ auto log_from_columns(const std::map<std::string, Eigen::VectorXd>& columns) -> 
   text += "\n";
   for (Eigen::Index row = 0; row < rows; ++row) {
     bool first = true;
-    for (const auto& [name, values] : columns) {
-      text += (first ? "" : ",") + exact(values[row]);
+    for (const auto& [name, column] : columns) {
+      const double value = column.values[row];
+      text += (first ? "" : ",") + (std::isnan(value) ? "" : exact(value));
       first = false;
     }
     text += "\n";
@@ -234,7 +243,8 @@ auto fit_of(const Law& law) -> py::object {
   }
   py::dict summary;
   summary["rmse"] = fit->rmse;
-  summary["gof_percent"] = law.kind() == "force" ? py::none() : py::object(py::float_(fit->gof_percent));
+  const bool has_gof = law.kind() != "force" && std::isfinite(fit->gof_percent);
+  summary["gof_percent"] = has_gof ? py::object(py::float_(fit->gof_percent)) : py::none();
   summary["samples"] = fit->samples;
   return summary;
 }
@@ -262,7 +272,8 @@ void add_logs(py::module_& module) {
       [](const path& file, const Maps& map) { return CsvLog::read(file.string(), parse_mappings(texts_of(map))); },
       py::arg("path"), py::arg("map") = std::vector<std::string>{},
       "Reads a log: CSV or MCAP, packed or not. `map` as --map: {'axis0/tau_Nm': 'current_A*0.0369'}.");
-  module.def("log", &log_from_columns, py::arg("columns"), "A log of arrays: {'time_s': t, 'axis0/q1_rad': q1, ...}.");
+  module.def("log", &log_from_columns, py::arg("columns"),
+             "A log of arrays: {'time_s': t, 'axis0/q1_rad': q1, ...}. NaN and what is masked are gaps.");
 }
 
 void add_laws(py::module_& module) {
@@ -280,14 +291,17 @@ void add_laws(py::module_& module) {
       .def("save", &Law::save, py::arg("path"), "Writes the law's file, for instance joint.toml.")
       .def(
           "run",
-          [](const Law& law, const Eigen::VectorXd& q1, const std::optional<Eigen::VectorXd>& tau, double rate_hz,
-             const std::string& arithmetic, const std::optional<Eigen::VectorXd>& temperature,
-             const std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>>& others) {
-            return law.run({q1, tau, temperature, others, rate_hz}, arithmetic_of(arithmetic));
+          [](const Law& law, const Column& q1, const std::optional<Column>& tau, double rate_hz,
+             const std::string& arithmetic, const std::optional<Column>& temperature,
+             const std::vector<std::pair<Column, Column>>& others) {
+            Inputs inputs{q1.values, numbers_of(tau), numbers_of(temperature), {}, rate_hz};
+            for (const auto& [other_q1, other_tau] : others) {
+              inputs.others.emplace_back(other_q1.values, other_tau.values);
+            }
+            return law.run(inputs, arithmetic_of(arithmetic));
           },
           py::arg("q1"), py::arg("tau") = py::none(), py::kw_only(), py::arg("rate_hz") = 1000.0,
-          py::arg("arithmetic") = "double", py::arg("temperature") = py::none(),
-          py::arg("others") = std::vector<std::pair<Eigen::VectorXd, Eigen::VectorXd>>{},
+          py::arg("arithmetic") = "double", py::arg("temperature") = py::none(), py::arg("others") = py::tuple(),
           "Runs a law of a joint angle over arrays: motor angle in rad, motor torque in N m, evenly sampled.\n"
           "arithmetic='fixed' is the board's, bit for bit, at 1000 Hz only.")
       .def(

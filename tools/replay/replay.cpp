@@ -60,9 +60,4 @@ auto columns_of(int axis, const Replayed& replayed) -> LogColumns {
   return columns;
 }
 
-auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string {
-  const LogColumns columns = columns_of(axis, replayed);
-  return csv.text_with(columns.names, columns.values);
-}
-
 }  // namespace capstan::tools

@@ -36,7 +36,4 @@ struct LogColumns {
 };
 auto columns_of(int axis, const Replayed& replayed) -> LogColumns;
 
-/// The log with the estimates appended as columns of the axis.
-auto replay_text(const CsvLog& csv, int axis, const Replayed& replayed) -> std::string;
-
 }  // namespace capstan::tools

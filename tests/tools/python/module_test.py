@@ -113,6 +113,19 @@ class Module(unittest.TestCase):
         with self.assertRaisesRegex(capstan.BadInput, "column time_s has 2 values"):
             capstan.log({"axis0/q1_rad": numpy.zeros(3), "time_s": numpy.zeros(2)})
 
+    def test_masked_values_and_nan_are_gaps(self):
+        masked = numpy.ma.masked_array([1.0, 2.0, 3.0], mask=[False, True, False])
+        for values in (masked, numpy.array([1.0, numpy.nan, 3.0])):
+            log = capstan.log({"time_s": numpy.arange(3.0), "axis0/q1_rad": values})
+            self.assertTrue(numpy.array_equal(log.with_gaps("axis0/q1_rad"), [1, numpy.nan, 3], equal_nan=True))
+        columns = joint()
+        columns["axis0/tau_Nm"] = numpy.ma.masked_array(columns["axis0/tau_Nm"], mask=True)
+        with self.assertRaisesRegex(capstan.BadInput, "axis0/tau_Nm is empty"):
+            capstan.identify(capstan.log(columns))
+        law = capstan.identify(capstan.log(joint()))
+        with self.assertRaisesRegex(capstan.BadInput, r"q1\[1\] is not a finite number"):
+            law.run(masked, [0.0, 0.0, 0.0])
+
     def test_gaps_are_nan_only_where_they_are_asked_for(self):
         path = self.folder / "gaps.csv"
         path.write_text("time_s,axis0/q1_rad\n0,1\n0.1,\n0.2,3\n")
@@ -150,6 +163,7 @@ class Module(unittest.TestCase):
         for wrong, part in ((lambda: law.run([0.0, 1.0], [0.0]), "tau has 1 values and q1 has 2"),
                             (lambda: law.run([0.0, 1.0]), "there is no tau"),
                             (lambda: law.run([0.0, numpy.nan], [0.0, 0.0]), r"q1\[1\] is not a finite number"),
+                            (lambda: law.run([0.0], [0.0], others=[([0.0], [0.0])]), "coupled to 0 other axes and others has 1"),
                             (lambda: law.run([0.0], [0.0], arithmetic="float"), "arithmetic is 'float'"),
                             (lambda: law.run([0.0], [0.0], rate_hz=0.0), "rate_hz is 0"),
                             (lambda: capstan.identify([]), "there is no log"),
@@ -236,6 +250,36 @@ class Module(unittest.TestCase):
         law = capstan.identify(capstan.log(joint()))
         with self.assertRaisesRegex(capstan.Refusal, "reached the end of the range of numbers"):
             law.run(numpy.linspace(0, 500, 1000), numpy.zeros(1000), arithmetic="fixed")
+
+    def test_force_law_is_read_again_and_replayed_as_by_the_program(self):
+        path = self.folder / "held.csv"
+        for model in ("pull_push", "preisach"):
+            scenario = pathlib.Path(__file__).parents[3] / f"tools/scenarios/recipe_{model}.toml"
+            self.assertEqual(self.program("run", "--scenario", scenario, "--log", path).returncode, 0)
+            law = capstan.identify(path, model)
+            law.save(self.folder / "force.toml")
+            again = capstan.load_law(self.folder / "force.toml")
+            self.assertEqual((again.kind, again.terms, again.text), ("force", [model], law.text))
+            self.assertEqual(again.fit["samples"], law.fit["samples"])
+            for name, number in law.parameters.items():
+                self.assertEqual(again.parameters[name]["value"], number["value"])
+                self.assertEqual(again.parameters[name]["ci95"] is None, number["ci95"] is None)
+            out = self.folder / "out.csv"
+            self.assertEqual(self.program("replay", path, "--model", self.folder / "force.toml", "-o", out).returncode, 0)
+            theirs = capstan.read_log(out)["axis0/tau_out_est_Nm"]
+            for one in (law, again):
+                self.assertEqual(one.replay(path)["axis0/tau_out_est_Nm"].tobytes(), theirs.tobytes())
+        angle = self.folder / "both.toml"
+        capstan.identify(capstan.log(joint())).save(angle)
+        again.save(angle)  # beside the law of the angle
+        both = capstan.load_law(angle)
+        self.assertEqual(both.kind, "angle")
+        self.assertEqual(both.text.count("schema"), 1)
+        self.assertEqual(both.replay(path)["axis0/tau_out_est_Nm"].tobytes(), theirs.tobytes())
+        refused = self.program("run", "--scenario", scenario, "--model", self.folder / "force.toml")
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("a law of the joint's torque", refused.stderr)
+        self.assertIn("capstan apply", refused.stderr)
 
     def test_effort_law_is_replayed(self):
         t, q = motion(30.0, 500.0)
