@@ -190,7 +190,7 @@ void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
   }
   out << alarms.false_stops() << " false stops, and " << std::ssize(alarms.stops) - alarms.false_stops()
       << " of joints that ran or were held beyond their limits, in " << alarms.hours << " simulated hours of "
-      << alarms.plants << " drawn joints\n";
+      << alarms.plants << (alarms.plants == 1 ? " drawn joint" : " drawn joints") << ", five minutes each at most\n";
 }
 
 }  // namespace capstan::tools

@@ -37,6 +37,18 @@ TEST_F(Arguments, SeedsAreCounts) {
   EXPECT_EQ(run("run --for 0.01 --seed 18446744073709551615").status, 0);
 }
 
+TEST_F(Arguments, AnOptionThatWouldHaveNoEffectIsRefused) {
+  expect_refused(run("run --shell stdio --fast --model law.toml < /dev/null"), "capstan apply");
+  expect_refused(run("run --shell stdio --fast --log log.csv < /dev/null"), "capstan record");
+  EXPECT_FALSE(exists("log.csv"));
+  expect_refused(run("faults --seed 5"), "--seed requires --hours");
+  expect_refused(run("faults --tuned"), "--tuned requires --hours");
+  expect_refused(run("faults --hours 0.001 --fmea"), "--fmea excludes --hours");
+  expect_refused(run("faults --hours 0.001 --all"), "--all excludes --hours");
+  const Outcome shortest = run("faults --hours 0.001");
+  EXPECT_NE(shortest.output.find("of 1 drawn joint, five minutes each at most"), std::string::npos) << shortest.output;
+}
+
 TEST_F(Arguments, NoOutputReplacesAnInput) {
   const std::string log = write_log(short_log(100.0));
   const std::string text = read_text_file(path("log.csv"));
@@ -64,6 +76,19 @@ TEST_F(Arguments, NoFileIsWrittenTwice) {
   expect_refused(run("diagnose " + log + " --report " + one + " --json " + one), "would write the same file");
   expect_refused(run("commission --corridor 0.5 --yes --machine commission.txt"), "--state and --machine would write");
   EXPECT_FALSE(exists("one"));
+}
+
+TEST_F(Arguments, AnOutputsFolderIsThereBeforeTheWorkBegins) {
+  expect_refused(run("commission --corridor 0.8 --yes --machine /nonexistent/machine.toml"),
+                 "--machine /nonexistent/machine.toml: there is no folder /nonexistent; make it");
+  EXPECT_FALSE(exists("commission.txt"));
+}
+
+TEST_F(Arguments, APortIsANumberThatPortsHave) {
+  for (const char* port : {"99999", "80x", "-1"}) {
+    expect_refused(run(std::string("console --listen ") + port),
+                   "--listen: Value " + std::string(port) + " not in range 0 to 65535");
+  }
 }
 
 TEST_F(Arguments, AReportGoesIntoAFolder) {
