@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -23,6 +24,11 @@ struct IdentifyOptions {
   TendonDrawing drawing;
 };
 
+/// A law that says the same throughout has none.
+auto gof_text(double percent) -> std::string {
+  return std::isfinite(percent) ? rounded(percent) + " %" : "none";
+}
+
 auto run_identify(const IdentifyOptions& options) -> int {
   if (options.model != "preisach" && (options.grid.levels != kPreisachLevels || options.grid.adaptive)) {
     throw BadInput("--levels and --adaptive-levels are of --model preisach; leave them out for " + options.model);
@@ -42,7 +48,7 @@ auto run_identify(const IdentifyOptions& options) -> int {
             << "  parameter                                 value  95 % interval              unit\n"
             << law_table(result.joint, result.undetermined);
   std::cout << "  error (RMSE) " << error_text(result.joint.fit->rmse, done.form.catalogue->target_unit())
-            << ", goodness of fit " << rounded(result.joint.fit->gof_percent) << " %\n";
+            << ", goodness of fit " << gof_text(result.joint.fit->gof_percent) << "\n";
   if (result.joint.fit->pretension) {
     std::cout << "  " << pretension_sentence(*result.joint.fit->pretension) << "\n";
   }

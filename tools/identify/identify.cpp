@@ -46,13 +46,20 @@ auto column_names(const LawForm& form) -> std::vector<std::string> {
   return names;
 }
 
-void note_bounds(const LinearFit& fit, const LawForm& form, int axis, std::vector<std::string>& notes) {
+void note_bounds(const LinearFit& fit, const LawForm& form, const AxisLog& log, std::vector<std::string>& notes) {
   const auto names = column_names(form);
+  const auto beta = std::find(names.begin(), names.end(), "motor_angle.beta");
+  const bool crossed = beta != names.end() && fit.theta[beta - names.begin()] < 0.0;
+  // Of a joint that is counted against its motor, a torque that is turned too would make a law that acts the wrong way.
+  const std::string why =
+      crossed ? "the joint is counted against its motor, and effects have the signs of one that goes with it; count it "
+                "the other way (--map \"" +
+                    log.target + "=COLUMN*-1\")"
+              : "the logs ask for the sign that physics forbids; check the sign of tau_Nm (--map \"" +
+                    axis_column(log.number, "tau_Nm") + "=COLUMN*-1\" turns it)";
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (fit.at_bound[i] && fit.tolerance[static_cast<Eigen::Index>(i)] > 0.0) {
-      notes.push_back(names[i] +
-                      " is held at 0: the logs ask for the sign that physics forbids; check the sign of tau_Nm " +
-                      "(--map \"" + axis_column(axis, "tau_Nm") + "=COLUMN*-1\" turns it)");
+      notes.push_back(names[i] + " is held at 0: " + why);
     }
   }
 }
@@ -334,7 +341,7 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
   const LinearFit first = fit_columns(columns, target, halves, signs);
   const Blocks blocks = interval_blocks(pieces_of(design.log_rows()), target - columns * first.theta);
   const LinearFit fit = fit_columns(columns, target, blocks, signs);
-  note_bounds(fit, form, logs.front().number, result.notes);
+  note_bounds(fit, form, logs.front(), result.notes);
   result.undetermined = undetermined_coefficients(fit, form, columns, target);
   result.joint = law_with_intervals(design, target, blocks, form, conditioner);
   if (form.catalogue->target() == TargetKind::kEffort) {

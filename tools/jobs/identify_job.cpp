@@ -2,6 +2,7 @@
 #include "capstan/tools/jobs/identify_job.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "capstan/tools/identify/force_section.hpp"
@@ -21,6 +22,24 @@ auto short_list(const std::vector<std::string>& names) -> std::string {
   }
   const std::vector<std::string> shown(names.begin(), names.begin() + kShown);
   return joined(shown) + " and " + std::to_string(names.size() - kShown) + " more";
+}
+
+/// Why a law that was fitted is not sure to be one of the joint; empty: nothing speaks against it.
+auto doubt_of(const JointFile& law) -> std::string {
+  const double gof = law.fit->gof_percent;
+  if (law.has("motor_angle")) {
+    const auto& beta = law.coefficient_ci95[law.catalogue->term("motor_angle").first_coefficient];
+    if (beta && (*beta)[0] <= 0.0 && (*beta)[1] >= 0.0) {
+      return "the log does not show that the joint follows its motor (the interval of motor_angle.beta holds 0), so "
+             "the law is provisional; check the joint's sensor and the column that it is read from";
+    }
+  }
+  if (!(gof > 0.0)) {  // what is left is larger than all that the law says
+    return "the law leaves more than it explains" +
+           (std::isfinite(gof) ? " (goodness of fit " + rounded(gof, 3) + " %)" : std::string()) +
+           ", so it is provisional; choose another --model, or check the columns (--map, --target)";
+  }
+  return "";
 }
 
 template <typename Fit>
@@ -51,6 +70,10 @@ auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
   }
   done.result = identify(done.logs, done.form);
   put_into_newtons(job.drawing, done.result.joint);
+  if (const std::string doubt = doubt_of(done.result.joint); !doubt.empty()) {
+    done.result.joint.status = LawStatus::kProvisional;
+    warn(doubt);
+  }
   return done;
 }
 

@@ -73,6 +73,10 @@ void request_target(const std::string& target, const std::string& model, AxisReq
     throw Refusal("the target " + target + " is a current or a voltage; turn it into a torque with " +
                   "--map \"axis0/tau_Nm=" + target + "*FACTOR\" --target axis0/tau_Nm");
   }
+  if (target.ends_with("/q1_rad") || target.ends_with("/q1_m")) {
+    throw BadInput("the target " + target + " is the motor's, by which a law explains the joint; name the joint's, " +
+                   target.substr(0, target.find('/')) + "/q2_rad");
+  }
   request.target = target;
   request.force = is_force_model(model);
   request.effort =

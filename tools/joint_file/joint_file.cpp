@@ -2,6 +2,7 @@
 #include "capstan/tools/joint_file/joint_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -65,9 +66,14 @@ auto numbers_text(const Numbers& numbers) -> std::string {
   return text;
 }
 
+/// A law that says the same throughout has no goodness of fit.
+auto gof_line(double percent) -> std::string {
+  return std::isfinite(percent) ? "gof_percent = " + exact(percent) + "\n" : "";
+}
+
 auto fit_text(const FitSummary& fit, const std::string& unit) -> std::string {
-  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse, unit, {}) + "gof_percent = " + exact(fit.gof_percent) +
-                     "\nsamples = " + std::to_string(fit.samples) + "\n";
+  std::string text = "\n[fit]\nrmse = " + quantity(fit.rmse, unit, {}) + gof_line(fit.gof_percent) +
+                     "samples = " + std::to_string(fit.samples) + "\n";
   if (fit.motor_range) {
     text += "motor_range = [" + exact((*fit.motor_range)[0]) + ", " + exact((*fit.motor_range)[1]) + "]\n" +
             "joint_range = " + exact(fit.joint_range) + "\n";
