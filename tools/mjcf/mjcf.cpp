@@ -102,7 +102,7 @@ auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf {
   std::vector<std::string> unknown;
   for (const auto& term : joint.terms) {
     const bool expressed = term == "motor_angle" || term == "joint_offset" || (term == "play" && gap > 0.0) ||
-                           (term == "tendon_elongation" && stiffness > 0.0);
+                           (term == "tendon_elongation" && gap == 0.0 && !pushes);
     if (!expressed) {
       result.left_out.push_back(term);
     }

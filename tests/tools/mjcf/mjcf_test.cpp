@@ -176,6 +176,9 @@ TEST(Mjcf, ElongationOfTheOtherSignIsToldWithItsCure) {
   ASSERT_EQ(warnings.size(), 1U);
   EXPECT_NE(warnings.front().find("Count the joint the other way"), std::string::npos) << warnings.front();
   EXPECT_EQ(warnings.front().find("no counterpart"), std::string::npos) << warnings.front();
+  const std::size_t elongation = joint.catalogue->term("tendon_elongation").first_coefficient;
+  joint.parameters.coefficients[elongation] = joint.parameters.coefficients[elongation + 1] = 0.0;
+  EXPECT_TRUE(mjcf_of(joint, {}).warnings.empty()) << "a tendon that does not stretch is stiff";
 }
 
 TEST(Mjcf, ATendonJoinsTwoHingesThatHaveNames) {
