@@ -108,10 +108,9 @@ const std::vector<Cause> kCauses = {
      }},
     {"the motor runs away", Fault::kOverspeed, 80, true,
      [](Rig& rig) {
-       const double counts_per_rad = AxisConfig{}.motor.encoder_counts_per_turn / 6.283185307179586;
-       const auto step = static_cast<std::int32_t>(0.05 * counts_per_rad);  // 50 rad/s of 60 that the encoder may
-       rig.disturb = [step, shift = std::int32_t{0}](Sensed<1>& s) mutable {
-         s.axis[0].encoder_counts += shift += step;
+       rig.disturb = [&motor = rig.io.motors[0], at = rig.io.motors[0].angle_rad](Sensed<1>&) mutable {
+         motor.angle_rad = at += 0.02;  // 20 rad/s of the 60 that the encoder may
+         motor.speed_rad_s = 0.0;
        };
      }},
     {"the watchdog ended the last run", Fault::kWatchdog, 1, false,
