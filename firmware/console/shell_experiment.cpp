@@ -142,8 +142,10 @@ auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t ax
     }
     if (!parse_option(word, recipe, setup, options)) {
       session.out() << "error option: '" << word << "' is not understood by " << recipe.name
-                    << ", and nothing moved; write 'amplitude=0.2rad " << recipe.rungs << '=' << recipe.usual_rungs[0]
-                    << recipe.rungs_unit << "', numbers in their range; 'help experiment' shows all\r\n";
+                    << ", and nothing moved; write 'amplitude=" << recipe.amplitude
+                    << (recipe.recipe == Recipe::kTorqueTriangle ? "Nm " : "rad ") << recipe.rungs << '='
+                    << recipe.usual_rungs[0] << recipe.rungs_unit
+                    << "', numbers in their range; 'help experiment' shows all\r\n";
       session.refused();
       return nullptr;
     }

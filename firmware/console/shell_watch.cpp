@@ -68,7 +68,7 @@ auto parse_signals(std::string_view words, std::size_t axes, std::array<Signal, 
 void refuse_signals(Session& session) {
   session.error("unknown_signal",
                 "a signal is unknown or named twice, or there are more than 8, and nothing was changed",
-                "'scope signals' shows all of them; write 'joint0.q2'");
+                "'scope signals' shows all of them; name them as in 'watch joint0.q2'");
 }
 
 void commands::watch(Session& session, std::string_view arguments) {

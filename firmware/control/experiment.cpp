@@ -123,13 +123,13 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
   }
   constexpr std::int32_t kMost = 1000;
   if (setup.amplitude <= Q24{} || setup.rung_count == 0 || lowest_rung(setup) <= Q24{}) {
-    return "amplitude, frequencies and speeds are above 0; correct them";
+    return "amplitude, frequencies, speeds and rates have to be above 0; correct them";
   }
   if (setup.cycles < 1 || setup.cycles > kMost || setup.repeats < 1 || setup.repeats > kMost) {
-    return "cycles and repeats are 1 to 1000; correct them";
+    return "cycles and repeats have to be 1 to 1000; correct them";
   }
   if (setup.decay_per_s < Q24{}) {
-    return "a decay is 0 or more, and this one would grow; correct it";
+    return "a decay has to be 0 or more, for with this one the motion would grow; correct it";
   }
   const LimitConfig& limits = config.limits;
   if (setup.recipe == Recipe::kTorqueTriangle) {

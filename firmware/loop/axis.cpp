@@ -128,9 +128,9 @@ auto Axis::rt_faults(const MotorState& motor, const JointEstimate& estimate, boo
     faults |= limit_cycle_.rt_step(motor, modes_.reference(), pushed);
     // What the winding's heat holds back does not go on with the reference, so no count has to answer it.
     const bool held_back = (gate_.limits() & bit(Limit::kThermal)) != 0;
-    const bool begins = modes_.rt_took_begin();
-    faults |= monitors_.rt_watch_speed(config_.limits, motor.q1_rad, estimator_.law().beta(), !pushed && !begins) |
-              monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(), begins || held_back) |
+    faults |= monitors_.rt_watch_speed(config_.limits, motor.q1_rad, estimator_.law().beta(), !pushed) |
+              monitors_.rt_watch_motion(config_.limits, motor, estimate, modes_.reference(),
+                                        modes_.rt_took_begin() || held_back) |
               (modes_.rt_stream_lost() ? bit(Fault::kLinkLost) : 0);
   }
   return faults;

@@ -14,8 +14,6 @@ constexpr Q24 kOverCurrentFactor = Q24::from_double(1.2);
 // 8 ms by 2.7 times at most, of joints drawn as for the false alarms and of tuned ones (seeds 570001 to 581008, 28
 // November 2026). That is half of what this and limits.fault_travel allow there.
 constexpr Q24 kSpeedFactor = Q24::from_int(2);
-// Stretched tendons let a motor spring back when what held it goes.
-constexpr std::int32_t kSettleCycles = 64;
 
 auto cycles_in(Q24 duration_s) -> std::int32_t {
   return static_cast<std::int32_t>((static_cast<std::int64_t>(duration_s.raw()) * kCycleRateHz) >> Q24::kFrac);
@@ -93,7 +91,7 @@ auto Monitors::rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta, b
 }
 
 void Monitors::rt_rest() {
-  cycles_of_own_ = 0;
+  cycles_of_own_ = kSettleCycles - static_cast<std::int32_t>(kPaceCycles) - 1;  // nothing has stretched the tendons
   cycles_off_reference_ = 0;
   still_cycles_ = 0;
 }

@@ -29,7 +29,9 @@ class Monitors {
   static constexpr std::size_t kPaceCycles = 8;
   std::array<Q24, kPaceCycles> way_{};  // of the motor, a ring ...
   std::size_t paces_ = 0;               // ... from here on
-  std::int32_t cycles_of_own_ = 0;      // in which the servo alone moved the motor
+  /// Stretched tendons let a motor spring back when what held it goes.
+  static constexpr std::int32_t kSettleCycles = 64;
+  std::int32_t cycles_of_own_ = 0;  // in which the servo alone moved the motor; at rest what leaves a ring to fill
 
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;

@@ -108,6 +108,12 @@ class PageSocket final : public Guest, public std::enable_shared_from_this<PageS
     socket_.set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
     constexpr std::size_t kMostAtOnce = std::size_t{64} * 1024;
     socket_.read_message_max(kMostAtOnce);
+    // A read ends only once the peer has closed its side of the line too, which one that is stuck never does.
+    socket_.control_callback([this](websocket::frame_type kind, beast::string_view) {
+      if (kind == websocket::frame_type::close) {
+        leave();
+      }
+    });
     socket_.async_accept(request, [self = this->shared_from_this()](const error_code& error) {
       if (!error) {
         self->there_ = true;

@@ -326,5 +326,21 @@ TEST(ShellPalpate, AFreeJointThatRunsAwayIsHeldAndTheAnswerSaysSo) {
   EXPECT_LT(std::fabs(bench.io.motors[0].speed_rad_s), 0.05);
 }
 
+TEST(ShellExperiment, TheExampleOfARefusalIsItselfTaken) {
+  for (const char* recipe : {"sine_ladder", "multisine", "speed_ladder", "torque_triangle"}) {
+    Bench bench;
+    bench.say("maintenance open");
+    bench.say("arm");
+    const std::string order = std::string("experiment joint0 ") + recipe;
+    const std::string refusal = bench.say(order + " cycles=-1");
+    const std::size_t begin = refusal.find("write '") + 7;
+    const std::string example = refusal.substr(begin, refusal.find('\'', begin) - begin);
+    ASSERT_EQ(example.rfind("amplitude=", 0), 0U) << refusal;
+    const std::string answer = bench.say(order + " " + example);
+    EXPECT_EQ(answer.find("error option"), std::string::npos) << order << " " << example << ": " << answer;
+    EXPECT_EQ(answer.find("error range"), std::string::npos) << order << " " << example << ": " << answer;
+  }
+}
+
 }  // namespace
 }  // namespace capstan

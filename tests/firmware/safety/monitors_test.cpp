@@ -60,6 +60,18 @@ TEST(Monitors, AMotorThatRunsAwayIsStoppedWithin8Ms) {
   EXPECT_EQ(overspeed_ms(10.2, 1.0), -1);
 }
 
+TEST(Monitors, AMotorMayRunAwayFromItsFirstCycleWithTorqueOn) {
+  Monitors monitors;
+  monitors.rt_rest();
+  LimitConfig limits;
+  int found_ms = -1;
+  for (int ms = 0; ms < 20 && found_ms < 0; ++ms) {
+    const FaultSet faults = monitors.rt_watch_speed(limits, Q24::from_double(1.0 + 0.02 * ms), Q24::from_int(1), true);
+    found_ms = faults == bit(Fault::kOverspeed) ? ms : -1;
+  }
+  EXPECT_EQ(found_ms, 8) << "before, the ring has places that nothing was written to";
+}
+
 TEST(Monitors, WhatCountsIsTheSpeedAtTheJoint) {
   EXPECT_EQ(overspeed_ms(20.4, 0.5), -1);
   EXPECT_EQ(overspeed_ms(5.2, -2.0), 8);

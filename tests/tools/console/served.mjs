@@ -117,6 +117,15 @@ export async function foxglove(served, options = {}) {
 }
 
 /** Ends what a test has left. */
+/** A WebSocket to the board as a page has it; `heard` is what it was told. */
+export async function boardSocket(served) {
+  const socket = new WebSocket(`ws://127.0.0.1:${served.port}/${served.token}/board`, { origin: `http://127.0.0.1:${served.port}` });
+  const heard = [];
+  socket.on('message', (data, binary) => binary || heard.push(String(data)));
+  await new Promise((resolve, reject) => socket.on('open', resolve).on('error', reject));
+  return { socket, heard };
+}
+
 export function endAll() {
   for (const child of running) {
     try {

@@ -4,8 +4,8 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { createServer, request } from 'node:http';
 import test, { afterEach } from 'node:test';
-import { arm, pages } from './browser.mjs';
-import { console_, endAll, foxglove } from './served.mjs';
+import { arm, eventually, pages } from './browser.mjs';
+import { boardSocket, console_, endAll, foxglove } from './served.mjs';
 
 const rig = pages();
 afterEach(endAll);
@@ -145,6 +145,21 @@ test('Foxglove is let in with the token only, and not as a page of a stranger', 
   }
   (await foxglove(served, { origin: 'https://app.foxglove.dev' })).client.close();
   await assert.rejects(foxglove(await console_()), /403/, 'only where it was asked for');
+});
+
+test('a page that says that it leaves commands no longer, though its line stays open', async () => {
+  const served = await console_();
+  const upgrade = request({
+    port: served.port, hostname: '127.0.0.1', path: `/${served.token}/board`,
+    headers: { ...kUpgrade, host: `127.0.0.1:${served.port}`, origin: `http://127.0.0.1:${served.port}` },
+  });
+  const line = await new Promise((resolve) => upgrade.on('upgrade', (_, socket) => resolve(socket)).end());
+  const second = await boardSocket(served);
+  await eventually(() => second.heard.some((words) => words.startsWith('look ')), 'the second page looks');
+  line.write(Buffer.from([0x88, 0x82, 0, 0, 0, 0, 0x03, 0xe8]));  // RFC 6455: close, masked by zeros, status 1000
+  await eventually(() => second.heard.some((words) => words.startsWith('command ')), 'the second page commands');
+  second.socket.close();
+  line.destroy();
 });
 
 test('one diagnosis at a time; what is too large is told', async () => {
