@@ -84,14 +84,19 @@ auto Controller::rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward)
          gains.damping_nms_per_rad * (rate - motor_rate_);
 }
 
-auto Controller::rt_answer(const ControlConfig& gains, Q24 rate, Q24 feedforward) -> Q24 {
-  const Q24 asked = rt_servo(gains, rate, feedforward);
+auto Controller::rt_blend(Q24 asked) -> Q24 {
   if (changed_) {
     changed_ = false;
     blend_ = torque_ - asked;
   }
-  blend_ -= blend_ * kBlendGain;
-  torque_ = asked + blend_;
+  const Q24 step = blend_ * kBlendGain;
+  blend_ = step == Q24{} ? Q24{} : blend_ - step;
+  return blend_;
+}
+
+auto Controller::rt_answer(const ControlConfig& gains, Q24 rate, Q24 feedforward) -> Q24 {
+  const Q24 asked = rt_servo(gains, rate, feedforward);
+  torque_ = asked + (changed_ || blend_ != Q24{} ? rt_blend(asked) : Q24{});
   return torque_;
 }
 

@@ -67,6 +67,8 @@ class Controller {
   [[nodiscard]] auto rt_servo(const ControlConfig& gains, Q24 rate, Q24 feedforward) const -> Q24;
   /// The servo's torque, and what is left of the one before new gains.
   auto rt_answer(const ControlConfig& gains, Q24 rate, Q24 feedforward) -> Q24;
+  /// What the last torque under the gains before is above the one that these ask for, and ever less of it.
+  auto rt_blend(Q24 asked) -> Q24;
   void rt_cross_over(bool forward);
   /// @param rate  of the motor's reference, rad/s
   void rt_cross_over(const ControlConfig& gains, bool forward, Q24 rate);
