@@ -352,9 +352,8 @@ auto check(const AxisConfig& config) -> const char* {
     return fault;
   }
   if (!fits(config.effort.law)) {
-    return "the effort law's coefficients add up to 256 or more, which its numbers do not hold; look for one that is "
-           "far "
-           "too large";
+    return "the effort law's coefficients add up to 256 or more, which its numbers do not hold; look for one "
+           "that is far too large";
   }
   if (config.motor.encoder_sign == 0) {
     return "motor.encoder_sign is 0; set it to 1 or -1";
@@ -367,21 +366,19 @@ auto check(const AxisConfig& config) -> const char* {
   }
   if (!Trajectory::can_keep(config.limits)) {
     return "limits.joint_jerk is below a sixteenth of limits.joint_acceleration, so that would take longer than 32 ms "
-           "to "
-           "build up; raise the one or lower the other";
+           "to build up; raise the one or lower the other";
   }
   if (config.limits.continuous_current_a > config.limits.current_a) {
     return "limits.continuous_current is above limits.current; lower it or raise limits.current";
   }
-  // The current is below 128 A and the torque of one below 128 Nm: the product may leave the range of Q24.
+  // Of numbers that may be near the end of Q24 each, so the product is not taken in it.
   const std::int64_t most_nm =
       static_cast<std::int64_t>(config.limits.current_a.raw()) * config.motor.torque_per_current_nm_per_a.raw();
   const std::int64_t steady_nm =
       std::max(abs(config.control.torque_forward_nm), abs(config.control.torque_backward_nm)).raw();
   if (steady_nm << Q24::kFrac > most_nm) {
-    return "control.torque_forward or torque_backward is more than limits.current gives; they are in N m, with a unit "
-           "as "
-           "in 10mNm";
+    return "control.torque_forward or torque_backward is more than limits.current gives; they are in N m, "
+           "and units may be given, as in 10mNm";
   }
   if (const char* sentence = MotorObserver::check(config)) {
     return sentence;
