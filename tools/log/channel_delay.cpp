@@ -34,7 +34,6 @@ constexpr double kCertainAhead = 4.0;
 /// Where every stroke is like the last, a law that lacks something lacks it everywhere alike, so leaving parts out
 /// shows nothing of it (clean logs were accused at 1.5 to 6.6 errors), and a shift of many rows looks like other drag
 /// and inertia.
-constexpr double kOneStroke = 0.02;
 constexpr double kCertainOfOneStroke = 7.0;
 constexpr double kTurnErrors = 2.5;  // by which a turn may be off, of what the angle's steps let it be known to
 constexpr double kFewestGain = 30.0;
@@ -60,7 +59,7 @@ auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const Leas
   // Errors are those between parts of the log, and parts of a motion that is repeated lack the same: the recipe
   // `identify`, four times the same 15 s without a late channel, was accused at 3.4 errors.
   const double usual = (fit->rows > 0.0 ? kCertain : kCertainAhead) * std::sqrt(turns.repeats);
-  const double certain = turns.spread < kOneStroke ? kCertainOfOneStroke : std::min(usual, kCertainOfOneStroke);
+  const double certain = turns.spread < kAlikeStrokes ? kCertainOfOneStroke : std::min(usual, kCertainOfOneStroke);
   const double least = std::max(fit->rows > 0.0 ? fewest.behind : fewest.ahead, certain * shift.half);
   const bool good = std::abs(fit->rows) > least && fit->gain > std::max(kFewestGain, kExplained * fit->expected);
   return good ? std::optional(shift) : std::nullopt;
@@ -70,7 +69,7 @@ auto believed(const std::optional<ShiftFit>& fit, const Turns& turns, const Leas
 auto behind_law(const LawChannels& channels, const VectorXd& target, const Turns& turns, Index window)
     -> std::optional<ShiftFit> {
   const Index half_stroke = target.size() / (2 * turns.count);
-  const Index reach = turns.spread < kOneStroke ? kShortReach : std::clamp(half_stroke, kShortReach, kLongReach);
+  const Index reach = turns.spread < kAlikeStrokes ? kShortReach : std::clamp(half_stroke, kShortReach, kLongReach);
   const LogParts parts = parts_of_log(target.size(), window, reach);
   if (parts.rows == 0) {
     return std::nullopt;

@@ -31,7 +31,6 @@ constexpr std::array<double, 3> kTorquePlays = {0.02, 0.06, 0.2};  // of the tor
 constexpr std::array<double, 2> kSlowSpeeds = {0.1, 0.4};          // of the speed's rms: friction changes over it
 constexpr std::array<double, 2> kCreepTimes = {0.3, 1.5};          // s
 constexpr Index kMostStrokes = 200;                                // of a motion that is repeated as a whole
-constexpr double kAlikeStrokes = 0.02;                             // rms over mean
 constexpr Index kAngleKnots = 24;                                  // of any function of the angle
 constexpr Index kFrictionKnots = 6;                                // of friction by angle
 constexpr Index kTorqueKnots = 8;

@@ -8,6 +8,9 @@
 
 namespace capstan::tools {
 
+/// Strokes whose lengths and times differ by less, rms over mean, are alike.
+inline constexpr double kAlikeStrokes = 0.02;
+
 /// Where a motion turns, by its angle alone.
 struct Turns {
   Eigen::VectorXd direction;  ///< per row: 1, -1, before the first motion 0

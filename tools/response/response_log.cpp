@@ -5,6 +5,7 @@
 
 #include "capstan/tools/response/response.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -15,10 +16,6 @@ namespace {
 constexpr double kBand = 3.0;             // the loop's gain is between 1/3 and 3 where margins are decided
 constexpr double kMostDistortion = 0.12;  // a joint that stands had 0.18 to 0.3, one that travels 0 to 0.09
 constexpr double kRounding = 1e-6;        // of a signal: logs carry seven digits at least
-
-auto span_of(const Eigen::VectorXd& signal) -> double {
-  return signal.maxCoeff() - signal.minCoeff();
-}
 
 /// How much louder a shake has to be for the least coherence, if what does not repeat stays as it is.
 auto louder(double coherence) -> double {
@@ -58,20 +55,20 @@ auto read_response(const CsvLog& log, int axis) -> ResponseLog {
 }
 
 void require_signals(const ResponseLog& log, bool on_torque) {
-  if (span_of(on_torque ? log.excitation_nm : log.reference_rad) < 1e-7) {
+  if (range_of(on_torque ? log.excitation_nm : log.reference_rad) < 1e-7) {
     throw Refusal(log.name + ": nothing shakes the joint; record it with 'experiment joint0 multisine on=torque'");
   }
-  if (span_of(log.q1_rad) == 0.0) {
+  if (range_of(log.q1_rad) == 0.0) {
     throw Refusal(log.name +
                   ": the motor's angle stands still throughout; check the encoder, or name its column with "
                   "--map axis0/q1_rad=COLUMN");
   }
-  if (on_torque && span_of(log.torque_nm - log.excitation_nm) <= kRounding * span_of(log.excitation_nm)) {
+  if (on_torque && range_of(log.torque_nm - log.excitation_nm) <= kRounding * range_of(log.excitation_nm)) {
     throw Refusal(log.name +
                   ": the torque is what shakes and nothing else, so no loop was closed; tau_cmd_Nm has to be control "
                   "and shake together: record it with 'experiment joint0 multisine on=torque' on an armed joint");
   }
-  if (span_of(log.q2_rad) <= kRounding * span_of(log.q1_rad)) {
+  if (range_of(log.q2_rad) <= kRounding * range_of(log.q1_rad)) {
     throw Refusal(log.name +
                   ": the joint's estimate stands still while the motor moves, so the joint loop can not be told; "
                   "give the board a law whose estimate follows ('status' says whether it is valid) and shake again");
