@@ -14,7 +14,7 @@
 namespace capstan::tools {
 namespace {
 
-/// Lines looked at to tell the separator and the header. A preamble may have as many.
+/// Lines looked at beside remarks to tell the separator and the header. A preamble may have as many.
 constexpr std::size_t kSampleLines = 60;
 
 struct Line {
@@ -25,9 +25,11 @@ struct Line {
 auto lines_of(std::string_view text, std::size_t most) -> std::vector<Line> {
   std::vector<Line> lines;
   std::size_t number = 1;
-  for (std::size_t begin = 0; begin < text.size() && lines.size() < most; ++number) {
+  std::size_t remarks = 0;
+  for (std::size_t begin = 0; begin < text.size() && lines.size() < most + remarks; ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     lines.push_back({trimmed(text.substr(begin, end - begin)), number});
+    remarks += !lines.back().text.empty() && lines.back().text.front() == kRemark ? 1 : 0;
     begin = end + 1;
   }
   return lines;

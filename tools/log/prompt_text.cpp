@@ -22,6 +22,10 @@ auto is_verdict(std::string_view line) -> bool {
   return line == "ok" || is_failure(line);
 }
 
+auto is_row(std::string_view line) -> bool {
+  return !line.empty() && std::isdigit(static_cast<unsigned char>(line.front())) != 0;
+}
+
 template <typename Visit>
 void for_each_line(std::string_view text, Visit&& visit) {
   std::size_t number = 1;
@@ -36,12 +40,13 @@ void for_each_line(std::string_view text, Visit&& visit) {
 
 auto without_prompt(std::string text, const std::string& name, std::vector<std::string>& notes) -> std::string {
   bool answered = false;
-  bool logged = false;
-  for_each_line(text, [&](std::string_view line, std::size_t /*number*/) {
+  std::size_t first_header = 0;
+  for_each_line(text, [&](std::string_view line, std::size_t number) {
     answered = answered || is_verdict(line);
-    logged = logged || line.starts_with(kHeader);
+    first_header = first_header == 0 && line.starts_with(kHeader) ? number : first_header;
   });
-  if (!answered || !logged) {
+  // A terminal or a page that keeps the answers may drop the 'ok' between them.
+  if (first_header == 0 || (first_header == 1 && !answered)) {
     return text;
   }
   std::string rows;
@@ -55,7 +60,7 @@ auto without_prompt(std::string text, const std::string& name, std::vector<std::
       notes.push_back(place(name, number) + "the board answered '" + std::string(line) + "'");
     }
     begun = begun || header;
-    const bool row = begun && !line.empty() && std::isdigit(static_cast<unsigned char>(line.front())) != 0;
+    const bool row = begun && (!answered || is_row(line));
     rows += header || row ? line : std::string_view(&kRemark, 1);
     rows += '\n';
   });

@@ -31,6 +31,16 @@ auto utf16(const std::string& ascii, bool big_endian, bool mark) -> std::string 
 }
 
 const std::string kPlain = "time_s,axis0/q1_rad\n0,1.5\n0.01,-2\n0.02,3\n";
+
+/// As many lines as `dump` answers with, and more than the reader looks at to find the separator.
+auto dumped(int lines) -> std::string {
+  std::string text;
+  for (int i = 0; i < lines; ++i) {
+    text += "joint0.parameter" + std::to_string(i) + " = 0.5 Nm/rad\n";
+  }
+  return text;
+}
+
 const std::string kGzip =
     "\x1F\x8B\x08\x00\x00\x00\x00\x00\x02\x03\x2B\xC9\xCC\x4D\x8D\x2F\xD6\x49\xE4\x32\xD0\x31\xE4\x32\xD4\x31\xE2\x02"
     "\x00\x60\x55\xA7\xAA\x11\x00\x00\x00"s;  // "time_s,a\n0,1\n1,2\n"
@@ -87,6 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "semicolons"},
         FileCase{"what a prompt answered",
                  "ok\n12 parameters\nok\n" + kPlain + "ok\ncapstan 0.1.0 board sim joints 1\nok\n", ""},
+        FileCase{"a board's parameters before its rows, as the page keeps them", dumped(400) + kPlain, ""},
         FileCase{"a prompt's log with an error after it", kPlain + "error unknown_command: no such command\nok\n",
                  "x.csv:5: the board answered 'error unknown_command"},
         FileCase{"UTF-16 with a mark", utf16(kPlain, false, true), ""},
