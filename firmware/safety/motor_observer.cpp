@@ -231,7 +231,10 @@ auto MotorObserver::rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> 
     // A load that goes away does not turn the motor round at once.
     const bool unloads = (answered_ > 0) == (further < 0);
     const std::int32_t held = unloads ? std::abs(answered_) / 8 * kUnloadShare8 : 0;
-    unanswered_ = std::clamp<std::int32_t>(unanswered_ + onward - scales_.rise - held, 0, scales_.impulse);
+    // A look that comes takes back what the torque went on by, and is the shorter test of the same.
+    if (look_ == kLookCycles) {
+      unanswered_ = std::clamp<std::int32_t>(unanswered_ + onward - scales_.rise - held, 0, scales_.impulse);
+    }
     return unanswered_ == scales_.impulse ? bit(Fault::kEncoderFrozen) : 0;
   }
   const std::int32_t against = moved > 0 ? confirmed_down_ - wanted : wanted - confirmed_up_;
