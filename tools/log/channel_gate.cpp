@@ -152,6 +152,11 @@ class Gate {
     if (motor == nullptr || joint_range <= 0.0) {
       return;
     }
+    if (!has(ChannelFault::kJump) && !has(ChannelFault::kWrapped) && !has(ChannelFault::kStuck)) {
+      if (const auto row = leap_row(*joint->values, *motor->values)) {
+        add_jumps(*joint, {*row});
+      }
+    }
     const double ratio = motor_range / joint_range;
     if (ratio > kDegrees / kPulleys && ratio < kDegrees * kPulleys && motor_range > most) {
       add(ChannelFault::kDegrees, *motor, {}, ratio,

@@ -246,6 +246,30 @@ auto jump_rows(const Eigen::VectorXd& x) -> Rows {
   return range > 0.0 && alike && few && !back ? rows : Rows{};
 }
 
+auto leap_row(const Eigen::VectorXd& joint, const Eigen::VectorXd& motor) -> std::optional<Index> {
+  constexpr double kFurther = 4.0;  // than in any other row; chosen on no log
+  constexpr double kStays = 0.5;    // of the leap
+  constexpr Index kAround = 10;
+  constexpr Index kEnds = 20;  // a twentieth of the log to either side, or there is too little for a log of its own
+  const Index n = joint.size() - 1;
+  const Eigen::VectorXd of_motor = motor.tail(n) - motor.head(n);
+  const Eigen::VectorXd of_joint = joint.tail(n) - joint.head(n);
+  const double motion = of_motor.squaredNorm();
+  const double ratio = motion > 0.0 ? of_joint.dot(of_motor) / motion : 0.0;
+  Eigen::VectorXd changes = (of_joint - ratio * of_motor).cwiseAbs();
+  Index at = 0;
+  const double leap = n > 0 ? changes.maxCoeff(&at) : 0.0;
+  const Index end = std::max(kAround, n / kEnds);
+  const bool motor_leaps = n > 0 && std::abs(of_motor[at]) > kFurther * quantile(of_motor.cwiseAbs(), 0.99);
+  if (at < end || at + end >= n || motor_leaps) {
+    return std::nullopt;
+  }
+  changes[at] = 0.0;
+  const Eigen::VectorXd apart = joint - ratio * motor;
+  const double stays = median(apart.segment(at + 1, kAround)) - median(apart.segment(at + 1 - kAround, kAround));
+  return leap > kFurther * changes.maxCoeff() && std::abs(stays) > kStays * leap ? std::optional(at + 1) : std::nullopt;
+}
+
 auto nearest_turn(double jump) -> std::optional<double> {
   const auto near = [jump](double turn) { return std::abs(jump - turn) <= kTurnShare * turn; };
   for (const double turn : {2.0 * std::numbers::pi, 360.0, 1.0}) {

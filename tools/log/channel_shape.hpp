@@ -36,6 +36,10 @@ auto clipped_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 /// Rows before which the channel jumps, each time alike and far beyond all other changes.
 auto jump_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
 
+/// Row before which a joint's angle leaps once, without its motor and for good, several times as far as in any other
+/// row.
+auto leap_row(const Eigen::VectorXd& joint, const Eigen::VectorXd& motor) -> std::optional<Eigen::Index>;
+
 /// The turn of a sensor that jumps by nearly this much: 2 pi, 360, 1, or a power of two of counts.
 auto nearest_turn(double jump) -> std::optional<double>;
 

@@ -126,6 +126,22 @@ TEST(ChannelGate, ASingleJumpIsAWrapOnlyByATurn) {
   }
 }
 
+// A tendon that slips once by a twentieth of the joint's range is no larger a change than half of the range, which a
+// turn is, and far larger than all others.
+TEST(ChannelGate, AJointThatLeapsOnceWithoutItsMotorIsSaidToHaveJumped) {
+  const double range = Log{}.q2.maxCoeff() - Log{}.q2.minCoeff();
+  for (const double share : {0.2, 0.05}) {
+    Log log;
+    log.q2.tail(kRows / 2).array() += share * range;
+    EXPECT_EQ(found(log).front(), "jump q2") << share;
+  }
+  Log both;  // a motor that goes there as well
+  both.q1.tail(kRows / 2).array() += 0.2 * range;
+  both.q2.tail(kRows / 2).array() += 0.2 * range;
+  const auto words = found(both);
+  EXPECT_EQ(std::find(words.begin(), words.end(), "jump q2"), words.end());
+}
+
 TEST(ChannelGate, ACoarseChannelIsNamed) {
   Log log;
   log.q2 = (log.q2.array() * 20.0).round() / 20.0;
