@@ -67,15 +67,17 @@ constexpr double kClearlyLess = 0.9;
 
 /// The grown law errs clearly less on rows that it has not seen than the named one, which has seen them: through its
 /// own view, which averages noise away, and through the named law's, in which fast motion survives.
-auto clearly_beats(const EffortSelection& selection, EffortLaw named, const std::vector<AxisLog>& logs) -> bool {
+auto clearly_beats(const EffortSelection& selection, const EffortLaw& named, const std::vector<AxisLog>& logs) -> bool {
   const auto beats = [&](const EffortView& view) {
-    named.view = view;
-    const Eigen::VectorXd left = EffortDesign(logs, view).seen(stacked_target(logs)) - run_effort_law(logs, named);
-    const Eigen::VectorXd by_named = selection.measured - left;
-    return ratio_interval(selection.measured, unseen_blocks(selection), by_named, selection.by_law)[1] < kClearlyLess;
+    const Eigen::VectorXd measured = EffortDesign(logs, view).seen(stacked_target(logs));
+    const auto estimate = [&](EffortLaw law) {
+      law.view = view;
+      return run_effort_law(logs, law);
+    };
+    return ratio_interval(measured, unseen_blocks(selection), estimate(named), estimate(selection.law))[1] <
+           kClearlyLess;
   };
-  const EffortView own = named.view;
-  return beats(selection.law.view) && beats(own);
+  return beats(selection.law.view) && beats(named.view);
 }
 
 /// What the law has beside what it began with, by the names of effects.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "capstan/tools/select/effort_catalogue.hpp"
 
@@ -21,6 +20,8 @@ constexpr double kLettingGoS = 0.12;
 constexpr double kAtOnceS = 0.02;
 constexpr double kNeverS = 0.0;
 constexpr double kFineStandstill = 0.25;
+/// Or as soon as it turns, where its angle has no noise: textbook friction in a simulator, 28 November 2026.
+constexpr double kFinestStandstill = 1.0 / 16.0;
 
 /// Half the logarithm of the mean squared error of a plain law seen through the law's view: of an effort inertia, drag,
 /// Coulomb friction and offset; of a gear gain, offset, Coulomb and load friction.
@@ -57,44 +58,46 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   return best;
 }
 
-/// How slow a motor stands, and how soon the dry friction of its last motion lets go then: as is usual, and, where the
-/// log shows another to a plain law, that too.
+/// How slow a motor stands, and how soon the dry friction of its last motion lets go then.
 auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> std::vector<Frame> {
-  const auto seen = [&](double standstill, double letting_go_s) {
+  constexpr std::pair<double, double> kRests[] = {{1.0, kLettingGoS},
+                                                  {1.0, kAtOnceS},
+                                                  {1.0, kNeverS},
+                                                  {kFineStandstill, kLettingGoS},
+                                                  {kFineStandstill, kAtOnceS},
+                                                  {kFineStandstill, kNeverS},
+                                                  {kFinestStandstill, kAtOnceS},
+                                                  {kFinestStandstill, kNeverS}};
+  std::vector<Frame> frames;
+  for (const auto& [share, letting_go_s] : kRests) {
     EffortLaw trial = law;
-    trial.view.standstill = standstill;
+    trial.view.standstill = share * law.view.standstill;
     trial.view.letting_go_s = letting_go_s;
     EffortDesign design(logs, trial.view);
-    return Frame{std::move(trial), std::move(design)};
-  };
-  std::vector<Frame> frames = {seen(law.view.standstill, kLettingGoS)};
-  std::optional<Frame> shown;
-  double lowest = plain_loss(logs, frames.front().law, frames.front().design) - kWorthAnotherView;
-  constexpr std::pair<double, double> kOthers[] = {{1.0, kAtOnceS},
-                                                   {1.0, kNeverS},
-                                                   {kFineStandstill, kLettingGoS},
-                                                   {kFineStandstill, kAtOnceS},
-                                                   {kFineStandstill, kNeverS}};
-  for (const auto& [share, letting_go_s] : kOthers) {
-    Frame other = seen(share * law.view.standstill, letting_go_s);
-    if (const double loss = plain_loss(logs, other.law, other.design); loss < lowest) {
-      lowest = loss;
-      shown = std::move(other);
-    }
-  }
-  if (shown) {
-    frames.push_back(std::move(*shown));
+    frames.push_back({std::move(trial), std::move(design)});
   }
   return frames;
 }
 
 }  // namespace
 
+auto best_frame(const std::vector<Frame>& frames, const std::function<double(const Frame&)>& error) -> std::size_t {
+  std::size_t best = 0;
+  double lowest = (1.0 - kWorthAnotherView) * error(frames.front());
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    if (const double found = error(frames[i]); found < lowest) {
+      lowest = found;
+      best = i;
+    }
+  }
+  return best;
+}
+
 auto axis_kind(const std::vector<AxisLog>& logs) -> AxisKind {
   return logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
 }
 
-auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
+auto all_frames(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
   const bool gear = !logs.front().motion_alone();
   EffortLaw law;
   law.joint = JointFile(gear ? gear_law_catalogue() : effort_law_catalogue(axis_kind(logs)));
@@ -102,6 +105,17 @@ auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
   law.view = usual_view(logs);
   law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
   return frames_by_rest(logs, law);
+}
+
+auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
+  std::vector<Frame> frames = all_frames(logs);
+  const std::size_t shown =
+      best_frame(frames, [&](const Frame& frame) { return std::exp(plain_loss(logs, frame.law, frame.design)); });
+  if (shown > 0) {
+    std::swap(frames[1], frames[shown]);
+  }
+  frames.resize(shown > 0 ? 2 : 1, frames.front());
+  return frames;
 }
 
 }  // namespace capstan::tools

@@ -251,7 +251,7 @@ void set_status(LawStatus status, EffortLaw& law) {
 }
 
 auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw {
-  std::vector<Frame> frames = frames_for(logs);
+  std::vector<Frame> frames = all_frames(logs);
   JointFile joint = frames.front().law.joint;
   for (const auto& term : *joint.catalogue) {
     if (!law.has(term.name)) {
@@ -269,11 +269,9 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
     }
   }
   joint.fit = law.fit;
-  const auto errs = [&](const Frame& frame) {
+  auto& [runnable, design] = frames[best_frame(frames, [&](const Frame& frame) {
     return rms(frame.design.seen(stacked_target(logs)) - sum_of_terms(frame.design, joint));
-  };
-  const bool other = frames.size() > 1 && errs(frames.back()) < (1.0 - kWorthAnotherView) * errs(frames.front());
-  auto& [runnable, design] = other ? frames.back() : frames.front();
+  })];
   runnable.joint = joint;
   set_status(law.status, runnable);
   runnable.view.window_s = best_window(logs, runnable, design);
