@@ -88,12 +88,19 @@ class Searcher {
   auto run() -> Search {
     progress_("looking at what " + joined(search_.law.terms, " + ") + " leaves");
     Round round = hold_round(p_, search_.law);
+    const LawForm base = search_.law;
+    const bool base_lacks_something = round.adequacy.lacks_something;
     base_energy_ = round.adequacy.law_energy;
     search_.base_reducible = round.adequacy.reducible_share;
     while (search_.effects.size() < kMostEffects && take_step(round)) {
     }
     check_backward(round);
     conclude(round);
+    // One of many effects passes by chance now and then, where nothing that matters is missing.
+    if (!base_lacks_something && !search_.lacks_something && search_.share.lower < kNamedShare) {
+      search_.effects.clear();
+      search_.law = base;
+    }
     return std::move(search_);
   }
 
@@ -258,6 +265,7 @@ class Searcher {
     auto law = law_with(p_, search_.law, {both[0], both[1]});
     std::vector<AddedEffect> effects;
     std::vector<RoundSummary> summaries = {summary_of(round, nullptr, {})};
+    std::vector<std::string> doubtful;  // what a probe explains better where a third effect is missing
     for (std::size_t k = 0; k < 2 && law; ++k) {
       if (builds_on(both[1 - k].name, both[k].name)) {  // one makes no sense without the other
         effects.push_back(added_effect(round, *trial_of(round, both[k].name), {}));
@@ -266,7 +274,11 @@ class Searcher {
       progress_("trying " + both[0].name + " and " + both[1].name);
       const Round without = hold_round(p_, law_without(*law, both[k].name));
       const CandidateTrial* best = simplest(without, best_passing(without, false), true);
-      if (best == nullptr || !without.evidence.candidates[best->candidate].in_catalogue) {
+      if (best != nullptr && !without.evidence.candidates[best->candidate].in_catalogue) {
+        best = trial_of(without, both[k].name);
+        doubtful.push_back(both[k].name);
+      }
+      if (best == nullptr || !passes(*best, without.evidence)) {
         return false;
       }
       effects.push_back(added_effect(without, *best, {}));
@@ -286,6 +298,9 @@ class Searcher {
       std::swap(effects[0], effects[1]);
     }
     Round next = hold_round(p_, *law);
+    if (!doubtful.empty() && !add_third(*law, next, doubtful, effects)) {
+      return false;
+    }
     if (must_suffice && next.adequacy.lacks_something) {
       return false;
     }
@@ -293,6 +308,28 @@ class Searcher {
     search_.rounds.insert(search_.rounds.end(), summaries.begin(), summaries.end());
     search_.law = *law;
     round = std::move(next);
+    return true;
+  }
+
+  /// A third effect beside a pair, with which the doubtful ones of the pair are the best where they are missing.
+  auto add_third(LawForm& law, Round& round, const std::vector<std::string>& doubtful,
+                 std::vector<AddedEffect>& effects) -> bool {
+    const CandidateTrial* third = simplest(round, best_passing(round, true), true);
+    if (third == nullptr || !round.adequacy.lacks_something) {
+      return false;
+    }
+    const auto with_third = law_with(p_, law, {proposal(round, third->candidate, third->variant)});
+    const auto is_best = [&](const std::string& name) {
+      const Round without = hold_round(p_, law_without(*with_third, name));
+      const CandidateTrial* best = simplest(without, best_passing(without, false), true);
+      return best != nullptr && without.evidence.candidates[best->candidate].name == name;
+    };
+    if (!with_third || !std::all_of(doubtful.begin(), doubtful.end(), is_best)) {
+      return false;
+    }
+    effects.push_back(added_effect(round, *third, {}));
+    law = *with_third;
+    round = hold_round(p_, law);
     return true;
   }
 

@@ -5,6 +5,9 @@
 
 namespace capstan::tools {
 
+/// The effects found must explain more than this of what can be explained, for certain, or none of them is named.
+inline constexpr double kNamedShare = 0.5;
+
 /// What the search for effects came to, before anything is reported.
 struct Search {
   LawForm law;  ///< the base with the effects found

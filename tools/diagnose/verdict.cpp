@@ -14,10 +14,8 @@
 namespace capstan::tools {
 namespace {
 
-/// The effects found must explain more than this of what can be explained, or none of them is named.
-constexpr double kNamedShare = 0.5;
-/// And more than this where something is still missing beside them: what has a name removes nearly all that can be
-/// removed, and the nearest wrong name seldom does.
+/// More than kNamedShare where something is still missing beside the effects found: what has a name removes nearly all
+/// that can be removed, and the nearest wrong name seldom does.
 constexpr double kNamedShareBesideUnlisted = 0.9;
 
 constexpr const char* kLateDirection =
