@@ -197,6 +197,23 @@ auto reversals_in(const Samples& samples) -> std::size_t {
   return changes.size() - (begins_backward ? 1 : 0);
 }
 
+/// Another axis that moves otherwise in each of the cycles: they are no repeats of one experiment then. Empty if none.
+auto axis_of_another_course(const Preparation& p) -> std::string {
+  for (std::size_t slot = 0; slot < p.logs.front().others.size(); ++slot) {
+    Eigen::VectorXd motion(p.noncausal.rows());
+    Eigen::Index row = 0;
+    for (const auto& log : p.logs) {
+      motion.segment(row, log.samples()) =
+          slot < log.others.size() ? log.others[slot].q1_rad : Eigen::VectorXd(Eigen::VectorXd::Zero(log.samples()));
+      row += log.samples();
+    }
+    if (!comes_again(decimated(motion, p.factor), *p.repeats)) {
+      return "axis" + std::to_string(p.logs.front().others[slot].number);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 auto Preparation::interpolated(Eigen::MatrixXd columns) const -> Eigen::MatrixXd {
@@ -334,6 +351,11 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   p.notes.push_back(left_out_note(p));
   p.signals = coarse_signals(p);
   p.repeats = find_repeats(p.signals.q1, noise.white_rad);
+  if (const std::string axis = p.repeats ? axis_of_another_course(p) : ""; !axis.empty()) {
+    p.repeats.reset();
+    p.notes.push_back("the motor repeats its cycle and " + axis +
+                      " does not, so what differs from cycle to cycle is not taken for noise");
+  }
   const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));
   p.split = split_rows({p.coarse_logs, p.repeats, gap});
   return p;

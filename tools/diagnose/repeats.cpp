@@ -125,6 +125,16 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
   return std::nullopt;
 }
 
+auto comes_again(const Eigen::VectorXd& signal, const Repeats& repeats) -> bool {
+  const double close = kCloseShare * range_of(signal);
+  for (Eigen::Index i = 0; i + 1 < repeats.count; ++i) {
+    if (agreement(signal, repeats.length, close, repeats.cycle(i).begin, repeats.length) <= kAgreeing) {
+      return false;
+    }
+  }
+  return true;
+}
+
 auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd {
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(repeats.length);
   for (Eigen::Index i = 0; i < repeats.count; ++i) {

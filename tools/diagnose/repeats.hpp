@@ -21,6 +21,9 @@ struct Repeats {
 /// two cycles, or where the last has come away from the first further than neighbours from each other.
 auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optional<Repeats>;
 
+/// Whether another signal, as long as the motion, comes again with these cycles as a motion has to.
+auto comes_again(const Eigen::VectorXd& signal, const Repeats& repeats) -> bool;
+
 /// Each cycle less the mean of all, scaled so that its variance is that of the noise: what is left is not the model's
 /// doing. Rows outside the cycles are 0.
 auto pure_error(const Eigen::VectorXd& signal, const Repeats& repeats) -> Eigen::VectorXd;
