@@ -42,7 +42,7 @@ enum class ShapeOf : std::uint8_t {
   kMotorSpeed,   ///< speed of the motor that is exceeded in 1 % of the samples
   kTorqueRange,  ///< range of the motor's torque
   kOtherRange,   ///< range of the other motor's angle
-  kTime,         ///< of the log: from a sample's period to its length
+  kTime,         ///< length of the log
   kGiven,        ///< set from the log before a fit, which leaves it alone
 };
 

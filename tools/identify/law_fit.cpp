@@ -61,16 +61,18 @@ LawDesign::LawDesign(const std::vector<AxisLog>& logs, const ConditionerShape<do
 }
 
 LawDesign::LawDesign(const std::vector<AxisLog>& logs, std::vector<Samples> samples, Eigen::Index smoothing)
-    : samples_(std::move(samples)), reach_(reach_of(samples_)), smoothing_(smoothing) {
+    : samples_(std::move(samples)), smoothing_(smoothing) {
   for (const auto& log : logs) {
     periods_.push_back(log.period_s);
     log_rows_.push_back(log.samples());
     rows_ += log.samples();
   }
+  reach_ = reach_of(samples_, periods_);
 }
 
 LawDesign::LawDesign(std::vector<Samples> samples, std::vector<double> periods_s)
-    : samples_(std::move(samples)), reach_(reach_of(samples_)), periods_(std::move(periods_s)) {
+    : samples_(std::move(samples)), periods_(std::move(periods_s)) {
+  reach_ = reach_of(samples_, periods_);
   for (const auto& one : samples_) {
     log_rows_.push_back(static_cast<Eigen::Index>(one.size()));
     rows_ += log_rows_.back();

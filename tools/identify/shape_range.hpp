@@ -11,8 +11,10 @@ namespace capstan::tools {
 struct SignalReach {
   double q1 = 0.0, dq1 = 0.0, tau = 0.0;     ///< range; speed that is exceeded in 1 % of the samples; range
   std::array<double, kMostOthers> others{};  ///< ranges of the other joints' motor angles, by slot
+  double duration_s = 0.0;
 };
-auto reach_of(const std::vector<Samples>& samples) -> SignalReach;
+/// @param periods_s  of the samples of each
+auto reach_of(const std::vector<Samples>& samples, const std::vector<double>& periods_s) -> SignalReach;
 
 /// Values of a shape that logs can tell apart.
 struct ShapeRange {
