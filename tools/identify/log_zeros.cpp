@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <limits>
 
@@ -104,6 +105,21 @@ auto moves_alike(const AxisLog& a, const AxisLog& b) -> bool {
   return ratio > 1.0 / kTimes && ratio < kTimes;
 }
 
+/// What the log's inertia takes, but for its size: the second difference over 20 ms to either side.
+auto acceleration_of(const AxisLog& log) -> Eigen::VectorXd {
+  const auto reach = std::max<Index>(1, std::lround(0.02 / log.period_s));
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(log.samples());
+  const Index inside = std::max<Index>(0, log.samples() - 2 * reach);
+  const auto& q1 = log.q1_rad;
+  change.segment(std::min(reach, log.samples() - inside), inside) =
+      q1.tail(inside) - 2.0 * q1.segment(std::min(reach, q1.size() - inside), inside) + q1.head(inside);
+  return change;
+}
+
+auto measured_of(AxisLog& log) -> Eigen::VectorXd& {
+  return log.effort.size() > 0 ? log.effort : log.q2_rad;
+}
+
 /// @param which  of the logs the zeros are of, in their order
 /// @return whether any log was counted anew
 auto take_off(const std::vector<LogZero>& zeros, const std::vector<std::size_t>& which, std::vector<AxisLog>& logs)
@@ -111,7 +127,7 @@ auto take_off(const std::vector<LogZero>& zeros, const std::vector<std::size_t>&
   bool any = false;
   for (std::size_t i = 0; i < which.size(); ++i) {
     if (zeros[i].is_certain()) {
-      logs[which[i]].q2_rad.array() -= zeros[i].shift_rad;
+      measured_of(logs[which[i]]).array() -= zeros[i].shift;
       any = true;
     }
   }
@@ -126,7 +142,7 @@ auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
   const double middle = rows.q1.mean();
   const double range = least_range(logs);
   const bool is_curved = share_angles(logs);
-  Eigen::MatrixXd columns = with_constants(rows, std::ssize(kGaps) + (is_curved ? 5 : 3));
+  Eigen::MatrixXd columns = with_constants(rows, std::ssize(kGaps) + (is_curved ? 6 : 4));
   Eigen::VectorXd target(rows.q1.size());
   Index first = 0;
   for (const auto& log : logs) {
@@ -143,10 +159,11 @@ auto log_zeros(const std::vector<AxisLog>& logs) -> std::vector<LogZero> {
     }
     add(log.tau_nm);
     add(speed_of(log));
+    add(acceleration_of(log));
     for (const double share : kGaps) {
       add(play_column(q1, share) - q1);
     }
-    target.segment(first, count) = thin(log.q2_rad, step);
+    target.segment(first, count) = thin(log.measured(), step);
     first += count;
   }
   return zeros_by(columns, target, rows);
@@ -160,14 +177,15 @@ auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& r
 auto count_from_one_zero(std::vector<AxisLog>& logs,
                          const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)
     -> std::vector<std::string> {
+  const bool effort = logs.front().effort.size() > 0;
   std::vector<std::string> sentences;
-  if (logs.front().effort.size() > 0 || logs.front().q2_rad.size() == 0) {
-    return sentences;
+  if (effort ? !share_angles(logs) : logs.front().q2_rad.size() == 0) {
+    return sentences;  // over other angles another weight is as good an answer as another zero
   }
   std::vector<std::size_t> alike;
   std::vector<AxisLog> free;
   for (std::size_t i = 0; i < logs.size(); ++i) {
-    if (moves_alike(logs[i], logs.front())) {
+    if (effort || moves_alike(logs[i], logs.front())) {
       alike.push_back(i);
       free.push_back(logs[i]);
     }
@@ -176,15 +194,17 @@ auto count_from_one_zero(std::vector<AxisLog>& logs,
   if (free.size() < 2 || !take_off(log_zeros(free), alike, logs)) {
     return sentences;
   }
-  const std::vector<LogZero> all = log_zeros_beside(logs, left_by_law(logs));
-  std::vector<LogZero> of_free;
-  std::transform(alike.begin(), alike.end(), std::back_inserter(of_free), [&all](std::size_t i) { return all[i]; });
-  take_off(of_free, alike, logs);
+  if (!effort) {
+    const std::vector<LogZero> all = log_zeros_beside(logs, left_by_law(logs));
+    std::vector<LogZero> of_free;
+    std::transform(alike.begin(), alike.end(), std::back_inserter(of_free), [&all](std::size_t i) { return all[i]; });
+    take_off(of_free, alike, logs);
+  }
   for (std::size_t i = 1; i < logs.size(); ++i) {
-    const double shift = as_logged[i].q2_rad[0] - logs[i].q2_rad[0];
+    const double shift = as_logged[i].measured()[0] - logs[i].measured()[0];
     if (shift != 0.0) {
-      sentences.push_back(logs[i].name + ": the joint's zero is " + rounded(shift) +
-                          " rad beside that of the first log, and is taken off");
+      sentences.push_back(logs[i].name + ": " + (effort ? logs[i].target : "the joint") + "'s zero is " +
+                          rounded(shift) + (effort ? "" : " rad") + " beside that of the first log, and is taken off");
     }
   }
   return sentences;

@@ -182,6 +182,38 @@ TEST(Diagnose, ALawWithoutANameWhoseGainIsNotSeenOnRowsSetAsideIsTheBaseLawOrSay
   }
 }
 
+// What slipped comes after most of the rows to learn from, and a drift that is fast at the start says that as well.
+TEST(Diagnose, AJointThatSlippedOnceGetsNoLawThatErrsMoreOverTheWholeLog) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  log.q2_rad.tail(log.samples() * 2 / 5).array() += 0.2;
+  const Diagnosis d = diagnose({log}, {});
+  const auto left = [&d](const Eigen::VectorXd& estimate) { return (d.traces.measured - estimate).norm(); };
+  EXPECT_LE(left(d.traces.after), left(d.traces.before));
+  EXPECT_NE(d.verdict, Verdict::kNothingMissing);
+}
+
+// A camera that sinks by 20 mrad shows no more than that, and the law may lead to few times as much.
+TEST(Diagnose, AStraightDriftLeadsNotFarBeyondTheLog) {
+  AxisLog log = test::synthetic_log(small_request(Truth::kNone));
+  log.q2_rad += Eigen::VectorXd::LinSpaced(log.samples(), 0.0, 0.02);
+  const Diagnosis d = diagnose({log}, {});
+  ASSERT_TRUE(d.law.has("thermal_drift")) << d.reason;
+  EXPECT_LT(std::abs(coefficient_of(d, "thermal_drift")), 0.08);
+}
+
+TEST(Diagnose, AGapThatHasGrownSinceTheBaseLawIsFittedAndNotMissed) {
+  SyntheticRequest request = small_request(Truth::kPlay);
+  const Diagnosis healthy = diagnosis_of(request);
+  expect_named(healthy, "play");
+  request.strength = 2.0;
+  request.seed = 2;
+  DiagnoseOptions options;
+  options.base_law = healthy.law;
+  const Diagnosis now = diagnose({test::synthetic_log(request)}, options);
+  EXPECT_EQ(now.verdict, Verdict::kNothingMissing) << now.reason;
+  EXPECT_NEAR(shape_of(now, "play"), 2.0 * shape_of(healthy, "play"), 0.05 * shape_of(healthy, "play"));
+}
+
 TEST(Diagnose, TheSameLogAlwaysGetsTheSameAnswer) {
   const SyntheticRequest request = small_request(Truth::kPlay);
   EXPECT_EQ(diagnosis_json(diagnosis_of(request)), diagnosis_json(diagnosis_of(request)));

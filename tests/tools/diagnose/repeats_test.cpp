@@ -32,6 +32,22 @@ TEST(Repeats, AreFoundWithTheirLengthAndNumber) {
   EXPECT_EQ(found->count, 4);
 }
 
+// Another joint at 0.17 and 0.47 of the cycle's rates is elsewhere each time.
+TEST(Repeats, AnotherSignalComesAgainOnlyIfItDoes) {
+  const auto found = find_repeats(cycles(1500, 4, 0, 0.0), 0.0);
+  ASSERT_TRUE(found.has_value());
+  const auto tone = [](double per_cycle) {
+    Eigen::VectorXd signal(6000);
+    for (Eigen::Index i = 0; i < signal.size(); ++i) {
+      signal[i] = std::sin(2.0 * 3.14159265358979 * per_cycle * static_cast<double>(i) / 1500.0);
+    }
+    return signal;
+  };
+  EXPECT_TRUE(comes_again(tone(2.0), *found));
+  EXPECT_FALSE(comes_again(tone(1.7), *found));
+  EXPECT_TRUE(comes_again(Eigen::VectorXd::Zero(6000), *found)) << "it stands";
+}
+
 TEST(Repeats, ALeadInBeforeTheFirstCycleIsLeftOut) {
   const auto found = find_repeats(cycles(2000, 3, 700, 0.001), 0.001);
   ASSERT_TRUE(found.has_value());

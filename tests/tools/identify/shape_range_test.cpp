@@ -36,5 +36,16 @@ TEST(AtManyPlaces, ShortMovesBetweenLongRestsAreNoSweep) {
   EXPECT_FALSE(at_many_places(q1));
 }
 
+TEST(ShapeRange, OfATimeEndsAtThreeTimesTheLongestLogInItsUnit) {
+  const SignalReach reach = reach_of({Samples(4000), Samples(1000)}, {0.01, 0.01});
+  EXPECT_DOUBLE_EQ(reach.duration_s, 40.0);
+  const ShapeInfo minutes = {"time", "min", 0.05, 120.0, 5.0, "", ShapeScale::kRatio, ShapeOf::kTime};
+  EXPECT_DOUBLE_EQ(range_of(minutes, reach).high, 2.0);
+  EXPECT_DOUBLE_EQ(range_of(minutes, reach).low, 0.05);
+  const ShapeInfo seconds = {"time", "s", 0.1, 60.0, 1.0, "", ShapeScale::kRatio, ShapeOf::kTime};
+  EXPECT_DOUBLE_EQ(range_of(seconds, reach).high, 60.0);
+  EXPECT_DOUBLE_EQ(range_of(minutes, reach_of({Samples(100)}, {0.01})).high, 120.0) << "no range is left";
+}
+
 }  // namespace
 }  // namespace capstan::tools
