@@ -319,8 +319,8 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
   }
   LawForm law = settled_base(p, *base);
   if (options.base_law && catalogue.target() == TargetKind::kAngle && !law.has(kTendonModel)) {
-    law =
-        refine_shapes(p.noncausal, p.target, p.certain(), std::move(law));  // as its coefficients, they may have moved
+    // They may have moved as its coefficients may.
+    law = refine_shapes(p.noncausal, p.target, p.certain(), std::move(law));
   }
   d.notes = p.notes;
   d.repeats = p.repeats ? p.repeats->count : 1;

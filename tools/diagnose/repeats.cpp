@@ -127,7 +127,7 @@ auto find_repeats(const Eigen::VectorXd& motion, double noise_rad) -> std::optio
 
 auto comes_again(const Eigen::VectorXd& signal, const Repeats& repeats) -> bool {
   const double close = kCloseShare * range_of(signal);
-  for (Eigen::Index i = 0; i + 1 < repeats.count; ++i) {
+  for (Eigen::Index i = 0; close > 0.0 && i + 1 < repeats.count; ++i) {
     if (agreement(signal, repeats.length, close, repeats.cycle(i).begin, repeats.length) <= kAgreeing) {
       return false;
     }

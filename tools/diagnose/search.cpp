@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/diagnose/pairs.hpp"
+#include "capstan/tools/diagnose/proposal.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -15,68 +16,6 @@ constexpr std::size_t kMostEffects = 4;
 constexpr double kShareOfRest = 0.5;
 /// A first effect that explains less than this may be half of a pair; a pair has to explain more.
 constexpr double kShareAlone = 0.8;
-
-/// An effect on its way into the law.
-struct Proposal {
-  std::string name;
-  Shapes shapes;
-};
-
-auto proposal(const Round& round, std::size_t candidate, std::size_t variant) -> Proposal {
-  return {round.evidence.candidates[candidate].name, round.evidence.candidates[candidate].variants[variant].shapes};
-}
-
-/// Whether every term of the law has a coefficient other than zero in the joint fit.
-auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned, const std::vector<Proposal>& added)
-    -> bool {
-  const LinearFit fit = fit_law(p.noncausal, p.target, learned, law);
-  Eigen::Index column = 0;
-  for (const auto& term : *law.catalogue) {
-    if (!law.has(term.name)) {
-      continue;
-    }
-    bool present = term.acts_on_output;
-    for (std::size_t i = 0; i < term.coefficients.size(); ++i, ++column) {
-      present = present || fit.theta[column] != 0.0;
-    }
-    const bool is_new = std::any_of(added.begin(), added.end(), [&](const auto& one) { return one.name == term.name; });
-    if (is_new && !present) {
-      return false;
-    }
-  }
-  return true;
-}
-
-/// The law with the proposals added, shapes refined on the measured quantity; empty if one of them does not hold in the
-/// joint fit: its shape runs to the end of its range, or its coefficients to the bound of their signs.
-auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& added) -> std::optional<LawForm> {
-  const Blocks learned = p.certain();
-  for (const auto& one : added) {
-    law.terms.push_back(one.name);
-    law.set_shapes(law.catalogue->term(one.name), one.shapes);
-  }
-  law = refine_shapes(p.noncausal, p.target, learned, law);
-  return shapes_at_limits(p.noncausal, law).empty() && all_present(p, law, learned, added) ? std::optional(law)
-                                                                                           : std::nullopt;
-}
-
-auto law_without(LawForm law, const std::string& name) -> LawForm {
-  law.terms.erase(std::find(law.terms.begin(), law.terms.end(), name));
-  return law;
-}
-
-auto added_effect(const Round& round, const CandidateTrial& trial, const std::vector<std::size_t>& confusable)
-    -> AddedEffect {
-  return {round.evidence.candidates[trial.candidate].name,
-          names_of(round, confusable),
-          std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)),
-          trial.log_e_value,
-          evidence_needed(round.evidence),
-          trial.log_likelihood,
-          trial.explained,
-          trial.explained_t,
-          trial.absorbed};
-}
 
 class Searcher {
  public:
@@ -315,7 +254,7 @@ class Searcher {
   auto add_third(LawForm& law, Round& round, const std::vector<std::string>& doubtful,
                  std::vector<AddedEffect>& effects) -> bool {
     const CandidateTrial* third = simplest(round, best_passing(round, true), true);
-    if (third == nullptr || !round.adequacy.lacks_something) {
+    if (third == nullptr || !round.adequacy.lacks_something || !rivals(round, *third).empty()) {
       return false;
     }
     const auto with_third = law_with(p_, law, {proposal(round, third->candidate, third->variant)});

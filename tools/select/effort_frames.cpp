@@ -58,8 +58,19 @@ auto best_skew(const std::vector<AxisLog>& logs, EffortLaw law) -> double {
   return best;
 }
 
-/// How slow a motor stands, and how soon the dry friction of its last motion lets go then.
-auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> std::vector<Frame> {
+}  // namespace
+
+auto axis_kind(const std::vector<AxisLog>& logs) -> AxisKind {
+  return logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
+}
+
+auto catalogue_for(const std::vector<AxisLog>& logs) -> const Catalogue& {
+  return logs.front().motion_alone() ? effort_law_catalogue(axis_kind(logs)) : gear_law_catalogue();
+}
+
+auto frames_by(const std::vector<AxisLog>& logs, const std::function<double(const Frame&)>& error)
+    -> std::vector<Frame> {
+  // How slow a motor stands, of the usual, and how soon the dry friction of its last motion lets go then.
   constexpr std::pair<double, double> kRests[] = {{1.0, kLettingGoS},
                                                   {1.0, kAtOnceS},
                                                   {1.0, kNeverS},
@@ -68,54 +79,34 @@ auto frames_by_rest(const std::vector<AxisLog>& logs, const EffortLaw& law) -> s
                                                   {kFineStandstill, kNeverS},
                                                   {kFinestStandstill, kAtOnceS},
                                                   {kFinestStandstill, kNeverS}};
-  std::vector<Frame> frames;
+  EffortLaw law;
+  law.joint = JointFile(catalogue_for(logs));
+  law.target = logs.front().target;
+  law.view = usual_view(logs);
+  law.view.skew_s = law.of_gear() ? best_skew(logs, law) : 0.0;
+  std::vector<Frame> frames;  // the usual one, and the best of the others
+  double lowest = 0.0;
   for (const auto& [share, letting_go_s] : kRests) {
     EffortLaw trial = law;
     trial.view.standstill = share * law.view.standstill;
     trial.view.letting_go_s = letting_go_s;
     EffortDesign design(logs, trial.view);
-    frames.push_back({std::move(trial), std::move(design)});
-  }
-  return frames;
-}
-
-}  // namespace
-
-auto best_frame(const std::vector<Frame>& frames, const std::function<double(const Frame&)>& error) -> std::size_t {
-  std::size_t best = 0;
-  double lowest = (1.0 - kWorthAnotherView) * error(frames.front());
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    if (const double found = error(frames[i]); found < lowest) {
+    Frame frame{std::move(trial), std::move(design)};
+    const double found = error(frame);
+    if (frames.empty()) {
+      lowest = (1.0 - kWorthAnotherView) * found;
+      frames.push_back(std::move(frame));
+    } else if (found < lowest) {
       lowest = found;
-      best = i;
+      frames.resize(1, frames.front());
+      frames.push_back(std::move(frame));
     }
   }
-  return best;
-}
-
-auto axis_kind(const std::vector<AxisLog>& logs) -> AxisKind {
-  return logs.front().linear ? AxisKind::kLinear : AxisKind::kRotary;
-}
-
-auto all_frames(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
-  const bool gear = !logs.front().motion_alone();
-  EffortLaw law;
-  law.joint = JointFile(gear ? gear_law_catalogue() : effort_law_catalogue(axis_kind(logs)));
-  law.target = logs.front().target;
-  law.view = usual_view(logs);
-  law.view.skew_s = gear ? best_skew(logs, law) : 0.0;
-  return frames_by_rest(logs, law);
+  return frames;
 }
 
 auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame> {
-  std::vector<Frame> frames = all_frames(logs);
-  const std::size_t shown =
-      best_frame(frames, [&](const Frame& frame) { return std::exp(plain_loss(logs, frame.law, frame.design)); });
-  if (shown > 0) {
-    std::swap(frames[1], frames[shown]);
-  }
-  frames.resize(shown > 0 ? 2 : 1, frames.front());
-  return frames;
+  return frames_by(logs, [&logs](const Frame& frame) { return std::exp(plain_loss(logs, frame.law, frame.design)); });
 }
 
 }  // namespace capstan::tools

@@ -18,15 +18,16 @@ inline constexpr double kWorthAnotherView = 0.01;
 
 auto axis_kind(const std::vector<AxisLog>& logs) -> AxisKind;
 
-/// Every way in which the logs of an effort, or of a gear, may be looked at, the usual one first: how slow a motor
-/// stands, how soon the dry friction of its last motion lets go then, and a gear's motor late or early as a plain law
-/// says.
-auto all_frames(const std::vector<AxisLog>& logs) -> std::vector<Frame>;
+/// Of a law of these logs: of an effort, or of the torque behind a gear.
+auto catalogue_for(const std::vector<AxisLog>& logs) -> const Catalogue&;
 
-/// The frame of least error, the first unless another has less by kWorthAnotherView.
-auto best_frame(const std::vector<Frame>& frames, const std::function<double(const Frame&)>& error) -> std::size_t;
+/// How the logs of an effort, or of a gear, may be looked at: as is usual, and, where the error is less by
+/// kWorthAnotherView, with another standstill, at which dry friction lets go sooner or later. A gear's motor is late or
+/// early as a plain law says.
+auto frames_by(const std::vector<AxisLog>& logs, const std::function<double(const Frame&)>& error)
+    -> std::vector<Frame>;
 
-/// The usual frame and, where the log shows another to a plain law, that too.
+/// By the error of a plain law.
 auto frames_for(const std::vector<AxisLog>& logs) -> std::vector<Frame>;
 
 }  // namespace capstan::tools

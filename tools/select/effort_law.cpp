@@ -251,8 +251,7 @@ void set_status(LawStatus status, EffortLaw& law) {
 }
 
 auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> EffortLaw {
-  std::vector<Frame> frames = all_frames(logs);
-  JointFile joint = frames.front().law.joint;
+  JointFile joint(catalogue_for(logs));
   for (const auto& term : *joint.catalogue) {
     if (!law.has(term.name)) {
       continue;
@@ -269,9 +268,10 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
     }
   }
   joint.fit = law.fit;
-  auto& [runnable, design] = frames[best_frame(frames, [&](const Frame& frame) {
+  std::vector<Frame> frames = frames_by(logs, [&](const Frame& frame) {
     return rms(frame.design.seen(stacked_target(logs)) - sum_of_terms(frame.design, joint));
-  })];
+  });
+  auto& [runnable, design] = frames.back();
   runnable.joint = joint;
   set_status(law.status, runnable);
   runnable.view.window_s = best_window(logs, runnable, design);
