@@ -4,7 +4,6 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
-#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +13,9 @@
 #include "capstan/tools/jobs/diagnose_job.hpp"
 #include "capstan/tools/python/column.hpp"
 #include "capstan/tools/python/law.hpp"
+#include "capstan/tools/python/logs.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
-#include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace py = pybind11;
@@ -26,23 +25,6 @@ namespace {
 
 using namespace tools;
 using std::filesystem::path;
-
-/// Logs as a caller has them: a file, a log that was read, or several of these.
-using LogLike = std::variant<path, const CsvLog*>;
-using LogsLike = std::variant<LogLike, std::vector<LogLike>>;
-/// {"axis0/q1_rad": "motor*0.01"}, or the texts of --map.
-using Maps = std::variant<std::map<std::string, std::string>, std::vector<std::string>>;
-
-auto texts_of(const Maps& maps) -> std::vector<std::string> {
-  if (const auto* texts = std::get_if<std::vector<std::string>>(&maps)) {
-    return *texts;
-  }
-  std::vector<std::string> texts;
-  for (const auto& [wanted, expression] : std::get<0>(maps)) {
-    texts.push_back(wanted + "=" + expression);
-  }
-  return texts;
-}
 
 /// Sentences that came up while Python was not looking, for its warnings.
 class Warnings {
@@ -61,62 +43,6 @@ class Warnings {
  private:
   std::vector<std::string> texts_;
 };
-
-auto read_one(const LogLike& log, const std::vector<std::string>& maps) -> CsvLog {
-  if (const auto* file = std::get_if<path>(&log)) {
-    return CsvLog::read(file->string(), parse_mappings(maps));
-  }
-  if (!maps.empty()) {
-    throw BadInput("map is for files; give it to read_log() where the log was read");
-  }
-  return *std::get<const CsvLog*>(log);
-}
-
-auto list_of(const LogsLike& logs) -> std::vector<LogLike> {
-  const auto* one = std::get_if<LogLike>(&logs);
-  return one != nullptr ? std::vector<LogLike>{*one} : std::get<1>(logs);
-}
-
-auto name_of(const LogLike& log) -> std::string {
-  const auto* file = std::get_if<path>(&log);
-  return file != nullptr ? file->string() : std::get<const CsvLog*>(log)->name();
-}
-
-/// Of one file, however they are given. Logs of arrays have a name that is no file.
-auto is_same(const LogLike& a, const LogLike& b) -> bool {
-  return a == b || (std::filesystem::exists(name_of(a)) && same_file(name_of(a), name_of(b)));
-}
-
-auto read_all(const LogsLike& logs, const Maps& map) -> std::vector<CsvLog> {
-  const auto maps = texts_of(map);
-  const auto list = list_of(logs);
-  if (const auto log = first_repeat(list, is_same); log != list.end()) {
-    throw BadInput(name_of(*log) + " is given twice, and its rows would count as evidence twice; give it once");
-  }
-  std::vector<CsvLog> all;
-  for (const auto& log : list) {
-    all.push_back(read_one(log, maps));
-  }
-  return all;
-}
-
-/// A log that is fitted is not unseen.
-void refuse_fitted(const LogsLike& logs, const LogsLike& test) {
-  const auto fitted = list_of(logs);
-  for (const auto& one : list_of(test)) {
-    if (std::any_of(fitted.begin(), fitted.end(), [&](const auto& log) { return is_same(log, one); })) {
-      throw BadInput("test has " + name_of(one) + ", which is among the logs that are fitted; give one that is not");
-    }
-  }
-}
-
-auto read_some(const LogsLike& logs, const Maps& map) -> std::vector<CsvLog> {
-  auto all = read_all(logs, map);
-  if (all.empty()) {
-    throw BadInput("there is no log; give the path of one, or a log that was read");
-  }
-  return all;
-}
 
 auto arithmetic_of(const std::string& name) -> Arithmetic {
   if (name != "fixed" && name != "double") {
@@ -155,7 +81,7 @@ auto log_from_columns(const std::map<std::string, Column>& columns) -> CsvLog {
   return CsvLog::parse(std::move(text), "the arrays");
 }
 
-auto identify_law(const LogsLike& logs, const std::string& model, const std::string& target, int axis, const Maps& map,
+auto identify_law(const Logs& logs, const std::string& model, const std::string& target, int axis, const Maps& map,
                   const std::vector<int>& coupled_to) -> Law {
   JobLogs read{read_some(logs, map), axis, coupled_to};
   Warnings warnings;
@@ -195,12 +121,12 @@ auto progress_to(const py::object& callback) -> Say {
   };
 }
 
-auto diagnose_logs(const LogsLike& logs, const std::string& base, const std::string& target, const LogsLike& test,
-                   int axis, const Maps& map, const std::vector<int>& coupled_to, const Outputs& outputs,
+auto diagnose_logs(const Logs& logs, const std::string& base, const std::string& target, const Logs& test, int axis,
+                   const Maps& map, const std::vector<int>& coupled_to, const Outputs& outputs,
                    const py::object& progress) -> py::object {
-  refuse_fitted(logs, test);
+  auto tests = read_tests(test, logs, map);
   DiagnoseJob job{.logs = {read_some(logs, map), axis, coupled_to},
-                  .tests = read_all(test, map),
+                  .tests = std::move(tests),
                   .base = base,
                   .target = target,
                   .progress = progress_to(progress)};
@@ -249,8 +175,18 @@ auto fit_of(const Law& law) -> py::object {
   return summary;
 }
 
+/// Objects come from the module's functions only: without a value behind it one would be read from nowhere.
+template <typename T>
+auto made_by_functions(py::class_<T> type, const char* functions) -> py::class_<T> {
+  type.def_static("__new__", [functions](const py::args&, const py::kwargs&) {
+    throw py::type_error(std::string("it is made by ") + functions);
+  });
+  return type;
+}
+
 void add_logs(py::module_& module) {
-  py::class_<CsvLog>(module, "Log", "A log: columns of numbers, by the names of the contract (docs/logs.md).")
+  const char* contract = "A log: columns of numbers, by the names of the contract (docs/logs.md).";
+  made_by_functions(py::class_<CsvLog>(module, "Log", contract), "read_log() and log()")
       .def_property_readonly("name", &CsvLog::name)
       .def_property_readonly("columns", &CsvLog::column_names, "names in the file")
       .def_property_readonly("warnings", &CsvLog::warnings, "what was done with the file to read it")
@@ -268,8 +204,7 @@ void add_logs(py::module_& module) {
                " rows: " + joined(log.column_names()) + ">";
       });
   module.def(
-      "read_log",
-      [](const path& file, const Maps& map) { return CsvLog::read(file.string(), parse_mappings(texts_of(map))); },
+      "read_log", [](const path& file, const Maps& map) { return CsvLog::read(file.string(), mappings_of(map)); },
       py::arg("path"), py::arg("map") = std::vector<std::string>{},
       "Reads a log: CSV or MCAP, packed or not. `map` as --map: {'axis0/tau_Nm': 'current_A*0.0369'}.");
   module.def("log", &log_from_columns, py::arg("columns"),
@@ -277,10 +212,11 @@ void add_logs(py::module_& module) {
 }
 
 void add_laws(py::module_& module) {
-  py::class_<Replayed>(module, "Estimate", "What a law says of the joint's angle.")
+  made_by_functions(py::class_<Replayed>(module, "Estimate", "What a law says of the joint's angle."), "Law.run()")
       .def_readonly("q2", &Replayed::q2, "what the firmware acts on, rad")
       .def_readonly("q2_reported", &Replayed::reported, "what the joint's sensor would report under the law, rad");
-  py::class_<Law>(module, "Law", "A law with its numbers; the text is that of its file.")
+  made_by_functions(py::class_<Law>(module, "Law", "A law with its numbers; the text is that of its file."),
+                    "load_law() and identify()")
       .def_property_readonly("kind", &Law::kind, "'angle', 'effort' or 'force'")
       .def_property_readonly("status", &Law::status, "'confirmed', 'provisional' or 'base'")
       .def_property_readonly("terms", &Law::terms)
@@ -308,7 +244,7 @@ void add_laws(py::module_& module) {
           "replay",
           [](const Law& law, const LogLike& log, const std::string& arithmetic, int axis, const Maps& map) {
             Warnings warnings;
-            CsvLog with = law.replay(read_one(log, texts_of(map)), axis, arithmetic_of(arithmetic), warnings.say());
+            CsvLog with = law.replay(read_one(log, map), axis, arithmetic_of(arithmetic), warnings.say());
             warnings.pass_on();
             return with;
           },
@@ -331,15 +267,15 @@ void add_commands(py::module_& module) {
              "determine a parameter.");
   module.def(
       "diagnose",
-      [](const LogsLike& logs, const std::string& base, const std::string& target, const LogsLike& test, int axis,
-         const Maps& map, const std::vector<int>& coupled_to, const std::optional<path>& law,
+      [](const Logs& logs, const std::string& base, const std::string& target, const std::optional<Logs>& test,
+         int axis, const Maps& map, const std::vector<int>& coupled_to, const std::optional<path>& law,
          const std::optional<path>& report, const std::optional<path>& next, const py::object& progress) {
-        return diagnose_logs(logs, base, target, test, axis, map, coupled_to, {law, report, next}, progress);
+        return diagnose_logs(logs, base, target, test.value_or(Logs{}), axis, map, coupled_to, {law, report, next},
+                             progress);
       },
-      py::arg("logs"), py::kw_only(), py::arg("base") = "", py::arg("target") = "",
-      py::arg("test") = std::vector<LogLike>{}, py::arg("axis") = 0, py::arg("map") = no_maps,
-      py::arg("coupled_to") = nobody, py::arg("law") = py::none(), py::arg("report") = py::none(),
-      py::arg("next") = py::none(), py::arg("progress") = py::none(),
+      py::arg("logs"), py::kw_only(), py::arg("base") = "", py::arg("target") = "", py::arg("test") = py::none(),
+      py::arg("axis") = 0, py::arg("map") = no_maps, py::arg("coupled_to") = nobody, py::arg("law") = py::none(),
+      py::arg("report") = py::none(), py::arg("next") = py::none(), py::arg("progress") = py::none(),
       "What the law of these logs lacks, as `capstan diagnose` finds it: the contract's JSON as a dict. `law`,\n"
       "`report` and `next` are files and a folder to write; `progress` is called with a sentence now and then.");
 }

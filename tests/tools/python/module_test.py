@@ -173,6 +173,28 @@ class Module(unittest.TestCase):
         with self.assertRaises(TypeError):
             capstan.identify(3)
 
+    def test_what_is_no_log_is_an_exception(self):
+        path = self.write(joint(5.0))
+        law = capstan.identify(capstan.log(joint(5.0)))
+        for wrong in (None, 3, {"time_s": [0.0]}):
+            for call in (lambda: capstan.identify(wrong), lambda: capstan.identify([path, wrong]),
+                         lambda: capstan.diagnose(wrong), lambda: capstan.diagnose([wrong]),
+                         lambda: capstan.diagnose(path, test=[wrong]), lambda: law.replay(wrong)):
+                with self.assertRaisesRegex(TypeError, f"a log is given as {type(wrong).__name__}; give the path"):
+                    call()
+
+    def test_no_test_may_be_said(self):
+        log = capstan.log(joint(30.0, 100.0))
+        self.assertEqual(capstan.diagnose(log, test=None), capstan.diagnose(log))
+
+    def test_nothing_is_made_without_a_value_behind_it(self):
+        for kind in (capstan.Log, capstan.Law, capstan.Estimate):
+            for call in (kind, lambda: kind.__new__(kind)):
+                with self.assertRaisesRegex(TypeError, "made by"):
+                    call()
+            with self.assertRaises(TypeError):
+                object.__new__(kind)
+
     def test_a_log_is_evidence_once(self):
         path = self.write(joint(5.0))
         link = self.folder / "link.csv"

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/python/logs.hpp"
+
+#include <algorithm>
+
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/first_repeat.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace py = pybind11;
+
+namespace capstan::python {
+namespace {
+
+using namespace tools;
+using std::filesystem::path;
+
+auto name_of(const LogLike& log) -> std::string {
+  const auto* file = std::get_if<path>(&log);
+  return file != nullptr ? file->string() : std::get<const CsvLog*>(log)->name();
+}
+
+/// Of one file, however they are given. Logs of arrays have a name that is no file.
+auto is_same(const LogLike& a, const LogLike& b) -> bool {
+  return a == b || (std::filesystem::exists(name_of(a)) && same_file(name_of(a), name_of(b)));
+}
+
+auto read_all(const Logs& logs, const Maps& maps) -> std::vector<CsvLog> {
+  if (const auto log = first_repeat(logs.all, is_same); log != logs.all.end()) {
+    throw BadInput(name_of(*log) + " is given twice, and its rows would count as evidence twice; give it once");
+  }
+  std::vector<CsvLog> all;
+  for (const auto& log : logs.all) {
+    all.push_back(read_one(log, maps));
+  }
+  return all;
+}
+
+}  // namespace
+
+auto log_like(py::handle object) -> LogLike {
+  if (py::isinstance<CsvLog>(object)) {
+    return object.cast<const CsvLog*>();
+  }
+  if (py::detail::make_caster<path> file; file.load(object, true)) {
+    return py::detail::cast_op<path>(std::move(file));
+  }
+  throw py::type_error("a log is given as " + std::string(py::str(py::type::of(object).attr("__name__"))) +
+                       "; give the path of one, or what read_log() or log() returned");
+}
+
+auto logs_of(py::handle object) -> Logs {
+  if (!py::isinstance<py::list>(object) && !py::isinstance<py::tuple>(object)) {
+    return {{log_like(object)}};
+  }
+  Logs logs;
+  for (const auto one : object) {
+    logs.all.push_back(log_like(one));
+  }
+  return logs;
+}
+
+auto mappings_of(const Maps& maps) -> std::vector<ColumnMapping> {
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&maps)) {
+    return parse_mappings(*texts);
+  }
+  std::vector<std::string> texts;
+  for (const auto& [wanted, expression] : std::get<0>(maps)) {
+    texts.push_back(wanted + "=" + expression);
+  }
+  return parse_mappings(texts);
+}
+
+auto read_one(const LogLike& log, const Maps& maps) -> CsvLog {
+  auto mappings = mappings_of(maps);
+  if (const auto* file = std::get_if<path>(&log)) {
+    return CsvLog::read(file->string(), std::move(mappings));
+  }
+  if (!mappings.empty()) {
+    throw BadInput("map is for files; give it to read_log() where the log was read");
+  }
+  return *std::get<const CsvLog*>(log);
+}
+
+auto read_some(const Logs& logs, const Maps& maps) -> std::vector<CsvLog> {
+  auto all = read_all(logs, maps);
+  if (all.empty()) {
+    throw BadInput("there is no log; give the path of one, or a log that was read");
+  }
+  return all;
+}
+
+auto read_tests(const Logs& tests, const Logs& fitted, const Maps& maps) -> std::vector<CsvLog> {
+  for (const auto& test : tests.all) {
+    if (std::any_of(fitted.all.begin(), fitted.all.end(), [&](const auto& log) { return is_same(log, test); })) {
+      throw BadInput("test has " + name_of(test) + ", which is among the logs that are fitted; give one that is not");
+    }
+  }
+  return read_all(tests, maps);
+}
+
+}  // namespace capstan::python
