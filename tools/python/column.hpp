@@ -4,14 +4,17 @@
 #include <pybind11/eigen.h>
 #include <pybind11/pybind11.h>
 
-#include <limits>
+#include <string>
 
 namespace capstan::python {
 
-/// Numbers of a caller's array; what a masked array hides is NaN.
+/// Numbers of a caller's array. What a masked array hides is NaN; times of the calendar are seconds from the first on.
 struct Column {
   Eigen::VectorXd values;
 };
+
+/// Throws a TypeError that says `what` can not be used.
+auto column_of(pybind11::handle source, const std::string& what) -> Column;
 
 }  // namespace capstan::python
 
@@ -19,16 +22,8 @@ template <>
 struct pybind11::detail::type_caster<capstan::python::Column> {
   PYBIND11_TYPE_CASTER(capstan::python::Column, const_name("numpy.ndarray"));
 
-  auto load(handle source, bool convert) -> bool {
-    auto numbers = reinterpret_borrow<object>(source);
-    if (hasattr(numbers, "filled")) {
-      numbers = numbers.attr("astype")("float64").attr("filled")(std::numeric_limits<double>::quiet_NaN());
-    }
-    make_caster<Eigen::VectorXd> inner;
-    if (!inner.load(numbers, convert)) {
-      return false;
-    }
-    value.values = cast_op<Eigen::VectorXd>(inner);
+  auto load(handle source, bool) -> bool {
+    value = capstan::python::column_of(source, "an array");
     return true;
   }
 };

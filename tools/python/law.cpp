@@ -7,6 +7,7 @@
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/jobs/replay_job.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/python/words.hpp"
 #include "capstan/tools/replay/effort_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -47,7 +48,7 @@ auto log_of(const Inputs& inputs, const JointFile& law) -> AxisLog {
                    std::to_string(inputs.others.size()) + "; give q1 and tau of each");
   }
   AxisLog log;
-  log.name = "the arrays";
+  log.name = kArrays;
   log.period_s = 1.0 / inputs.rate_hz;
   log.q1_rad = inputs.q1;
   log.time_s = Eigen::VectorXd::LinSpaced(samples, 0.0, static_cast<double>(samples - 1) * log.period_s);

@@ -2,7 +2,10 @@
 #include "capstan/tools/python/logs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "capstan/tools/python/column.hpp"
+#include "capstan/tools/python/words.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/first_repeat.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -36,6 +39,27 @@ auto read_all(const Logs& logs, const Maps& maps) -> std::vector<CsvLog> {
   return all;
 }
 
+auto type_name(py::handle object) -> std::string {
+  return py::str(py::type::of(object).attr("__name__"));
+}
+
+auto items_of(const py::object& columns) -> std::vector<std::pair<std::string, py::object>> {
+  if (!py::hasattr(columns, "items")) {
+    throw py::type_error("columns are given as " + type_name(columns) +
+                         "; give names with their arrays, for instance {'time_s': t, 'axis0/q1_rad': q1}");
+  }
+  std::vector<std::pair<std::string, py::object>> items;
+  for (const auto item : columns.attr("items")()) {
+    const auto pair = item.cast<py::tuple>();
+    if (!py::isinstance<py::str>(pair[0])) {
+      throw py::type_error("a column is named " + std::string(py::repr(pair[0])) +
+                           "; give its name, for instance 'axis0/q1_rad'");
+    }
+    items.emplace_back(pair[0].cast<std::string>(), pair[1]);
+  }
+  return items;
+}
+
 }  // namespace
 
 auto log_like(py::handle object) -> LogLike {
@@ -45,7 +69,7 @@ auto log_like(py::handle object) -> LogLike {
   if (py::detail::make_caster<path> file; file.load(object, true)) {
     return py::detail::cast_op<path>(std::move(file));
   }
-  throw py::type_error("a log is given as " + std::string(py::str(py::type::of(object).attr("__name__"))) +
+  throw py::type_error("a log is given as " + type_name(object) +
                        "; give the path of one, or what read_log() or log() returned");
 }
 
@@ -71,13 +95,35 @@ auto mappings_of(const Maps& maps) -> std::vector<ColumnMapping> {
   return parse_mappings(texts);
 }
 
+auto log_of_columns(const py::object& columns, const Maps& maps) -> CsvLog {
+  std::vector<Column> read;
+  std::string text;
+  for (const auto& [name, values] : items_of(columns)) {
+    read.push_back(column_of(values, "column " + name));
+    text += (read.size() > 1 ? "," : "") + name;
+    if (const auto rows = read.back().values.size(); rows != read.front().values.size()) {
+      throw BadInput("column " + name + " has " + std::to_string(rows) + " values and others have " +
+                     std::to_string(read.front().values.size()) + "; give one for each row");
+    }
+  }
+  text += "\n";
+  for (Eigen::Index row = 0; !read.empty() && row < read.front().values.size(); ++row) {
+    for (const Column& column : read) {
+      const double value = column.values[row];
+      text += (&column == &read.front() ? "" : ",") + (std::isnan(value) ? "" : exact(value));
+    }
+    text += "\n";
+  }
+  return CsvLog::parse(std::move(text), kArrays, mappings_of(maps));
+}
+
 auto read_one(const LogLike& log, const Maps& maps) -> CsvLog {
   auto mappings = mappings_of(maps);
   if (const auto* file = std::get_if<path>(&log)) {
     return CsvLog::read(file->string(), std::move(mappings));
   }
   if (!mappings.empty()) {
-    throw BadInput("map is for files; give it to read_log() where the log was read");
+    throw BadInput("map is for files; give it to read_log() or log(), where the log comes from");
   }
   return *std::get<const CsvLog*>(log);
 }

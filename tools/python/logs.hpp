@@ -28,7 +28,9 @@ auto log_like(pybind11::handle object) -> LogLike;
 auto logs_of(pybind11::handle object) -> Logs;
 
 auto mappings_of(const Maps& maps) -> std::vector<tools::ColumnMapping>;
-/// Throws BadInput, as the rest here.
+/// A log of a mapping of names to arrays; cells are empty where nothing was measured. Throws a TypeError for what is no
+/// such mapping, BadInput as the rest here.
+auto log_of_columns(const pybind11::object& columns, const Maps& maps) -> tools::CsvLog;
 auto read_one(const LogLike& log, const Maps& maps) -> tools::CsvLog;
 /// Each once, and at least one.
 auto read_some(const Logs& logs, const Maps& maps) -> std::vector<tools::CsvLog>;

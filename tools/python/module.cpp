@@ -14,6 +14,7 @@
 #include "capstan/tools/python/column.hpp"
 #include "capstan/tools/python/law.hpp"
 #include "capstan/tools/python/logs.hpp"
+#include "capstan/tools/python/words.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -26,6 +27,13 @@ namespace {
 using namespace tools;
 using std::filesystem::path;
 
+auto all_in_python(std::vector<std::string> sentences) -> std::vector<std::string> {
+  for (auto& sentence : sentences) {
+    sentence = in_python(sentence);
+  }
+  return sentences;
+}
+
 /// Sentences that came up while Python was not looking, for its warnings.
 class Warnings {
  public:
@@ -34,7 +42,7 @@ class Warnings {
   }
   void pass_on() const {
     for (const auto& text : texts_) {
-      if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) {
+      if (PyErr_WarnEx(PyExc_UserWarning, in_python(text).c_str(), 1) != 0) {
         throw py::error_already_set();
       }
     }
@@ -53,32 +61,6 @@ auto arithmetic_of(const std::string& name) -> Arithmetic {
 
 auto numbers_of(const std::optional<Column>& column) -> std::optional<Eigen::VectorXd> {
   return column ? std::optional(column->values) : std::nullopt;
-}
-
-/// Cells are empty where nothing was measured.
-auto log_from_columns(const std::map<std::string, Column>& columns) -> CsvLog {
-  Eigen::Index rows = -1;
-  std::string text;
-  for (const auto& [name, column] : columns) {
-    const Eigen::VectorXd& values = column.values;
-    if (rows >= 0 && values.size() != rows) {
-      throw BadInput("column " + name + " has " + std::to_string(values.size()) + " values and others have " +
-                     std::to_string(rows) + "; give one for each row");
-    }
-    rows = values.size();
-    text += (text.empty() ? "" : ",") + name;
-  }
-  text += "\n";
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    bool first = true;
-    for (const auto& [name, column] : columns) {
-      const double value = column.values[row];
-      text += (first ? "" : ",") + (std::isnan(value) ? "" : exact(value));
-      first = false;
-    }
-    text += "\n";
-  }
-  return CsvLog::parse(std::move(text), "the arrays");
 }
 
 auto identify_law(const Logs& logs, const std::string& model, const std::string& target, int axis, const Maps& map,
@@ -189,7 +171,9 @@ void add_logs(py::module_& module) {
   made_by_functions(py::class_<CsvLog>(module, "Log", contract), "read_log() and log()")
       .def_property_readonly("name", &CsvLog::name)
       .def_property_readonly("columns", &CsvLog::column_names, "names in the file")
-      .def_property_readonly("warnings", &CsvLog::warnings, "what was done with the file to read it")
+      .def_property_readonly(
+          "warnings", [](const CsvLog& log) { return all_in_python(log.warnings()); },
+          "what was done with the file to read it")
       .def("__len__", &CsvLog::rows)
       .def("__contains__", &CsvLog::has)
       .def(
@@ -207,8 +191,9 @@ void add_logs(py::module_& module) {
       "read_log", [](const path& file, const Maps& map) { return CsvLog::read(file.string(), mappings_of(map)); },
       py::arg("path"), py::arg("map") = std::vector<std::string>{},
       "Reads a log: CSV or MCAP, packed or not. `map` as --map: {'axis0/tau_Nm': 'current_A*0.0369'}.");
-  module.def("log", &log_from_columns, py::arg("columns"),
-             "A log of arrays: {'time_s': t, 'axis0/q1_rad': q1, ...}. NaN and what is masked are gaps.");
+  module.def(
+      "log", &log_of_columns, py::arg("columns"), py::arg("map") = std::vector<std::string>{},
+      "A log of arrays: {'time_s': t, 'axis0/q1_rad': q1, ...}, or a DataFrame. NaN and what is masked are gaps.");
 }
 
 void add_laws(py::module_& module) {
@@ -222,7 +207,7 @@ void add_laws(py::module_& module) {
       .def_property_readonly("terms", &Law::terms)
       .def_property_readonly("parameters", &parameters_of, "name: {'value', 'unit', 'ci95'}")
       .def_property_readonly("fit", &fit_of, "{'rmse', 'gof_percent', 'samples'}, or None")
-      .def_property_readonly("notes", &Law::notes)
+      .def_property_readonly("notes", [](const Law& law) { return all_in_python(law.notes()); })
       .def_property_readonly("text", &Law::text)
       .def("save", &Law::save, py::arg("path"), "Writes the law's file, for instance joint.toml.")
       .def(
@@ -280,16 +265,33 @@ void add_commands(py::module_& module) {
       "`report` and `next` are files and a folder to write; `progress` is called with a sentence now and then.");
 }
 
+/// Sentences come from the command line's side of the program.
+template <typename Error>
+void add_exception(py::module_& module, const char* name, PyObject* base, const char* doc) {
+  static PyObject* type = nullptr;  // for the translator, which can not capture it; the interpreter's till its end
+  type = py::exception<Error>(module, name, base).release().ptr();
+  py::setattr(type, "__doc__", py::str(doc));
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      PyErr_SetString(type, in_python(error.what()).c_str());
+    }
+  });
+}
+
 }  // namespace
 }  // namespace capstan::python
 
 PYBIND11_MODULE(capstan, module) {
   module.doc() = "Identify and diagnose joints driven through tendons, and run their laws as the firmware does.";
   module.attr("__version__") = CAPSTAN_VERSION;
-  py::register_exception<capstan::tools::BadInput>(module, "BadInput", PyExc_ValueError).doc() =
-      "What was given can not be used; the message says what is wrong, where, and the cure.";
-  py::register_exception<capstan::tools::Refusal>(module, "Refusal", PyExc_RuntimeError).doc() =
-      "The input is sound, but the answer is no; the message says why and what would change it.";
+  capstan::python::add_exception<capstan::tools::BadInput>(
+      module, "BadInput", PyExc_ValueError,
+      "What was given can not be used; the message says what is wrong, where, and the cure.");
+  capstan::python::add_exception<capstan::tools::Refusal>(
+      module, "Refusal", PyExc_RuntimeError,
+      "The input is sound, but the answer is no; the message says why and what would change it.");
   capstan::python::add_logs(module);
   capstan::python::add_laws(module);
   capstan::python::add_commands(module);
