@@ -193,7 +193,7 @@ void print_json() {
   heading("JSON",
           "What the tools write for programs. The schemas are in `docs/schema/` and, installed, in "
           "`share/capstan/schema`; a test holds what the tools write against them.");
-  for (const char* name : {"diagnosis", "comparison", "routing"}) {
+  for (const char* name : {"diagnosis", "comparison", "routing", "thesis"}) {
     std::cout << json_table(std::string(CAPSTAN_SOURCE_DIR "/docs/schema/") + name + ".schema.json");
   }
 }
