@@ -37,14 +37,20 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
 
 namespace {
 
-/// rms over the rows set aside where the running direction switch agrees with the noncausal one.
-auto rms_of_known_direction(const Preparation& p, const Eigen::VectorXd& error) -> double {
+/// Where the running direction switch agrees with the noncausal one, row by row of all logs.
+auto rows_of_known_direction(const Preparation& p) -> std::vector<bool> {
   std::vector<bool> known;
   for (std::size_t log = 0; log < p.logs.size(); ++log) {
     const Samples& running = p.causal.samples()[log];
     std::transform(running.begin(), running.end(), p.noncausal.samples()[log].begin(), std::back_inserter(known),
                    [](const auto& now, const auto& later) { return now.forward == later.forward; });
   }
+  return known;
+}
+
+/// rms over the rows set aside where that is so.
+auto rms_of_known_direction(const Preparation& p, const Eigen::VectorXd& error) -> double {
+  const std::vector<bool> known = rows_of_known_direction(p);
   double squares = 0.0;
   Eigen::Index count = 0;
   for (const auto& rows : refined(p.split, p.factor).of(Role::kReport)) {
@@ -62,6 +68,21 @@ auto rms_of_known_direction(const Preparation& p, const Eigen::VectorXd& error) 
 
 auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double {
   return rms_of_known_direction(p, p.target - estimate);
+}
+
+auto share_late_by_one_row(const Preparation& p) -> double {
+  std::vector<bool> known = rows_of_known_direction(p);
+  known.push_back(true);
+  int late = 0;
+  int by_one_row = 0;
+  for (std::size_t i = 0, row = 0; i < known.size(); ++i) {
+    row = known[i] ? 0 : row + 1;
+    if (row > 0 && known[i + 1]) {
+      ++late;
+      by_one_row += row == 1 ? 1 : 0;
+    }
+  }
+  return late > 0 ? static_cast<double>(by_one_row) / late : 0.0;
 }
 
 auto noise_of_running(const Preparation& p, const LawForm& form) -> double {

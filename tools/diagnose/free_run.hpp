@@ -17,6 +17,10 @@ auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> Erro
 /// without what is owed to an encoder that shows a turn late. In the target's unit.
 auto error_of_known_direction(const Preparation& p, const Eigen::VectorXd& estimate) -> double;
 
+/// Of the reversals that the running direction switch is late at, the share that it shows in the very next row: that is
+/// the least that a log can show, whatever its encoder. 0 where it is never late.
+auto share_late_by_one_row(const Preparation& p) -> double;
+
 /// What the noise of torque and rate brings into a running estimate of a law, rms on the same rows, in the target's
 /// unit: its distance from the estimate noncausally, where these are smoothed. No other law of these sensors knows
 /// better.

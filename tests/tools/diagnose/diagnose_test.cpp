@@ -280,9 +280,8 @@ TEST(Diagnose, WhatALateEncoderOwesHasNoNameAndAFineOneOwesNothing) {
     request.counts_per_turn = counts_per_turn;
     const Diagnosis d = diagnosis_of(request);
     EXPECT_TRUE(d.effects.empty()) << d.reason;
-    return std::any_of(d.warnings.begin(), d.warnings.end(), [](const auto& warning) {
-      return warning.find("its encoder does not show it yet") != std::string::npos;
-    });
+    return std::any_of(d.warnings.begin(), d.warnings.end(),
+                       [](const auto& warning) { return warning.find("just after reversals") != std::string::npos; });
   };
   static_cast<void>(said(2048.0));
   EXPECT_FALSE(said(4e6));

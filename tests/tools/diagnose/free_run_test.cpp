@@ -51,6 +51,17 @@ TEST(ErrorOfKnownDirection, LeavesOutWhereTheRunningSwitchIsWrong) {
   EXPECT_EQ(error_of_known_direction(p, estimate), 0.0);  // nothing is known
 }
 
+TEST(ShareLateByOneRow, CountsReversals) {
+  Preparation p = reported();
+  EXPECT_EQ(share_late_by_one_row(p), 0.0);
+  Samples late(200);
+  for (const std::size_t i : {5, 25, 26, 27, 40, 199}) {
+    late[i].forward = false;
+  }
+  p.causal = LawDesign({late}, {1.0});
+  EXPECT_EQ(share_late_by_one_row(p), 0.75);  // one is shown after three rows
+}
+
 TEST(RatioInterval, OfBlocksThatAreAlikeIsTheRatioItself) {
   const Preparation p = reported();
   const Eigen::VectorXd before = p.target.array() + 0.4;

@@ -136,13 +136,16 @@ struct Reported {
     d.before.rmse = rmse;
     d.traces.before = p.target.array() + rmse;
   }
-  /// The running switch is wrong in one row of ten, where the estimate errs by `there`; else it errs by `elsewhere`.
-  void err_late(double there, double elsewhere) {
+  /// The running switch is wrong in a tenth of the rows, so many in a row, where the estimate errs by `there`; else it
+  /// errs by `elsewhere`.
+  void err_late(double there, double elsewhere, std::size_t rows = 2) {
     Samples late = p.noncausal.samples()[0];
     Eigen::VectorXd error = Eigen::VectorXd::Constant(200, elsewhere);
-    for (std::size_t i = 0; i < 200; i += 10) {
-      late[i].forward = !late[i].forward;
-      error[static_cast<Eigen::Index>(i)] = there;
+    for (std::size_t i = 0; i < 200; ++i) {
+      if (i % (10 * rows) < rows) {
+        late[i].forward = !late[i].forward;
+        error[static_cast<Eigen::Index>(i)] = there;
+      }
     }
     p.causal = LawDesign({late}, {1.0});
     d.traces.before = p.target + error;
@@ -204,6 +207,16 @@ TEST(Reconcile, ErrorsWhereTheSwitchIsLateAreNoFaultOfTheLaw) {
   log.err_late(0.3, 0.3);  // as large elsewhere
   log.reconcile_with(LawStatus::kBase);
   EXPECT_EQ(log.d.verdict, Verdict::kUnknown);
+}
+
+TEST(Reconcile, ASwitchThatIsLateByOneRowAsksForAHigherRateAndForNoEncoder) {
+  Reported log;
+  log.err_late(1.0, 0.1, 1);
+  log.reconcile_with(LawStatus::kBase);
+  EXPECT_EQ(log.d.verdict, Verdict::kNothingMissing);
+  ASSERT_FALSE(log.d.warnings.empty());
+  EXPECT_NE(log.d.warnings[0].find("log at a higher rate"), std::string::npos);
+  EXPECT_EQ(log.d.warnings[0].find("encoder"), std::string::npos);
 }
 
 TEST(Reconcile, WithoutRepeatsNoEffectOfATenthOfTheMotionMayHide) {
