@@ -23,9 +23,7 @@ struct CompareCommand {
 void print_comparison(const Comparison& comparison) {
   std::cout << "compared by: " << joined(comparison.terms, " + ") << "\n";
   for (const auto& one : comparison.moved) {
-    std::cout << "  " << one.name << " moved from " << rounded(one.healthy) << " [" << rounded(one.healthy_ci95[0])
-              << ", " << rounded(one.healthy_ci95[1]) << "] to " << rounded(one.now) << " [" << rounded(one.now_ci95[0])
-              << ", " << rounded(one.now_ci95[1]) << "] " << one.unit << "\n";
+    std::cout << "  " << moved_sentence(one) << "\n";
   }
   if (comparison.moved.empty()) {
     std::cout << "  it is not certain that any parameter has moved\n";

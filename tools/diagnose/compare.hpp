@@ -5,12 +5,17 @@
 
 namespace capstan::tools {
 
-/// A parameter whose 95 % intervals at two times do not meet.
+/// A parameter that differs between two times by more than both intervals and chance allow.
 struct MovedParameter {
   std::string name, unit;  ///< "motor_angle.beta"
   double healthy = 0.0, now = 0.0;
   Interval healthy_ci95 = {}, now_ci95 = {};
 };
+
+/// Of two fits of one law, most spreads first. A thousandth of pairs that differ by chance alone have one at all.
+auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vector<MovedParameter>;
+/// "motor_angle.beta moved from 0.9 [0.89, 0.91] to 0.95 [0.94, 0.96] 1", with digits enough to tell the figures apart.
+auto moved_sentence(const MovedParameter& one) -> std::string;
 
 /// What has changed between two times of one joint.
 struct Comparison {
