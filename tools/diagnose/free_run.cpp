@@ -91,9 +91,11 @@ auto noise_of_running(const Preparation& p, const LawForm& form) -> double {
   return rms_of_known_direction(p, (running - law_columns(p.noncausal, form)) * fit.theta);
 }
 
-auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
+auto ratio_interval(const Eigen::VectorXd& target, const Blocks& blocks, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) -> Interval {
   constexpr int kResamplings = 1000;
+  constexpr std::size_t kFewestBlocks = 8;  // as of parameters' intervals; resampled alone one has no width
+  const Blocks rows = blocks.size() < kFewestBlocks ? even_parts(blocks, kFewestBlocks) : blocks;
   const auto n = static_cast<Eigen::Index>(rows.size());
   Eigen::VectorXd energy_before(n);
   Eigen::VectorXd energy_after(n);

@@ -31,8 +31,9 @@ auto noise_of_running(const Preparation& p, const LawForm& form) -> double;
 /// and no effect mends that.
 auto holds_on_unseen_rows(const Preparation& p, const LawForm& base, const LawForm& law) -> bool;
 
-/// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs. @pre there are rows
-auto ratio_interval(const Eigen::VectorXd& target, const Blocks& rows, const Eigen::VectorXd& before,
+/// 95 % interval of rmse(after) / rmse(before), whole blocks resampled in pairs; fewer than eight are cut into so many.
+/// @pre there are rows
+auto ratio_interval(const Eigen::VectorXd& target, const Blocks& blocks, const Eigen::VectorXd& before,
                     const Eigen::VectorXd& after) -> Interval;
 /// 95 % interval of rmse(after) / rmse(before) on the rows set aside, whole blocks resampled in pairs.
 auto ratio_interval(const Preparation& p, const Eigen::VectorXd& before, const Eigen::VectorXd& after) -> Interval;

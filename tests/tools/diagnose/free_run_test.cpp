@@ -83,6 +83,20 @@ TEST(RatioInterval, HoldsTheRatioOfBlocksThatDiffer) {
   EXPECT_NEAR(ratio[1] - ratio[0], 0.072, 0.03);
 }
 
+TEST(RatioInterval, OfAShortLogHoldsTheRatioToo) {
+  // 40 of 160 rows are set aside, in one block. Eight parts of it resampled hold a ratio in nine of ten logs or so.
+  constexpr int kLogs = 200;
+  int held = 0;
+  for (unsigned seed = 1; seed <= kLogs; ++seed) {
+    const Preparation p = preparation_of(Samples(160), Eigen::VectorXd::Zero(160),
+                                         split_of(4, 40, {Role::kFit, Role::kFit, Role::kChoose, Role::kReport}));
+    const Interval ratio = ratio_interval(p, normals(160, 1, 2 * seed), 0.5 * normals(160, 1, 2 * seed + 1));
+    held += ratio[0] < 0.5 && 0.5 < ratio[1] ? 1 : 0;
+  }
+  EXPECT_GT(held, 0.8 * kLogs);
+  EXPECT_LT(held, 0.99 * kLogs);
+}
+
 TEST(HoldsOnUnseenRows, OnlyWhereALawErrsLessForCertain) {
   Samples samples(400);
   Eigen::VectorXd target = 0.1 * normals(400, 1, 3);
