@@ -146,8 +146,8 @@ constexpr const char* kNotBetterUnseen =
 
 /// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does
 /// no better there than the base law, for certain, or worse by more than a floor may be off, is none that the log
-/// supports: it has learned what does not come again, as from a slip while the log was taken. Nor is one that errs more
-/// over the whole log, the rows included that no fit has seen.
+/// supports: it has learned what does not come again, as from a slip while the log was taken. Nor is one with a drift
+/// that errs more over the whole log, the rows included that no fit has seen.
 void report(const Preparation& p, const Search& search, const LawForm& base, const std::optional<JointFile>& healthy,
             Diagnosis& d) {
   d.base = causal_law(p, base);
@@ -162,11 +162,15 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
   const auto left_in_all = [&](const JointFile& law) { return rms(p.target - estimates(p.logs, p.causal, law)); };
-  const double base_in_all = left_in_all(d.base);
+  // A first stroke may be another one than later ones, but what goes by the time since the start has to hold from
+  // there.
+  const auto begins_wrong = [&](const JointFile& law) {
+    return law.has("thermal_drift") && left_in_all(law) > left_in_all(d.base);
+  };
   const auto is_no_better = [&] {
     const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());
-    return without_name && (d.ratio_ci95[0] >= 1.0 || d.after.rmse > kAboveFloor * d.before.rmse ||
-                            left_in_all(choice.law) > base_in_all);
+    return without_name &&
+           (d.ratio_ci95[0] >= 1.0 || d.after.rmse > kAboveFloor * d.before.rmse || begins_wrong(choice.law));
   };
   if (is_no_better() && !choice.is_named && d.base.catalogue->target() == TargetKind::kAngle) {
     choice = choose_small_law(p, d.base);  // few rows may support one where they mislead what is grown further

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/jobs/diagnose_job.hpp"
 
+#include "capstan/tools/diagnose/compare.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
@@ -50,7 +51,13 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   wanted.base_model = job.base;
   wanted.drawing = job.drawing;
   wanted.progress = job.progress;
-  return diagnose(axes, wanted);
+  Diagnosis diagnosis = diagnose(axes, wanted);
+  if (wanted.base_law && !wanted.base_law->has(kTendonModel)) {  // what tendons have come to is asked of their loop
+    for (const MovedParameter& one : moved_between(*wanted.base_law, diagnosis.base)) {
+      diagnosis.sizes.push_back(moved_sentence(one));
+    }
+  }
+  return diagnosis;
 }
 
 auto write_law(Diagnosis& diagnosis, const std::string& path) -> std::string {

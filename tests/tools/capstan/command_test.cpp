@@ -32,6 +32,11 @@ TEST_F(Command, DiagnoseWritesJsonReportAndLaw) {
   const Outcome again = run("identify " + write_log(request) + " --model \"" + path("law.toml") + "\"");
   EXPECT_EQ(again.status, 0) << again.output;
   EXPECT_NE(again.output.find("play.half_width"), std::string::npos) << again.output;
+  request.strength = 2.0;  // the same joint with a wider gap
+  const Outcome worn = run("diagnose " + write_log(request) + " --base \"" + path("law.toml") + "\"");
+  EXPECT_EQ(worn.status, 0) << worn.output;
+  EXPECT_NE(worn.output.find("verdict: nothing_missing"), std::string::npos) << worn.output;
+  EXPECT_NE(worn.output.find("play.half_width moved from "), std::string::npos) << worn.output;
 }
 
 TEST_F(Command, WhatALogCanNotDetermineIsNamedAndNotPrinted) {
