@@ -201,6 +201,15 @@ class MotionLaw {
     add_steady<SteadyState::kOfDirection>({.tau = tau, .forward = forward}, rest);
     return rest;
   }
+  /// How far the motor goes, rad, while the joint stands and its motion turns round: across gaps, hystereses and what
+  /// the tendons stretch from one torque to the other. Not below 0. For whoever takes a law, not for every cycle.
+  [[nodiscard]] constexpr auto lost_motion(Scalar tau_backward, Scalar tau_forward) const -> Scalar {
+    const auto stands_at = [this](Scalar tau, Scalar tau_before, bool forward) {
+      Sample<Scalar> motion{.tau = tau, .forward = forward, .tau_reversal = tau_before};
+      return undone(per_beta(-rest_one_way(motion, settled(tau, forward))), forward);
+    };
+    return std::max(stands_at(tau_forward, tau_backward, true) - stands_at(tau_backward, tau_forward, false), Scalar{});
+  }
   /// What the joint does, as the rigid part of the law asks it of the motor: an angle, a rate, an acceleration.
   [[nodiscard]] constexpr auto per_beta(Scalar joint_side) const -> Scalar { return joint_side * per_beta_; }
 

@@ -15,6 +15,23 @@ constexpr Q30 kBlendGain = kPeriod.filter_gain(Q24::from_double(0.2));
 constexpr ConditionerShape<Q24> kReferenceShape{.direction_threshold_rad = Q24::from_double(1e-5),
                                                 .rate_time_constant_s = Q24::from_double(0.002)};
 
+// Of what another axis' pull asks of the motor, rad: the other axis' encoder is in it. A pull stands when it has asked
+// for no more as long as this.
+constexpr Q24 kPullPlay = Q24::from_double(0.002);
+constexpr std::int32_t kPullStandsCycles = 256;
+
+// What rounding leaves of the reference's rate at rest.
+constexpr Q24 kRateLeft = Q24::from_raw(1);
+
+// Less than that, rad, is no motion that an encoder shows.
+constexpr Q24 kLeastLostMotion = Q24::from_double(1e-4);
+
+/// Whether other joints' motors pull at this one. By their signs at once: every cycle asks.
+auto is_pulled_at(const AxisConfig& config) -> bool {
+  const auto& [first, second, third] = config.coupled_to;
+  return (first & second & third) >= 0;
+}
+
 constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
   return backward + ScalarTraits<Q24>::part(forward - backward, ScalarTraits<Q24>::share_of(branch));
 }
@@ -37,6 +54,11 @@ void Controller::rt_configure(const ControlConfig& gains) {
   changed_ = true;
 }
 
+void Controller::rt_expect_lost_motion(Q24 lost_rad) {
+  lost_motion_ = lost_rad;
+  per_lost_motion_ = Reciprocal<Q24>(lost_rad);
+}
+
 auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law, Q24 q2_rad, std::optional<Q24> kept_nm,
                           const TorqueLaw<Q24>* effort) -> Q24 {
   reference_.restart();
@@ -49,6 +71,7 @@ auto Controller::rt_start(const ControlConfig& gains, const MotionLaw<Q24>& law,
   settled_ = false;
   pull_extreme_ = rt_inverse(gains, law, q2_rad, rest);  // half way, as branch_ says
   pull_known_ = false;
+  pull_stands_cycles_ = 0;
   integral_ = rest.q1 - pull_extreme_;
   const Q24 feedforward = rt_feedforward(gains, effort, rest);
   if (kept_nm && gains.stiffness_nm_per_rad > Q24{}) {
@@ -150,11 +173,9 @@ void Controller::rt_cross_over(const ControlConfig& gains, bool forward, Q24 rat
   branch_ += abs(by_way) < abs(by_time) ? by_way : by_time;
 }
 
-/// With a play, for the other axis' encoder is in it.
 void Controller::rt_follow_pull(Q24 asked) {
-  constexpr Q24 kPlay = Q24::from_double(0.002);
   const Q24 moved = asked - pull_extreme_;
-  const bool turns = abs(moved) > kPlay && (!pull_known_ || (moved > Q24{}) != pull_forward_);
+  const bool turns = abs(moved) > kPullPlay && (!pull_known_ || (moved > Q24{}) != pull_forward_);
   if (turns) {
     pull_known_ = true;
     pull_forward_ = moved > Q24{};
@@ -164,10 +185,40 @@ void Controller::rt_follow_pull(Q24 asked) {
   }
 }
 
-auto Controller::rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24 {
-  // The start value may lie outside the limit; the integral may then only shrink.
-  const Q24 limit = abs(integral_) < gains.integral_limit_rad ? gains.integral_limit_rad : abs(integral_);
-  integral_ = clamp(integral_ + per_cycle(gains.ki_per_s * error), -limit, limit);
+auto Controller::rt_pull_stands() -> bool {
+  const bool stands = abs(pull_extreme_ - pull_stands_at_) <= kPullPlay;
+  pull_stands_at_ = stands ? pull_stands_at_ : pull_extreme_;
+  pull_stands_cycles_ = stands ? std::min(pull_stands_cycles_ + 1, kPullStandsCycles) : 0;
+  return pull_stands_cycles_ == kPullStandsCycles;
+}
+
+/// Friction and lost motion leave an error that the law can not tell from none: an integral that goes on with it takes
+/// the motor to and fro through them for ever. What is more turns the motor round first, across the law's lost motion,
+/// and that is the branch's part: in the integral it would be there once more when a motion that way begins, and throw
+/// the joint.
+auto Controller::rt_step_at_rest(const AxisConfig& config, Q24 error, Q24 step) -> Q24 {
+  if (abs(error) <= std::max(config.error_bar.steady_rad, config.error_bar.turning_rad)) {
+    return {};
+  }
+  if (lost_motion_ < kLeastLostMotion || is_pulled_at(config)) {
+    return step;
+  }
+  const Q24 wanted = branch_ + step * per_lost_motion_;
+  branch_ = clamp(wanted, Q24{}, kOne);
+  return branch_ == wanted ? Q24{} : step;
+}
+
+auto Controller::rt_pid(const AxisConfig& config, Q24 error, Q24 movement, bool stands) -> Q24 {
+  const ControlConfig& gains = config.control;
+  const Q24 step = per_cycle(gains.ki_per_s * error);
+  const Q24 next = integral_ + (stands ? rt_step_at_rest(config, error, step) : step);
+  if (abs(next) > gains.integral_limit_rad) {
+    // The start value may lie outside the limit; the integral may then only shrink.
+    const Q24 limit = std::max(gains.integral_limit_rad, abs(integral_));
+    integral_ = clamp(next, -limit, limit);
+  } else {
+    integral_ = next;
+  }
   return gains.kp * error + integral_ - gains.kd_s * kPeriod.rate_of(movement);
 }
 
@@ -199,13 +250,15 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
   motion.dq1 = law.per_beta(reference.dq1);
   motion.ddq1 = law.per_beta(reference.ddq1);
-  const bool pulled = is_pulled(config);
+  const bool pulled = is_pulled_at(config);
+  const bool rests = -kRateLeft <= reference.dq1 && reference.dq1 <= kRateLeft;
+  const bool stands = rests && (!pulled || rt_pull_stands());
   if (pulled && pull_known_) {
     rt_cross_over(pull_forward_);
-  } else if (!pulled && reference.dq1 != Q24{}) {
+  } else if (!pulled && !rests) {
     rt_cross_over(gains, reference.forward != crossed, motion.dq1);
   }
-  const Q24 correction = rt_pid(gains, motor_side(q2_reference - q2), motor_side(q2 - last_q2_));
+  const Q24 correction = rt_pid(config, motor_side(q2_reference - q2), motor_side(q2 - last_q2_), stands);
   last_q2_ = q2;
   const Q24 asked = rt_inverse(gains, law, q2_reference, motion);
   if (pulled) {

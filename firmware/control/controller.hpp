@@ -24,6 +24,8 @@ class Controller {
   explicit Controller(const ControlConfig& gains);
   /// New gains or another law. The torque that they ask for comes in within a second, without a jump.
   void rt_configure(const ControlConfig& gains);
+  /// @param lost_rad  way that the motor goes without the joint, by the law
+  void rt_expect_lost_motion(Q24 lost_rad);
   /// Takes over without a jump, in place of rt_update in that cycle: the reference is the present estimate, and the
   /// motor is asked to stay where it is. What an update would turn the law round for is what the start does, so a cycle
   /// in which control changes hands costs no more than another.
@@ -75,8 +77,12 @@ class Controller {
   /// `asked`: what the inverse asks of the motor now, half way between the branches: what crossing to the other one
   /// asks would turn the motor back where the hysteresis has the other sign.
   void rt_follow_pull(Q24 asked);
+  /// Asked once in every cycle in which the reference stands.
+  auto rt_pull_stands() -> bool;
   /// Both arguments in the motor's direction.
-  [[gnu::always_inline]] inline auto rt_pid(const ControlConfig& gains, Q24 error, Q24 movement) -> Q24;
+  [[gnu::always_inline]] inline auto rt_pid(const AxisConfig& config, Q24 error, Q24 movement, bool stands) -> Q24;
+  /// What the integral takes of its step while the reference stands; the branch may take the step in its place.
+  auto rt_step_at_rest(const AxisConfig& config, Q24 error, Q24 step) -> Q24;
 
   SampleConditioner<Q24> reference_;
   Q30 reversal_gain_;
@@ -94,10 +100,14 @@ class Controller {
   Q24 ways_apart_;                     // of the motor, by what lies in front of the ratio
   WeightedSum<Q24> settled_backward_;  // of the law's rest what only other gains or another law change
   WeightedSum<Q24> settled_forward_;
+  Q24 lost_motion_;  // the law's, between the branches, rad of the motor
+  Reciprocal<Q24> per_lost_motion_;
   bool settled_ = false;
   bool changed_ = false;  // gains or law, since the last torque
   Q24 torque_;            // of the last cycle
   Q24 blend_;             // from the torque under the gains before to that under these
+  Q24 pull_stands_at_;    // and where that stands for ...
+  std::int32_t pull_stands_cycles_ = 0;
   bool pull_known_ = false;
   bool pull_forward_ = true;
   Q24 branch_;  // of the motor; 0: backward, 1: forward, between: passing over, or direction not known yet

@@ -74,6 +74,8 @@ class Modes {
  public:
   explicit Modes(const AxisConfig& config);
   void rt_configure(const AxisConfig& config);
+  /// @param lost_rad  way that the motor goes without the joint, by the law
+  void rt_expect_lost_motion(Q24 lost_rad) { controller_.rt_expect_lost_motion(lost_rad); }
   /// Anew, after rt_configure: the force law refers to its parameters. @param force  outlives this object
   void rt_make_force_law(const ForceConfig& force) { force_.rt_configure(force); }
   /// The first call of a cycle: the force law learns what the motor was told in the last one.

@@ -49,7 +49,9 @@ Axis::Axis(const AxisConfig& config)
       modes_(config_),
       gate_(config),
       observer_(config),
-      limit_cycle_(config) {}
+      limit_cycle_(config) {
+  rt_expect_lost_motion();
+}
 
 void Axis::rt_configure(const AxisConfig& config) {
   const bool new_scale = !same_scale(config.motor, config_.motor);
@@ -68,6 +70,7 @@ void Axis::rt_configure(const AxisConfig& config) {
   if (new_law) {
     estimator_.rt_make_law(config_.law);
   }
+  rt_expect_lost_motion();
   if (new_force) {
     modes_.rt_make_force_law(config_.force);
   }
@@ -80,6 +83,13 @@ void Axis::rt_configure(const AxisConfig& config) {
     telemetry_.warnings = 0;
     telemetry_.tendons = TendonHealth::kNothing;
   }
+}
+
+void Axis::rt_expect_lost_motion() {
+  const Q24 lost_rad =
+      estimator_.law().lost_motion(config_.control.torque_backward_nm, config_.control.torque_forward_nm);
+  monitors_.rt_expect_lost_motion(lost_rad);
+  modes_.rt_expect_lost_motion(lost_rad);
 }
 
 void Axis::rt_zero(Q24 q1_rad) {

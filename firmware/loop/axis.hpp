@@ -59,6 +59,7 @@ class Axis {
     return {config_, estimator_.law(), motor, estimate, gate_.drive_nm(), effort_.feedforward(config_.effort)};
   }
 
+  void rt_expect_lost_motion();
   void rt_limit();
 
   AxisConfig config_;

@@ -267,6 +267,24 @@ TEST(MotionLawInverse, SaturatesWithoutARatio) {
   EXPECT_EQ(law.invert(Q24::from_int(-1), {}), Q24::lowest());
 }
 
+TEST(MotionLawInverse, KnowsHowFarTheMotorGoesWhileTheJointTurnsRound) {
+  LawBuilder joint;
+  joint.coefficient("motor_angle", "beta", 1.08)
+      .coefficient("joint_offset", "offset", 0.3)
+      .coefficient("tendon_elongation", "top", -0.9)
+      .coefficient("tendon_elongation", "bottom", -0.7)
+      .coefficient("play", "gain", 1.0)
+      .shape("play", "half_width", 0.02);
+  const double stretch_and_gap = 0.9 * 0.06 + 0.7 * 0.04 + 2.0 * 0.02;
+  EXPECT_NEAR(joint.law<double>().lost_motion(-0.04, 0.06), stretch_and_gap / 1.08, 1e-12);
+  EXPECT_NEAR(value_of(joint.law<Q24>().lost_motion(number<Q24>(-0.04), number<Q24>(0.06))), stretch_and_gap / 1.08,
+              4.0 * kLsb);
+  joint.shape("hysteresis", "half_width_1", 0.01).shape("hysteresis", "weight_1", 0.5);
+  EXPECT_NEAR(joint.law<double>().lost_motion(-0.04, 0.06), stretch_and_gap / 1.08 + 2.0 * 0.5 * 0.01, 1e-12);
+  joint.coefficient("play", "gain", -9.0);
+  EXPECT_EQ(joint.law<double>().lost_motion(-0.04, 0.06), 0.0) << "a joint that goes ahead of its motor";
+}
+
 TEST(MotionLawSaturation, CutsNothingWhereALaterTermLeadsTheSumBack) {
   LawBuilder joint;
   joint.coefficient("motor_angle", "beta", 2.0)

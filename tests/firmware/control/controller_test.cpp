@@ -224,7 +224,10 @@ TEST(Controller, TheIntegralTreatsBothSignsOfASmallErrorAlike) {
 TEST(Controller, AStartValueBeyondTheLimitOnlyShrinks) {
   constexpr double kLimit = 0.001;
   for (const double sign : {1.0, -1.0}) {
-    Rig rig(lossy_config());
+    AxisConfig config = lossy_config();  // without lost motion, which the branch would take first
+    set_raw_value(config, *find_parameter("play.gain"), 0);
+    config.control.torque_forward_nm = config.control.torque_backward_nm = Q24{};
+    Rig rig(config);
     rig.config.control.kp = Q24{};
     rig.config.control.ki_per_s = q(5.0);
     rig.config.control.integral_limit_rad = q(kLimit);
