@@ -17,27 +17,38 @@ constexpr double kMostTimes = 10.0;
 
 struct Stroke {
   double way = 0.0;      ///< of the joint, from end to end, with its sign
-  double against = 0.0;  ///< of that, run in the other direction
+  double against = 0.0;  ///< run in the other direction
+  double behind = 0.0;   ///< of that, behind the lost motion
   double low = 0.0, high = 0.0;
 };
 
 /// One slow stroke of the motor, the law going on from where it is.
-auto stroke_of(MotionLaw<double>& law, double from, double to, double torque) -> Stroke {
+/// @param lost_rad  the stroke's beginning, in which the motor crosses the law's lost motion. The torque turns there
+///                  with the motor's way, here at once, and what the tendons stretch by it is no motion of the joint.
+auto stroke_of(MotionLaw<double>& law, Interval motor, double torque, double lost_rad) -> Stroke {
   constexpr int kSteps = 4000;
-  Stroke stroke;
-  double forward = 0.0;
-  double backward = 0.0;
-  double before = law.update(from, torque).q2;
-  stroke.low = stroke.high = before;
+  const auto& [from, to] = motor;
+  const double begin = law.update(from, torque).q2;
+  Stroke stroke{.low = begin, .high = begin};
+  double rises = 0.0;
+  double falls = 0.0;
+  double rises_behind = 0.0;
+  double falls_behind = 0.0;
+  double before = begin;
   for (int i = 1; i <= kSteps; ++i) {
-    const double angle = law.update(from + (to - from) * i / kSteps, torque).q2;
-    (angle > before ? forward : backward) += std::abs(angle - before);
+    const double gone = (to - from) * i / kSteps;
+    const double angle = law.update(from + gone, torque).q2;
+    (angle > before ? rises : falls) += std::abs(angle - before);
+    if (std::abs(gone) > lost_rad) {
+      (angle > before ? rises_behind : falls_behind) += std::abs(angle - before);
+    }
     stroke.low = std::min(stroke.low, angle);
     stroke.high = std::max(stroke.high, angle);
     before = angle;
   }
-  stroke.way = forward - backward;
-  stroke.against = std::min(forward, backward);
+  stroke.way = before - begin;
+  stroke.against = stroke.way > 0.0 ? falls : rises;
+  stroke.behind = stroke.way > 0.0 ? falls_behind : rises_behind;
   return stroke;
 }
 
@@ -52,15 +63,16 @@ auto implausible(const JointFile& joint) -> std::string {
     return "its steady torque is less forward than backward, so friction would push the joint on";
   }
   MotionLaw<double> law(SamplePeriod<double>(0.001), parameters);
-  stroke_of(law, motor[0], motor[1], torque.forward_nm);  // until nothing of the start is left
-  const Stroke back = stroke_of(law, motor[1], motor[0], torque.backward_nm);
-  const Stroke forth = stroke_of(law, motor[0], motor[1], torque.forward_nm);
+  const double lost_rad = law.lost_motion(torque.backward_nm, torque.forward_nm);
+  stroke_of(law, motor, torque.forward_nm, lost_rad);  // until nothing of the start is left
+  const Stroke back = stroke_of(law, {motor[1], motor[0]}, torque.backward_nm, lost_rad);
+  const Stroke forth = stroke_of(law, motor, torque.forward_nm, lost_rad);
   const double beta = law.beta();
   const std::string over =
       "over the motor's " + rounded(motor[0], 3) + " to " + rounded(motor[1], 3) + " rad the joint would ";
   for (const auto& [stroke, sign] : {std::pair(forth, 1.0), std::pair(back, -1.0)}) {
     const double wanted = stroke.way * sign * (beta < 0.0 ? -1.0 : 1.0);
-    if (wanted <= 0.0 || stroke.against > kMostAgainst * (std::abs(stroke.way) + stroke.against)) {
+    if (wanted <= 0.0 || stroke.behind > kMostAgainst * (std::abs(stroke.way) + stroke.against)) {
       return over + "run against its motor for " + rounded(wanted <= 0.0 ? std::abs(stroke.way) : stroke.against, 2) +
              " rad of " + rounded(std::abs(stroke.way) + stroke.against, 2);
     }
