@@ -26,12 +26,6 @@ constexpr Q24 kRateLeft = Q24::from_raw(1);
 // Less than that, rad, is no motion that an encoder shows.
 constexpr Q24 kLeastLostMotion = Q24::from_double(1e-4);
 
-/// Whether other joints' motors pull at this one. By their signs at once: every cycle asks.
-auto is_pulled_at(const AxisConfig& config) -> bool {
-  const auto& [first, second, third] = config.coupled_to;
-  return (first & second & third) >= 0;
-}
-
 constexpr auto mix(Q24 backward, Q24 forward, Q24 branch) -> Q24 {
   return backward + ScalarTraits<Q24>::part(forward - backward, ScalarTraits<Q24>::share_of(branch));
 }
@@ -200,7 +194,7 @@ auto Controller::rt_step_at_rest(const AxisConfig& config, Q24 error, Q24 step) 
   if (abs(error) <= std::max(config.error_bar.steady_rad, config.error_bar.turning_rad)) {
     return {};
   }
-  if (lost_motion_ < kLeastLostMotion || is_pulled_at(config)) {
+  if (lost_motion_ < kLeastLostMotion || is_pulled(config)) {
     return step;
   }
   const Q24 wanted = branch_ + step * per_lost_motion_;
@@ -250,7 +244,7 @@ auto Controller::rt_update(const AxisConfig& config, const MotionLaw<Q24>& law, 
   motion.q1 = motor_reference_;  // not the measured angle: what is periodic in it would feed back
   motion.dq1 = law.per_beta(reference.dq1);
   motion.ddq1 = law.per_beta(reference.ddq1);
-  const bool pulled = is_pulled_at(config);
+  const bool pulled = is_pulled(config);
   const bool rests = -kRateLeft <= reference.dq1 && reference.dq1 <= kRateLeft;
   const bool stands = rests && (!pulled || rt_pull_stands());
   if (pulled && pull_known_) {

@@ -192,7 +192,8 @@ inline constexpr AxisConfig kDefaultAxis{};
 
 /// Whether another motor pulls at the joint.
 inline auto is_pulled(const AxisConfig& config) -> bool {
-  return std::any_of(config.coupled_to.begin(), config.coupled_to.end(), [](std::int32_t joint) { return joint >= 0; });
+  const auto& [first, second, third] = config.coupled_to;
+  return (first & second & third) >= 0;  // by their signs at once: every cycle asks
 }
 
 template <std::size_t Axes>
