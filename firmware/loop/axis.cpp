@@ -86,10 +86,8 @@ void Axis::rt_configure(const AxisConfig& config) {
 }
 
 void Axis::rt_expect_lost_motion() {
-  const Q24 lost_rad =
-      estimator_.law().lost_motion(config_.control.torque_backward_nm, config_.control.torque_forward_nm);
-  monitors_.rt_expect_lost_motion(lost_rad);
-  modes_.rt_expect_lost_motion(lost_rad);
+  modes_.rt_expect_lost_motion(
+      estimator_.law().lost_motion(config_.control.torque_backward_nm, config_.control.torque_forward_nm));
 }
 
 void Axis::rt_zero(Q24 q1_rad) {

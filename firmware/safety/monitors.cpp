@@ -80,31 +80,21 @@ auto Monitors::rt_watch_motion(const LimitConfig& limits, const MotorState& moto
   return faults;
 }
 
-void Monitors::rt_expect_lost_motion(Q24 lost_rad) {
-  half_lost_rad_ = lost_rad * kHalf;
-}
-
 auto Monitors::rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta, bool own) -> FaultSet {
   constexpr Q24 kTime = kSpeedFactor * Q24::from_double(static_cast<double>(kPaceCycles) / kCycleRateHz);
-  if (!own) {
-    settling_cycles_ = kSettleCycles;
-  } else if (settling_cycles_ > 0) {
-    --settling_cycles_;
-  }
-  const std::size_t pace = std::exchange(paces_, (paces_ + 1) % kPaceCycles);
-  if (pace % 2 != 0) {  // a millisecond later is soon enough, for half of the cost
+  cycles_of_own_ = own ? std::min(cycles_of_own_ + 1, kSettleCycles) : 0;
+  const std::size_t place = std::exchange(paces_, (paces_ + 1) % kPaceCycles);
+  const Q24 oldest = std::exchange(way_[place], q1_rad);
+  if (cycles_of_own_ < kSettleCycles || place % 2 != 0) {  // a millisecond later is soon enough, for half of the cost
     return 0;
   }
-  behind_rad_ = clamp(behind_rad_, q1_rad - half_lost_rad_, q1_rad + half_lost_rad_);
-  const Q24 oldest = std::exchange(way_[pace / 2], behind_rad_);
-  return settling_cycles_ == 0 &&
-                 abs((behind_rad_ - oldest) * beta) > limits.joint_speed_rad_s * kTime + limits.fault_travel_rad
+  return abs((q1_rad - oldest) * beta) > limits.joint_speed_rad_s * kTime + limits.fault_travel_rad
              ? bit(Fault::kOverspeed)
              : 0;
 }
 
 void Monitors::rt_rest() {
-  settling_cycles_ = static_cast<std::int32_t>(kPaceCycles) + 1;  // nothing has stretched the tendons
+  cycles_of_own_ = kSettleCycles - static_cast<std::int32_t>(kPaceCycles) - 1;  // nothing has stretched the tendons
   cycles_off_reference_ = 0;
   still_cycles_ = 0;
 }

@@ -18,11 +18,8 @@ class Monitors {
                        const JointReference& reference, bool begins) -> FaultSet;
   /// Whether the motor runs away, whatever it was asked for: a loop that its gains make unstable is at full speed
   /// before the joint is far from its reference for long. Only while energised.
-  /// What counts is the motor's way beyond the law's lost motion, in which it moves no joint.
   /// @param beta  ratio of the law, joint over motor   @param own  the servo alone moves the motor
   auto rt_watch_speed(const LimitConfig& limits, Q24 q1_rad, Q24 beta, bool own) -> FaultSet;
-  /// @param lost_rad  way that the motor may go without the joint, by the law
-  void rt_expect_lost_motion(Q24 lost_rad);
   /// Without torque nothing is asked of the joint.
   void rt_rest();
 
@@ -30,13 +27,11 @@ class Monitors {
   auto rt_supply_fault(bool low) -> FaultSet;
 
   static constexpr std::size_t kPaceCycles = 8;
-  Q24 half_lost_rad_;                       // of the law's lost motion
-  Q24 behind_rad_;                          // the motor's angle behind a play as wide as that ...
-  std::array<Q24, kPaceCycles / 2> way_{};  // ... in every second cycle, a ring ...
-  std::size_t paces_ = 0;                   // ... from half of this on
+  std::array<Q24, kPaceCycles> way_{};  // of the motor, a ring ...
+  std::size_t paces_ = 0;               // ... from here on
   /// Stretched tendons let a motor spring back when what held it goes.
   static constexpr std::int32_t kSettleCycles = 64;
-  std::int32_t settling_cycles_ = kSettleCycles;  // in which the servo alone has yet to move the motor
+  std::int32_t cycles_of_own_ = 0;  // in which the servo alone moved the motor; at rest what leaves a ring to fill
 
   std::int32_t cycles_off_reference_ = 0;
   std::int32_t cycles_over_current_ = 0;
