@@ -20,8 +20,8 @@ auto replaced(const std::string& text, const std::regex& pattern, const Word& wo
 }
 
 auto argument_of(const std::smatch& match) -> std::string {
-  enum { kQuoted = 1, kQuotedIs, kBlamed, kBlamedIs, kPlain, kPlainIs, kAxis, kName, kValue, kOption };
-  for (const int mapping : {kQuoted, kBlamed, kPlain}) {
+  enum : std::size_t { kQuoted = 1, kQuotedIs, kBlamed, kBlamedIs, kPlain, kPlainIs, kAxis, kName, kValue, kOption };
+  for (const std::size_t mapping : {kQuoted, kBlamed, kPlain}) {
     if (match[mapping].matched) {
       return "map={\"" + match.str(mapping) + "\": \"" + match.str(mapping + 1) + "\"}";
     }
@@ -47,18 +47,18 @@ auto row_of(const std::string& line) -> std::string {
 auto in_python(const std::string& sentence) -> std::string {
   // A mapping stands in quotes, before the fault that it has, or plain; what an option gets is never "out" ("leave
   // --target out").
-  static const std::regex option(
+  static const std::regex kOption(
       R"re(--map "([^"=]+)=([^"]*)"|--map ([^ "=]+)=([^:;"]*)(?=: )|)re"
       R"re(--map ([^ "=]+)=([^ ,;:")]+)|--coupled-to (\d+)|)re"
       R"re(--(target|model|base|arithmetic) (?!out\b)([\w/]+)|--(map|target|model|base|test|coupled-to)\b)re");
-  static const std::regex header(std::string(kArrays) + ":1: ");
-  static const std::regex line("(" + std::string(kArrays) + ":|\\bline )(\\d{1,9})\\b");
-  std::string text = replaced(sentence, option, argument_of);
+  static const std::regex kHeader(std::string(kArrays) + ":1: ");
+  static const std::regex kLine("(" + std::string(kArrays) + ":|\\bline )(\\d{1,9})\\b");
+  std::string text = replaced(sentence, kOption, argument_of);
   if (text.find(kArrays) == std::string::npos) {
     return text;
   }
-  text = std::regex_replace(text, header, std::string(kArrays) + ": ");
-  return replaced(text, line, [](const std::smatch& match) {
+  text = std::regex_replace(text, kHeader, std::string(kArrays) + ": ");
+  return replaced(text, kLine, [](const std::smatch& match) {
     return (match.str(1) == "line " ? "" : std::string(kArrays) + ", ") + row_of(match.str(2));
   });
 }
