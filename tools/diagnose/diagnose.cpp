@@ -161,11 +161,11 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   }
   LawChoice choice = chosen_law(p, search, d);
   deliver(p, choice, d);
-  const auto left_in_all = [&](const JointFile& law) { return rms(p.target - estimates(p.logs, p.causal, law)); };
   // A first stroke may be another one than later ones, but what goes by the time since the start has to hold from
   // there.
   const auto begins_wrong = [&](const JointFile& law) {
-    return law.has("thermal_drift") && left_in_all(law) > left_in_all(d.base);
+    return law.has("thermal_drift") &&
+           rms(p.target - estimates(p.logs, p.causal, law)) > rms(p.target - d.traces.before);
   };
   const auto is_no_better = [&] {
     const bool without_name = choice.status == LawStatus::kProvisional || (choice.is_named && d.effects.empty());

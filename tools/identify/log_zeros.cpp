@@ -109,10 +109,11 @@ auto moves_alike(const AxisLog& a, const AxisLog& b) -> bool {
 auto acceleration_of(const AxisLog& log) -> Eigen::VectorXd {
   const auto reach = std::max<Index>(1, std::lround(0.02 / log.period_s));
   Eigen::VectorXd change = Eigen::VectorXd::Zero(log.samples());
-  const Index inside = std::max<Index>(0, log.samples() - 2 * reach);
-  const auto& q1 = log.q1_rad;
-  change.segment(std::min(reach, log.samples() - inside), inside) =
-      q1.tail(inside) - 2.0 * q1.segment(std::min(reach, q1.size() - inside), inside) + q1.head(inside);
+  const Index inside = log.samples() - 2 * reach;
+  if (inside > 0) {
+    const auto& q1 = log.q1_rad;
+    change.segment(reach, inside) = q1.tail(inside) - 2.0 * q1.segment(reach, inside) + q1.head(inside);
+  }
   return change;
 }
 

@@ -29,7 +29,7 @@ auto lines_of(std::string_view text, std::size_t most) -> std::vector<Line> {
   for (std::size_t begin = 0; begin < text.size() && lines.size() < most + remarks; ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     lines.push_back({trimmed(text.substr(begin, end - begin)), number});
-    remarks += !lines.back().text.empty() && lines.back().text.front() == kRemark ? 1 : 0;
+    remarks += lines.back().text.starts_with(kRemark) ? 1 : 0;
     begin = end + 1;
   }
   return lines;
@@ -94,7 +94,7 @@ void find_separator(const std::vector<Line>& lines, Layout& layout) {
        {Separator::kTab, Separator::kSemicolon, Separator::kComma, Separator::kWideBlanks, Separator::kBlanks}) {
     std::map<std::size_t, std::size_t> counts;
     for (const auto& line : lines) {
-      if (!line.text.empty() && line.text.front() != kRemark) {
+      if (!line.text.empty() && !line.text.starts_with(kRemark)) {
         ++counts[cells_or_none(line.text, separator).size()];
       }
     }
@@ -113,7 +113,7 @@ auto first_data(const std::vector<Line>& lines, const Layout& layout) -> std::si
   enum class Kind { kData, kNames, kOther };
   std::vector<std::pair<std::size_t, Kind>> kinds;  // index of a line with text
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!lines[i].text.empty() && lines[i].text.front() != kRemark) {
+    if (!lines[i].text.empty() && !lines[i].text.starts_with(kRemark)) {
       const auto cells = cells_or_none(lines[i].text, layout.separator);
       kinds.emplace_back(i, cells.size() != layout.cells ? Kind::kOther : is_data(cells) ? Kind::kData : Kind::kNames);
     }
@@ -132,7 +132,7 @@ void find_header(const std::vector<Line>& lines, Layout& layout) {
   const std::size_t data = first_data(lines, layout);
   for (std::size_t i = 0; i < data; ++i) {
     const Line& line = lines[i];
-    const bool remark = !line.text.empty() && line.text.front() == kRemark;
+    const bool remark = line.text.starts_with(kRemark);
     last_remark = remark ? &line : last_remark;
     const auto cells = remark ? std::vector<std::string>{} : cells_or_none(line.text, layout.separator);
     if (cells.size() == layout.cells && layout.header > 0 && is_units_row(cells)) {
@@ -150,8 +150,8 @@ void find_header(const std::vector<Line>& lines, Layout& layout) {
 }
 
 auto by_contract(std::string_view text, const std::vector<Line>& lines, const Layout& layout) -> bool {
-  const auto first = std::find_if(lines.begin(), lines.end(),
-                                  [](const Line& line) { return line.text.empty() || line.text.front() != kRemark; });
+  const auto first =
+      std::find_if(lines.begin(), lines.end(), [](const Line& line) { return !line.text.starts_with(kRemark); });
   const bool header_first = first == lines.end() || layout.header == 0 || layout.header == first->number;
   const bool no_end = first == lines.end() || first->text.empty() || first->text.back() != ',';
   return layout.separator == Separator::kComma && header_first && !layout.header_is_remark && no_end &&
@@ -188,7 +188,7 @@ class Rewriter {
     } else if (number < layout_.header || number == layout_.units) {
       result += kRemark;
       return;
-    } else if (line.empty() || line.front() == kRemark) {
+    } else if (line.empty() || line.starts_with(kRemark)) {
       result += line;
       return;
     }
@@ -267,8 +267,9 @@ void refuse_cut_numbers(const std::vector<Line>& lines, const Layout& layout, co
   if (layout.separator != Separator::kComma || layout.header != 0 || lines.size() < 2) {
     return;
   }
-  const auto first = std::find_if(lines.begin(), lines.end(),
-                                  [&](const Line& line) { return !line.text.empty() && line.text.front() != kRemark; });
+  const auto first = std::find_if(lines.begin(), lines.end(), [&](const Line& line) {
+    return !line.text.empty() && !line.text.starts_with(kRemark);
+  });
   if (first == lines.end()) {
     return;
   }

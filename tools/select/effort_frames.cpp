@@ -98,7 +98,7 @@ auto frames_by(const std::vector<AxisLog>& logs, const std::function<double(cons
       frames.push_back(std::move(frame));
     } else if (found < lowest) {
       lowest = found;
-      frames.resize(1, frames.front());
+      frames.erase(frames.begin() + 1, frames.end());
       frames.push_back(std::move(frame));
     }
   }

@@ -268,9 +268,9 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
     }
   }
   joint.fit = law.fit;
-  std::vector<Frame> frames = frames_by(logs, [&](const Frame& frame) {
-    return rms(frame.design.seen(stacked_target(logs)) - sum_of_terms(frame.design, joint));
-  });
+  const Eigen::VectorXd target = stacked_target(logs);
+  std::vector<Frame> frames = frames_by(
+      logs, [&](const Frame& frame) { return rms(frame.design.seen(target) - sum_of_terms(frame.design, joint)); });
   auto& [runnable, design] = frames.back();
   runnable.joint = joint;
   set_status(law.status, runnable);
