@@ -60,6 +60,11 @@ auto refuses_mode(Session& session, std::size_t axis, ControlMode mode) -> bool 
     session.error("not_armed", "nothing moves or presses without torque", "'arm' first");
     return true;
   }
+  if (state == State::kArmed) {
+    session.error("not_holding", "the drives do not follow yet, and nothing was done",
+                  "wait until 'status' says holding");
+    return true;
+  }
   // Into joint position from anywhere but a motor on its way; into the others from rest only.
   const bool from_rest = mode != ControlMode::kPosition || joint.mode == ControlMode::kMotor;
   if (from_rest && joint.mode != mode && (state == State::kExperiment || joint.moving)) {

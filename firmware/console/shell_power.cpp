@@ -20,7 +20,7 @@ void ArmStream::step(Session& session) {
   }
   const MachineTelemetry now = session.machine().telemetry();
   if (now.state == State::kArmed) {
-    return;  // the joints are taken over within this cycle
+    return;  // drives on a bus take their time until they follow
   }
   if (energised(now.state)) {
     session.ok();

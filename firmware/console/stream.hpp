@@ -22,7 +22,7 @@ class Stream {
   enum class Manner : std::uint8_t {
     kGoesOn,  ///< until it is done or cancelled; a line that comes meanwhile is refused
     kYields,  ///< as well, but the next line ends it
-    kWaits,   ///< for the cycle, which settles it within a few milliseconds
+    kWaits,   ///< for the cycle, which settles it within a few milliseconds, or as soon as its drives follow
   };
   [[nodiscard]] virtual auto manner() const -> Manner { return Manner::kGoesOn; }
 

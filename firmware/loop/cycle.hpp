@@ -133,6 +133,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   std::array<const MotorState*, Axes> motor;
   std::array<const JointEstimate*, Axes> joint;
   std::array<FaultSet, Axes> joint_faults;
+  bool waits = false;
   rt_update_temperature(state.telemetry, sensed.temperature, sensed.temperature_c);
 
   for (std::size_t i = 0; i < Axes; ++i) {
@@ -140,12 +141,16 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
       state.axis[i].rt_zero(command.axis[i].position_rad);
     }
     motor[i] = &state.axis[i].rt_sense(sensed.axis[i]);
+    waits |= state.axis[i].fitted() && !motor[i]->follows;
   }
 
+  // What is asked of joints that are not taken over yet would be forgotten.
+  const bool listens = had_torque && !(waits && state.supervisor.state() == State::kArmed);
   SupervisorInput machine{.faults = state.model_faults | state.drive_faults | state.board_faults |
                                     state.overruns.rt_step(sensed.overruns) |
                                     (sensed.estop ? bit(Fault::kEmergencyStop) : 0),
                           .arm = command.arm,
+                          .waits = waits,
                           .disarm = command.disarm,
                           .experiment = command.experiment,
                           .braking = true};
@@ -153,7 +158,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
     joint[i] = &axis.rt_estimate(*motor[i], law_input(state.axis, motor, i, state.telemetry.temperature_c));
-    if (had_torque) {
+    if (listens) {
       static_cast<void>(axis.rt_command(*motor[i], *joint[i], command.axis[i]));
     }
     joint_faults[i] = axis.rt_faults(*motor[i], *joint[i], had_torque);

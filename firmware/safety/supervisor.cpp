@@ -4,15 +4,15 @@
 namespace capstan {
 namespace {
 
-auto trigger_of(const SupervisorInput& input) -> Trigger {
+auto trigger_of(State state, const SupervisorInput& input) -> Trigger {
   if (input.faults != 0) {
     return input.disarm ? Trigger::kDisarm : Trigger::kFault;  // both end without torque; the operator's word is final
   }
   if (input.disarm) {
     return Trigger::kDisarm;
   }
-  if (input.arm) {
-    return Trigger::kArm;
+  if (input.arm || (input.waits && state == State::kArmed)) {
+    return Trigger::kArm;  // an arm that is not done goes on
   }
   if (input.experiment) {
     return Trigger::kExperimentRuns;
@@ -38,7 +38,7 @@ constexpr auto kNext = [] {
 }  // namespace
 
 auto Supervisor::rt_step(const SupervisorInput& input) -> State {
-  const Trigger trigger = state_ == State::kBoot ? Trigger::kStarted : trigger_of(input);
+  const Trigger trigger = state_ == State::kBoot ? Trigger::kStarted : trigger_of(state_, input);
   const State next = kNext[static_cast<std::size_t>(state_)][static_cast<std::size_t>(trigger)];
   if (next == state_) {
     return state_;

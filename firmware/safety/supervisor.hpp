@@ -11,7 +11,7 @@ namespace capstan {
 /// are append-only: they are in logs.
 enum class State : std::uint8_t {
   kDisarmed,    ///< bridge off; safe state of start-up and of every refusal
-  kArmed,       ///< bridge on, every joint is taken over where it stands; for one cycle
+  kArmed,       ///< bridge on, every joint is taken over where it stands; until every amplifier follows
   kHolding,     ///< bridge on, every joint stands at its reference
   kFaulted,     ///< bridge off after a fault, until the operator disarms
   kExperiment,  ///< bridge on, a recipe moves a joint
@@ -79,6 +79,7 @@ inline constexpr std::array<Transition, 24> kTransitions = {{
 struct SupervisorInput {
   FaultSet faults = 0;      ///< conditions present now, of all axes and of the board
   bool arm = false;         ///< the operator asks for torque
+  bool waits = false;       ///< some amplifier that was enabled does not follow its set value yet
   bool disarm = false;      ///< the operator asks for rest; also acknowledges a fault
   bool experiment = false;  ///< a recipe runs
   bool in_motion = false;   ///< some joint's reference is moving

@@ -35,13 +35,15 @@ class FakeIo {
       sensed.axis[i] = {.encoder_counts = static_cast<std::int32_t>(static_cast<std::uint32_t>(counts)),
                         .current_a = Q24::from_double(motors[i].current_a + current_shift_a),
                         .encoder = encoder,
-                        .current = current};
+                        .current = current,
+                        .follows = cycles_enabled_ >= cycles_to_follow};
     }
     return read_status;
   }
   auto write(const Drive<Axes>& wanted) noexcept -> Status {
     ++writes;
     drive = wanted;
+    cycles_enabled_ = has_torque() ? cycles_enabled_ + 1 : 0;
     if (write_status == Status::kOk) {
       step();
     }
@@ -50,6 +52,7 @@ class FakeIo {
   void release() noexcept {
     ++releases;
     drive = {};
+    cycles_enabled_ = 0;
     step();
   }
   [[nodiscard]] auto has_torque() const -> bool {
@@ -75,6 +78,7 @@ class FakeIo {
   std::uint32_t overruns = 0;
   int writes = 0;
   int releases = 0;
+  int cycles_to_follow = 0;  ///< of torque wanted, until the amplifiers follow
 
  private:
   void step() noexcept {
@@ -91,6 +95,8 @@ class FakeIo {
       motor.angle_rad += motor.speed_rad_s * kPeriodS;
     }
   }
+
+  int cycles_enabled_ = 0;
 };
 static_assert(JointIo<FakeIo<1>>);
 

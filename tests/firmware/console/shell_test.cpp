@@ -309,6 +309,27 @@ TEST(Shell, MoveIsRefusedWithoutTorqueOutsideTheLimitsAndForGarbage) {
   EXPECT_NEAR(bench.io.motors[0].angle_rad, 0.0, 1e-3);
 }
 
+TEST(Shell, ArmAnswersWhenTheDrivesFollowSoThatALineBehindItMoves) {
+  Bench bench;
+  bench.io.cycles_to_follow = 400;
+  EXPECT_EQ(verdict(bench.say("arm")), "ok");
+  EXPECT_EQ(bench.state(), State::kHolding);
+  EXPECT_EQ(verdict(bench.say("move joint0 0.5")), "ok");
+  bench.ticks(2000);
+  EXPECT_NEAR(bench.io.motors[0].angle_rad, 0.5, 5e-3);
+}
+
+TEST(Shell, AMoveFromAnotherConsoleBeforeTheDrivesFollowIsRefused) {
+  Bench bench;
+  bench.io.cycles_to_follow = 400;
+  ASSERT_TRUE(bench.application.post({.kind = Request::Kind::kArm}));
+  bench.ticks(2);
+  EXPECT_EQ(verdict(bench.say("move joint0 0.5")).rfind("error not_holding: ", 0), 0U);
+  bench.ticks(1000);
+  EXPECT_EQ(bench.state(), State::kHolding);
+  EXPECT_NEAR(bench.io.motors[0].angle_rad, 0.0, 1e-3);
+}
+
 TEST(Shell, HoldBrakesAMoveAndIsRefusedWithoutTorque) {
   Bench bench;
   EXPECT_EQ(verdict(bench.say("hold joint0")).rfind("error not_armed: ", 0), 0U);
