@@ -17,6 +17,8 @@ namespace capstan {
 /// through play operators of half widths spread evenly over [0, R] does just that (a Prandtl-Ishlinskii operator):
 ///   regressor  mean_k play(tau, r_k) - tau,   r_k = R (k + 1/2) / n
 /// beside the a tau of the base law, so a coefficient equal to a turns a tau into a PI(tau).
+/// It starts from no torque, as a drive that is switched on: from the first sample's, its noise would stay in every
+/// play that the torque never crosses.
 /// Its sign is that of the base law's a, negative, as long as the tendon stretches less at first. It is the other one
 /// where the joint loses more at first: after a reversal from a load under which a tendon went slack its slack is taken
 /// up before anything stretches, and where the torque is logged with the other sign both turn round.
@@ -72,12 +74,11 @@ class SlipPropagation {
     for (std::size_t k = 0; k < kOperators; ++k) {
       place_[k] = width_[k] * kHalf;
     }
-    started_ = false;
+    tau_ = Scalar{};
   }
 
   constexpr auto update(const Sample<Scalar>& s) -> ByDirection<Scalar, 1> {
-    const Scalar step = started_ ? s.tau - tau_ : Scalar{};
-    started_ = true;
+    const Scalar step = s.tau - tau_;
     tau_ = s.tau;
     Scalar lag = lowest_;
 #pragma GCC unroll 8
@@ -119,7 +120,6 @@ class SlipPropagation {
   std::array<Scalar, kOperators> place_{};  ///< play(tau, r_k) - tau + r_k, from 0 to 2 r_k
   Scalar lowest_{};                         ///< the sum of play(tau, r_k) - tau where all places are 0
   Scalar tau_{};
-  bool started_ = false;
 };
 
 }  // namespace capstan

@@ -54,16 +54,13 @@ struct HandWritten {
   double rate = 0.0;
   double pulled_up_to = 0.0;  // extreme of q1 in the present direction
   double middle_of_gap = 0.0;
-  std::array<double, 8> torque_arrived{};
+  std::array<double, 8> torque_arrived{};  // from no torque on
   int direction = 1;
 
   auto next(double q, double tau) -> double {
     const double before = q1.empty() ? q : q1.back();
     pulled_up_to = q1.empty() ? q : pulled_up_to;
     middle_of_gap = q1.empty() ? q : middle_of_gap;
-    if (q1.empty()) {
-      torque_arrived.fill(tau);
-    }
     q1.push_back(q);
     rate = (0.005 * rate + (q - before)) / 0.006;  // T x' + x = u by backward Euler: (T x_old + dt u) / (T + dt)
     if (direction * (pulled_up_to - q) > 0.001) {
@@ -223,14 +220,14 @@ RC_GTEST_PROP(MotionLawInverse, FindsTheMotorAngleOfASettledMotion, ()) {
       .shape("transport_delay", "delay", 0.0);
   auto law = joint.law<Q24>();
   const double speed = (*rc::gen::arbitrary<bool>() ? 1.0 : -1.0) * (1.0 + std::fabs(any_within(10.0)));
-  const Q24 tau = number<Q24>(any_within(4.0));
+  const double tau = any_within(4.0);
   const Q24 step = number<Q24>(0.001 * speed);
   Q24 q1 = number<Q24>(any_within(8.0));
-  const Q24 growth = number<Q24>(speed > 0.0 ? 0.0005 : -0.0005);  // the torque rises with the motion, by more than 2 R
+  const double growth = speed > 0.0 ? 0.0005 : -0.0005;  // the torque rises with the motion, by more than 2 R
   Estimate<Q24> estimate;
   for (int i = 499; i >= 0; --i) {
     q1 += step;
-    estimate = law.update(q1, tau - growth * Q24::from_int(i));
+    estimate = law.update(q1, number<Q24>(tau - growth * i));
   }
   RC_ASSERT(!estimate.saturated);
   const double back = law.invert(estimate.q2, law.sample()).to_double();
