@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/identify/torque_noise.hpp"
 #include "capstan/tools/support/side_by_side.hpp"
 
 namespace capstan::tools {
@@ -77,6 +78,12 @@ LawDesign::LawDesign(std::vector<Samples> samples, std::vector<double> periods_s
     log_rows_.push_back(static_cast<Eigen::Index>(one.size()));
     rows_ += log_rows_.back();
   }
+}
+
+auto LawDesign::with(std::vector<Samples> samples) const -> LawDesign {
+  LawDesign result = *this;
+  result.samples_ = std::move(samples);
+  return result;
 }
 
 auto LawDesign::behind(const LawForm& form) const -> LawDesign {
@@ -295,6 +302,7 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
     }
   }
   const LinearFit full = fit_columns(all, target, blocks, signs);
+  const FittedIntervals intervals(design, form, all, blocks, full);
   const Eigen::VectorXd theta = untied(form, plain.theta);
   const auto tie = tie_of(form);
   JointFile joint(*form.catalogue);
@@ -308,16 +316,13 @@ auto law_with_intervals(const LawDesign& design, const Eigen::VectorXd& target, 
       joint.parameters.coefficients[term->first_coefficient + i] = theta[next];
       const bool given = tie && next == tie->tendon;
       if (!given && !plain.at_bound[static_cast<std::size_t>(next)]) {
-        const double half = half_interval(full, next);
-        joint.coefficient_ci95[term->first_coefficient + i] = Interval{theta[next] - half, theta[next] + half};
+        joint.coefficient_ci95[term->first_coefficient + i] = intervals.around(theta[next], next);
       }
     }
   }
   for (const TermShape& searched : searched_shapes(form)) {
-    const double half = half_interval(full, shape);
-    const double value = form.shapes[searched.index()];
     if (full.tolerance[shape] > 0.0) {
-      joint.shape_ci95[searched.index()] = Interval{value - half, value + half};
+      joint.shape_ci95[searched.index()] = intervals.around(form.shapes[searched.index()], shape);
     }
     ++shape;
   }

@@ -35,6 +35,8 @@ class LawDesign {
   [[nodiscard]] auto smoothed(const Eigen::MatrixXd& signals) const -> Eigen::MatrixXd;
   [[nodiscard]] auto period_s(std::size_t log) const -> double { return periods_[log]; }
 
+  /// The same with other samples of its rows.
+  [[nodiscard]] auto with(std::vector<Samples> samples) const -> LawDesign;
   /// The same samples as what stands behind the law's input terms sees them.
   [[nodiscard]] auto behind(const LawForm& form) const -> LawDesign;
 

@@ -221,6 +221,27 @@ TEST_P(Coverage, IntervalsOfAGapAndOfADelayHoldTheTruth) {
   }
 }
 
+TEST(CoverageUnderNoisyTorque, IntervalsHoldWhatTheNoiseOfTheTorqueHides) {
+  constexpr int kDraws = 60;
+  constexpr double kTorqueNoiseNm = 0.002;  // of some 0.02
+  Random random(73);
+  Count held;
+  Count held_naively;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Joint joint(random);
+    AxisLog log = record(joint, kNoises.at("white")(random));
+    log.tau_nm += kTorqueNoiseNm * autoregressive(random, 0.0);
+    count_joint(joint, identify({log}, pseudo_kinematic()).joint, held);
+    const auto naive = naive_intervals(joint, log);
+    count_inside("top", joint.top, naive.at("top"), held_naively);
+    count_inside("bottom", joint.bottom, naive.at("bottom"), held_naively);
+  }
+  for (const auto& [name, count] : held) {
+    EXPECT_GE(count, fewest(kDraws)) << name << ", of " << kDraws;
+  }
+  EXPECT_LT(held_naively["top"] + held_naively["bottom"], kDraws) << "this test would pass what least squares say";
+}
+
 INSTANTIATE_TEST_SUITE_P(Noise, Coverage, testing::Values("white", "autoregressive", "slow", "periodic"),
                          [](const auto& named) { return named.param; });
 
