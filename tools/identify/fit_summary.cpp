@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/model/terms/tendon.hpp"
 #include "capstan/tools/identify/error_bar.hpp"
 #include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/identify/identify.hpp"
@@ -119,6 +120,17 @@ auto tells_pretension(const LawDesign& design, const Eigen::VectorXd& target, co
   return {trial.rise > kPretensionShows * half_width};
 }
 
+/// Where logs do not tell the pretension from the friction numbers, nothing is known of what trades with it: all of it
+/// lies in one valley of the fit, whose curvature is not how far it reaches.
+void forget_what_trades(JointFile& joint) {
+  const CatalogueTerm& tendon = joint.catalogue->term(kTendonModel);
+  joint.coefficient_ci95[tendon.first_coefficient].reset();
+  joint.coefficient_ci95[joint.catalogue->term("joint_offset").first_coefficient].reset();
+  for (const auto place : {TendonShape::kEtaTop, TendonShape::kEtaBottom, TendonShape::kPretension}) {
+    joint.shape_ci95[tendon.first_shape + place].reset();
+  }
+}
+
 auto describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, const Eigen::VectorXd& target,
                     const Eigen::VectorXd& estimate, const Blocks& settled, JointFile& joint)
     -> std::vector<std::string> {
@@ -132,6 +144,9 @@ auto describe_angle(const std::vector<AxisLog>& logs, const LawDesign& design, c
   }
   const Telling telling = held && joint.has(kTendonModel) ? tells_pretension(design, target, joint) : Telling{};
   joint.fit->pretension = pretension_of(joint, telling.pretension);
+  if (joint.has(kTendonModel) && !telling.pretension) {
+    forget_what_trades(joint);
+  }
   return telling.notes;
 }
 
