@@ -45,6 +45,7 @@ void print_diagnosis(const Diagnosis& d, const std::vector<std::string>& said) {
             << reported(d.before, d.unit);
   std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "
             << rounded(d.ratio_ci95[1], 3) << "]; noise floor " << rounded(d.noise_floor) << " " << d.unit << "\n"
+            << (repeats_what_was_fitted(d) ? "  " + std::string(kSameMotion) + "\n" : "")
             << law_table(d.law, d.undetermined);
   for (const auto& log : d.tested) {
     std::cout << "  error on " << log.name << " (RMSE): before " << reported(log.before, d.unit) << "; after "

@@ -154,6 +154,14 @@ struct DiagnoseOptions {
 /// Throws Refusal and BadInput for base models as form_of_model() does.
 auto diagnose(const std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis;
 
+/// Whether the rows set aside are other cycles of the motion that the law was fitted to, and no other log was asked.
+inline auto repeats_what_was_fitted(const Diagnosis& diagnosis) -> bool {
+  return diagnosis.repeats > 1 && diagnosis.tested.empty();
+}
+inline constexpr const char* kSameMotion =
+    "the rows set aside repeat the motion that the law was fitted to; what it leaves of another motion, --test LOG "
+    "shows";
+
 /// What a person should know of log and law: warnings, then how the logs were looked at.
 auto all_notes(const Diagnosis& diagnosis) -> std::vector<std::string>;
 

@@ -190,6 +190,9 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
 auto all_notes(const Diagnosis& d) -> std::vector<std::string> {
   std::vector<std::string> all = d.warnings;
   all.insert(all.end(), d.notes.begin(), d.notes.end());
+  if (repeats_what_was_fitted(d)) {
+    all.emplace_back(kSameMotion);
+  }
   return all;
 }
 

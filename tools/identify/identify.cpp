@@ -51,12 +51,23 @@ void note_bounds(const LinearFit& fit, const LawForm& form, const AxisLog& log, 
   const auto beta = std::find(names.begin(), names.end(), "motor_angle.beta");
   const bool crossed = beta != names.end() && fit.theta[beta - names.begin()] < 0.0;
   // Of a joint that is counted against its motor, a torque that is turned too would make a law that acts the wrong way.
-  const std::string why =
-      crossed ? "the joint is counted against its motor, and effects have the signs of one that goes with it; count it "
-                "the other way (--map \"" +
-                    log.target + "=COLUMN*-1\")"
-              : "the logs ask for the sign that physics forbids; check the sign of tau_Nm (--map \"" +
-                    axis_column(log.number, "tau_Nm") + "=COLUMN*-1\" turns it)";
+  const std::string turned =
+      "check the sign of tau_Nm (--map \"" + axis_column(log.number, "tau_Nm") + "=COLUMN*-1\" turns it)";
+  // Of an effort whose other coefficients have their signs, the torque's sign is right.
+  const bool lacks = form.catalogue->target() == TargetKind::kEffort &&
+                     std::find(fit.at_bound.begin(), fit.at_bound.end(), false) != fit.at_bound.end();
+  std::string why = "the logs ask for the sign that physics forbids; " + turned;
+  if (crossed) {
+    why =
+        "the joint is counted against its motor, and effects have the signs of one that goes with it; count it the "
+        "other way (--map \"" +
+        log.target + "=COLUMN*-1\")";
+  } else if (lacks) {
+    why =
+        "the logs ask for the sign that physics forbids, as where the law lacks something, dry friction or a spring; "
+        "'capstan diagnose --target " +
+        log.target + "' finds what";
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (fit.at_bound[i] && fit.tolerance[static_cast<Eigen::Index>(i)] > 0.0) {
       notes.push_back(names[i] + " is held at 0: " + why);
