@@ -16,15 +16,20 @@ namespace capstan::tools {
 /// at once and holds it between v and 1.41 v. A joint that stands is held by friction until it is pushed. What lies
 /// between motor encoder and joint, play among it, is a load in P and nothing else: the loop closes over the motor's
 /// encoder.
+/// The gate limits how fast the current changes, and the more of that the encoder's steps take, the sooner it swings
+/// and the slower: that is run in time (LoopInTime) with the speed at which the joint of the log travelled.
 struct LimitCycle {
-  double onset = 0.0;  ///< the factor at which a moving joint begins to swing
-  double hz = 0.0;     ///< there
+  double onset = 0.0;         ///< the factor at which a moving joint begins to swing
+  double hz = 0.0;            ///< there
+  double smooth_onset = 0.0;  ///< the factor without the encoder's steps and the gate's limit
 };
 
 /// Nothing: no factor up to 100 makes the loop swing below the last line.
 /// @pre with these gains the loop is stable
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle>;
 auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle>;
+/// Whether it swings with that multiple of the gains, or with less.
+auto swings_by(const Dense& all, const LoopGains& gains, double factor) -> bool;
 /// Where the shake of a travelling joint turned its motor about, friction turned with it and is in the response as
 /// damping that no steady motion has, so the onset comes sooner than predicted: a sentence with its cure. Else nothing.
 auto turned_about(const Response& response) -> std::string;

@@ -76,6 +76,8 @@ auto points_above_noise(const Response& response, const MotorModel& model) -> st
 auto dense(const Response& response) -> Dense {
   Dense all;
   all.model = fit_motor_and_joint(response);
+  all.motor_speed_rad_s = response.motor_speed_rad_s;
+  all.friction_nm = 0.5 * std::fabs(response.forward_nm - response.backward_nm);
   const MotorModel& model = all.model;
   const std::vector<ResponsePoint> points = points_above_noise(response, model);
   const Smoothing smoothing(points, model);

@@ -57,6 +57,8 @@ struct Dense {
   std::vector<Complex> drawn;                    // the loop through its lines as they are, for comparison
   std::vector<double> motor_share, joint_share;  // radii, relative
   std::vector<double> loop_radius, drawn_radius;
+  double motor_speed_rad_s = 0.0;  // of the joint that travelled; 0: it stood
+  double friction_nm = 0.0;        // then
 };
 
 /// Of the lines that rise clearly above noise. Throws Refusal where they are too few.

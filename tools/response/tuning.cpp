@@ -7,6 +7,7 @@
 #include <numbers>
 #include <sstream>
 
+#include "capstan/firmware/safety/motor_observer.hpp"
 #include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/response/loop.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -39,8 +40,7 @@ auto keeps(const Margins& margins, const Wanted& wanted, double reserve_deg = 0.
 /// A moving joint does not begin to swing sooner. No margin of the loop says that: between two lines near a resonance
 /// the factor bends.
 auto calm(const Dense& all, const LoopGains& gains, const Wanted& wanted) -> bool {
-  const auto cycle = predict_limit_cycle(all, gains);
-  return !cycle || cycle->onset >= wanted.onset;
+  return !swings_by(all, gains, wanted.onset);
 }
 
 /// Rms torque that the encoder's steps make, N m: white noise of a step's twelfth through the servo.
@@ -264,6 +264,11 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
   LoopGains gains;
   double torque_per_current = 0.1;
   double continuous_a = 1.5;
+  AxisConfig board;  // what bounds the current's rate, as the firmware has it if the dump does not
+  double rate_a = board.limits.current_rate_a_per_cycle.to_double();
+  double inertia_gm2 = 0.0;
+  double joint_speed = board.limits.joint_speed_rad_s.to_double();
+  double fault_travel = board.limits.fault_travel_rad.to_double();
   const std::string prefix = "joint" + std::to_string(axis) + ".";
   const std::vector<std::pair<std::string, double*>> rows = {
       {"control.kp", &gains.kp},
@@ -274,7 +279,11 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
       {"control.rate_time_constant", &gains.rate_time_constant_s},
       {"motor.encoder_counts", &gains.counts_per_turn},
       {"motor.torque_per_current", &torque_per_current},
-      {"limits.continuous_current", &continuous_a}};
+      {"limits.continuous_current", &continuous_a},
+      {"limits.current_rate", &rate_a},
+      {"limits.joint_speed", &joint_speed},
+      {"limits.fault_travel", &fault_travel},
+      {"observer.inertia", &inertia_gm2}};
   std::istringstream text(dump);
   int found = 0;
   for (std::string line; std::getline(text, line);) {
@@ -300,6 +309,11 @@ auto read_gains(const std::string& dump, int axis) -> LoopGains {
                    "control...'; write 'dump' at the board's prompt and keep its answer in a file");
   }
   gains.continuous_nm = torque_per_current * continuous_a;
+  board.motor.torque_per_current_nm_per_a = Q24::from_double(torque_per_current);
+  board.limits.joint_speed_rad_s = Q24::from_double(joint_speed);
+  board.limits.fault_travel_rad = Q24::from_double(fault_travel);
+  board.observer.inertia_gm2 = Q24::from_double(inertia_gm2);
+  gains.rate_nm = torque_per_current * std::min(rate_a, MotorObserver::slew_limit(board).to_double());
   return gains;
 }
 

@@ -19,6 +19,7 @@ struct LoopGains {
   std::optional<std::pair<double, double>> friction_nm = {};
   double counts_per_turn = 40960.0;
   double continuous_nm = 0.15;  ///< limits.continuous_current times the torque per current
+  double rate_nm = 0.05;        ///< largest change of the torque in a cycle: limits.current_rate, or the observer's
 };
 
 /// From the lines of the shell's `dump`; what it does not have stays the firmware's default. Throws BadInput.
