@@ -5,9 +5,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
 
-#include "capstan/firmware/safety/motor_observer.hpp"
 #include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/response/loop.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -259,63 +257,6 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
 }
 
 }  // namespace
-
-auto read_gains(const std::string& dump, int axis) -> LoopGains {
-  LoopGains gains;
-  double torque_per_current = 0.1;
-  double continuous_a = 1.5;
-  AxisConfig board;  // what bounds the current's rate, as the firmware has it if the dump does not
-  double rate_a = board.limits.current_rate_a_per_cycle.to_double();
-  double inertia_gm2 = 0.0;
-  double joint_speed = board.limits.joint_speed_rad_s.to_double();
-  double fault_travel = board.limits.fault_travel_rad.to_double();
-  const std::string prefix = "joint" + std::to_string(axis) + ".";
-  const std::vector<std::pair<std::string, double*>> rows = {
-      {"control.kp", &gains.kp},
-      {"control.ki", &gains.ki_per_s},
-      {"control.kd", &gains.kd_s},
-      {"control.stiffness", &gains.stiffness},
-      {"control.damping", &gains.damping},
-      {"control.rate_time_constant", &gains.rate_time_constant_s},
-      {"motor.encoder_counts", &gains.counts_per_turn},
-      {"motor.torque_per_current", &torque_per_current},
-      {"limits.continuous_current", &continuous_a},
-      {"limits.current_rate", &rate_a},
-      {"limits.joint_speed", &joint_speed},
-      {"limits.fault_travel", &fault_travel},
-      {"observer.inertia", &inertia_gm2}};
-  std::istringstream text(dump);
-  int found = 0;
-  for (std::string line; std::getline(text, line);) {
-    std::istringstream words(line);
-    std::string set;
-    std::string name;
-    std::string value;
-    words >> set >> name >> value;
-    for (const auto& [row, into] : rows) {
-      if (set == "set" && name == prefix + row) {
-        const std::optional<double> number = parse_number(value);
-        if (!number || !std::isfinite(*number) || *number < 0.0) {
-          throw BadInput("the dump's line '" + line +
-                         "' has no number of 0 or more; write 'dump' at the prompt and keep its answer");
-        }
-        *into = *number;
-        ++found;
-      }
-    }
-  }
-  if (found == 0) {
-    throw BadInput("the dump has no line 'set " + prefix +
-                   "control...'; write 'dump' at the board's prompt and keep its answer in a file");
-  }
-  gains.continuous_nm = torque_per_current * continuous_a;
-  board.motor.torque_per_current_nm_per_a = Q24::from_double(torque_per_current);
-  board.limits.joint_speed_rad_s = Q24::from_double(joint_speed);
-  board.limits.fault_travel_rad = Q24::from_double(fault_travel);
-  board.observer.inertia_gm2 = Q24::from_double(inertia_gm2);
-  gains.rate_nm = torque_per_current * std::min(rate_a, MotorObserver::slew_limit(board).to_double());
-  return gains;
-}
 
 auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning {
   if (!response.on_torque) {
