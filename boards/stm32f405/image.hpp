@@ -14,18 +14,27 @@ inline constexpr std::uint32_t kSector0Begin = 0x0800'0000;
 inline constexpr std::uint32_t kSector0Bytes = 0x4000;
 inline constexpr std::uint32_t kCodeBegin = 0x0800'C000;
 inline constexpr std::uint32_t kFlashEnd = 0x0810'0000;
+/// Where the seal stands: the CRC-32 of the image's bytes from kSector0Begin to sector0_end without the seal's own
+/// four, then from kCodeBegin to code_end. Written after the link (seal_image), compared by `capstan flash` before it
+/// writes and by the board at every start; `version` prints it as the image's hash. 0: the image was never sealed.
+inline constexpr std::uint32_t kSealAt = 0x0800'01FC;
+inline constexpr std::uint32_t kSealBytes = 4;
+inline constexpr std::uint32_t kNoSeal = 0;
 /// Where the header stands that says which board an image is for.
 inline constexpr std::uint32_t kImageHeaderAt = 0x0800'0200;
+static_assert(kSealAt + kSealBytes == kImageHeaderAt);
 inline constexpr std::string_view kImageMagic = "CAPSTAN1";
+/// What a board says over and over whose flash does not agree with its seal; it does nothing else.
+inline constexpr std::string_view kDamagedImage =
+    "# the image in flash is damaged, so nothing of it runs; flash it again with 'capstan flash stm32f405'";
 
-/// What an image says of itself. An image's hash is the CRC-32 of its bytes from kSector0Begin to sector0_end and from
-/// kCodeBegin to code_end; it is worked out where it is asked for, so it says what really is in flash.
+/// What an image says of itself.
 struct ImageHeader {
   std::array<char, 8> magic;
   std::array<char, 24> board;    ///< ends in zeros
   std::array<char, 16> version;  ///< ends in zeros
-  const std::uint8_t* sector0_end;
-  const std::uint8_t* code_end;
+  const std::uint32_t* sector0_end;
+  const std::uint32_t* code_end;
 };
 // The layout as `capstan flash` reads it from a file, where addresses have 32 bits.
 inline constexpr std::size_t kBoardAt = 8;

@@ -150,7 +150,7 @@ class Runtime final : public Board {
   }
   void print_image(Print& out) const override {
     out << " image ";
-    print_hex(out, own_hash());
+    print_hex(out, own_seal());
   }
   void reboot() override {
     const std::uint32_t begin = tick_.count();

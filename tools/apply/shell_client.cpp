@@ -6,6 +6,7 @@
 #include <array>
 #include <string_view>
 
+#include "capstan/boards/stm32f405/image.hpp"
 #include "capstan/tools/apply/board_port.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -67,6 +68,9 @@ auto ShellClient::ask(const std::string& line, std::chrono::seconds patience) ->
     const std::string received = read_line(deadline);
     if (received == "ok") {
       return answer;
+    }
+    if (received == stm32f405::kDamagedImage) {
+      throw Refusal(port_ + ": " + received.substr(2));  // it will never answer
     }
     if (received.starts_with("error ")) {
       throw Refusal("the board refused '" + line + "': " + received.substr(6));

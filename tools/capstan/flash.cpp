@@ -61,9 +61,9 @@ class PieceFolder {
   fs::path path_;
 };
 
-auto hash_text(std::uint32_t hash) -> std::string {
+auto seal_text(std::uint32_t seal) -> std::string {
   std::array<char, 9> text{};
-  std::snprintf(text.data(), text.size(), "%08x", hash);
+  std::snprintf(text.data(), text.size(), "%08x", seal);
   return text.data();
 }
 
@@ -124,8 +124,8 @@ void read_back(const FlashOptions& options, const FlashImage& image) {
     throw Refusal("the image was written, but nothing answers at " + options.port +
                   "; press the board's reset, check the cable of its console, then ask it for its 'version'");
   }
-  if (word_after(line, "image") != hash_text(image.hash) || word_after(line, "capstan") != image.version) {
-    throw Refusal("the board answers '" + line + "' but " + image.version + " image " + hash_text(image.hash) +
+  if (word_after(line, "image") != seal_text(image.seal) || word_after(line, "capstan") != image.version) {
+    throw Refusal("the board answers '" + line + "' but " + image.version + " image " + seal_text(image.seal) +
                   " was written; press its reset and ask for 'version', and if that says the same flash again");
   }
   std::cout << "board answers: " << line << "\n";
@@ -170,7 +170,7 @@ auto flash(const FlashOptions& options) -> int {
   if (image.board != options.board) {
     throw Refusal(file + ": the image is for '" + image.board + "', not for '" + options.board + "'; choose the other");
   }
-  std::cout << file << ": " << image.board << " " << image.version << " image " << hash_text(image.hash) << ", "
+  std::cout << file << ": " << image.board << " " << image.version << " image " << seal_text(image.seal) << ", "
             << image.sector0.size() + image.code.size() << " bytes; the parameter banks stay as they are\n";
   const std::string programmer = choose_programmer(options.tool, options.boot_port);
   if (!options.dry_run && !options.port.empty()) {

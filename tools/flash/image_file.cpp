@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string_view>
 
@@ -124,21 +125,44 @@ void read_hex(std::string_view file, Flash& flash) {
   throw BadInput(flash.path() + ": the HEX file has no end, so a part of it is missing; copy it again");
 }
 
-auto word_at(std::string_view bytes, std::size_t at) -> std::uint32_t {
+auto word_at(std::span<const std::uint8_t> bytes, std::size_t at) -> std::uint32_t {
   std::uint32_t value = 0;
-  std::memcpy(&value, bytes.data() + at, sizeof value);
+  std::memcpy(&value, bytes.subspan(at).data(), sizeof value);
   return value;
 }
 
-auto text_at(std::string_view bytes, std::size_t at, std::size_t size) -> std::string {
-  const std::string_view field = bytes.substr(at, size);
-  return std::string(field.substr(0, field.find('\0')));
+auto text_at(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t size) -> std::string {
+  const auto field = bytes.subspan(at, size);
+  return {field.begin(), std::find(field.begin(), field.end(), std::uint8_t{0})};
+}
+
+/// The CRC-32 that an image's seal has to be (boards/stm32f405/image.hpp).
+auto crc_of(const FlashImage& image) -> std::uint32_t {
+  constexpr std::size_t kSealIndex = kSealAt - kSector0Begin;
+  const std::span<const std::uint8_t> sector0 = image.sector0;
+  Crc32 crc;
+  crc.add(sector0.first(kSealIndex));
+  crc.add(sector0.subspan(kSealIndex + kSealBytes));
+  crc.add(image.code);
+  return crc.value();
+}
+
+void check_seal(const std::string& path, const FlashImage& image) {
+  if (image.seal == kNoSeal) {
+    throw BadInput(path +
+                   ": the image has no seal to check it by, as older ones have not; build it anew with "
+                   "'cmake --workflow --preset stm32f405'");
+  }
+  if (image.seal != crc_of(image)) {
+    throw BadInput(path +
+                   ": the image is damaged, its bytes do not agree with its seal; copy the file again or build "
+                   "it anew");
+  }
 }
 
 auto image_in(const Flash& flash) -> FlashImage {
-  const std::vector<std::uint8_t> bytes = flash.piece(kImageHeaderAt, kImageHeaderAt + kImageHeaderBytes);
-  const std::string header(bytes.begin(), bytes.end());
-  if (!header.starts_with(kImageMagic)) {
+  const std::vector<std::uint8_t> header = flash.piece(kImageHeaderAt, kImageHeaderAt + kImageHeaderBytes);
+  if (!std::equal(kImageMagic.begin(), kImageMagic.end(), header.begin())) {
     throw Refusal(flash.path() +
                   ": it is no image of Capstan for this board; build one with "
                   "'cmake --workflow --preset stm32f405'");
@@ -156,12 +180,10 @@ auto image_in(const Flash& flash) -> FlashImage {
   }
   FlashImage image{.board = text_at(header, kBoardAt, kVersionAt - kBoardAt),
                    .version = text_at(header, kVersionAt, kSector0EndAt - kVersionAt),
+                   .seal = word_at(flash.piece(kSealAt, kSealAt + kSealBytes), 0),
                    .sector0 = flash.piece(kSector0Begin, sector0_end),
                    .code = flash.piece(kCodeBegin, code_end)};
-  Crc32 crc;
-  crc.add(image.sector0);
-  crc.add(image.code);
-  image.hash = crc.value();
+  check_seal(flash.path(), image);
   return image;
 }
 

@@ -25,8 +25,8 @@ auto programmers() -> const std::vector<std::string>&;
 /// for a name that is none of them, Refusal if none is there.
 auto choose_programmer(const std::string& wanted, const std::string& serial) -> std::string;
 
-/// Command lines that write both pieces, code first, so that a board whose flashing was cut short still has vectors
-/// that lead to the fault handlers; verify where the program can; restart the chip at the end.
+/// Command lines that write both pieces, code first, so that a board whose flashing was cut short still has the
+/// start-up code that finds its image damaged and says so; verify where the program can; restart the chip at the end.
 auto programming_commands(const std::string& programmer, const FlashJob& job) -> std::vector<CommandLine>;
 
 /// Keeps Ctrl-C and SIGTERM from ending this program while it lives; one that came ends it afterwards.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `capstan flash` with programs in PATH that write a file instead of a chip, and a board that is a socket.
 #include <arpa/inet.h>
-#include <elf.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -11,121 +10,19 @@
 #include <atomic>
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <thread>
 
 #include "capstan/hal/linux/file_descriptor.hpp"
+#include "capstan/tests/tools/flash/made_images.hpp"
+#include "capstan/tools/apply/shell_client.hpp"
+#include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::size_t kSector0Size = 0x300;
-constexpr std::size_t kCodeAt = 0xC000;
-constexpr std::size_t kCodeSize = 1000;
-
-void put_word(std::string& bytes, std::size_t at, std::uint32_t value) {
-  for (std::size_t i = 0; i < 4; ++i) {
-    bytes[at + i] = static_cast<char>(value >> (8 * i));
-  }
-}
-
-/// An image as BIN, by the layout in boards/stm32f405/image.hpp.
-auto bin_image(const std::string& board) -> std::string {
-  std::string bytes(kCodeAt + kCodeSize, '\xFF');
-  for (std::size_t i = 0; i < kSector0Size; ++i) {
-    bytes[i] = static_cast<char>(i * 7);
-  }
-  for (std::size_t i = 0; i < kCodeSize; ++i) {
-    bytes[kCodeAt + i] = static_cast<char>(i * 13 + 1);
-  }
-  std::string header(56, '\0');
-  header.replace(0, 8, "CAPSTAN1");
-  header.replace(8, board.size(), board);
-  header.replace(32, 5, "1.2.3");
-  put_word(header, 48, 0x0800'0000 + kSector0Size);
-  put_word(header, 52, 0x0800'0000 + kCodeAt + kCodeSize);
-  bytes.replace(0x200, header.size(), header);
-  return bytes;
-}
-
-/// As BIN without the gap: the two pieces after each other.
-auto pieces(const std::string& bin) -> std::string {
-  return bin.substr(0, kSector0Size) + bin.substr(kCodeAt);
-}
-
-auto hex_record(std::uint32_t address, int kind, const std::string& data) -> std::string {
-  std::string bytes = {static_cast<char>(data.size()), static_cast<char>(address >> 8U), static_cast<char>(address),
-                       static_cast<char>(kind)};
-  bytes += data;
-  std::uint8_t sum = 0;
-  std::string text = ":";
-  const auto add = [&text](std::uint8_t byte) {
-    text += "0123456789ABCDEF"[byte >> 4U];
-    text += "0123456789ABCDEF"[byte & 15U];
-  };
-  for (const char byte : bytes) {
-    sum = static_cast<std::uint8_t>(sum + static_cast<std::uint8_t>(byte));
-    add(static_cast<std::uint8_t>(byte));
-  }
-  add(static_cast<std::uint8_t>(-sum));
-  return text + "\r\n";
-}
-
-auto hex_image(const std::string& bin) -> std::string {
-  std::string text = hex_record(0, 4, {"\x08\x00", 2});
-  for (std::size_t at = 0; at < bin.size(); at += 16) {
-    if (at < kSector0Size || at >= kCodeAt) {
-      text += hex_record(static_cast<std::uint32_t>(at), 0, bin.substr(at, 16));
-    }
-  }
-  return text + hex_record(0, 5, {"\x08\x00\x00\x01", 4}) + hex_record(0, 1, "");
-}
-
-auto elf_image(const std::string& bin) -> std::string {
-  Elf32_Ehdr head{};
-  std::memcpy(head.e_ident, ELFMAG, SELFMAG);
-  head.e_ident[EI_CLASS] = ELFCLASS32;
-  head.e_ident[EI_DATA] = ELFDATA2LSB;
-  head.e_machine = EM_ARM;
-  head.e_phoff = sizeof head;
-  head.e_phentsize = sizeof(Elf32_Phdr);
-  head.e_phnum = 2;
-  std::array<Elf32_Phdr, 2> parts{};
-  const std::size_t data_at = sizeof head + sizeof parts;
-  parts[0].p_type = parts[1].p_type = PT_LOAD;
-  parts[0].p_offset = static_cast<Elf32_Off>(data_at);
-  parts[0].p_vaddr = parts[0].p_paddr = 0x0800'0000;
-  parts[0].p_filesz = kSector0Size;
-  parts[1].p_offset = static_cast<Elf32_Off>(data_at + kSector0Size);
-  parts[1].p_vaddr = 0x2000'0000;  // where it runs is not where it lies
-  parts[1].p_paddr = 0x0800'0000 + kCodeAt;
-  parts[1].p_filesz = kCodeSize;
-  return std::string(reinterpret_cast<const char*>(&head), sizeof head) +
-         std::string(reinterpret_cast<const char*>(parts.data()), sizeof parts) + pieces(bin);
-}
-
-/// CRC-32 by the definition: remainder of the whole message, bit by bit from the highest.
-auto crc_of(const std::string& bytes) -> std::string {
-  std::uint32_t crc = 0xFFFFFFFF;
-  for (const char c : bytes) {
-    for (int bit = 0; bit < 8; ++bit) {
-      const std::uint32_t in = (static_cast<unsigned char>(c) >> bit) & 1U;
-      const std::uint32_t out = (crc >> 31U) ^ in;
-      crc = (crc << 1U) ^ (out != 0 ? 0x04C11DB7U : 0U);
-    }
-  }
-  std::uint32_t mirrored = 0;
-  for (int bit = 0; bit < 32; ++bit) {
-    mirrored |= ((crc >> bit) & 1U) << (31 - bit);
-  }
-  std::array<char, 9> text{};
-  std::snprintf(text.data(), text.size(), "%08x", ~mirrored);
-  return text.data();
-}
 
 /// Answers every line with what the test says, like a board's console on a socket.
 class FakeBoard {
@@ -214,7 +111,7 @@ class FlashCommand : public testing::Test {
   }
 
   const std::string bin_ = bin_image("stm32f405");
-  const std::string hash_ = crc_of(pieces(bin_));
+  const std::string hash_ = seal_text(seal_of(bin_));
   fs::path folder_;
   std::string output_;
 };
@@ -309,6 +206,38 @@ TEST_F(FlashCommand, WhatIsNoImageOrDamagedIsRefusedWithItsSentence) {
   EXPECT_EQ(calls(), "");
 }
 
+TEST_F(FlashCommand, ABitThatIsNotAsItWasSealedIsRefusedInEveryFormatAndNothingIsWritten) {
+  install("st-flash");
+  // First and last byte of each piece, both sides of the seal, the seal, the image's names, their last and the code.
+  for (const std::size_t at :
+       {std::size_t{0}, kSealAt - 1, kSealAt, kSealAt + 3, std::size_t{0x208}, std::size_t{0x220}, kSector0Size - 1,
+        kCodeAt, kCodeAt + kCodeSize / 2, kCodeAt + kCodeSize - 1}) {
+    std::string flipped = bin_;
+    flipped[at] = static_cast<char>(flipped[at] ^ 0x10);
+    for (const std::string& file : {flipped, hex_image(flipped), elf_image(flipped)}) {
+      write_text_file(path("bad"), file);
+      EXPECT_EQ(run("stm32f405 " + path("bad")), 2) << at;
+      EXPECT_TRUE(
+          says("bad: the image is damaged, its bytes do not agree with its seal; copy the file again or build "
+               "it anew"))
+          << at << output_;
+    }
+  }
+  EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, AnImageWithoutASealIsSaidToHaveNone) {
+  install("st-flash");
+  std::string older = bin_;
+  put_word(older, kSealAt, 0);
+  for (const std::string& file : {older, hex_image(older), elf_image(older)}) {
+    write_text_file(path("older"), file);
+    EXPECT_EQ(run("stm32f405 " + path("older")), 2);
+    EXPECT_TRUE(says("older: the image has no seal to check it by, as older ones have not; build it anew")) << output_;
+  }
+  EXPECT_EQ(calls(), "");
+}
+
 TEST_F(FlashCommand, BoardThatAnswersWithTheImageIsTheProof) {
   install("st-flash");
   const FakeBoard board("capstan 1.2.3 board stm32f405 joints 4 parameters 60 image " + hash_, "disarmed");
@@ -329,6 +258,22 @@ TEST_F(FlashCommand, AnotherBoardAtThePortIsRefusedBeforeAnythingIsWritten) {
   EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1);
   EXPECT_TRUE(says("is 'linux_rt' and the image is for 'stm32f405'; connect the right board")) << output_;
   EXPECT_EQ(calls(), "");
+}
+
+TEST_F(FlashCommand, BoardThatSaysThatItsImageIsDamagedIsQuotedByItsClientAndCanBeFlashed) {
+  install("st-flash");
+  const std::string sentence =
+      "the image in flash is damaged, so nothing of it runs; flash it again with 'capstan flash stm32f405'";
+  const FakeBoard board("# " + sentence, "disarmed");
+  try {
+    ShellClient(board.port()).ask("version");
+    ADD_FAILURE() << "a board answers whose image is damaged";
+  } catch (const Refusal& refusal) {
+    EXPECT_EQ(refusal.what(), board.port() + ": " + sentence);
+  }
+  EXPECT_EQ(run("stm32f405 --port " + board.port() + " " + path("image.hex")), 1) << "it still does not answer";
+  EXPECT_TRUE(says("as on an empty board; going on")) << output_;
+  expect_written();
 }
 
 TEST_F(FlashCommand, BoardWithTorqueOnIsLeftAlone) {
