@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "capstan/boards/stm32f405/image_check.hpp"
 #include "capstan/hal/stm32f4/memory_map.hpp"
 #include "capstan/hal/stm32f4/nvic.hpp"
 
@@ -87,7 +88,7 @@ constexpr auto make_core_vectors() -> std::array<Handler, kCoreHandlers> {
 }  // namespace
 
 /// First instruction after reset. Paints the stack before anything is on it: a naked function, since a compiled one
-/// could use the very memory it paints.
+/// could use the very memory it paints. Then looks whether the image is whole, while only code of this sector has run.
 [[gnu::naked, gnu::section(".sector0"), gnu::used]] void capstan_reset() {
   asm volatile(
       "ldr r0, =capstan_stack_bottom \n"
@@ -97,6 +98,7 @@ constexpr auto make_core_vectors() -> std::array<Handler, kCoreHandlers> {
       "1: str r2, [r0], #4           \n"
       "cmp r0, r1                    \n"
       "blo 1b                        \n"
+      "bl capstan_check_image        \n"
       "b capstan_start               \n"
       ".ltorg                        \n");
 }

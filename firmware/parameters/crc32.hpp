@@ -6,16 +6,19 @@
 
 namespace capstan {
 
-/// CRC-32 (reflected 0x04C11DB7, as gzip and Ethernet have it), bit by bit: small, and nobody who uses it is in a
-/// hurry.
+/// One byte of a CRC-32 (reflected 0x04C11DB7, as gzip and Ethernet have it): what `remainder` becomes by it.
+constexpr auto crc32_step(std::uint32_t remainder, std::uint8_t byte) -> std::uint32_t {
+  remainder ^= byte;
+  for (int bit = 0; bit < 8; ++bit) {
+    remainder = (remainder >> 1) ^ ((remainder & 1U) != 0 ? 0xEDB88320U : 0U);
+  }
+  return remainder;
+}
+
+/// CRC-32, bit by bit: small, and nobody who uses it is in a hurry. Who is has a table of crc32_step(0, byte).
 class Crc32 {
  public:
-  constexpr void add(std::uint8_t byte) {
-    crc_ ^= byte;
-    for (int bit = 0; bit < 8; ++bit) {
-      crc_ = (crc_ >> 1) ^ ((crc_ & 1U) != 0 ? 0xEDB88320U : 0U);
-    }
-  }
+  constexpr void add(std::uint8_t byte) { crc_ = crc32_step(crc_, byte); }
   constexpr void add(std::span<const std::uint8_t> bytes) {
     for (const std::uint8_t byte : bytes) {
       add(byte);

@@ -150,6 +150,7 @@ namespace systick {
 inline constexpr std::uint32_t kCsrEnable = 1U << 0;
 inline constexpr std::uint32_t kCsrInterrupt = 1U << 1;
 inline constexpr std::uint32_t kCsrCoreClock = 1U << 2;
+inline constexpr std::uint32_t kCsrCounted = 1U << 16;  // to 0 since this was last read
 inline constexpr std::uint32_t kMaxReload = 0x00FF'FFFF;
 }  // namespace systick
 
