@@ -8,6 +8,7 @@
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/long_rests.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
+#include "capstan/tools/diagnose/one_law.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/log_zeros.hpp"
@@ -287,6 +288,13 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   d.traces.measured = p.target;
   d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
   report(p, search, base, options.base_law, d);
+  if (!why && d.base.catalogue->target() == TargetKind::kAngle) {
+    options.progress("asking whether one law holds over all of the log");
+    if (const auto changed = joint_that_changed(p, {base, search.law, form_of(d.law)})) {
+      say_changed(p, *changed, d);
+      d.candidates = candidate_shares(search);  // a law that had a name has only these now
+    }
+  }
   gauge_pretension(p, options, by_its_loop.has_value(), d);
   for (const auto& log : options.test_logs) {
     test_on(log, d, d.tested);

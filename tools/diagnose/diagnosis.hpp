@@ -128,7 +128,9 @@ struct Diagnosis {
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};
   double noise_floor = 0.0;
-  std::string floor_from;  ///< "repeats", "flexible model", or "law": what the delivered law leaves, if that is less
+  /// "repeats", "flexible model", "law": what the delivered law leaves, if that is less, or "laws of the parts" of a log
+  /// that no one law holds over.
+  std::string floor_from;
   std::vector<CandidateShare> candidates;
   std::optional<UnnamedPart> unnamed;
   int halves_agree = 0;  ///< of two halves of the log: the delivered law does best there

@@ -124,6 +124,23 @@ inline constexpr double kWholeEffect = 0.98;
 /// And, where no cycles repeat or they differ by as much, that no effect of this share of the target's rms could hide;
 /// the contract's.
 inline constexpr double kLargestHiddenShare = 0.1;
+/// Where a law for each part of a log leaves this share, rms, or less for certain (the 95 % interval's upper end) of
+/// what one law leaves, on rows that none of them has seen, the joint has changed once. A straight wander leaves a half
+/// when it is cut in two, so what goes on all the time is never called a change. Set beforehand. Joints that change,
+/// own simulators (a sheath bent anew, a gap that steps, 17 logs, 28 November 2026) come to 0.15 to 0.44 at the first
+/// look, joints that do not to 0.94 and more, the measured angles of the scoreboard to 0.71 and more.
+inline constexpr double kTwoLawsLeave = 0.5;
+/// That first look moves shapes along a straight line only; where two laws leave more than this share there, their
+/// shapes are not searched.
+inline constexpr double kWorthTwoLaws = 0.7;
+/// Slices of a log that fit two laws or judge them, and how many at each end are no part by themselves.
+inline constexpr Eigen::Index kLogSlices = 64;
+inline constexpr std::size_t kSlicesOfAPart = 8;
+/// A law of more numbers is not fitted to a part: the slices that choose are those that it is fitted to, and one that
+/// was grown (43 to 52 numbers on the scoreboard's machines) would fit any of them. Tendons with a delay have 11.
+inline constexpr Eigen::Index kMostNumbersOfAPart = 16;
+/// Rows of the coarse grid in a slice, or the log is too short to be asked.
+inline constexpr Eigen::Index kRowsOfASlice = 4;
 /// The law of two tendons becomes the base where the usual law leaves more than so many floors on unseen rows, and it
 /// no more than kAboveFloor. Set before a drawn plant was looked at (November 2026).
 inline constexpr double kMuchIsMissing = 1.5;
