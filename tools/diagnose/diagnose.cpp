@@ -10,6 +10,7 @@
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/one_law.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
+#include "capstan/tools/diagnose/weight_in_torque.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/log_zeros.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
@@ -249,6 +250,19 @@ void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool
   }
 }
 
+/// What the log itself says against the law and its names: that no one law holds over all of it, or that its torque
+/// shows no weight.
+void ask_the_log(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
+  const bool confirmed = d.law.status == LawStatus::kConfirmed;
+  if (const auto changed = joint_that_changed(p, {base, search.law, form_of(d.law)})) {
+    say_changed(p, *changed, d);
+  }
+  doubt_weight(p, d);
+  if (confirmed && d.law.status == LawStatus::kProvisional) {
+    d.candidates = candidate_shares(search);
+  }
+}
+
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it
 /// predicts better than that with its effects.
 void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const std::optional<Nameless>& why,
@@ -290,10 +304,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   report(p, search, base, options.base_law, d);
   if (!why && d.base.catalogue->target() == TargetKind::kAngle) {
     options.progress("asking whether one law holds over all of the log");
-    if (const auto changed = joint_that_changed(p, {base, search.law, form_of(d.law)})) {
-      say_changed(p, *changed, d);
-      d.candidates = candidate_shares(search);  // a law that had a name has only these now
-    }
+    ask_the_log(p, search, base, d);
   }
   gauge_pretension(p, options, by_its_loop.has_value(), d);
   for (const auto& log : options.test_logs) {
@@ -354,6 +365,11 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
       logs, [&](const std::vector<AxisLog>& all) { return left_by(diagnosed(all, options).law, all); });
   Diagnosis d = diagnosed(logs, options);
   d.warnings.insert(d.warnings.end(), zeros.begin(), zeros.end());
+  if (d.changed_at && logs.size() == 1 && !options.base_law) {
+    options.progress("asking the longer part by itself");
+    const AxisLog part = longer_part(logs.front(), *d.changed_at);
+    take_law_of_part(diagnosed({part}, options), part, d);
+  }
   if (has_effort_law(logs, d)) {
     options.progress("choosing the law of the effort");
     deliver_effort_law(logs, options, d);

@@ -128,8 +128,8 @@ struct Diagnosis {
   ErrorSummary before, after;
   Interval ratio_ci95 = {1.0, 1.0};
   double noise_floor = 0.0;
-  /// "repeats", "flexible model", "law": what the delivered law leaves, if that is less, or "laws of the parts" of a log
-  /// that no one law holds over.
+  /// "repeats", "flexible model", "law": what the delivered law leaves, if that is less, or "laws of the parts" of a
+  /// log that no one law holds over.
   std::string floor_from;
   std::vector<CandidateShare> candidates;
   std::optional<UnnamedPart> unnamed;
@@ -138,6 +138,7 @@ struct Diagnosis {
   std::vector<TestedLog> tested;
   std::optional<std::string> law_file;  ///< that the law was written to
   double explained_share = 0.0, explained_share_lower = 0.0;
+  std::optional<Eigen::Index> changed_at;  ///< of all rows, the one from which the joint is another one
   Traces traces;
   ResidualMap map_before, map_after;  ///< where base law and delivered law leave something
   Identifiability told;               ///< what the logs can tell of the delivered law's parameters

@@ -292,6 +292,7 @@ void say_changed(const Preparation& p, const ChangedJoint& changed, Diagnosis& d
        "what "
        "changed (a sheath's bend, a gap, the load, a slip) and record four equal cycles without it."},
       d);
+  d.changed_at = changed.row;
   d.effects.clear();
   d.detectable.clear();
   if (d.law.status == LawStatus::kConfirmed) {
@@ -301,6 +302,39 @@ void say_changed(const Preparation& p, const ChangedJoint& changed, Diagnosis& d
     d.noise_floor = changed.two_leave;
     d.floor_from = "laws of the parts";
   }
+}
+
+auto longer_part(const AxisLog& log, Eigen::Index changes_at) -> AxisLog {
+  constexpr double kAboutEqual = 0.9;
+  const auto before = static_cast<double>(changes_at);
+  const auto behind = static_cast<double>(log.samples() - changes_at);
+  return behind >= kAboutEqual * before ? rows_from(log, changes_at) : first_rows(log, changes_at);
+}
+
+void take_law_of_part(Diagnosis part, const AxisLog& log, Diagnosis& d) {
+  if (part.verdict == Verdict::kDataUnfit || part.verdict == Verdict::kNotIdentifiable ||
+      part.traces.after.size() == 0) {
+    return;
+  }
+  if (part.law.status == LawStatus::kConfirmed) {  // of the part; no name is certain of a joint that changes
+    part.law.status = LawStatus::kProvisional;
+    part.candidates.clear();
+    std::transform(part.effects.begin(), part.effects.end(), std::back_inserter(part.candidates),
+                   [](const auto& effect) {
+                     return CandidateShare{effect.name, effect.explained};
+                   });
+  }
+  const std::string where = "time_s " + rounded(log.time_s[0]) + " to " + rounded(log.time_s[log.samples() - 1]);
+  d.reason += " The law is that of the part from " + where + " alone, and so are the errors before and after.";
+  part.verdict = d.verdict;
+  part.reason = d.reason;
+  part.next_experiment = d.next_experiment;
+  part.changed_at = d.changed_at;
+  part.samples = d.samples;
+  part.warnings = d.warnings;
+  part.effects.clear();
+  part.detectable.clear();
+  d = std::move(part);
 }
 
 }  // namespace capstan::tools

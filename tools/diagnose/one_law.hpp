@@ -28,4 +28,11 @@ auto joint_that_changed(const Preparation& p, const std::vector<LawForm>& laws) 
 /// the cure. What one law leaves then is no noise: the floor is what two leave, if that is less.
 void say_changed(const Preparation& p, const ChangedJoint& changed, Diagnosis& d);
 
+/// The longer part of a log in which the joint has changed, and of about equal ones the later: the joint as it is now.
+auto longer_part(const AxisLog& log, Eigen::Index changes_at) -> AxisLog;
+
+/// Puts what the longer part gives by itself in the place of what was found for all of the log: law, errors and floor.
+/// The verdict stays. Nothing where that part alone is not fit for a diagnosis.
+void take_law_of_part(Diagnosis part, const AxisLog& log, Diagnosis& d);
+
 }  // namespace capstan::tools

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "capstan/tools/diagnose/diagnosis.hpp"
+#include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/support/random.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -83,6 +85,10 @@ TEST(OneLaw, AZeroThatJumpsIsSaidToHaveMoved) {
   const Diagnosis d = diagnose({joint.log()}, {});
   EXPECT_EQ(d.verdict, Verdict::kUnknown) << d.reason;
   EXPECT_NE(d.reason.find("joint_offset.offset moved from"), std::string::npos) << d.reason;
+  // The law is one of the joint as it is now: it errs by the noise on a log without a jump, but for its zero.
+  const AxisLog other = GapJoint{}.log();
+  const Eigen::VectorXd left = left_by(d.law, {other});
+  EXPECT_LT(rms_about_mean(left), 4.0 * kNoise);
 }
 
 TEST(OneLaw, AJointThatStaysTheSameKeepsItsName) {
