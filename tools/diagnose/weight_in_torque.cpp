@@ -41,36 +41,19 @@ auto weight_in_torque(const Preparation& p, const JointFile& law) -> std::option
 }
 
 void doubt_weight(const Preparation& p, Diagnosis& d) {
-  const auto gravity =
-      std::find_if(d.effects.begin(), d.effects.end(), [](const auto& effect) { return effect.name == "gravity"; });
-  const bool named = d.verdict == Verdict::kEffect || d.verdict == Verdict::kEffectPlusUnlisted;
-  if (!named || gravity == d.effects.end() || !gravity->alternatives.empty() || !d.found) {
-    return;
-  }
-  const auto weight = weight_in_torque(p, *d.found);
+  const bool named =
+      std::any_of(d.effects.begin(), d.effects.end(), [](const auto& effect) { return effect.name == "gravity"; });
+  const auto weight = named && d.found ? weight_in_torque(p, *d.found) : std::nullopt;
   if (!weight || weight->share_at_most >= kWeightInTorque) {
     return;
   }
-  gravity->alternatives = {"angle_periodic"};
-  std::rotate(d.effects.begin(), gravity, gravity + 1);
-  std::vector<std::string> others;
-  std::transform(d.effects.begin() + 1, d.effects.end(), std::back_inserter(others),
-                 [](const auto& effect) { return effect.name; });
-  d.verdict = Verdict::kAmbiguous;
-  d.reason = "The law lacks ";
-  d.reason += others.empty() ? "" : joined(others, " and ") + ", and ";
-  const std::string shown = rounded(100.0 * std::max(0.0, weight->share), 2) + " % of the " +
-                            rounded(weight->needed_nm, 2) + (p.logs.front().linear ? " N" : " Nm");
-  d.reason +=
-      "gravity or angle_periodic of the joint's own turn (its pulley or sensor off centre): both are waves over "
-      "its angle, and the motor's torque shows " +
-      shown + " that such a weight needs, so it is no weight unless the torque has had that taken out.";
-  d.next_experiment =
-      "Record the same motion with the base tilted or another payload, over as much of a turn as there "
-      "is: what a weight does changes with that, what a pulley does stays.";
-  if (d.law.status == LawStatus::kConfirmed) {
-    d.law.status = LawStatus::kProvisional;
-  }
+  d.warnings.push_back(
+      "gravity may be the joint's pulley or sensor off its centre: both are waves over the joint's "
+      "angle, and the motor's torque shows " +
+      rounded(100.0 * std::max(0.0, weight->share), 2) + " % of the " + rounded(weight->needed_nm, 2) +
+      (p.logs.front().linear ? " N" : " Nm") +
+      " that such a weight needs, unless that was taken out of it. Record the same motion with the "
+      "base tilted or another payload: what a weight does changes with that, what a pulley does stays");
 }
 
 }  // namespace capstan::tools

@@ -19,9 +19,9 @@ struct WeightInTorque {
 /// angle.
 auto weight_in_torque(const Preparation& p, const JointFile& law) -> std::optional<WeightInTorque>;
 
-/// Where the torque shows no such weight, `gravity` is not the only answer: a joint's pulley out of its centre looks
-/// the same in the angle. It becomes the first effect, with angle_periodic as its alternative, and the verdict
-/// `ambiguous`.
+/// Warns of a law that lacked `gravity` where the torque shows no such weight: a joint's pulley off its centre looks
+/// the same in the angle. The name stays, for a torque that the weight was taken out of (as in the thesis's chapter 7)
+/// shows none either.
 void doubt_weight(const Preparation& p, Diagnosis& d);
 
 }  // namespace capstan::tools

@@ -142,7 +142,7 @@ inline constexpr Eigen::Index kMostNumbersOfAPart = 16;
 /// Rows of the coarse grid in a slice, or the log is too short to be asked.
 inline constexpr Eigen::Index kRowsOfASlice = 4;
 /// A weight that moves the joint needs a torque of the motor; where the log's torque holds less than this share of that
-/// for certain, `gravity` is not named alone. Half way between all and none; set beforehand (28 November 2026).
+/// for certain, `gravity` comes with a warning. Half way between all and none; set beforehand (28 November 2026).
 inline constexpr double kWeightInTorque = 0.5;
 /// The law of two tendons becomes the base where the usual law leaves more than so many floors on unseen rows, and it
 /// no more than kAboveFloor. Set before a drawn plant was looked at (November 2026).
