@@ -113,7 +113,7 @@ auto unnamed_of(const EffortSelection& selection, const std::vector<std::string>
   part.rmse = std::sqrt(part.share * energy);
   part.sentence = "the law corrects " + std::to_string(std::lround(100.0 * part.share)) +
                   " % of the energy that the base law leaves, by " + part.form +
-                  "; which of these the machine has is not certain";
+                  "; which of these the machine has is not certain, so their numbers and intervals are this law's";
   return part;
 }
 
