@@ -317,22 +317,6 @@ TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
   EXPECT_EQ(rig.state(), State::kArmed);
 }
 
-TEST(Application, WhileDrivesDoNotFollowTheJointsAreBeingArmedAndNoRequestIsTakenAndForgotten) {
-  Rig rig;
-  rig.io.cycles_to_follow = 50;
-  ASSERT_TRUE(rig.request({.kind = Request::Kind::kArm}));
-  ASSERT_TRUE(rig.move(0.5));
-  rig.ticks(30);
-  EXPECT_EQ(rig.state(), State::kArmed);
-  EXPECT_TRUE(rig.io.has_torque()) << "or the drive would never be enabled";
-  rig.ticks(30);
-  EXPECT_EQ(rig.state(), State::kHolding);
-  rig.ticks(500);
-  EXPECT_EQ(rig.state(), State::kHolding) << "nothing moves by what was said before";
-  ASSERT_TRUE(rig.move(0.5));
-  EXPECT_EQ(rig.state(), State::kMoving);
-}
-
 TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) {
   Rig rig;
   rig.arm();
