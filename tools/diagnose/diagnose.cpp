@@ -253,14 +253,13 @@ void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool
 /// What the log itself says against the law and its names: that no one law holds over all of it, or that its torque
 /// shows no weight.
 void ask_the_log(const Preparation& p, const Search& search, const LawForm& base, Diagnosis& d) {
-  const bool confirmed = d.law.status == LawStatus::kConfirmed;
   if (const auto changed = joint_that_changed(p, {base, search.law, form_of(d.law)})) {
+    if (d.law.status == LawStatus::kConfirmed) {
+      d.candidates = candidate_shares(search);
+    }
     say_changed(p, *changed, d);
   }
   doubt_weight(p, d);
-  if (confirmed && d.law.status == LawStatus::kProvisional) {
-    d.candidates = candidate_shares(search);
-  }
 }
 
 /// Searches, judges and reports. Where no base law was asked for, that of two tendons takes the usual one's place if it

@@ -59,6 +59,7 @@ class SlicedLaw {
       const auto y = target.segment(slice.begin, slice.size());
       products_.push_back({x.transpose() * x, x.transpose() * y, y.squaredNorm()});
     }
+    whole_ = fitted(0, products_.size());
   }
 
   [[nodiscard]] auto numbers() const -> Eigen::Index { return products_.front().with_target.size(); }
@@ -86,8 +87,7 @@ class SlicedLaw {
   }
   /// The same by one law for all.
   [[nodiscard]] auto left_by_one(std::size_t at, bool judging) const -> double {
-    const Eigen::VectorXd all = fitted(0, products_.size());
-    return left(0, at, all, judging) + left(at + 1, products_.size(), all, judging);
+    return left(0, at, whole_, judging) + left(at + 1, products_.size(), whole_, judging);
   }
 
  private:
@@ -101,6 +101,7 @@ class SlicedLaw {
   }
 
   std::vector<RowProducts> products_;
+  Eigen::VectorXd whole_;  ///< fitted to all of the log
 };
 
 /// A law and the slice that the joint changes in.
