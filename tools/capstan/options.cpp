@@ -97,6 +97,9 @@ auto law_table(const JointFile& joint, const std::vector<std::string>& left_out)
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const std::size_t at = term.first_coefficient + i;
       const double value = joint.parameters.coefficients[at];
+      if (joint.left_out(term, i)) {
+        continue;
+      }
       const char* without = value == 0.0 ? "held at its bound" : "no interval";
       add(term.name + "." + term.coefficients[i].name, value, interval_text(joint.coefficient_ci95[at], without),
           term.coefficients[i].unit);

@@ -41,6 +41,8 @@ struct CatalogueTerm {
 
   /// Sum terms: one column per coefficient over consecutive samples of one log, by the term's own update().
   std::function<Eigen::MatrixXd(const Samples&, double period_s, const Shapes&)> columns;
+  /// Terms of both an axis's own samples and of_axis's, taken at the same times.
+  std::function<Eigen::MatrixXd(const Samples& own, const Samples& other)> pair_columns;
   /// Output terms: a signal of one log passed through the term. It is linear, so the columns of a fit may be passed
   /// instead.
   std::function<Eigen::VectorXd(const Eigen::VectorXd&, double period_s, const Shapes&)> apply;

@@ -153,6 +153,11 @@ auto JointFile::has(const std::string& term) const -> bool {
   return std::find(terms.begin(), terms.end(), term) != terms.end();
 }
 
+auto JointFile::left_out(const CatalogueTerm& term, std::size_t i) const -> bool {
+  const std::size_t at = term.first_coefficient + i;
+  return parameters.coefficients[at] == 0.0 && !coefficient_ci95[at] && term.coefficients[i].sign == Sign::kAny;
+}
+
 auto rigid_law() -> LawParameters<double> {
   return motion_parameters(JointFile());
 }

@@ -75,6 +75,8 @@ struct JointFile {
   std::optional<FitSummary> fit;
 
   [[nodiscard]] auto has(const std::string& term) const -> bool;
+  /// Coefficient `i` of a term is nothing, and no bound holds it there: the law took other parts of the term.
+  [[nodiscard]] auto left_out(const CatalogueTerm& term, std::size_t i) const -> bool;
 };
 
 /// Ends of the firmware's numbers, and so of a joint file's; the largest is one step below 128.

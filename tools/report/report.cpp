@@ -217,8 +217,13 @@ auto parameter_table(const JointFile& joint, const std::vector<std::string>& und
       const std::size_t at = term.first_coefficient + i;
       const std::string name = term.name + "." + info.name;
       const bool known = std::find(undetermined.begin(), undetermined.end(), name) == undetermined.end();
-      html += known ? parameter_row(term, info.name, joint.parameters.coefficients[at],
-                                    interval_text(joint.coefficient_ci95[at], "held at its bound"), info.unit, info.doc)
+      if (known && joint.left_out(term, i)) {
+        continue;
+      }
+      const double value = joint.parameters.coefficients[at];
+      const char* without = value == 0.0 ? "held at its bound" : "no interval";
+      html += known ? parameter_row(term, info.name, value, interval_text(joint.coefficient_ci95[at], without),
+                                    info.unit, info.doc)
                     : "<tr>" + html_cell(name) + html_cell("") + html_cell("this log can not determine it") +
                           html_cell(info.unit) + html_cell(info.doc) + "</tr>\n";
     }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "capstan/tools/identify/term_words.hpp"
+#include "capstan/tools/select/arm_terms.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -40,6 +41,22 @@ void add_couplings(std::vector<CatalogueTerm>& terms) {
     terms.back().name += "_axis" + std::to_string(axis);
     terms.back().of_axis = axis;
     take_si_acceleration(terms.back(), kAcceleration);
+  }
+}
+
+/// What is the other axis's by its angle or way, for each that there may be.
+void add_arm_terms(AxisKind axis, std::vector<CatalogueTerm>& terms) {
+  const bool linear = axis == AxisKind::kLinear;
+  for (int other = 0; other < kMostCouplingAxes; ++other) {
+    std::vector<CatalogueTerm> own = {posture_coupling(linear)};
+    if (!linear) {
+      own.push_back(reach_coupling());
+    }
+    for (auto& term : own) {
+      term.name += "_axis" + std::to_string(other);
+      term.of_axis = other;
+      terms.push_back(std::move(term));
+    }
   }
 }
 
@@ -94,6 +111,7 @@ auto grown_efforts(AxisKind axis) -> Catalogue {
   if (axis == AxisKind::kLinear) {
     make_linear_effort(own);
   }
+  add_arm_terms(axis, own);
   terms.insert(terms.end(), own.begin(), own.end());
   add_places(terms);
   terms.insert(terms.end(), output.begin(), output.end());

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "capstan/model/disturbance.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
@@ -49,10 +50,10 @@ auto axis_of_angle(const std::string& name) -> std::optional<int> {
   return std::stoi(name.substr(4, slash - 4));
 }
 
-auto angle_of_axis(const AxisLog& log, int axis) -> const Eigen::VectorXd* {
+auto angle_of_axis(const AxisLog& log, int axis) -> const SideSignal* {
   const auto found = std::find_if(log.side.begin(), log.side.end(),
                                   [axis](const auto& signal) { return axis_of_angle(signal.name) == axis; });
-  return found == log.side.end() ? nullptr : &found->values;
+  return found == log.side.end() ? nullptr : &*found;
 }
 
 auto speed_of(const AxisLog& log, const Eigen::VectorXd& angle, double window_s) -> Eigen::VectorXd {
@@ -129,22 +130,23 @@ EffortDesign::EffortDesign(const std::vector<AxisLog>& logs, const EffortView& v
   for (int axis = 0; axis < kMostCouplingAxes; ++axis) {
     const bool known =
         std::all_of(logs.begin(), logs.end(), [axis](const auto& log) { return angle_of_axis(log, axis) != nullptr; });
-    for (const auto& log : logs) {
-      if (known) {
-        const Eigen::VectorXd& angle = *angle_of_axis(log, axis);
-        const double standstill = kStandstillShare * top_speed(log, angle, view.window_s);
-        other_axes_[axis].push_back(motion_of(log, angle, log.tau_nm, view, standstill));
-      }
+    if (known) {
+      add_other(logs, axis);
     }
   }
 }
 
-auto EffortDesign::axes() const -> std::vector<int> {
-  std::vector<int> axes;
-  for (const auto& other : other_axes_) {
-    axes.push_back(other.first);
+void EffortDesign::add_other(const std::vector<AxisLog>& logs, int axis) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const auto& log : logs) {
+    const Eigen::VectorXd& angle = angle_of_axis(log, axis)->values;
+    const double standstill = kStandstillShare * top_speed(log, angle, view_.window_s);
+    other_axes_[axis].push_back(motion_of(log, angle, log.tau_nm, view_, standstill));
+    lowest = std::min(lowest, angle.minCoeff());
+    highest = std::max(highest, angle.maxCoeff());
   }
-  return axes;
+  others_.push_back({axis, angle_of_axis(logs.front(), axis)->name.ends_with("_m"), highest - lowest});
 }
 
 auto EffortDesign::columns(const CatalogueTerm& term, const Shapes& shapes, Eigen::Index step) const
@@ -156,7 +158,8 @@ auto EffortDesign::columns(const CatalogueTerm& term, const Shapes& shapes, Eige
   Eigen::Index row = 0;
   for (std::size_t i = 0; logged && i < samples.size(); ++i) {
     const auto rows = static_cast<Eigen::Index>(samples[i].size());
-    whole.middleRows(row, rows) = term.columns(samples[i], periods_[i], shapes);
+    whole.middleRows(row, rows) =
+        term.pair_columns ? term.pair_columns(samples_[i], samples[i]) : term.columns(samples[i], periods_[i], shapes);
     row += rows;
   }
   Eigen::MatrixXd result(seen(Eigen::VectorXd::Zero(rows_), step).size(), count);

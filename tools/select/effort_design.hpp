@@ -30,6 +30,13 @@ struct EffortView {
   double skew_s = 0.0;        ///< how much later than logged the motor's torque acts; negative: its channel is late
 };
 
+/// An axis beside the one that a law is for.
+struct KnownAxis {
+  int axis = 0;
+  bool linear = false;
+  double range = 0.0;  ///< how far it moves over all logs, rad or m
+};
+
 /// Logs of one axis as the terms of an effort's law see them, the motion being given; other axes beside it.
 class EffortDesign {
  public:
@@ -38,7 +45,7 @@ class EffortDesign {
   [[nodiscard]] auto rows() const -> Eigen::Index { return rows_; }
   [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
   /// Axes beside this one whose motion all logs have.
-  [[nodiscard]] auto axes() const -> std::vector<int>;
+  [[nodiscard]] auto others() const -> const std::vector<KnownAxis>& { return others_; }
   /// One column per coefficient of a term, seen as the effort is, every `step`-th sample of each log.
   [[nodiscard]] auto columns(const CatalogueTerm& term, const Shapes& shapes, Eigen::Index step = 1) const
       -> Eigen::MatrixXd;
@@ -49,8 +56,11 @@ class EffortDesign {
   [[nodiscard]] auto seen(const Eigen::VectorXd& signal, Eigen::Index step = 1) const -> Eigen::VectorXd;
 
  private:
+  void add_other(const std::vector<AxisLog>& logs, int axis);
+
   EffortView view_;
   std::vector<Samples> samples_;
+  std::vector<KnownAxis> others_;
   std::map<int, std::vector<Samples>> other_axes_;
   std::vector<double> periods_;
   Eigen::Index rows_ = 0;

@@ -22,7 +22,7 @@ struct Grown {
 
 auto parts_of(const Frame& frame, AxisKind axis) -> std::vector<LawPart> {
   const MotionRanges ranges = motion_ranges(frame.design);
-  return frame.law.of_gear() ? gear_parts(ranges) : effort_parts(ranges, frame.design.axes(), axis);
+  return frame.law.of_gear() ? gear_parts(ranges) : effort_parts(ranges, frame.design.others(), axis);
 }
 
 /// Everything that a choice needs.

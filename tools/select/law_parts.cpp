@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "capstan/tools/identify/shape_range.hpp"
+#include "capstan/tools/select/arm_terms.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -38,6 +39,9 @@ auto of_one(const std::vector<double>& values) -> std::vector<Shapes> {
 }
 
 const std::vector<Shapes> kNoShape = {Shapes{}};
+
+/// More than three turns are motion of a motor before a gear: the weight does not turn with that.
+constexpr double kOfALink = 3.0 * 2.0 * std::numbers::pi;
 
 /// Friction by speed and by the way since a reversal.
 void add_friction(const MotionRanges& ranges, std::vector<LawPart>& parts) {
@@ -81,8 +85,6 @@ void add_loads(const MotionRanges& ranges, AxisKind axis, std::vector<LawPart>& 
   for (const double share : in_steps(-1.2, 1.2, 13)) {
     rests.push_back({ranges.centre() + share * span, span});
   }
-  // More than three turns are motion of a motor before a gear: the weight does not turn with that.
-  constexpr double kOfALink = 3.0 * 2.0 * std::numbers::pi;
   std::vector<Shapes> poses;
   for (const double angle : in_steps(0.0, std::numbers::pi * 11.0 / 12.0, 12)) {
     poses.push_back({angle, span});
@@ -98,6 +100,22 @@ void add_loads(const MotionRanges& ranges, AxisKind axis, std::vector<LawPart>& 
   }
   if (link) {
     parts.push_back({"gravity", {0, 1}, kNoShape});
+  }
+}
+
+/// What another axis's motion brings: alike in all postures, and by posture.
+void add_coupling(const MotionRanges& ranges, const KnownAxis& other, AxisKind axis, std::vector<LawPart>& parts) {
+  const std::string number = "_axis" + std::to_string(other.axis);
+  for (std::size_t coefficient = 0; coefficient < 4; ++coefficient) {
+    parts.push_back({"axis_coupling" + number, {coefficient}, kNoShape});
+  }
+  const bool linear = axis == AxisKind::kLinear;
+  const bool both_are_links = (linear || 2.0 * ranges.half() < kOfALink) && (other.linear || other.range < kOfALink);
+  if (!both_are_links || (linear && other.linear)) {
+    return;
+  }
+  for (auto& together : other.linear ? reach_parts() : posture_parts(linear)) {
+    parts.push_back({(other.linear ? "reach_coupling" : "posture_coupling") + number, together, kNoShape});
   }
 }
 
@@ -122,7 +140,8 @@ auto motion_ranges(const EffortDesign& design) -> MotionRanges {
   return {*ends.first, *ends.second, high(speeds), high(torques), at_many_places(q1)};
 }
 
-auto effort_parts(const MotionRanges& ranges, const std::vector<int>& axes, AxisKind axis) -> std::vector<LawPart> {
+auto effort_parts(const MotionRanges& ranges, const std::vector<KnownAxis>& others, AxisKind axis)
+    -> std::vector<LawPart> {
   std::vector<LawPart> parts = {{"inertia", {0}, kNoShape},
                                 {"viscous_friction", {0}, kNoShape},
                                 {"coulomb_friction", {0}, kNoShape},
@@ -136,11 +155,8 @@ auto effort_parts(const MotionRanges& ranges, const std::vector<int>& axes, Axis
   for (const char* place : {"angle_periodic", "angle_periodic_2", "angle_periodic_3"}) {
     parts.push_back({place, {0, 1}, orders});
   }
-  for (const int other : axes) {
-    const std::string name = "axis_coupling_axis" + std::to_string(other);
-    for (std::size_t coefficient = 0; coefficient < 4; ++coefficient) {
-      parts.push_back({name, {coefficient}, kNoShape});
-    }
+  for (const auto& other : others) {
+    add_coupling(ranges, other, axis, parts);
   }
   return parts;
 }

@@ -28,8 +28,9 @@ struct MotionRanges {
 auto motion_ranges(const EffortDesign& design) -> MotionRanges;
 
 /// Parts of a law of an effort, those of rigid dynamics (inertia, viscous and Coulomb friction, offset) first.
-/// @param axes  other axes whose motion is known
-auto effort_parts(const MotionRanges& ranges, const std::vector<int>& axes, AxisKind axis) -> std::vector<LawPart>;
+/// @param others  axes whose motion is known
+auto effort_parts(const MotionRanges& ranges, const std::vector<KnownAxis>& others, AxisKind axis)
+    -> std::vector<LawPart>;
 /// Parts of a law of the torque behind a gear, gain and offset first.
 auto gear_parts(const MotionRanges& ranges) -> std::vector<LawPart>;
 

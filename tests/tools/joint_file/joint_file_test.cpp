@@ -53,6 +53,21 @@ TEST(JointFile, AHeaderThatIsNoKeyIsRefusedWithItsLine) {
   EXPECT_EQ(refusal.rfind("joint.toml:2: this is not TOML: ", 0), 0U) << refusal;
 }
 
+TEST(JointFile, ANumberOfEitherSignThatIsNothingWasLeftOutAndOneOfASignIsAtItsBound) {
+  JointFile joint;
+  const CatalogueTerm& weight = joint.catalogue->term("gravity");
+  EXPECT_TRUE(joint.left_out(weight, 0));
+  joint.coefficient_ci95[weight.first_coefficient] = Interval{-0.1, 0.1};
+  EXPECT_FALSE(joint.left_out(weight, 0));
+  joint.parameters.coefficients[weight.first_coefficient + 1] = 0.2;
+  EXPECT_FALSE(joint.left_out(weight, 1));
+  for (const auto& term : *joint.catalogue) {
+    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+      EXPECT_TRUE(term.coefficients[i].sign == Sign::kAny || !joint.left_out(term, i)) << term.name;
+    }
+  }
+}
+
 TEST(JointFile, TheAxisThatPullsIsKept) {
   JointFile joint = parse_joint_file(kHead + kRatio + "[coupling]\njoint = 2\n", "joint.toml");
   EXPECT_EQ(joint.coupled_to, std::vector<int>{2});

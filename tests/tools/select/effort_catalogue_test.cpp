@@ -31,7 +31,8 @@ TEST(EffortLawCatalogue, EveryTermGivesAColumnPerCoefficientUnderItsInitialShape
       if (term.acts_on_output) {
         continue;
       }
-      const Eigen::MatrixXd columns = term.columns(samples, 0.05, term.initial_shapes());
+      const Eigen::MatrixXd columns =
+          term.pair_columns ? term.pair_columns(samples, samples) : term.columns(samples, 0.05, term.initial_shapes());
       EXPECT_EQ(columns.rows(), 200) << term.name;
       EXPECT_EQ(columns.cols(), static_cast<Eigen::Index>(term.coefficients.size())) << term.name;
       EXPECT_TRUE(columns.allFinite()) << term.name;

@@ -86,10 +86,18 @@ TEST(EffortDesign, KnowsTheAxesWhoseAnglesAllLogsHave) {
   for (const char* name : {"axis1/q1_rad", "axis7/q1_m", "axis2/q2_rad", "axis3", "temperature_C", "axis12/q1_rad"}) {
     log.side.push_back({name, angle});
   }
-  EXPECT_EQ(EffortDesign({log}, kView).axes(), (std::vector<int>{1, 7}));  // of axis0 to axis7
+  const EffortDesign design({log}, kView);
+  ASSERT_EQ(design.others().size(), 2u);  // of axis0 to axis7
+  EXPECT_EQ(design.others()[0].axis, 1);
+  EXPECT_FALSE(design.others()[0].linear);
+  EXPECT_NEAR(design.others()[0].range, 2.0, 1e-3);
+  EXPECT_EQ(design.others()[1].axis, 7);
+  EXPECT_TRUE(design.others()[1].linear);
   AxisLog without = sine_log();
   without.side.push_back({"axis7/q1_m", angle});
-  EXPECT_EQ(EffortDesign({log, without}, kView).axes(), std::vector<int>{7});
+  const EffortDesign of_both({log, without}, kView);
+  ASSERT_EQ(of_both.others().size(), 1u);
+  EXPECT_EQ(of_both.others()[0].axis, 7);
 }
 
 TEST(EffortDesign, AnotherAxissTermSeesThatAxisOrNothing) {
@@ -102,6 +110,21 @@ TEST(EffortDesign, AnotherAxissTermSeesThatAxisOrNothing) {
   // Acceleration in SI: -18 sin 3 t.
   EXPECT_NEAR(known(123, 3), -18.0 * std::sin(3.69), 0.1);
   EXPECT_EQ(design.columns(catalogue.term("axis_coupling_axis3"), {}).norm(), 0.0);  // at rest at its zero
+}
+
+TEST(EffortDesign, ATermOfTwoJointsSeesBothAtTheSameTime) {
+  AxisLog log = sine_log();
+  log.side.push_back({"axis2/q1_rad", (2.0 * log.time_s.array()).cos().matrix()});
+  const EffortDesign design({log, log}, kView);
+  const Catalogue& catalogue = effort_law_catalogue(AxisKind::kRotary);
+  const Eigen::MatrixXd known = design.columns(catalogue.term("posture_coupling_axis2"), {});
+  ASSERT_EQ(known.rows(), 2 * kRows);
+  ASSERT_EQ(known.cols(), 16);
+  const double t = 1.23;
+  const double sum = std::sin(3.0 * t) + std::cos(2.0 * t);
+  EXPECT_NEAR(known(123, 12), std::cos(sum), 1e-4);
+  EXPECT_NEAR(known(123 + kRows, 13), std::sin(sum), 1e-4);
+  EXPECT_EQ(design.columns(catalogue.term("posture_coupling_axis3"), {}).norm(), 0.0);
 }
 
 TEST(EffortDesign, EverySoManySamplesOfEachLogAreSeenAndAveragedWhereTheViewSaysSo) {

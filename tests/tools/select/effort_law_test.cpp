@@ -248,6 +248,56 @@ TEST(EffortLaw, HoldsWhatAnotherJointBrings) {
   EXPECT_LT(found.after, 0.15 * found.before);
 }
 
+/// The first joint of an upright arm of two links, its own formulas: masses at the links' ends, 1 and 0.8 kg, lengths
+/// 0.3 and 0.25 m, dry friction, both joints on three sines each.
+/// @param motion  another one
+auto arm_log(int motion) -> AxisLog {
+  AxisLog log = rigid_log(0.0);
+  std::mt19937 engine(static_cast<unsigned>(31 + motion));
+  std::uniform_real_distribution<double> phase(0.0, 2.0 * std::numbers::pi);
+  std::normal_distribution<double> normal(0.0, 0.02);
+  struct Moves {
+    double q = 0.0, v = 0.0, a = 0.0;
+  };
+  const double phases[] = {phase(engine), phase(engine), phase(engine), phase(engine), phase(engine), phase(engine)};
+  SideSignal other{"axis1/q1_rad", Eigen::VectorXd(kRows)};
+  for (Eigen::Index i = 0; i < kRows; ++i) {
+    Moves one;
+    Moves two;
+    const double sizes[] = {0.8, 0.35, 0.1, 1.1, 0.4, 0.12};
+    const double rates[] = {0.21, 0.57, 1.31, 0.29, 0.71, 1.13};
+    for (int k = 0; k < 6; ++k) {
+      Moves& moved = k < 3 ? one : two;
+      const double w = 2.0 * std::numbers::pi * rates[k];
+      const double at = w * log.time_s[i] + phases[k];
+      moved.q += sizes[k] * std::sin(at);
+      moved.v += sizes[k] * w * std::cos(at);
+      moved.a -= sizes[k] * w * w * std::sin(at);
+    }
+    const double ends = 0.8 * 0.3 * 0.25;
+    const double both = 0.8 * 0.25 * 0.25;
+    const double inertia = 1.8 * 0.3 * 0.3 + both + 2.0 * ends * std::cos(two.q);
+    const double coriolis = -ends * std::sin(two.q) * (2.0 * one.v * two.v + two.v * two.v);
+    const double weight = 9.81 * (1.8 * 0.3 * std::cos(one.q) + 0.8 * 0.25 * std::cos(one.q + two.q));
+    log.q1_rad[i] = one.q;
+    other.values[i] = two.q;
+    log.effort[i] = inertia * one.a + (both + ends * std::cos(two.q)) * two.a + coriolis + weight +
+                    (one.v > 0.0 ? 0.4 : -0.4) + normal(engine);
+  }
+  log.side = {other};
+  return log;
+}
+
+TEST(EffortLaw, OfAnArmPredictsAnotherMotionByPosture) {
+  const EffortSelection found = select_effort_law({arm_log(0)});
+  ASSERT_TRUE(found.law.joint.has("posture_coupling_axis1"));
+  EXPECT_NE(std::find(found.effects.begin(), found.effects.end(), "posture_coupling"), found.effects.end());
+  const AxisLog fresh = arm_log(1);
+  const Eigen::VectorXd error =
+      EffortDesign({fresh}, found.law.view).seen(fresh.effort) - run_effort_law({fresh}, found.law);
+  EXPECT_LT(rms(error), 0.02 * rms_about_mean(fresh.effort));
+}
+
 TEST(EffortLaw, DependsOnNoUnit) {
   AxisLog plain = rigid_log(0.02);
   add_effect(plain, [](double q, double /*v*/) { return 0.9 * q; });

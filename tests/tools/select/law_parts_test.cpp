@@ -72,10 +72,28 @@ TEST(EffortParts, FrictionOfALoadNeedsTheLoad) {
 }
 
 TEST(EffortParts, OfEachAxisWhoseMotionIsKnownThereAreFour) {
-  const auto terms = terms_of(effort_parts(kLink, {2, 5}, AxisKind::kRotary));
+  const auto terms = terms_of(effort_parts(kLink, {{2, false, 1.0}, {5, false, 1.0}}, AxisKind::kRotary));
   EXPECT_EQ(terms.count("axis_coupling_axis2"), 4u);
   EXPECT_EQ(terms.count("axis_coupling_axis5"), 4u);
   EXPECT_EQ(terms.count("axis_coupling_axis0"), 0u);
+}
+
+TEST(EffortParts, PostureActsBetweenLinksAndReachFromASlideToATurn) {
+  const auto count = [](const MotionRanges& ranges, const KnownAxis& other, AxisKind axis, const std::string& term) {
+    return terms_of(effort_parts(ranges, {other}, axis)).count(term);
+  };
+  const KnownAxis turns = {2, false, 1.0};
+  const KnownAxis slides = {2, true, 0.1};
+  const KnownAxis motor = {2, false, 40.0};  // more than three turns: before a gear
+  EXPECT_EQ(count(kLink, turns, AxisKind::kRotary, "posture_coupling_axis2"), 8u);
+  EXPECT_EQ(count(kLink, turns, AxisKind::kRotary, "reach_coupling_axis2"), 0u);
+  EXPECT_EQ(count(kLink, slides, AxisKind::kRotary, "reach_coupling_axis2"), 5u);
+  EXPECT_EQ(count(kLink, slides, AxisKind::kRotary, "posture_coupling_axis2"), 0u);
+  EXPECT_EQ(count(kBehindGear, turns, AxisKind::kLinear, "posture_coupling_axis2"), 5u);  // of any length
+  EXPECT_EQ(terms_of(effort_parts(kLink, {slides}, AxisKind::kLinear)).size(),
+            terms_of(effort_parts(kLink, {}, AxisKind::kLinear)).size() + 4u);  // two slides: what is alike everywhere
+  EXPECT_EQ(count(kBehindGear, turns, AxisKind::kRotary, "posture_coupling_axis2"), 0u);
+  EXPECT_EQ(count(kLink, motor, AxisKind::kRotary, "posture_coupling_axis2"), 0u);
 }
 
 TEST(EffortParts, SettingsAreSharesOfTheMotion) {
@@ -101,7 +119,7 @@ TEST(Parts, PeriodsOfTheAngleAreNotTriedOnAFewPlaces) {
 
 TEST(Parts, AreOfTermsThatTheirCataloguesHaveWithAsManyCoefficientsAndShapes) {
   for (const AxisKind axis : {AxisKind::kRotary, AxisKind::kLinear}) {
-    for (const auto& part : effort_parts(kLink, {0, 7}, axis)) {
+    for (const auto& part : effort_parts(kLink, {{0, false, 1.0}, {7, true, 1.0}}, axis)) {
       ASSERT_TRUE(effort_law_catalogue(axis).has(part.term)) << part.term;
       const CatalogueTerm& term = effort_law_catalogue(axis).term(part.term);
       EXPECT_LT(*std::max_element(part.coefficients.begin(), part.coefficients.end()), term.coefficients.size());
