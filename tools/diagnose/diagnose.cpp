@@ -183,6 +183,10 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
     deliver(p, choice, d);
     d.warnings.emplace_back(kNotBetterUnseen);
   }
+  if (d.verdict == Verdict::kNothingMissing && choice.status == LawStatus::kProvisional && gains_nothing(p, d)) {
+    choice = as_searched(d, false);
+    deliver(p, choice, d);
+  }
   if (choice.is_named && (d.effects.empty() || d.verdict == Verdict::kAmbiguous)) {
     d.law.status = LawStatus::kProvisional;  // it predicts best, and what it is made of is not certain
   }
@@ -355,15 +359,26 @@ auto diagnosed(const std::vector<AxisLog>& recorded, const DiagnoseOptions& opti
   return d;
 }
 
+/// The diagnosis of logs whose joint angles may each have a zero of their own, which is taken off them.
+auto from_one_zero(std::vector<AxisLog>& logs, const DiagnoseOptions& options) -> Diagnosis {
+  const auto zeros = count_from_one_zero(
+      logs, [&](const std::vector<AxisLog>& all) { return left_by(diagnosed(all, options).law, all); });
+  Diagnosis d = diagnosed(logs, options);
+  d.warnings.insert(d.warnings.end(), zeros.begin(), zeros.end());
+  return d;
+}
+
 }  // namespace
 
 auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& options) -> Diagnosis {
   std::vector<AxisLog> logs;
   std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_long_rests);
-  const auto zeros = count_from_one_zero(
-      logs, [&](const std::vector<AxisLog>& all) { return left_by(diagnosed(all, options).law, all); });
-  Diagnosis d = diagnosed(logs, options);
-  d.warnings.insert(d.warnings.end(), zeros.begin(), zeros.end());
+  Diagnosis d = from_one_zero(logs, options);
+  if (total_samples(logs) < total_samples(recorded) && goes_by_time(d)) {
+    options.progress("asking again with the rests, through which time goes on");
+    logs = recorded;
+    d = from_one_zero(logs, options);
+  }
   if (d.changed_at && logs.size() == 1 && !options.base_law) {
     options.progress("asking the longer part by itself");
     const AxisLog part = longer_part(logs.front(), *d.changed_at);

@@ -113,6 +113,14 @@ auto rows_outside(const Blocks& blocks, Eigen::Index rows) -> std::vector<Eigen:
 
 }  // namespace
 
+auto goes_by_time(const Diagnosis& d) -> bool {
+  const auto drifts = [](const auto& round) {
+    const std::string first = round.ranking.empty() ? "" : round.ranking.front().name;
+    return first == "thermal_drift" || first == "wander";
+  };
+  return d.law.has("thermal_drift") || std::any_of(d.rounds.begin(), d.rounds.end(), drifts);
+}
+
 auto without_long_rests(AxisLog log) -> AxisLog {
   Blocks rests = long_rests(log);
   if (rests.empty()) {

@@ -34,10 +34,26 @@ auto next_reflection(std::vector<PredictionErrors>& errors, Eigen::Index order) 
   return reflection;
 }
 
+/// The largest order, up to the one asked for, for which pieces of more than four times as many rows hold at least half
+/// of all rows: shorter ones tell nothing of it.
+auto order_for(const Blocks& pieces, Eigen::Index order) -> Eigen::Index {
+  const auto enough = [&pieces](Eigen::Index of_order) {
+    Blocks longer;
+    std::copy_if(pieces.begin(), pieces.end(), std::back_inserter(longer),
+                 [of_order](const auto& piece) { return piece.size() > 4 * of_order; });
+    return 2 * rows_in(longer) >= rows_in(pieces);
+  };
+  while (order > 0 && !enough(order)) {
+    --order;
+  }
+  return order;
+}
+
 }  // namespace
 
-auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise {
+auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index order_asked) -> AutoregressiveNoise {
   constexpr double kSmallest = std::numeric_limits<double>::min();
+  const Eigen::Index largest_order = order_for(pieces, order_asked);
   std::vector<PredictionErrors> errors;
   double rows = 0.0;
   double variance = 0.0;

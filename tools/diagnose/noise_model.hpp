@@ -17,8 +17,9 @@ struct AutoregressiveNoise {
 /// The largest order that noise of residuals is asked for.
 inline constexpr Eigen::Index kLargestNoiseOrder = 8;
 
-/// Fits by Burg's method over pieces that do not touch each other; the order up to `largest_order` by BIC.
-auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index largest_order) -> AutoregressiveNoise;
+/// Fits by Burg's method over pieces that do not touch each other; the order by BIC, up to the one asked for or what
+/// the pieces are long enough for.
+auto fit_noise(const Eigen::VectorXd& signal, const Blocks& pieces, Eigen::Index order_asked) -> AutoregressiveNoise;
 
 /// x_i - sum a_k x_(i-k) column by column within each piece; the first `order` rows of a piece become 0.
 auto whitened(const Eigen::MatrixXd& columns, const Blocks& pieces, const AutoregressiveNoise& noise)

@@ -96,11 +96,11 @@ void judge(const std::vector<Index>& rows, const VectorXd& residual, MapCell& ce
     sizes.back() += 1.0;
   }
   cell.visits = static_cast<Index>(sums.size());
+  const auto count = static_cast<double>(rows.size());
+  cell.mean = std::accumulate(sums.begin(), sums.end(), 0.0) / count;
   if (cell.visits < kFewestVisits) {
     return;
   }
-  const auto count = static_cast<double>(rows.size());
-  cell.mean = std::accumulate(sums.begin(), sums.end(), 0.0) / count;
   double spread = 0.0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     spread += std::pow(sums[i] - cell.mean * sizes[i], 2.0);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "capstan/tools/diagnose/adequacy.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
@@ -245,6 +246,12 @@ auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string 
   std::vector<std::string> names;
   std::transform(effects.begin(), effects.end(), std::back_inserter(names), [](const auto& one) { return one.name; });
   return "The law lacks " + joined(names, " and ");
+}
+
+auto gains_nothing(const Preparation& p, const Diagnosis& d) -> bool {
+  const double before = error_of_known_direction(p, d.traces.before);
+  const double after = error_of_known_direction(p, d.traces.after);
+  return after * after > (1.0 - kMatters) * before * before;
 }
 
 void reconcile(const Preparation& p, const Search& search, const LawChoice& choice, Diagnosis& d) {

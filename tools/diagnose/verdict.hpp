@@ -37,6 +37,10 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d);
 auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string;
 inline constexpr const char* kMoreThanNamed = "; a law with more than that certainly predicts unseen rows better.";
 
+/// Whether the delivered law takes away no more of the base law's energy than an inexact form would where the running
+/// switch knows the direction: what it gains in the rows between a reversal and its notice shows no effect.
+auto gains_nothing(const Preparation& p, const Diagnosis& d) -> bool;
+
 /// Makes the verdict agree with the law that is delivered and with the errors before and after: nothing is called
 /// complete that another law betters for certain, or that leaves more than its floor, or in which an effect of a tenth
 /// of the target could hide.

@@ -41,14 +41,21 @@ auto ticks_of(double low, double high, int count) -> std::vector<double> {
   const double share = raw / power;
   const double step = (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0) * power;
   std::vector<double> ticks;
-  for (double tick = std::ceil(low / step) * step; tick <= high + 1e-9 * step; tick += step) {
+  const double first = std::ceil(low / step) * step;
+  for (int i = 0; i <= 2 * count; ++i) {  // counted: beside a large number a small step may add nothing
+    const double tick = first + i * step;
+    if (tick > high + 1e-9 * step) {
+      break;
+    }
     ticks.push_back(std::abs(tick) < 1e-9 * step ? 0.0 : tick);
   }
   return ticks;
 }
 
 auto widened(double low, double high) -> std::pair<double, double> {
-  const double room = high > low ? 0.04 * (high - low) : std::max(1e-6, 0.1 * std::abs(high));
+  constexpr double kFinest = 1e-9;  // of the numbers: what differs by less is drawn as one
+  const bool spread = high - low > kFinest * std::max(std::abs(low), std::abs(high));
+  const double room = spread ? 0.04 * (high - low) : std::max(1e-6, 0.1 * std::abs(high));
   return {low - room, high + room};
 }
 

@@ -39,6 +39,20 @@ auto after_rest(const AxisLog& log, Eigen::Index rows) -> AxisLog {
   return with_rest(log, 0, rows);
 }
 
+TEST(LongRests, AreNoRowsToLeaveOutWhereTheAnswerGoesByTime) {
+  Diagnosis d;
+  EXPECT_FALSE(goes_by_time(d));
+  d.rounds.emplace_back();
+  d.rounds.back().ranking.emplace_back().name = "play";
+  EXPECT_FALSE(goes_by_time(d));
+  d.rounds.emplace_back();
+  d.rounds.back().ranking.emplace_back().name = "wander";
+  EXPECT_TRUE(goes_by_time(d));
+  d.rounds.clear();
+  d.law.terms = {"motor_angle", "thermal_drift"};
+  EXPECT_TRUE(goes_by_time(d));
+}
+
 TEST(LongRests, AreCutButForATwentiethOfTheMotion) {
   const AxisLog moving = moving_log();
   const AxisLog log = after_rest(moving, 4000);

@@ -40,6 +40,24 @@ TEST(NoiseModel, PiecesDoNotSeeEachOther) {
   EXPECT_NEAR(apart.coefficients[0], 0.9, 0.03);
 }
 
+TEST(NoiseModel, ShortPiecesAreAskedForALowerOrderAndStillTellHowLargeTheNoiseIs) {
+  const Eigen::VectorXd x = series(0.7, 0.0, 300, 5);
+  Blocks pieces;
+  for (Eigen::Index begin = 0; begin < 300; begin += 30) {
+    pieces.push_back({begin, begin + 30});
+  }
+  const AutoregressiveNoise noise = fit_noise(x, pieces, 8);
+  ASSERT_GE(noise.order(), 1);
+  EXPECT_LE(noise.order(), 7);
+  EXPECT_NEAR(noise.coefficients[0], 0.7, 0.15);
+  EXPECT_NEAR(noise.innovation_variance, 4.0, 1.0);
+  for (auto& piece : pieces) {
+    piece.end = piece.begin + 3;  // too short for any
+  }
+  EXPECT_EQ(fit_noise(x, pieces, 8).order(), 0);
+  EXPECT_NEAR(fit_noise(x, pieces, 8).innovation_variance, 4.0 / (1.0 - 0.49), 3.5);
+}
+
 TEST(NoiseModel, WhitenedNoiseHasNoCorrelationLeft) {
   const Eigen::VectorXd x = series(0.8, 0.1, 20000, 4);
   const Blocks all = {{0, 20000}};

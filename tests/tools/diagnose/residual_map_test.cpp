@@ -56,6 +56,22 @@ TEST(ResidualMap, OfNoiseWithMemoryFindsSomethingInOneLogOfTwentyAtMost) {
   EXPECT_LE(found, kLogs / 20);
 }
 
+TEST(ResidualMap, ACellThatWasVisitedSeldomHasItsMeanAndIsNotFound) {
+  MapSignals s = motion();
+  s.q1 = (0.157 * s.time_s.array()).sin().matrix();  // two cycles
+  const ResidualMap map = residual_map(s, Eigen::VectorXd::Constant(kRows, 0.3));
+  int seldom = 0;
+  for (const auto& cell : map.cells) {
+    EXPECT_NEAR(cell.mean, 0.3, 1e-12) << cell.signal;
+    if (cell.signal == "angle" && cell.visits < 4) {
+      ++seldom;
+      EXPECT_FALSE(cell.found);
+      EXPECT_EQ(cell.p_value, 1.0);
+    }
+  }
+  EXPECT_GT(seldom, 0);
+}
+
 TEST(ResidualMap, FindsASpotOfOneDirectionWhereItIs) {
   const MapSignals s = motion();
   Eigen::VectorXd residual = 0.1 * noise(7);

@@ -362,5 +362,30 @@ TEST(UnnamedPart, ATableDependsOnTheSignalItIsDrawnOver) {
   EXPECT_EQ(unnamed_part(log.p, choice, log.d)->signals, std::vector<std::string>{describe(TableSignal::kWarmth)});
 }
 
+TEST(GainsNothing, CountsOnlyWhereTheRunningSwitchKnowsTheDirection) {
+  constexpr Eigen::Index kRows = 200;
+  Samples samples(kRows);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].forward = i % 2 == 0;
+  }
+  Preparation p = preparation_of(samples, Eigen::VectorXd::Ones(kRows), split_of(10, 20, {Role::kFit, Role::kReport}));
+  Samples late = samples;
+  for (std::size_t i = 0; i < late.size(); i += 10) {
+    late[i].forward = !late[i].forward;
+  }
+  p.causal = p.causal.with({late});
+  Diagnosis d;
+  d.traces.before = Eigen::VectorXd::Zero(kRows);
+  d.traces.after = Eigen::VectorXd::Constant(kRows, 0.03);
+  EXPECT_TRUE(gains_nothing(p, d));  // 6 % of the energy
+  d.traces.after.setConstant(0.05);
+  EXPECT_FALSE(gains_nothing(p, d));  // 10 %
+  d.traces.after.setConstant(0.03);
+  for (Eigen::Index i = 0; i < kRows; i += 10) {
+    d.traces.after[i] = 1.0;  // all of it where the switch is late
+  }
+  EXPECT_TRUE(gains_nothing(p, d));
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace capstan::tools {
 namespace {
@@ -51,6 +52,15 @@ TEST(SvgPlot, AFlatTraceStillHasAScale) {
   const std::string svg = svg_of(plot);
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+TEST(SvgPlot, ATraceThatDiffersInTheLastDigitsIsDrawnAsFlat) {
+  Plot plot = long_trace(100);
+  plot.series[0].y.setConstant(0.7);
+  plot.series[0].y[50] = std::nextafter(0.7, 1.0);
+  const std::string svg = svg_of(plot);
+  EXPECT_LT(svg.size(), 20000U);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
 }
 
 }  // namespace
