@@ -19,10 +19,12 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
                     conditioner.direction_threshold_rad == p.conditioner.direction_threshold_rad;
   const LawDesign causal = same ? p.causal : LawDesign(p.logs, conditioner);
   const LawForm settled = refine_shapes(causal, p.target, learned, form);
-  const Eigen::MatrixXd columns = law_columns(causal, settled);
-  const LinearFit fit = fit_columns(columns, p.target, learned, law_signs(settled));
-  const Blocks blocks = interval_blocks(unbroken(learned), p.target - columns * fit.theta);
-  JointFile joint = law_with_intervals(causal, p.target, blocks, settled, conditioner);
+  const LawDesign known = of_known_direction(p.logs, causal, settled, conditioner);
+  const Eigen::VectorXd taught = known.lined(p.target);
+  const Eigen::MatrixXd columns = law_columns(known, settled);
+  const LinearFit fit = fit_columns(columns, taught, learned, law_signs(settled));
+  const Blocks blocks = interval_blocks(unbroken(learned), taught - columns * fit.theta);
+  JointFile joint = law_with_intervals(known, taught, blocks, settled, conditioner);
   describe_logs(p.logs, causal, p.target, estimates(p.logs, causal, joint), joint);
   return joint;
 }

@@ -7,6 +7,7 @@
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
 #include "capstan/tools/identify/loop.hpp"
+#include "capstan/tools/identify/noncausal_samples.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -314,6 +315,25 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
   return undetermined;
 }
 
+auto of_known_direction(const std::vector<AxisLog>& logs, const LawDesign& running, const LawForm& form,
+                        const ConditionerShape<double>& conditioner) -> LawDesign {
+  constexpr double kMostRows = 0.3;  // in doubt; beyond, the rest says too little by itself
+  if (form.catalogue->target() != TargetKind::kAngle || !form.has("tendon_elongation")) {
+    return running;
+  }
+  const AngleNoise noise = motor_angle_noise(logs);
+  Blocks rows;
+  Eigen::Index begin = 0;
+  for (std::size_t i = 0; i < logs.size(); ++i) {
+    for (const auto& block : doubtful_rows(running.samples()[i], noncausal_samples(logs[i], conditioner, noise))) {
+      rows.push_back({begin + block.begin, begin + block.end});
+    }
+    begin += logs[i].samples();
+  }
+  const bool few = static_cast<double>(rows_in(rows)) < kMostRows * static_cast<double>(running.rows());
+  return few ? running.with_lines(std::move(rows)) : running;
+}
+
 namespace {
 
 /// Tendons that are known, those of another time of the joint, settle from where they are: what these logs do not tell
@@ -347,14 +367,16 @@ auto identify(const std::vector<AxisLog>& logs, const LawForm& start) -> Identif
       form = refine_tendon(design, target, halves, std::move(form));
     }
   }
-  const Eigen::MatrixXd columns = law_columns(design, form);
+  const LawDesign known = of_known_direction(logs, design, form, conditioner);
+  const Eigen::VectorXd taught = known.lined(target);
+  const Eigen::MatrixXd columns = law_columns(known, form);
   const auto signs = law_signs(form);
-  const LinearFit first = fit_columns(columns, target, halves, signs);
-  const Blocks blocks = interval_blocks(pieces_of(design.log_rows()), target - columns * first.theta);
-  const LinearFit fit = fit_columns(columns, target, blocks, signs);
+  const LinearFit first = fit_columns(columns, taught, halves, signs);
+  const Blocks blocks = interval_blocks(pieces_of(design.log_rows()), taught - columns * first.theta);
+  const LinearFit fit = fit_columns(columns, taught, blocks, signs);
   note_bounds(fit, form, logs.front(), result.notes);
-  result.undetermined = undetermined_coefficients(fit, form, columns, target);
-  result.joint = law_with_intervals(design, target, blocks, form, conditioner);
+  result.undetermined = undetermined_coefficients(fit, form, columns, taught);
+  result.joint = law_with_intervals(known, taught, blocks, form, conditioner);
   if (form.catalogue->target() == TargetKind::kEffort) {
     result.notes.push_back(averaging_note(design));
   }

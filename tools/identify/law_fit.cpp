@@ -86,6 +86,30 @@ auto LawDesign::with(std::vector<Samples> samples) const -> LawDesign {
   return result;
 }
 
+auto LawDesign::with_lines(Blocks rows) const -> LawDesign {
+  LawDesign result = *this;
+  result.lines_ = std::move(rows);
+  return result;
+}
+
+auto LawDesign::lined(Eigen::MatrixXd signals) const -> Eigen::MatrixXd {
+  const Blocks logs = pieces_of(log_rows_);
+  auto log = logs.begin();
+  for (const auto& [begin, end] : lines_) {
+    while (log->end < end) {
+      ++log;
+    }
+    const Eigen::Index before = begin > log->begin ? begin - 1 : std::min(end, log->end - 1);  // flat at a log's end
+    const Eigen::Index after = end < log->end ? end : before;
+    for (Eigen::Index row = begin; row < end; ++row) {
+      const double share =
+          after > before ? static_cast<double>(row - before) / static_cast<double>(after - before) : 0.0;
+      signals.row(row) = (1.0 - share) * signals.row(before) + share * signals.row(after);
+    }
+  }
+  return signals;
+}
+
 auto LawDesign::behind(const LawForm& form) const -> LawDesign {
   LawDesign result = *this;
   for (const auto* term : ordered_terms(form)) {
@@ -202,7 +226,7 @@ auto law_columns(const LawDesign& design, const LawForm& form) -> Eigen::MatrixX
       }
     }
   }
-  return columns;
+  return design.lined(std::move(columns));
 }
 
 auto law_signs(const LawForm& form) -> std::vector<Sign> {

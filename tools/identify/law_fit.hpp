@@ -37,6 +37,11 @@ class LawDesign {
 
   /// The same with other samples of its rows.
   [[nodiscard]] auto with(std::vector<Samples> samples) const -> LawDesign;
+  /// The same, its laws compared with straight lines through these rows, which say nothing of them. The target needs
+  /// the same lines. @param rows  in order, of all logs one below the other
+  [[nodiscard]] auto with_lines(Blocks rows) const -> LawDesign;
+  /// Signals over all logs with those lines.
+  [[nodiscard]] auto lined(Eigen::MatrixXd signals) const -> Eigen::MatrixXd;
   /// The same samples as what stands behind the law's input terms sees them.
   [[nodiscard]] auto behind(const LawForm& form) const -> LawDesign;
 
@@ -53,6 +58,7 @@ class LawDesign {
   std::vector<Eigen::Index> log_rows_;
   Eigen::Index rows_ = 0;
   Eigen::Index smoothing_ = 0;
+  Blocks lines_;
   double rate_time_constant_s_ = ConditionerShape<double>{}.rate_time_constant_s;
 };
 

@@ -243,4 +243,20 @@ auto ahead_by(double rows, const Eigen::Ref<const Eigen::VectorXd>& signal) -> E
   return ahead;
 }
 
+auto doubtful_rows(const Samples& running, const NoncausalSamples& afterwards) -> Blocks {
+  std::vector<bool> doubtful(running.size());
+  std::transform(running.begin(), running.end(), afterwards.samples.begin(), doubtful.begin(),
+                 [](const auto& now, const auto& later) { return now.forward != later.forward; });
+  for (const auto& rows : afterwards.uncertain) {
+    std::fill(doubtful.begin() + rows.begin, doubtful.begin() + rows.end, true);
+  }
+  Blocks blocks;
+  for (auto begin = std::find(doubtful.begin(), doubtful.end(), true); begin != doubtful.end();) {
+    const auto end = std::find(begin, doubtful.end(), false);
+    blocks.push_back({begin - doubtful.begin(), end - doubtful.begin()});
+    begin = std::find(end, doubtful.end(), true);
+  }
+  return blocks;
+}
+
 }  // namespace capstan::tools

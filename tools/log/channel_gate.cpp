@@ -201,7 +201,10 @@ class Gate {
     add(ChannelFault::kLate, *late, {}, period_s_ * delay->rows,
         "is late against the other channels by " + rounded(ms * delay->rows, 3) + " ms (95 % " +
             rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) +
-            "); nothing was shifted: " + cure_of(period_s_ * delay->rows));
+            "); nothing was shifted: " + cure_of(period_s_ * delay->rows) +
+            (late == effort && target != nullptr
+                 ? "; where one clock stamps all channels it is the joint: drag and friction of tendons look like it"
+                 : ""));
     found_.back().low = period_s_ * delay->low;
     found_.back().high = period_s_ * delay->high;
   }

@@ -221,6 +221,24 @@ TEST_P(Coverage, IntervalsOfAGapAndOfADelayHoldTheTruth) {
   }
 }
 
+// The running switch sees a turn some counts late, and the rows until then are on the wrong side of the elongation's
+// jump.
+TEST(CoverageBehindAnEncoder, IntervalsOfElongationHoldTheTruth) {
+  constexpr int kDraws = 40;
+  constexpr double kStep = 2.0 * kPi / 4096.0;
+  Random random(74);
+  Count held;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Joint joint(random);
+    AxisLog log = record(joint, 0.25 * kNoises.at("white")(random));
+    log.q1_rad = (log.q1_rad.array() / kStep).round() * kStep;
+    count_joint(joint, identify({log}, pseudo_kinematic()).joint, held);
+  }
+  for (const char* name : {"top", "bottom"}) {
+    EXPECT_GE(held[name], fewest(kDraws)) << name << ", of " << kDraws;
+  }
+}
+
 TEST(CoverageUnderNoisyTorque, IntervalsHoldWhatTheNoiseOfTheTorqueHides) {
   constexpr int kDraws = 60;
   constexpr double kTorqueNoiseNm = 0.002;  // of some 0.02

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -53,6 +54,30 @@ TEST(NoncausalSamples, SamplesOfUncertainDirectionSurroundEveryReversal) {
     EXPECT_LE(noncausal.uncertain[i].begin, truth + 2);
     EXPECT_GE(noncausal.uncertain[i].end, truth - 2);
     EXPECT_LT(noncausal.uncertain[i].size(), 80);
+  }
+}
+
+TEST(DoubtfulRows, AreThoseBetweenATurnAndItsNoticeAndThoseThatTheEncoderHides) {
+  const AxisLog log = swinging();
+  ConditionerShape<double> shape;
+  shape.direction_threshold_rad = 2.5 * kStep;
+  const Samples running = causal_samples(log, shape);
+  const NoncausalSamples afterwards = noncausal_samples(log, shape, {kStep, 0.0});
+  const Blocks doubtful = doubtful_rows(running, afterwards);
+  const auto noticed = direction_changes(running);
+  ASSERT_GE(doubtful.size(), noticed.size() - 1);
+  std::vector<bool> in_doubt(running.size());
+  Eigen::Index last = -1;
+  for (const auto& block : doubtful) {
+    EXPECT_GT(block.begin, last);  // in order, none touches another
+    EXPECT_LT(block.size(), 100);
+    last = block.end;
+    std::fill(in_doubt.begin() + block.begin, in_doubt.begin() + block.end, true);
+  }
+  for (std::size_t i = 1; i < noticed.size(); ++i) {
+    EXPECT_TRUE(in_doubt[1000 * i]);                                  // where it turned
+    EXPECT_TRUE(in_doubt[static_cast<std::size_t>(noticed[i]) - 1]);  // the last row before it is noticed
+    EXPECT_FALSE(in_doubt[static_cast<std::size_t>(noticed[i]) + 60]);
   }
 }
 

@@ -64,5 +64,26 @@ TEST(Thinned, BlocksAreThoseOfTheMeansThatTheyBeginAndEndIn) {
   EXPECT_TRUE(thinned(design, target, {{4, 5}, {8, 9}}, 1).rows.empty());  // none holds a mean
 }
 
+TEST(LawDesignWithLines, StraightLinesJoinWhatIsBesideAndStayInTheirLog) {
+  AxisLog log;
+  log.period_s = 0.01;
+  log.time_s = log.q1_rad = log.tau_nm = log.q2_rad = Eigen::VectorXd::LinSpaced(6, 0.0, 5.0);
+  const LawDesign design({log, log}, ConditionerShape<double>{});
+  Eigen::MatrixXd signals(12, 2);
+  signals.col(0) << 0, 1, 9, 9, 4, 5, 9, 9, 2, 3, 4, 9;
+  signals.col(1) = 10.0 * signals.col(0);
+  const LawDesign lined = design.with_lines({{2, 4}, {6, 8}, {11, 12}});
+  Eigen::VectorXd expected(12);
+  expected << 0, 1, 2, 3, 4, 5, 2, 2, 2, 3, 4, 4;  // flat at the ends of a log
+  EXPECT_NEAR((lined.lined(signals).col(0) - expected).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((lined.lined(signals).col(1) - 10.0 * expected).norm(), 0.0, 1e-12);
+  EXPECT_EQ(design.lined(signals), signals);
+  LawForm form;
+  form.terms = {"motor_angle"};
+  const Eigen::MatrixXd columns = law_columns(lined, form);
+  EXPECT_EQ(columns, lined.lined(law_columns(design, form)));
+  EXPECT_NE(columns, law_columns(design, form));
+}
+
 }  // namespace
 }  // namespace capstan::tools

@@ -190,6 +190,22 @@ TEST(ChannelGate, ALateChannelIsToldWhatCuresIt) {
   }
 }
 
+// A tendon that drags makes its torque run behind the motor as a late channel does.
+TEST(ChannelGate, ALateTorqueBeforeAJointMayBeTheJoints) {
+  const Log log;
+  const VectorXd late = held_back(log.tau, 12);
+  for (const bool sees_joint : {true, false}) {
+    std::vector<GateChannel> channels = {{"q1", ChannelRole::kMotorAngle, &log.q1},
+                                         {"tau", ChannelRole::kMotorEffort, &late}};
+    if (sees_joint) {
+      channels.push_back({"q2", ChannelRole::kJointAngle, &log.q2});
+    }
+    const auto findings = inspect_channels(kPeriod, channels);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].what.find("it is the joint") != std::string::npos, sees_joint) << findings[0].what;
+  }
+}
+
 TEST(ChannelGate, WildValuesDoNotHideALateChannel) {
   Log log;
   log.tau = held_back(log.tau, 4);
