@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -306,12 +307,31 @@ auto reason_nameless(const std::vector<AxisLog>& logs) -> std::string {
          " samples in which the motor does not go there, back and there again; record at least 10 s at 100 Hz or more";
 }
 
+namespace {
+
+constexpr Eigen::Index kFewestCoarseRows = 4;  // of one log: two ends, and something between
+
+/// Of several logs, each has to have some coarse rows. Too short a single one was told before what it is not fit for.
+void check_lengths(const std::vector<AxisLog>& logs, Eigen::Index fewest) {
+  for (const auto& log : logs) {
+    if (logs.size() > 1 && log.samples() < fewest) {
+      throw BadInput(log.name + ": the log has " + std::to_string(log.samples()) + " rows, and beside the others " +
+                     std::to_string(fewest) + " are the fewest that say something; leave it out");
+    }
+  }
+}
+
+}  // namespace
+
 auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   const bool effort = base.catalogue->target() == TargetKind::kEffort;
   const AngleNoise noise = motor_angle_noise(logs);
   // An effort's columns are averaged when they are made, twice.
   const Eigen::Index before = effort ? effort_smoothing(logs, noise) : 0;
   const Eigen::Index factor = choose_factor(logs, before);
+  // Derivatives and means have no neighbours beyond the ends.
+  const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
+  check_lengths(logs, factor * (2 * edge + kFewestCoarseRows));
   for (auto& log : logs) {
     const Eigen::Index rows = log.samples() / factor * factor;
     log = first_rows(std::move(log), rows);
@@ -345,8 +365,6 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   if (!effort) {
     p.disturbed.emplace_back(logs, std::move(seen.noisy_torque));
   }
-  // Derivatives and means have no neighbours beyond the ends.
-  const Eigen::Index edge = effort ? (2 * before + kDerivativeReach) / factor + 1 : 0;
   p.coarse_logs = rows_of_logs(p, base.catalogue->target(), edge);
   p.notes.push_back(left_out_note(p));
   p.signals = coarse_signals(p);
