@@ -214,7 +214,7 @@ auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
       for (const auto& trial : table.trials) {
         const double value = table.value(r, trial.group, column.key);
         if (!std::isnan(value)) {
-          d.tested.push_back({&trial, value, percent(value), false});
+          d.tested.push_back({&trial, value, percent(value), false, 0, 0, 0});
         }
       }
       all.push_back(std::move(d));
@@ -223,21 +223,40 @@ auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
   for (const auto& trial : table.trials) {
     double before = 0.0;
     double after = 0.0;
+    int within = 0;
+    int within_before = 0;
+    int values = 0;
     visit_tested(all, trial, [&](const ThesisDifference& d, const ThesisDifference::Tested& t) {
       before += d.fitted ? 0.0 : std::fabs(d.percent);
       after += d.fitted ? 0.0 : std::fabs(t.percent);
+      within += std::fabs(t.percent) <= kExplainedFromPercent ? 1 : 0;
+      within_before += d.large() ? 0 : 1;
+      ++values;
     });
-    visit_tested(all, trial, [&](const ThesisDifference&, ThesisDifference::Tested& t) { t.helps = after < before; });
+    visit_tested(all, trial, [&](const ThesisDifference&, ThesisDifference::Tested& t) {
+      t.helps = after < before;
+      t.within = within;
+      t.within_before = within_before;
+      t.values = values;
+    });
   }
   return all;
 }
 
+/// What a change makes of the whole table: a cause of one value may spoil others, and each value has the one that comes
+/// nearest to it.
+auto over_the_table(const ThesisDifference::Tested& tested) -> std::string {
+  return " With this change alone " + std::to_string(tested.within) + " of the table's " +
+         std::to_string(tested.values) + " values are within 10 %, without it " + std::to_string(tested.within_before) +
+         ".";
+}
+
 auto reason_of(const ThesisDifference& d) -> std::string {
   if (const auto* cause = d.cause()) {
-    return "explained: " + cause->trial->because;
+    return "explained: " + cause->trial->because + over_the_table(*cause);
   }
   if (const auto* part = d.nearest()) {
-    return "in part: " + part->trial->because + " The rest is not explained.";
+    return "in part: " + part->trial->because + " The rest is not explained." + over_the_table(*part);
   }
   return "not explained: of the changes that bring the whole table nearer to the print, none does it here.";
 }

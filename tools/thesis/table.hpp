@@ -48,6 +48,8 @@ struct ThesisDifference {
     const ThesisTable::Trial* trial;
     double value, percent;
     bool helps;  ///< over the whole table the trial comes nearer to the print
+    int within, within_before,
+        values;  ///< how many values of the table are within 10 % with it and without, of how many
   };
   std::string row, key, heading, unit;
   int decimals = 3;
