@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "capstan/hal/joint_io.hpp"
@@ -25,12 +25,20 @@ class LinedIo {
     const Status status = io_.read(sensed);
     sensed.overruns = overruns_;
     sensed.estop |= lines_.rt_estop();
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      follows_[i] = sensed.axis[i].follows;
+    }
     return status;
   }
   auto write(const Drive<kAxes>& drive) noexcept -> Status {
-    const bool energised =
-        std::any_of(drive.axis.begin(), drive.axis.end(), [](const AxisDrive& axis) { return axis.enabled; });
-    const bool lined = lines_.rt_drive(energised);
+    // Drives need the enable line to get ready, and until all of them give torque the brake holds the joints.
+    bool enabled = false;
+    bool held = true;
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      enabled |= drive.axis[i].enabled;
+      held &= !drive.axis[i].enabled || follows_[i];
+    }
+    const bool lined = lines_.rt_drive(enabled, enabled && held);
     const Status status = io_.write(drive);
     return lined ? status : Status::kFailed;
   }
@@ -45,6 +53,7 @@ class LinedIo {
   Io& io_;
   Lines lines_;
   std::uint32_t overruns_ = 0;
+  std::array<bool, kAxes> follows_{};  // of the last read
 };
 
 }  // namespace capstan

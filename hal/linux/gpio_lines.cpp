@@ -50,8 +50,8 @@ GpioLines::GpioLines(const GpioSetup& setup) {
     inverted_bits_ |= line->inverted ? bit : 0;
     return bit;
   };
-  energised_bits_ = add(setup.enable, "enable");
-  energised_bits_ |= add(setup.brake, "brake");
+  enable_bit_ = add(setup.enable, "enable");
+  brake_bit_ = add(setup.brake, "brake");
   watchdog_bit_ = add(setup.watchdog, "watchdog");
   if (!outputs.empty()) {
     outputs_ = request(setup.chip, outputs, GpioRequest::Direction::kOutput, inverted_bits_);
@@ -73,11 +73,11 @@ auto GpioLines::rt_estop() -> bool {
   return contact_.rt_step(edges != GpioRequest::Edges::kNone, known && high != input_inverted_);
 }
 
-auto GpioLines::rt_write(bool energised) -> bool {
+auto GpioLines::rt_write(bool enabled, bool brake_open) -> bool {
   if (!outputs_) {
     return true;
   }
-  const std::uint32_t high = (energised ? energised_bits_ : 0) | (wave_ ? watchdog_bit_ : 0);
+  const std::uint32_t high = (enabled ? enable_bit_ : 0) | (brake_open ? brake_bit_ : 0) | (wave_ ? watchdog_bit_ : 0);
   if (!outputs_.rt_set(high ^ inverted_bits_)) {
     ++failures_;
     return false;
@@ -85,13 +85,13 @@ auto GpioLines::rt_write(bool energised) -> bool {
   return true;
 }
 
-auto GpioLines::rt_drive(bool energised) -> bool {
+auto GpioLines::rt_drive(bool enabled, bool brake_open) -> bool {
   wave_ = !wave_;
-  return rt_write(energised);
+  return rt_write(enabled, brake_open);
 }
 
 void GpioLines::rt_off() {
-  static_cast<void>(rt_write(false));
+  static_cast<void>(rt_write(false, false));
 }
 
 }  // namespace capstan

@@ -51,7 +51,7 @@ class GpioLines {
   /// Once a cycle.
   auto rt_estop() -> bool;
   /// Once a cycle: enable and brake as said, the watchdog's next half wave. @returns whether the chip took it
-  auto rt_drive(bool energised) -> bool;
+  auto rt_drive(bool enabled, bool brake_open) -> bool;
   /// Enable and brake low; the watchdog stays where it is.
   void rt_off();
 
@@ -60,13 +60,14 @@ class GpioLines {
   [[nodiscard]] auto failures() const -> std::uint32_t { return failures_; }
 
  private:
-  auto rt_write(bool energised) -> bool;
+  auto rt_write(bool enabled, bool brake_open) -> bool;
 
   GpioRequest input_;
   GpioRequest outputs_;
   bool input_inverted_ = false;
   // Bits of the outputs in the request; 0: not used.
-  std::uint32_t energised_bits_ = 0;
+  std::uint32_t enable_bit_ = 0;
+  std::uint32_t brake_bit_ = 0;
   std::uint32_t watchdog_bit_ = 0;
   std::uint32_t inverted_bits_ = 0;
   bool wave_ = false;

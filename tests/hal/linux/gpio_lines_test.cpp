@@ -38,7 +38,7 @@ TEST(EstopContact, BouncingKeepsItOpen) {
 TEST(GpioLines, WithoutAChipNothingIsOpenAndNothingFails) {
   GpioLines lines{GpioSetup{}};
   EXPECT_FALSE(lines.rt_estop());
-  EXPECT_TRUE(lines.rt_drive(true));
+  EXPECT_TRUE(lines.rt_drive(true, true));
   EXPECT_FALSE(lines.has_estop());
 }
 
