@@ -28,6 +28,7 @@ BusMaster::BusMaster(std::span<const DriveSetting> drives, const Options& option
   for (std::size_t i = 0; i < count_; ++i) {
     place_[drives[i].node & kNodeMask] = static_cast<std::uint8_t>(i);
   }
+  offered_controlword_.fill(0xFFFF);
   sent_controlword_.fill(0xFFFF);  // nothing yet, so the first one goes out whatever it is
 }
 
@@ -160,6 +161,7 @@ void BusMaster::rt_packed(const Commands& commands, Outbox& out) {
   constexpr std::size_t kRepeatEvery = 50;
   const PdoMap& shared = drives_[0].setting().maps.torque;
   Frame torques{.id = shared.id, .size = shared.bytes(), .fd = options_.fd};
+  offered_controlword_ = sent_controlword_;
   bool sent = false;
   next_to_repeat_ = (next_to_repeat_ + 1) % (kRepeatEvery * count_);
   for (std::size_t i = 0; i < count_; ++i) {
@@ -172,7 +174,7 @@ void BusMaster::rt_packed(const Commands& commands, Outbox& out) {
       Frame frame{.id = maps.controlword.id, .size = maps.controlword.bytes(), .fd = options_.fd};
       put_bytes(frame, 0, 2, word);
       out.add(frame);
-      sent_controlword_[i] = word;
+      offered_controlword_[i] = word;
       sent |= !taking_away;
     }
   }
@@ -181,6 +183,7 @@ void BusMaster::rt_packed(const Commands& commands, Outbox& out) {
 
 void BusMaster::rt_sync_sent(Time at) {
   sync_at_ = at;
+  sent_controlword_ = offered_controlword_;
   answer_due_ = true;
   sync_pending_ = options_.confirms;
 }

@@ -52,7 +52,8 @@ class BusMaster {
   /// What to send now: set values, then a heartbeat if it is time, SYNC last. Empty while the bus can take nothing.
   /// @param torque  false: whatever was decided, all drives are told to take their voltage off
   auto rt_messages(bool torque, Time now) -> Outbox;
-  /// SYNC was handed to the port at this moment.
+  /// SYNC was handed to the port at this moment, and with it everything before it. Without this call all of it counts
+  /// as not sent.
   void rt_sync_sent(Time at);
 
   /// False: torque must go and stay away from all drives of the machine.
@@ -78,6 +79,7 @@ class BusMaster {
   std::array<DriveLink, kMostDrives> drives_;
   std::array<std::uint8_t, 128> place_{};  // of a node
   Commands decided_{};
+  std::array<std::uint16_t, kMostDrives> offered_controlword_{};  // sent once SYNC has been taken behind them
   std::array<std::uint16_t, kMostDrives> sent_controlword_{};
   std::size_t next_to_repeat_ = 0;
   Time sync_at_{};

@@ -105,6 +105,26 @@ TEST(BusMaster, PackedTorquesShareAMessageAndControlwordsGoWhenTheyChange) {
   EXPECT_EQ(off[2], frame(0x200, {0, 0, 0, 0}));
 }
 
+TEST(BusMaster, ControlwordsThatThePortDidNotTakeGoAgainInTheNextCall) {
+  Rig rig({.layout = PdoLayout::kPacked});
+  rig.wanted = {amperes(0.5), amperes(-1)};
+  for (const int state : {kSwitchOnDisabled, kReady, kSwitchedOn, kEnabled}) {
+    for (int i = 0; i < 2; ++i) {
+      static_cast<void>(rig.cycle(state, state));
+    }
+  }
+  rig.wanted = {};
+  for (int refused = 0; refused < 3; ++refused) {  // SYNC is never handed over
+    const std::vector<Frame> out = rig.command();
+    EXPECT_EQ(out[0], frame(0x301, {0, 0})) << refused;
+    EXPECT_EQ(out[1], frame(0x309, {0, 0})) << refused;
+  }
+  const std::vector<Frame> taken = rig.cycle(kEnabled, kEnabled);
+  EXPECT_EQ(taken[0], frame(0x301, {0, 0}));
+  EXPECT_EQ(taken[1], frame(0x309, {0, 0}));
+  EXPECT_EQ(rig.cycle(kEnabled, kEnabled)[0].id, 0x200U) << "and once they are taken no more";
+}
+
 TEST(BusMaster, PackedControlwordsAreRepeatedOneAtATime) {
   Rig rig({.layout = PdoLayout::kPacked});
   static_cast<void>(rig.cycle(kSwitchOnDisabled, kSwitchOnDisabled));
