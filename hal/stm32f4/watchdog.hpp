@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "capstan/hal/stm32f4/registers.hpp"
@@ -74,19 +75,35 @@ class Watchdog {
 
   /// Another setting, effective from the refresh this ends with. False: as for start().
   [[nodiscard]] auto change(const WatchdogSetting& setting) noexcept -> bool {
+    // Every other key locks the setting again (RM0090 section 21.3.2), so a refresh in between would lose it.
+    hold_refresh(true);
     registers_.kr.write(watchdog::kKeyUnlock);
     registers_.pr.write(setting.code);
     registers_.rlr.write(setting.reload);
+    hold_refresh(false);
     const bool taken = wait_for(registers_.sr, watchdog::kSrBusy, 0, kPolls);
     registers_.kr.write(watchdog::kKeyReload);
     return taken;
   }
 
-  void rt_refresh() noexcept { registers_.kr.write(watchdog::kKeyReload); }
+  /// May interrupt change(), which refreshes by itself at its end.
+  void rt_refresh() noexcept {
+    if (!held_.load(std::memory_order_relaxed)) {
+      registers_.kr.write(watchdog::kKeyReload);
+    }
+  }
 
  private:
+  /// One core runs both sides, so the order of the program is all that is needed.
+  void hold_refresh(bool hold) noexcept {
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+    held_.store(hold, std::memory_order_relaxed);
+    std::atomic_signal_fence(std::memory_order_seq_cst);
+  }
+
   static constexpr std::uint32_t kPolls = 50'000;
   WatchdogRegisters<Cell>& registers_;
+  std::atomic<bool> held_ = false;  // between the key and the last register it unlocks
 };
 
 }  // namespace capstan::stm32f4

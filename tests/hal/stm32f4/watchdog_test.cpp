@@ -97,6 +97,37 @@ TEST_F(WatchdogDriver, RefreshNeitherUnlocksNorChangesAnything) {
   EXPECT_EQ(registers.pr.writes + registers.rlr.writes, 0U);
 }
 
+TEST_F(WatchdogDriver, RefreshByTheCycleAtAnyMomentOfAChangeDoesNotLoseTheSetting) {
+  for (const WatchdogSetting& setting : {kEraseWatchdog, kCycleWatchdog}) {
+    for (int moment = 0; moment < 5; ++moment) {
+      Watchdog<FakeRegister> watchdog(registers);
+      const auto interrupt_before = [&](int which) {
+        return [this, &watchdog, which, moment](std::uint32_t old, std::uint32_t written) {
+          if (moment == which) {
+            watchdog.rt_refresh();
+          }
+          return unlocked ? written : old;
+        };
+      };
+      registers.pr.on_write = interrupt_before(0);
+      registers.rlr.on_write = interrupt_before(1);
+      registers.sr.on_read = [&](std::uint32_t) {
+        if (moment == 2) {
+          watchdog.rt_refresh();
+        }
+        return 0U;
+      };
+      registers.pr.value = registers.rlr.value = 7;
+      EXPECT_TRUE(watchdog.change(setting));
+      EXPECT_EQ(registers.pr.value, setting.code) << moment;
+      EXPECT_EQ(registers.rlr.value, setting.reload) << moment;
+      keys.clear();
+      watchdog.rt_refresh();
+      EXPECT_EQ(keys, (std::vector<std::uint32_t>{0xAAAA})) << "and refreshes work again";
+    }
+  }
+}
+
 TEST_F(WatchdogDriver, ChangeForAnEraseDoesNotStartAStoppedDog) {
   Watchdog<FakeRegister> watchdog(registers);
   EXPECT_TRUE(watchdog.change(kEraseWatchdog));
