@@ -49,9 +49,9 @@ class CanNode {
     note_port_errors();
   }
 
-  /// True once for each time the bus was lost while somebody was on it.
+  /// True once for each time the bus, or everybody else on it, was lost while somebody was on it.
   [[nodiscard]] auto take_bus_loss() -> bool {
-    const std::uint32_t losses = port_.errors().bus_off;
+    const std::uint32_t losses = port_.errors().bus_off + port_.errors().alone;
     const bool lost = losses != seen_losses_ && (heard_ || troubles_.count(CanTrouble::kSetpointAlone) != 0);
     seen_losses_ = losses;
     return lost;
@@ -76,6 +76,9 @@ class CanNode {
  private:
   static constexpr std::size_t kRoom = 256;       // characters
   static constexpr std::uint32_t kPatience = 20;  // ms without a frame leaving after which a text's rest is dropped
+  // ms within which a frame that is the same in everything is the last one again. A controller that believes a frame
+  // lost repeats it at once; later it is another host that counts from where the last one stopped.
+  static constexpr std::uint32_t kTwinTicks = 10;
 
   class Sink final : public TextSink {
    public:
@@ -103,6 +106,12 @@ class CanNode {
     std::uint32_t dropped_ = 0;
   };
 
+  /// What a mailbox holds behind a frame's length is anything.
+  [[nodiscard]] auto is_last_again(const stm32f4::CanFrame& frame) const -> bool {
+    return frame.size == last_in_.size && clock_.count() - last_in_at_ < kTwinTicks &&
+           std::equal(frame.data.begin(), frame.data.begin() + frame.size, last_in_.data.begin());
+  }
+
   void take(const stm32f4::CanFrame& frame) {
     if (frame.id != identifier(kCanShellIn, node_)) {
       troubles_.rt_add(CanTrouble::kUnexpected);
@@ -112,17 +121,17 @@ class CanNode {
       troubles_.rt_add(CanTrouble::kShellLength);
       return;
     }
-    const auto ahead = static_cast<std::uint8_t>(frame.data[0] - shell_in_);
-    if (heard_ && ahead == 0) {
+    if (heard_ && is_last_again(frame)) {
       troubles_.rt_add(CanTrouble::kShellDuplicate);
       return;
     }
-    const bool damaged = heard_ && ahead != 1;
+    const bool damaged = heard_ && static_cast<std::uint8_t>(frame.data[0] - last_in_.data[0]) != 1;
     if (damaged) {
       troubles_.rt_add(CanTrouble::kShellLost);
     }
     heard_ = true;
-    shell_in_ = frame.data[0];
+    last_in_ = frame;
+    last_in_at_ = clock_.count();
     if (input_.room() < frame.size) {
       troubles_.rt_add(CanTrouble::kShellCrowded);
     }
@@ -213,6 +222,7 @@ class CanNode {
     note(CanTrouble::kSendLost, now.send_lost);
     note(CanTrouble::kErrorPassive, now.passive);
     note(CanTrouble::kBusOff, now.bus_off);
+    note(CanTrouble::kAlone, now.alone);
   }
 
   static constexpr char kNoText = '\x01';
@@ -226,12 +236,13 @@ class CanNode {
   Sink sink_;
   Shell shell_;
   ShellInput input_;
+  stm32f4::CanFrame last_in_;
+  std::uint32_t last_in_at_ = 0;
   std::uint32_t heartbeat_at_ = 0;
   std::uint32_t telemetry_at_ = 0;
   std::size_t axis_ = 0;
   std::uint32_t seen_losses_ = 0;
   std::uint8_t heartbeats_ = 0;
-  std::uint8_t shell_in_ = 0;
   std::uint8_t shell_out_ = 0;
   bool heard_ = false;
 };

@@ -34,13 +34,14 @@ enum class CanTrouble : std::uint8_t {
   kSendLost,
   kErrorPassive,
   kBusOff,
+  kAlone,
 };
 struct CanTroubleInfo {
   const char* name;
   const char* cause;
   const char* cure;
 };
-inline constexpr std::array<CanTroubleInfo, 20> kCanTroubles = {{
+inline constexpr std::array<CanTroubleInfo, 21> kCanTroubles = {{
     {"setpoint_length", "a setpoint had not eight bytes and was not used", "correct the sender"},
     {"setpoint_checksum", "a setpoint's checksum was wrong and it was not used",
      "check that sender and board have the same protocol"},
@@ -75,8 +76,10 @@ inline constexpr std::array<CanTroubleInfo, 20> kCanTroubles = {{
      "check wiring, terminators and the bit rate of every node"},
     {"bus_off", "the controller saw so many errors that it left the bus for 0.1 s, and torque was taken away",
      "check wiring, terminators and the bit rate of every node, then 'arm'"},
+    {"alone", "nobody acknowledged a frame for 0.1 s, and torque was taken away from whoever came over the bus",
+     "check that the cable is plugged in and the other node has power, then 'arm'"},
 }};
-static_assert(kCanTroubles.size() == static_cast<std::size_t>(CanTrouble::kBusOff) + 1);
+static_assert(kCanTroubles.size() == static_cast<std::size_t>(CanTrouble::kAlone) + 1);
 
 /// Counters since start; each is written by one context only and read by any.
 class CanTroubleCounters {

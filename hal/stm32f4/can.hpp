@@ -41,6 +41,7 @@ struct CanErrors {
   std::uint32_t send_lost = 0;      ///< a frame was given up after kStaleTicks: nobody acknowledged it
   std::uint32_t passive = 0;        ///< the controller became error passive
   std::uint32_t bus_off = 0;        ///< the controller switched itself off the bus
+  std::uint32_t alone = 0;          ///< frames were given up kTimesToBeAlone times on end: nobody else is there
 };
 
 /// CAN controller with two receive FIFOs of exact identifiers: frames of the first are for the cycle, those of the
@@ -56,6 +57,7 @@ class Can {
   static constexpr std::size_t kIdentifiers = 4;  ///< of each FIFO: one filter bank in list mode
   using Identifiers = std::array<std::uint16_t, kIdentifiers>;
   static constexpr std::uint32_t kStaleTicks = 20;
+  static constexpr std::uint32_t kTimesToBeAlone = 5;  ///< 0.1 s where something always waits
   static constexpr std::uint32_t kBusOffTicks = 100;
 
   explicit Can(CanRegisters<Cell>& registers) noexcept : registers_(registers) {}
@@ -185,14 +187,16 @@ class Can {
     }
     for (std::uint32_t shift = 0; shift <= 16; shift += 8) {
       const bool lost = ((done >> shift) & 1U) != 0 && ((state >> (shift + can::kTsrSentShift)) & 1U) == 0;
+      const bool sent = ((state >> (shift + can::kTsrSentShift)) & 1U) != 0;
       errors_.send_lost += lost ? 1U : 0U;
+      times_given_up_ = sent ? 0 : times_given_up_;
     }
     registers_.tsr.write(done);
     moved_ = true;
   }
 
-  /// A frame that nobody acknowledges is sent again and again by the controller; after a while it says nothing true any
-  /// more and only blocks what is newer.
+  /// A frame that nobody acknowledges is sent again and again by the controller, which never leaves the bus for that;
+  /// after a while it says nothing true any more and only blocks what is newer.
   void look_after_sending(std::uint32_t tick) noexcept {
     const std::uint32_t state = registers_.tsr.read();
     note_done(state);
@@ -202,6 +206,7 @@ class Can {
     } else if (tick - moved_at_ >= kStaleTicks) {
       registers_.tsr.write(can::kTsrAbort);
       moved_at_ = tick;
+      errors_.alone += ++times_given_up_ == kTimesToBeAlone ? 1U : 0U;
     }
   }
 
@@ -244,6 +249,7 @@ class Can {
   CanErrors errors_;
   std::uint32_t moved_at_ = 0;
   std::uint32_t off_at_ = 0;
+  std::uint32_t times_given_up_ = 0;  // since a frame was sent
   Recovery recovery_ = Recovery::kNone;
   bool moved_ = false;  // a mailbox became free since the last look
   bool was_passive_ = false;

@@ -110,6 +110,41 @@ TEST_F(Node, DuplicateShellFrameIsTakenOnce) {
   step();
   EXPECT_NE(ask("").find("board on_can"), std::string::npos);
   EXPECT_EQ(troubles.count(CanTrouble::kShellDuplicate), 1U);
+  CanFrame end{.id = 0x605, .size = 2, .data = {++sequence, '\r'}};
+  chip.arrive(end);
+  end.data[2] = 7;  // what an earlier frame left in the mailbox
+  chip.arrive(end);
+  steps(40);
+  EXPECT_EQ(troubles.count(CanTrouble::kShellDuplicate), 2U);
+}
+
+TEST_F(Node, DisarmOfANewHostIsTakenWhateverNumberItBeginsWith) {
+  const auto from = [this](std::uint8_t number, const std::string& line) {
+    CanFrame frame{.id = 0x605, .size = 1, .data = {number}};
+    for (const char c : line) {
+      frame.data.at(frame.size++) = static_cast<std::uint8_t>(c);
+    }
+    chip.arrive(frame);
+    steps(40);
+  };
+  from(2, "arm\r");
+  ASSERT_TRUE(io.has_torque());
+  from(2, "disarm\r");
+  EXPECT_FALSE(io.has_torque()) << "the number is that of the last host's frame";
+  from(3, "arm\r");
+  from(4, "disarm\r");
+  ASSERT_TRUE(application.post({.kind = Request::Kind::kArm}));  // over the other console
+  steps(40);
+  ASSERT_TRUE(io.has_torque());
+  from(4, "disarm\r");
+  EXPECT_FALSE(io.has_torque()) << "the whole frame is that of the last host";
+}
+
+TEST_F(Node, OtherLineOfANewHostWithTheLastNumberIsRefusedAsAWhole) {
+  EXPECT_NE(ask("version").find("ok"), std::string::npos);
+  --sequence;
+  EXPECT_NE(ask("set joint0.control.kp 3").find("error not_text"), std::string::npos);
+  EXPECT_NE(ask("version").find("ok"), std::string::npos);
 }
 
 TEST_F(Node, ShellFrameOfAWrongLengthIsNotTaken) {
@@ -202,6 +237,48 @@ TEST_F(Node, BusOffOfABusThatNobodyUsesDisturbsNothing) {
   ASSERT_TRUE(io.has_torque());
   chip.go_bus_off();
   steps(300);
+  EXPECT_TRUE(io.has_torque());
+}
+
+TEST_F(Node, PulledCableTakesTheTorqueOfWhoeverCameOverTheBus) {
+  ASSERT_NE(ask("arm").find("ok"), std::string::npos);
+  ASSERT_NE(ask("move joint0 0.2 rad").find("ok"), std::string::npos);
+  bus_works = false;
+  int held = 0;
+  while (io.has_torque() && held < 1000) {
+    step();
+    ++held;
+  }
+  EXPECT_LE(held, 150);
+  EXPECT_NE(report().find("can alone 1: "), std::string::npos) << report();
+  EXPECT_FALSE(port.bus_off()) << "a bus without acknowledges makes no controller leave it";
+  ASSERT_TRUE(application.post({.kind = Request::Kind::kArm}));  // over the other console
+  steps(500);
+  EXPECT_TRUE(io.has_torque()) << "the same loss does not count twice";
+  bus_works = true;
+  steps(100);
+  EXPECT_NE(ask("version").find("ok"), std::string::npos);
+  bus_works = false;
+  steps(150);
+  EXPECT_FALSE(io.has_torque()) << "the next one does";
+}
+
+TEST_F(Node, BusThatIsBusyForAWhileIsNotTakenForAPulledCable) {
+  ASSERT_NE(ask("arm").find("ok"), std::string::npos);
+  for (int i = 0; i < 20; ++i) {
+    bus_works = false;
+    steps(80);
+    bus_works = true;
+    steps(1);
+  }
+  EXPECT_TRUE(io.has_torque());
+  EXPECT_EQ(port.errors().alone, 0U);
+}
+
+TEST_F(Node, PulledCableThatNobodyUsedDisturbsNothing) {
+  ASSERT_TRUE(application.post({.kind = Request::Kind::kArm}));
+  bus_works = false;
+  steps(500);
   EXPECT_TRUE(io.has_torque());
 }
 
