@@ -69,6 +69,9 @@ FaultLog::FaultLog(std::span<std::uint32_t> memory, std::size_t axes)
     memory_[kKept] = memory_[kFaults];
     set_phase(kFrozen);
   }
+  if (phase() == kFrozen && memory_[kStored] == 0) {  // it ended before the first sample, and nobody can fetch nothing
+    set_phase(kFree);
+  }
 }
 
 auto FaultLog::phase() const -> std::uint32_t {
@@ -163,6 +166,7 @@ void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTele
   if (energised(machine.state) && !energised(before) && phase() == kFree) {
     rt_put(memory_[kNext], 0);
     rt_put(memory_[kStored], 0);
+    rt_put(memory_[kLastTick], machine.tick);
     set_phase(kRunning);
   }
   const bool running = phase() == kRunning;

@@ -117,6 +117,28 @@ TEST(FaultLog, TheJointThatShowedAFaultIsNamed) {
   EXPECT_EQ(board.log().entry(0).fault, Fault::kOverCurrent);
 }
 
+TEST(FaultLog, ARunThatEndedBeforeItsFirstSampleKeepsNoSecondAndLeavesRoomForTheNext) {
+  Board board;
+  board.say("arm");
+  board.ticks(3000);
+  board.say("disarm");
+  while (board.application->telemetry().tick % FaultLog::kEvery != 0) {
+    board.ticks(1);
+  }
+  const std::uint32_t armed_at = board.application->telemetry().tick;
+  ASSERT_TRUE(board.application->post({.kind = Request::Kind::kArm}));
+  board.ticks(1);
+  ASSERT_TRUE(energised(board.application->telemetry().state));
+  board.start();  // the supply broke down in the first cycle of torque
+  ASSERT_EQ(board.log().count(), 1U);
+  EXPECT_EQ(board.log().entry(0).fault, Fault::kNone) << "that it ended under torque is told";
+  EXPECT_NEAR(board.log().entry(0).tick, armed_at, 2) << "and when, not when the run before it ended";
+  EXPECT_EQ(board.log().kept(), 0U);
+  board.fault_after(2000);
+  EXPECT_EQ(board.log().kept(), FaultLog::kSamples);
+  EXPECT_EQ(board.log().kept_entry().fault, Fault::kEmergencyStop);
+}
+
 TEST(FaultLog, TheLastSecondIsKeptWithTheFaultsOwnCycleAtItsEnd) {
   Board board;
   board.say("arm");
