@@ -32,8 +32,14 @@ auto MotorSensing::rt_absent() -> const MotorState& {
   const std::int64_t counts = state_.counts;
   state_ = {};
   state_.counts = counts;
-  counting_ = false;
+  rt_miss();
   return state_;
+}
+
+/// What turns before the next count is not seen; after a `zero` that stands for a place that may be left by then.
+void MotorSensing::rt_miss() {
+  counting_ = false;
+  lost_ |= zeroed_;
 }
 
 void MotorSensing::rt_count(std::int32_t counts) {
@@ -55,6 +61,8 @@ auto MotorSensing::rt_step(const AxisConfig& config, const AxisSensed& sensed) -
   if (sensed.encoder == Quality::kOk) {
     rt_count(sensed.encoder_counts);
     state_.q1_rad = scale_.angle_of(state_.counts);
+  } else if (!counting_) {
+    rt_miss();
   }
   if (lost_) {
     state_.faults |= bit(Fault::kEncoderJump);

@@ -29,14 +29,17 @@ class MotorSensing {
     scale_ = EncoderScale(motor);
     farthest_rad_ = per_cycle(motor.speed_limit_rad_s);
   }
-  /// From now on the motor stands at this angle, rad, which clears an encoder jump.
+  /// From now on the motor stands at this angle, rad, which clears an encoder jump; without a count to hold on to in
+  /// the next step it is one again.
   void rt_zero(Q24 q1_rad);
-  /// In place of rt_step where there is no joint: nothing is remembered but the counts.
+  /// In place of rt_step where there is no joint: nothing is remembered but the counts, which a motor that turns
+  /// meanwhile leaves behind.
   auto rt_absent() -> const MotorState&;
   auto rt_step(const AxisConfig& config, const AxisSensed& sensed) -> const MotorState&;
 
  private:
   void rt_count(std::int32_t counts);
+  void rt_miss();
 
   EncoderScale scale_;
   Q24 farthest_rad_;  // that the motor gets in a cycle
@@ -44,7 +47,7 @@ class MotorSensing {
   std::int32_t last_counts_ = 0;
   bool counting_ = false;
   bool zeroed_ = false;  // the counts are the operator's, not the encoder's first ones
-  bool lost_ = false;    // the encoder jumped, so the counts may be anything until rt_zero
+  bool lost_ = false;    // the encoder jumped or was not read, so the counts may be anything until rt_zero
 };
 
 }  // namespace capstan

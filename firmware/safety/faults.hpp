@@ -47,7 +47,8 @@ inline constexpr std::array<FaultInfo, 22> kFaultTable = {{
      "check the sensor's cable and supply, then 'disarm' and 'arm'"},
     {Fault::kSensorInvalid, "sensor_invalid", "a sensor gave a value that is not a number or is outside its range",
      "check the sensor's cable and configuration, then 'disarm' and 'arm'"},
-    {Fault::kEncoderJump, "encoder_jump", "the motor encoder moved further in one cycle than the motor can",
+    {Fault::kEncoderJump, "encoder_jump",
+     "the motor encoder moved further in one cycle than the motor can, or was not read since 'zero'",
      "check the encoder's cable and shielding, or raise motor.speed_limit if the motor is really that fast; then bring "
      "the joint to a known place and 'zero' it, for its position is no longer known"},
     {Fault::kFollowingError, "following_error",

@@ -68,6 +68,58 @@ TEST(MotorSensing, AfterAZeroTheMotorStandsWhereItWasSaidToStandWithAnyScaleAndS
   }
 }
 
+TEST(MotorSensing, AZeroWithoutAnEncoderAsksForAnotherOne) {
+  AxisBench axis(AxisConfig{});
+  axis.estimate(sensed_at(0.2, 0.0));
+  AxisSensed blind = sensed_at(0.2, 0.0);
+  blind.encoder = Quality::kMissing;
+  axis.estimate(blind);
+  axis.axis().rt_zero(q(0.5));
+  axis.estimate(blind);
+  axis.estimate(sensed_at(2.2, 0.0));  // it turned before the encoder came back
+  EXPECT_NE(axis.faults(false) & bit(Fault::kEncoderJump), 0U);
+  axis.axis().rt_zero(q(0.5));
+  axis.estimate(sensed_at(2.2, 0.0));
+  EXPECT_EQ(axis.faults(false), 0U);
+  EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), 0.5, 1e-3);
+}
+
+TEST(MotorSensing, AnEncoderThatIsMissingForAWhileLosesNothing) {
+  AxisBench axis(AxisConfig{});
+  axis.estimate(sensed_at(0.2, 0.0));
+  axis.axis().rt_zero(q(0.5));
+  axis.estimate(sensed_at(0.2, 0.0));
+  AxisSensed blind = sensed_at(0.2, 0.0);
+  blind.encoder = Quality::kMissing;
+  axis.estimate(blind);
+  axis.estimate(sensed_at(0.21, 0.0));
+  EXPECT_EQ(axis.faults(false), 0U);
+  EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), 0.51, 1e-3);
+}
+
+TEST(MotorSensing, AJointThatWasNotFittedForAWhileIsToBeZeroedAgainIfItWasBefore) {
+  for (const bool zeroed : {false, true}) {
+    AxisConfig config;
+    AxisBench axis(config);
+    axis.estimate(sensed_at(0.2, 0.0));
+    if (zeroed) {
+      axis.axis().rt_zero(q(0.5));
+      axis.estimate(sensed_at(0.2, 0.0));
+    }
+    config.motor.fitted = 0;
+    axis.axis().rt_configure(config);
+    axis.estimate(sensed_at(0.2, 0.0));
+    EXPECT_EQ(axis.faults(false), 0U) << "nobody misses it";
+    config.motor.fitted = 1;
+    axis.axis().rt_configure(config);
+    axis.estimate(sensed_at(2.2, 0.0));  // turned by hand
+    EXPECT_EQ((axis.faults(false) & bit(Fault::kEncoderJump)) != 0, zeroed);
+    if (!zeroed) {
+      EXPECT_NEAR(axis.telemetry().q1_rad.to_double(), 2.2, 1e-3) << "its own counts, as at the start";
+    }
+  }
+}
+
 TEST(MotorSensing, AnAngleBeyondTheFormatIsAnEstimatorFaultAndNotAWrongAngle) {
   AxisBench axis(AxisConfig{});
   axis.estimate(sensed_at(200.0, 0.0));
