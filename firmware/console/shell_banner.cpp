@@ -30,6 +30,12 @@ void print_migration(Print& out, const char* begin, const LoadReport& report) {
 void print_load_report(Print& out, const LoadReport& report, const char* begin) {
   switch (report.result) {
     case LoadResult::kLoaded:
+      if (report.older) {
+        out << begin
+            << "the parameters saved last are not whole (power went while they were saved, or the memory has aged); "
+               "the set before them is in use, with its limits and its maintenance key; look at 'diff', then "
+               "'save'\r\n";
+      }
       if (report.migrated()) {
         print_migration(out, begin, report);
       }

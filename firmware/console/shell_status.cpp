@@ -94,7 +94,7 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
   out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
       << " overruns " << now.overruns << "\r\n";
   if (const LoadReport& report = session.machine().load_report();
-      report.migrated() || report.result == LoadResult::kForeign) {
+      report.older || report.migrated() || report.result == LoadResult::kForeign) {
     print_load_report(out, report, "");
   }
   for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {

@@ -138,21 +138,30 @@ auto inspect(Banks& banks, int bank, Header& header) -> BankState {
   return cut ? BankState::kUnsealed : BankState::kBroken;
 }
 
-/// The bank with the newest whole set, or -1. Sequence numbers are compared with wrap.
-/// `worst` becomes the state of the bank that explains why there is none.
-auto newest(Banks& banks, Header& header, BankState& worst) -> int {
-  int best = -1;
+struct Newest {
+  int bank = -1;  ///< -1: none holds a whole set
+  Header header;
+  BankState beside = BankState::kEmpty;  ///< of a bank that is not valid: the worse one of two
+  Header beside_header;                  ///< of that bank
+};
+
+/// Looks for the newest whole set. Sequence numbers are compared with wrap.
+auto newest(Banks& banks) -> Newest {
+  Newest found;
   for (int bank = 0; bank < Banks::kBanks; ++bank) {
     Header candidate;
     const BankState state = inspect(banks, bank, candidate);
-    worst = state == BankState::kValid ? worst : std::max(worst, state);
+    if (state != BankState::kValid && state >= found.beside) {
+      found.beside = state;
+      found.beside_header = candidate;
+    }
     if (state == BankState::kValid &&
-        (best < 0 || static_cast<std::int32_t>(candidate.sequence - header.sequence) > 0)) {
-      best = bank;
-      header = candidate;
+        (found.bank < 0 || static_cast<std::int32_t>(candidate.sequence - found.header.sequence) > 0)) {
+      found.bank = bank;
+      found.header = candidate;
     }
   }
-  return best;
+  return found;
 }
 
 auto restore_key(KeyDigest& key, std::uint32_t hash, std::uint32_t value) -> bool {
@@ -228,11 +237,10 @@ class Restorer {
 }  // namespace
 
 auto ParameterStorage::save(std::span<const AxisConfig> axes, const KeyDigest& key) -> bool {
-  Header old;
-  BankState worst = BankState::kEmpty;
-  const int bank = newest(banks_, old, worst) == 0 ? 1 : 0;
+  const Newest old = newest(banks_);
+  const int bank = old.bank == 0 ? 1 : 0;
   Header header;
-  header.sequence = old.sequence + 1;
+  header.sequence = old.header.sequence + 1;
   const std::size_t entries = axes.size() * parameters().size() + (key.is_set() ? key.words.size() : 0);
   header.length = static_cast<std::uint32_t>(entries * kEntryBytes);
   if (header.length > kLongestPayload || !banks_.erase(bank)) {
@@ -254,16 +262,17 @@ auto ParameterStorage::save(std::span<const AxisConfig> axes, const KeyDigest& k
 }
 
 auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadReport {
-  Header header;
-  BankState worst = BankState::kEmpty;
-  const int bank = newest(banks_, header, worst);
-  if (bank < 0) {
-    return {.result = worst == BankState::kUnreadable ? LoadResult::kUnreadable
-                      : worst == BankState::kBroken   ? LoadResult::kCorrupt
-                      : worst == BankState::kUnsealed ? LoadResult::kUnfinished
-                                                      : LoadResult::kEmpty};
+  const Newest found = newest(banks_);
+  if (found.bank < 0) {
+    return {.result = found.beside == BankState::kUnreadable ? LoadResult::kUnreadable
+                      : found.beside == BankState::kBroken   ? LoadResult::kCorrupt
+                      : found.beside == BankState::kUnsealed ? LoadResult::kUnfinished
+                                                             : LoadResult::kEmpty};
   }
-  LoadReport report{.result = LoadResult::kForeign, .format = header.format};
+  const Header& header = found.header;
+  // Banks take turns, so the broken one is the older one only if it says so.
+  const bool older = found.beside != BankState::kEmpty && found.beside_header.sequence + 1 != header.sequence;
+  LoadReport report{.result = LoadResult::kForeign, .older = older, .format = header.format};
   if (header.format != kFormatVersion || header.length % kEntryBytes != 0) {
     return report;
   }
@@ -272,7 +281,7 @@ auto ParameterStorage::load(std::span<AxisConfig> axes, KeyDigest* key) -> LoadR
   Restorer restorer(axes, report);
   std::array<std::uint8_t, kEntryBytes> entry{};
   for (std::uint32_t at = 0; at < header.length; at += kEntryBytes) {
-    if (!banks_.read(bank, kHeaderBytes + at, entry)) {
+    if (!banks_.read(found.bank, kHeaderBytes + at, entry)) {
       return report;
     }
     const std::span<const std::uint8_t> all(entry);

@@ -55,6 +55,7 @@ enum class LoadResult : std::uint8_t {
 /// What a load made of a set that another version may have stored.
 struct LoadReport {
   LoadResult result = LoadResult::kEmpty;
+  bool older = false;                            ///< the set saved after it is not whole
   std::uint32_t format = 0;                      ///< of the set, if there is a whole one
   std::uint16_t absent = 0;                      ///< parameters of today that it does not have: defaults
   std::uint16_t out_of_range = 0;                ///< values that today's range does not take: defaults
@@ -64,7 +65,9 @@ struct LoadReport {
 };
 
 /// Parameters and the digest of the maintenance key in two banks. A save goes to the bank that does not hold the newest
-/// set and becomes valid with its last word, the header; a cut at any byte leaves the old set. Entries carry a hash of
+/// set and becomes valid with its last word, the header; a cut at any byte leaves the old set. So does memory that has
+/// aged, which cannot be told from a cut through the header, and the report says that a newer set is not whole.
+/// Entries carry a hash of
 /// the parameter's name, so a set of another version loads as far as names agree: what it does not have gets today's
 /// default, and the report says so. A new format keeps this header and its CRC, so that what is whole but unreadable
 /// can be told from what is broken.

@@ -88,6 +88,24 @@ TEST(ShellBanner, AnOlderSetIsSaidAtTheStartInStatusAndByLoadUntilItIsSaved) {
   EXPECT_EQ(started.say("load").find("stored parameters"), std::string::npos);
 }
 
+TEST(ShellBanner, ANewestSetThatIsNotWholeIsSaidAtTheStartInStatusAndByLoadUntilOneIsSaved) {
+  Started before;
+  before.say("save");
+  before.say("set control.kp 3");
+  before.say("save");
+  test::FlashBanks aged = before.banks;
+  aged.memory[1][100] ^= 1;
+  Started started(aged);
+  const std::string said = "the parameters saved last are not whole";
+  EXPECT_TRUE(has_line(started.banner(), "# " + said));
+  EXPECT_TRUE(has_line(started.say("status"), said));
+  EXPECT_TRUE(has_line(started.say("load"), said));
+  EXPECT_TRUE(has_line(started.say("save"), "ok"));
+  EXPECT_FALSE(has_line(started.say("status"), said));
+  EXPECT_FALSE(has_line(started.say("load"), said));
+  EXPECT_FALSE(has_line(Started(started.banks).banner(), "# " + said));
+}
+
 TEST(ShellBanner, ASetOfAnotherFormatIsRefusedWithASentenceAndBlocksArmingUntilOneIsSaved) {
   test::BankImage newer(1, 9);
   newer.add(0, "control.kp", Q24::from_double(3.5).raw());

@@ -69,6 +69,31 @@ TEST(StorageEdges, PowerMayGoInAnyByteOfTheKeyOrOfTheHeaderBehindIt) {
   }
 }
 
+TEST(StorageEdges, ADamagedBitInTheNewestSetIsReportedAndInTheOneBeforeItIsNot) {
+  FlashBanks banks;
+  ASSERT_TRUE(ParameterStorage(banks).save(set_of(1)));
+  ASSERT_TRUE(ParameterStorage(banks).save(set_of(2), digest_of("tendon-27")));
+  const std::size_t used = 20 + (2 * parameters().size() + 4) * 8;
+  for (std::size_t byte = 0; byte < used; byte += byte < 20 ? 1 : 97) {
+    FlashBanks aged = banks;
+    aged.memory[0][byte] ^= 4;  // where the first save went
+    Set set{};
+    LoadReport report = ParameterStorage(aged).load(set);
+    ASSERT_EQ(report.result, LoadResult::kLoaded);
+    EXPECT_TRUE(same_set(set, set_of(2)));
+    const bool sequence_lost = byte >= 8 && byte < 12;
+    EXPECT_EQ(report.older, sequence_lost) << byte;
+    aged = banks;
+    aged.memory[1][byte] ^= 4;
+    report = ParameterStorage(aged).load(set);
+    ASSERT_EQ(report.result, LoadResult::kLoaded);
+    EXPECT_TRUE(same_set(set, set_of(1)));
+    EXPECT_TRUE(report.older) << byte;
+    ASSERT_TRUE(ParameterStorage(aged).save(set_of(3)));
+    EXPECT_FALSE(ParameterStorage(aged).load(set).older) << "a save ends it";
+  }
+}
+
 TEST(StorageEdges, AMemoryThatOnlySaysItHasWrittenIsFoundAndTheOldSetStays) {
   FlashBanks banks;
   ASSERT_TRUE(ParameterStorage(banks).save(set_of(1)));
