@@ -18,6 +18,7 @@ auto start_core() noexcept -> StartReport {
   report.reset_cause = stm32f4::take_reset_cause(rcc);
   report.faulted = take_fault_record(report.fault);
   report.clock = stm32f4::start_clocks(rcc, stm32f4::power_registers(), stm32f4::flash_registers());
+  report.brown_out_watched = stm32f4::brown_out_watched(stm32f4::flash_registers());
   auto& nvic = stm32f4::nvic_registers();
   stm32f4::set_priority(nvic, stm32f4::Interrupt::kUsart1, stm32f4::Priority::kSerial);
   stm32f4::set_priority(nvic, stm32f4::Interrupt::kUsart2, stm32f4::Priority::kSerial);
@@ -47,6 +48,11 @@ void print_start(Print& out, const StartReport& report) {
   out << "# reset by " << name(report.reset_cause) << ", core at " << report.clock.core_hz / 1'000'000 << " MHz\r\n";
   if (report.clock.is_fault()) {
     out << "# clock fault: " << describe(report.clock.source) << "\r\n";
+  }
+  if (!report.brown_out_watched) {
+    out << "# brown-out reset is off or below 2.7 V, so a supply that sags lets the core run outside its limits; set "
+           "the "
+           "option bits BOR_LEV to 0 (level 3) with the programmer's tool\r\n";
   }
   if (!report.watchdog_set) {
     out << "# watchdog fault: it did not take its setting and bites too late; restart the board, and replace it if "

@@ -24,12 +24,24 @@ namespace capstan::stm32f405 {
 
 /// What the board found when it started.
 struct StartReport {
-  stm32f4::ClockStatus clock;
+  stm32f4::ClockStatus clock{};
   stm32f4::ResetCause reset_cause = stm32f4::ResetCause::kUnknown;
   bool faulted = false;  ///< the last run ended in a fault handler
-  FaultRecord fault;
+  FaultRecord fault{};
   bool watchdog_set = false;
+  bool brown_out_watched = false;  ///< the core is in reset where its supply is too low for its clock
 };
+
+/// What blocks arming until the next start. A run that a fault of the core ended is no better than one that the
+/// watchdog did, and without the watchdog nothing would end the next one.
+[[nodiscard]] constexpr auto faults_at_start(const StartReport& report) -> FaultSet {
+  const bool by_watchdog = report.reset_cause == stm32f4::ResetCause::kIndependentWatchdog;
+  return (report.clock.fell_back() ? bit(Fault::kBoardClock) : 0) |
+         (by_watchdog || report.faulted || !report.watchdog_set ? bit(Fault::kWatchdog) : 0);
+}
+static_assert(faults_at_start({.faulted = true, .watchdog_set = true}) == bit(Fault::kWatchdog));
+static_assert(faults_at_start({.watchdog_set = false}) == bit(Fault::kWatchdog));
+static_assert(faults_at_start({.reset_cause = stm32f4::ResetCause::kSoftware, .watchdog_set = true}) == 0);
 
 /// Clocks, reset cause and the record of the last fault. First thing in main(), before any other peripheral.
 [[nodiscard]] auto start_core() noexcept -> StartReport;
@@ -109,9 +121,7 @@ class Runtime final : public Board {
   /// In main(), after everything has been started. Does not return.
   [[noreturn]] void run(const StartReport& report) {
     core_hz_ = report.clock.core_hz;
-    const bool by_watchdog = report.reset_cause == stm32f4::ResetCause::kIndependentWatchdog;
-    application_.set_board_faults((report.clock.fell_back() ? bit(Fault::kBoardClock) : 0) |
-                                  (by_watchdog ? bit(Fault::kWatchdog) : 0));
+    application_.set_board_faults(faults_at_start(report));
     Print out(sink_);
     print_start(out, report);
     shell_.print_banner();

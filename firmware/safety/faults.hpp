@@ -87,7 +87,9 @@ inline constexpr std::array<FaultInfo, 22> kFaultTable = {{
      "the amplifier's supply was below limits.supply_min for 10 ms in all, or is not measured",
      "check the supply and its cable, then 'disarm' and 'arm'; where the board does not measure it, set "
      "limits.supply_min to 0"},
-    {Fault::kWatchdog, "watchdog", "the last run ended because the cycle had stopped, and the watchdog reset the board",
+    {Fault::kWatchdog, "watchdog",
+     "the last run ended because the cycle had stopped or the core had failed, or the watchdog does not take its "
+     "setting",
      "read 'faults' and what the start reported, then 'reboot'; if this comes back report it"},
     {Fault::kEncoderMotion, "encoder_motion",
      "the motor encoder showed a motion that the motor's torque and inertia cannot explain: the encoder is late, slips "

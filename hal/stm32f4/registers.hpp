@@ -100,6 +100,7 @@ inline constexpr std::uint32_t kCrSectorShift = 3;
 inline constexpr std::uint32_t kCrWordSize = 2U << 8;  // 32 bits at a time: needs 2.7 V or more
 inline constexpr std::uint32_t kCrStart = 1U << 16;
 inline constexpr std::uint32_t kCrLock = 1U << 31;
+inline constexpr std::uint32_t kOptcrBrownOutMask = 3U << 2;  // BOR_LEV: 0 is level 3, from 2.7 V; 3 is off
 }  // namespace flash
 
 /// General-purpose pins, RM0090 section 8.4.

@@ -64,6 +64,13 @@ enum class ResetCause : std::uint8_t {
   return "unknown";
 }
 
+/// True: the brown-out reset holds the core wherever its supply is below what it needs for this clock and for writing
+/// flash by words, 2.7 V. It is off as the chip is delivered (RM0090 section 3.9.10); option bytes set it.
+template <RegisterCell Cell>
+[[nodiscard]] auto brown_out_watched(const FlashRegisters<Cell>& flash) noexcept -> bool {
+  return (flash.optcr.read() & flash::kOptcrBrownOutMask) == 0;
+}
+
 /// Reads the cause and removes the flags, so that the next reset is told apart from this one. Call once, at start.
 template <RegisterCell Cell>
 [[nodiscard]] auto take_reset_cause(RccRegisters<Cell>& rcc) noexcept -> ResetCause {

@@ -13,6 +13,15 @@
 namespace capstan::stm32f4 {
 namespace {
 
+TEST(BrownOut, IsWatchedAtLevel3OnlyAndNotInAChipAsItIsDelivered) {
+  FlashRegisters<FakeRegister> flash;
+  for (const auto& [option, watched] :
+       {std::pair{0x0FFF'AAEDU, false}, {0x0FFF'AAE1U, true}, {0x0FFF'AAE5U, false}, {0x0FFF'AAE9U, false}}) {
+    flash.optcr.value = option;
+    EXPECT_EQ(brown_out_watched(flash), watched) << std::hex << option;
+  }
+}
+
 TEST(Tick, CountsCoreCyclesAcrossPeriods) {
   SysTickRegisters<FakeRegister> registers;
   Tick<FakeRegister> tick(registers);
