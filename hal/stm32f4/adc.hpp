@@ -18,8 +18,9 @@ inline constexpr std::uint32_t kAdcFullScale = 4095;  ///< 12 bits
 /// us, so six are there 11.5 us after rt_begin(): what a cycle reads was measured in that cycle.
 ///
 /// An overrun stops the transfers until converter and stream are set up anew (RM0090 section 13.8.1), and a transfer
-/// error stops the stream: both, and a sequence that does not end, cost one snapshot and are mended in the next
-/// rt_begin().
+/// error stops the stream: both, and a sequence that does not end, cost one snapshot and are mended in the rt_finish()
+/// that saw it. So the converter, which needs 3 us after it was switched on (t_STAB of the datasheet), has a cycle for
+/// that.
 template <RegisterCell Cell, std::size_t Channels>
 class AdcScan {
   static_assert(Channels >= 1 && Channels <= 6, "the sequence is kept in one register");
@@ -46,7 +47,6 @@ class AdcScan {
 
   /// Starts one sequence; rt_finish() waits for it.
   void rt_begin() noexcept {
-    mended_ = mended_ || set_up();
     if (mended_) {
       dma_.ifcr[0].write(dma::kFlags);
       set_bits(registers_.cr2, adc::kCr2Start);
@@ -57,10 +57,11 @@ class AdcScan {
   /// `raw` is unchanged.
   [[nodiscard]] auto rt_finish(std::span<std::uint32_t, Channels> raw) noexcept -> bool {
     constexpr std::uint32_t kBad = dma::kDirectError | dma::kTransferError;
-    mended_ = mended_ && wait_for(dma_.isr[0], dma::kComplete, dma::kComplete, kPolls) &&
-              (registers_.sr.read() & adc::kSrOverrun) == 0 && (dma_.isr[0].read() & kBad) == 0;
-    if (!mended_) {
+    const bool whole = mended_ && wait_for(dma_.isr[0], dma::kComplete, dma::kComplete, kPolls) &&
+                       (registers_.sr.read() & adc::kSrOverrun) == 0 && (dma_.isr[0].read() & kBad) == 0;
+    if (!whole) {
       ++failures_;
+      mended_ = set_up();
       return false;
     }
     for (std::size_t i = 0; i < Channels; ++i) {

@@ -19,6 +19,7 @@ class Scan : public testing::Test {
     }
   }
   auto take() -> bool {
+    chip.millisecond_passes();
     scan.rt_begin();
     return scan.rt_finish(raw);
   }
@@ -85,6 +86,19 @@ TEST_F(Scan, OverrunOfTheLastResultIsSeenAlthoughTheTransfersBeforeItWentWell) {
   EXPECT_TRUE(take());
 }
 
+TEST_F(Scan, NothingIsConvertedBeforeTheConverterHasSettled) {
+  for (int failure = 0; failure < 3; ++failure) {
+    chip.overrun_at = failure == 0 ? std::optional<std::size_t>(1) : std::nullopt;
+    chip.transfer_error_next = failure == 1;
+    chip.converter_answers = failure != 2;
+    EXPECT_FALSE(take());
+    chip.converter_answers = true;
+    EXPECT_TRUE(take());
+    EXPECT_EQ(raw, all_) << failure;
+  }
+  EXPECT_EQ(chip.unsettled_conversions, 0);
+}
+
 TEST_F(Scan, TransferErrorSwitchesTheStreamOffAndTheNextCycleOnAgain) {
   chip.transfer_error_next = true;
   EXPECT_FALSE(take());
@@ -100,9 +114,10 @@ TEST_F(Scan, StreamThatStaysOnIsMissingUntilItLetsGo) {
   EXPECT_FALSE(take());
   EXPECT_LE(chip.dma2.stream[0].cr.reads - before, 700U);
   chip.stream_stays_on = false;
+  EXPECT_FALSE(take()) << "set up now; the converter settles until the next cycle";
   EXPECT_TRUE(take());
   EXPECT_EQ(raw, all_);
-  EXPECT_EQ(scan.failures(), 2U);
+  EXPECT_EQ(scan.failures(), 3U);
 }
 
 }  // namespace

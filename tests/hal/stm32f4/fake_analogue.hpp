@@ -21,6 +21,7 @@ class FakeAnalogue {
     adc1.sr.on_write = write_zero_to_clear(0x3F);
     adc1.cr2.on_write = [this](std::uint32_t old, std::uint32_t written) {
       requests_stopped = requests_stopped && (written & adc::kCr2Dma) != 0;
+      settled = settled && (old & written & adc::kCr2On) != 0;
       if ((written & adc::kCr2Start) != 0 && (old & written & adc::kCr2On) != 0) {
         convert(written);
       }
@@ -57,9 +58,13 @@ class FakeAnalogue {
   std::optional<std::size_t> overrun_at;   ///< rank whose result is not fetched in time, once
   const void* memory_neighbour = nullptr;  ///< anything near the buffer: gives the upper half of its address
   std::uint32_t reload = 0;
+  int unsettled_conversions = 0;  ///< begun right after the converter was switched on
+
+  void millisecond_passes() { settled = true; }
 
  private:
   void convert(std::uint32_t cr2) {
+    unsettled_conversions += settled ? 0 : 1;
     if (!converter_answers) {
       return;
     }
@@ -102,6 +107,7 @@ class FakeAnalogue {
   }
 
   bool requests_stopped = false;
+  bool settled = false;
 };
 
 }  // namespace capstan::stm32f4
