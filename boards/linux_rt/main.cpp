@@ -4,6 +4,7 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <thread>
 
 #include "capstan/boards/common/console.hpp"
 #include "capstan/boards/common/file_banks.hpp"
@@ -38,8 +39,12 @@ auto joints_of(const BoardOptions& options) -> std::size_t {
 
 auto make_joints(const BoardOptions& options, capstan::Banks& banks, std::span<std::uint32_t> fault_memory)
     -> std::unique_ptr<capstan::RtJoints> {
-  return options.can.buses.empty() ? capstan::simulated_joints(banks, options.gpio, fault_memory)
-                                   : capstan::can_joints(options.can, options.gpio, banks, fault_memory, std::cerr);
+  if (options.can.buses.empty()) {
+    return capstan::simulated_joints(banks, options.gpio, fault_memory);
+  }
+  capstan::CanSetup can = options.can;
+  can.interrupted = interrupted;
+  return capstan::can_joints(can, options.gpio, banks, fault_memory, std::cerr);
 }
 
 /// The fault log's file, from what the cycle has written into memory.
@@ -60,8 +65,27 @@ auto retained_memory(const BoardOptions& options) -> std::unique_ptr<capstan::Re
   return retained;
 }
 
-void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options,
-           capstan::RetainedMemory& retained) {
+/// What goes to standard error and to the disk while the firmware runs, in a thread of its own: a terminal after
+/// Ctrl-S, a log's reader that hangs or a disk that stalls may keep it for as long as they like, and must not keep
+/// `disarm`, a lost link or a signal from being heard.
+class Chronicle {
+ public:
+  /// @param board, retained  outlive this object, which waits for its thread
+  Chronicle(capstan::LinuxRtBoard& board, capstan::RetainedMemory& retained)
+      : thread_([&board, &retained](const std::stop_token& stop) {
+          constexpr std::chrono::milliseconds kLookAround{20};
+          while (!stop.stop_requested()) {
+            board.report(std::cerr);
+            keep_faults(board, retained);
+            std::this_thread::sleep_for(kLookAround);
+          }
+        }) {}
+
+ private:
+  std::jthread thread_;
+};
+
+void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardOptions& options) {
   using std::chrono::steady_clock;
   constexpr std::chrono::milliseconds kLookAround{20};
   capstan::Shell shell(board.machine(), console, board, console.is_terminal());
@@ -72,8 +96,6 @@ void serve(capstan::LinuxRtBoard& board, capstan::Console& console, const BoardO
     if (feed.poll()) {
       board.link_lost();
     }
-    board.report(std::cerr);
-    keep_faults(board, retained);
     if (feed.done() && !options.seconds) {
       break;
     }
@@ -123,8 +145,11 @@ auto run(const BoardOptions& options) -> int {
     capstan::LinuxRtBoard board(options.rt, make_joints(options, banks, retained->words()));
     board.describe(options.simulated_drives, {.brake = options.gpio.brake.has_value()});
     board.start();
-    serve(board, console, options, *retained);
-    const capstan::RtReport report = board.stop();
+    const capstan::RtReport report = [&] {
+      const Chronicle chronicle(board, *retained);
+      serve(board, console, options);
+      return board.stop();  // before anybody waits for the chronicle
+    }();
     keep_faults(board, *retained);
     board.report(std::cerr);
     say_how_it_went(report, console);
@@ -147,6 +172,9 @@ auto main(int argc, char* argv[]) -> int {
       return 0;
     }
     return run(options);
+  } catch (const capstan::SetUpInterrupted& end) {
+    std::cerr << "capstan_linux_rt: " << end.what() << '\n';
+    return 0;
   } catch (const std::exception& problem) {
     std::cerr << "capstan_linux_rt: " << problem.what() << '\n';
     return 2;

@@ -50,9 +50,13 @@ auto ends_set_up(cia402::Anomaly event) -> bool {
 }
 
 /// Until the drive has come to this phase.
-void lead(CanSocket& socket, const std::string& bus, DriveSetup& drive, DriveSetup::Phase phase) {
+void lead(CanSocket& socket, const std::string& bus, const CanSetup& setup, DriveSetup& drive,
+          DriveSetup::Phase phase) {
   constexpr std::chrono::milliseconds kLookAround{2};
   while (drive.phase() != phase) {
+    if (setup.interrupted != nullptr && setup.interrupted()) {
+      throw SetUpInterrupted(bus + ": ended while the drives were set up, and they were taken out of operation");
+    }
     if (const auto request = drive.next(socket.now())) {
       if (const auto problem = socket.rt_send(*request)) {
         refuse(bus, *problem);
@@ -86,8 +90,14 @@ void check_budget(std::span<const cia402::DriveSetting> settings, const CanBusSe
   }
 }
 
-auto set_up_all(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup, cia402::Journal& journal,
-                std::ostream& out) -> std::vector<cia402::DriveSetting> {
+void take_out_of_operation(CanSocket& socket, std::span<const std::uint8_t> nodes) {
+  for (const std::uint8_t node : nodes) {
+    static_cast<void>(socket.rt_send(cia402::nmt_frame(cia402::NmtCommand::kPreOperational, node)));
+  }
+}
+
+auto set_up_each(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup, cia402::Journal& journal,
+                 std::ostream& out) -> std::vector<cia402::DriveSetting> {
   std::vector<std::unique_ptr<DriveSetup>> drives;
   std::vector<cia402::DriveSetting> settings;
   for (std::size_t place = 0; place < bus.nodes.size(); ++place) {
@@ -98,7 +108,7 @@ auto set_up_all(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup
                                  .watchdog = setup.watchdog,
                                  .profiles = setup.profiles};
     drives.push_back(std::make_unique<DriveSetup>(task, journal, place + 1));
-    lead(socket, bus.name, *drives.back(), DriveSetup::Phase::kReady);
+    lead(socket, bus.name, setup, *drives.back(), DriveSetup::Phase::kReady);
     for (const std::string& note : drives.back()->notes()) {
       out << bus.name << ": " << note << '\n';
     }
@@ -107,13 +117,23 @@ auto set_up_all(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup
   check_budget(settings, bus, setup, out);
   for (const auto& drive : drives) {
     drive->start();
-    lead(socket, bus.name, *drive, DriveSetup::Phase::kDone);
+    lead(socket, bus.name, setup, *drive, DriveSetup::Phase::kDone);
   }
   std::array<std::uint32_t, cia402::kMostWantedIds> ids{};
   socket.filter(std::span(ids).first(cia402::wanted_ids(settings, ids)));
   for (Received received; socket.rt_receive(received);) {
   }
   return settings;
+}
+
+auto set_up_all(CanSocket& socket, const CanBusSetup& bus, const CanSetup& setup, cia402::Journal& journal,
+                std::ostream& out) -> std::vector<cia402::DriveSetting> {
+  try {
+    return set_up_each(socket, bus, setup, journal, out);
+  } catch (...) {
+    take_out_of_operation(socket, bus.nodes);
+    throw;
+  }
 }
 
 }  // namespace
@@ -147,9 +167,11 @@ CanBus::CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup, 
       master_(settings_, {.layout = setup.layout, .fd = setup.fd, .confirms = socket_.confirms()}, *journal_) {}
 
 CanBus::~CanBus() {
+  std::vector<std::uint8_t> nodes;
   for (const cia402::DriveSetting& drive : settings_) {
-    static_cast<void>(socket_.rt_send(cia402::nmt_frame(cia402::NmtCommand::kPreOperational, drive.node)));
+    nodes.push_back(drive.node);
   }
+  take_out_of_operation(socket_, nodes);
 }
 
 void CanBus::rt_receive(std::span<AxisSensed> axes) {

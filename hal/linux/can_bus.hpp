@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct CanSetup {
   bool fd = false;
   bool watchdog = false;                         ///< a line outside the bus takes torque away when this program stops
   std::vector<cia402::DriveProfile> profiles{};  ///< before those that are known
+  bool (*interrupted)() = nullptr;               ///< asked while drives are set up: true gives it up
+};
+
+/// CanSetup::interrupted said so.
+struct SetUpInterrupted : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// Socket, protocol and journal of one bus whose drives are set up. Its rt_ functions belong to the cycle, the journal
@@ -33,7 +40,7 @@ class CanBus {
  public:
   /// Checks the interface and the bus budget, which it prints, sets up every drive, says what it found there, and
   /// leaves them operational and without torque. Takes about a second, with slow drives up to a minute. Throws
-  /// std::runtime_error with "sentence; cure" if any drive is not fit.
+  /// std::runtime_error with "sentence; cure" if any drive is not fit, and leaves none in operation then.
   CanBus(const CanBusSetup& bus, const CanSetup& setup, std::ostream& out);
   /// The same on a socket that is there already.
   CanBus(CanSocket socket, const CanBusSetup& bus, const CanSetup& setup, std::ostream& out);

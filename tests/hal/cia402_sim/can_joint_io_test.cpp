@@ -140,6 +140,24 @@ TEST(CanJointIo, WhatTheKernelHasNoRoomForIsAFailedWriteInTheSameCycle) {
   EXPECT_EQ(rig.count(Anomaly::kSendQueueFull), 1U);
 }
 
+TEST(CanBus, ASignalIsHeardWhileDrivesAreSetUpAndLeavesNoneInOperation) {
+  static int asked = 0;
+  asked = 0;
+  auto [near, far] = CanSocket::pair(test::test_clock);
+  const CanSetup setup{.buses = {{"unix:local", {1, 2}}}, .interrupted = [] { return ++asked > 5; }};
+  std::ostringstream said;
+  EXPECT_THROW(CanBus(std::move(near), setup.buses[0], setup, said), SetUpInterrupted) << "nobody answers there";
+  std::vector<cia402::Frame> frames;
+  for (cia402::Received received; far.rt_receive(received);) {
+    if (received.kind == cia402::Received::Kind::kFrame) {
+      frames.push_back(received.frame);
+    }
+  }
+  ASSERT_GE(frames.size(), 2U);
+  EXPECT_EQ(frames[frames.size() - 2], cia402::nmt_frame(cia402::NmtCommand::kPreOperational, 1));
+  EXPECT_EQ(frames.back(), cia402::nmt_frame(cia402::NmtCommand::kPreOperational, 2));
+}
+
 TEST(CanJointIo, ABusThatIsGoneIsAFailedDrive) {
   Rig rig;
   rig.arm();
