@@ -30,6 +30,9 @@ class Application final : public Machine {
                             : start == LoadResult::kUnreadable ? bit(Fault::kStorageFailed)
                                                                : 0,
                             std::memory_order_relaxed);
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      state_.axis[i].begin_at_heat(fault_log_.heat(i));
+    }
   }
 
   /// One cycle. `streamed` carries references that arrived since the last one; kNone where none did.
@@ -222,6 +225,10 @@ class Application final : public Machine {
     published_.rt_publish(now);
     scope_.rt_step(now.machine, now.axis);
     fault_log_.rt_step(now.machine, now.axis);
+    if (!energised(now.machine.state)) {  // one joint in a cycle is enough
+      const std::size_t i = now.machine.tick % kAxes;
+      fault_log_.rt_keep_heat(i, state_.axis[i].heat());
+    }
     if (acknowledge_) {  // after publishing, so that whoever waits for the answer sees the state it led to
       acknowledge_ = false;
       request_box_.rt_taken();

@@ -25,6 +25,9 @@ class Axis {
   /// From the next rt_estimate on the motor stands at this angle, rad; the law's memory begins anew. Clears an encoder
   /// jump, after which the position is not known. Torque must be off.
   void rt_zero(Q24 q1_rad);
+  /// Heat of the winding at the start, and now; see Gate.
+  void begin_at_heat(Q24 heat) { gate_.begin_at_heat(heat); }
+  [[nodiscard]] auto heat() const -> Q24 { return gate_.heat(); }
   /// Converts the sensors. What this and rt_estimate return is good until they are called again.
   auto rt_sense(const AxisSensed& sensed) -> const MotorState&;
   /// Runs the laws.

@@ -7,7 +7,12 @@
 namespace capstan {
 namespace {
 
-constexpr std::uint32_t kMagicOfThisLayout = 0x324C4643;  // "CFL2"; another layout has another
+constexpr std::uint32_t kMagicOfThisLayout = 0x334C4643;  // "CFL3"; another layout has another
+
+// Coarse, so that the file of a host's memory is not written anew in every cycle in which a winding cools.
+constexpr unsigned kHeatShift = Q24::kFrac - 4;
+constexpr std::uint32_t kHeatOf1 = 1U << 4U;
+constexpr std::uint32_t kMostHeat = 8 * kHeatOf1;  // more than any current leads to
 
 constexpr std::array<std::string_view, FaultLog::kSignals> kNames = {"q1", "torque", "q2", "reference"};
 
@@ -131,6 +136,22 @@ void FaultLog::release() {
   }
 }
 
+auto FaultLog::heat(std::size_t axis) const -> Q24 {
+  const std::uint32_t kept = memory_.empty() ? 0 : memory_[heat_word(axis, axes_)];
+  return Q24::from_raw(static_cast<std::int32_t>(std::min(kept, kMostHeat) << kHeatShift));
+}
+
+void FaultLog::rt_keep_heat(std::size_t axis, Q24 heat) {
+  if (memory_.empty()) {
+    return;
+  }
+  const auto raw = static_cast<std::uint32_t>(heat.raw());  // never negative
+  const std::uint32_t whole = raw >> kHeatShift;
+  // Below the first step it is cold, or noise about 0 would come and go as a step.
+  const std::uint32_t rounded = whole == 0 || raw == whole << kHeatShift ? whole : whole + 1;
+  rt_put(memory_[heat_word(axis, axes_)], rounded);
+}
+
 void FaultLog::rt_add(const FaultEntry& entry) {
   const auto words = memory_.subspan(kHeadWords + memory_[kFaults] % kEntries * kEntryWords, kEntryWords);
   rt_put(words[0], entry.start);
@@ -163,7 +184,12 @@ void FaultLog::rt_step(const MachineTelemetry& machine, std::span<const AxisTele
   }
   const State before = last_;
   last_ = machine.state;
-  if (energised(machine.state) && !energised(before) && phase() == kFree) {
+  const bool begins = energised(machine.state) && !energised(before);
+  for (std::size_t axis = 0; begins && axis < axes_; ++axis) {  // until there is no torque and somebody knows better
+    std::uint32_t& kept = memory_[heat_word(axis, axes_)];
+    rt_put(kept, std::max(kept, kHeatOf1));
+  }
+  if (begins && phase() == kFree) {
     rt_put(memory_[kNext], 0);
     rt_put(memory_[kStored], 0);
     rt_put(memory_[kLastTick], machine.tick);

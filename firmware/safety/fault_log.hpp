@@ -20,7 +20,8 @@ struct FaultEntry {
   FaultSet conditions = 0;         ///< all that was present
 };
 
-/// The last faults, and the last second under torque before one of them, in memory that outlives a reset. A second that
+/// The last faults, the last second under torque before one of them, and the windings' heat, in memory that outlives a
+/// reset. A second that
 /// nobody has fetched is kept: later faults are listed only. The cycle writes the samples while it runs, and the
 /// background reads them while they are frozen; neither waits.
 class FaultLog {
@@ -29,9 +30,7 @@ class FaultLog {
   static constexpr std::uint32_t kEvery = 10;  ///< cycles from sample to sample; the last one is the fault's own
   static constexpr std::size_t kSamples = 100;
   static constexpr std::size_t kSignals = 4;  ///< of each joint, kept to 2^-16 in 24 bits
-  static constexpr auto words_for(std::size_t axes) -> std::size_t {
-    return kHeadWords + kEntries * kEntryWords + kSamples * sample_words(axes);
-  }
+  static constexpr auto words_for(std::size_t axes) -> std::size_t { return heat_word(axes, axes); }
   /// What is recorded of each joint, in the order of the samples.
   static auto signals() -> std::array<const SignalInfo*, kSignals>;
 
@@ -52,15 +51,24 @@ class FaultLog {
   [[nodiscard]] auto raw(std::size_t sample, std::size_t axis, std::size_t signal) const -> std::int32_t;
   /// The kept second may be written over from the next arming on.
   void release();
+  /// Heat of a joint's winding (Gate) when the last run ended, rounded up to a sixteenth; at least 1 where that was
+  /// under torque. A restart cools nothing.
+  [[nodiscard]] auto heat(std::size_t axis) const -> Q24;
 
   /// Called by the cycle with what it publishes.
   void rt_step(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes);
+  /// Called by the cycle, now and then while there is no torque.
+  void rt_keep_heat(std::size_t axis, Q24 heat);
 
  private:
   static constexpr std::size_t kHeadWords = 8;
   static constexpr std::size_t kEntryWords = 4;
   static constexpr std::size_t kWordsOfJoint = 3;
   static constexpr auto sample_words(std::size_t axes) -> std::size_t { return 1 + axes * kWordsOfJoint; }
+  /// Behind everything else.
+  static constexpr auto heat_word(std::size_t axis, std::size_t axes) -> std::size_t {
+    return kHeadWords + kEntries * kEntryWords + kSamples * sample_words(axes) + axis;
+  }
   enum Head : std::size_t { kMagic, kStarts, kFaults, kPhase, kKept, kNext, kStored, kLastTick };
   enum Phase : std::uint32_t { kFree, kRunning, kFrozen };
 

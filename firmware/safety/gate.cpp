@@ -29,6 +29,11 @@ Gate::Scales::Scales(const AxisConfig& config)
       thermal_gain(kPeriod.filter_gain(config.limits.thermal_time_s)),
       rate_a_per_cycle(std::min(config.limits.current_rate_a_per_cycle, MotorObserver::slew_limit(config))) {}
 
+void Gate::begin_at_heat(Q24 heat) {
+  heat_ = heat;
+  hot_ = heat_ >= kCool;
+}
+
 void Gate::rt_update_i2t(Q24 current_a) {
   const Q24 load = current_a * scales_.per_continuous_current;
   heat_ += (load * load - heat_) * scales_.thermal_gain;

@@ -18,6 +18,10 @@ class Gate {
   void rt_restart() { drive_a_ = drive_nm_ = wanted_a_ = servo_a_ = Q24{}; }
   /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.
   [[nodiscard]] auto faults() const -> FaultSet { return heat_ > kTooHot ? bit(Fault::kWindingHot) : 0; }
+  /// Of the winding, 1 = what the continuous current leads to.
+  [[nodiscard]] auto heat() const -> Q24 { return heat_; }
+  /// As after a run that ended with this heat.
+  void begin_at_heat(Q24 heat);
   /// What was met in the last step.
   [[nodiscard]] auto limits() const -> LimitSet { return met_; }
   /// Current that was wanted in the last step, A.
@@ -45,7 +49,7 @@ class Gate {
   void rt_flag(Limit limit) { met_ = static_cast<LimitSet>(met_ | bit(limit)); }
 
   Scales scales_;
-  Q24 heat_;  // of the winding, 1 = what the continuous current leads to
+  Q24 heat_;
   bool hot_ = false;
   LimitSet met_ = 0;
   Q24 drive_a_;

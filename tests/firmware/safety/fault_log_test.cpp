@@ -272,6 +272,37 @@ TEST(FaultLog, CancelWhilePrintingKeepsTheSecond) {
   EXPECT_GT(board.log().kept(), 0U);
 }
 
+TEST(FaultLog, ARestartCoolsNoWinding) {
+  Board board;
+  const auto is_hot = [&board] { return (board.application->telemetry().conditions & bit(Fault::kWindingHot)) != 0; };
+  board.io.current_shift_a = 3.0;  // through the winding, whoever drives it
+  board.ticks(20'000);
+  ASSERT_TRUE(is_hot());
+  board.start();
+  board.ticks(2);
+  EXPECT_TRUE(is_hot());
+  board.ticks(60'000);
+  EXPECT_FALSE(is_hot());
+  board.start();
+  EXPECT_EQ(board.log().heat(0), Q24{}) << "it has cooled";
+}
+
+TEST(FaultLog, ARunThatEndsUnderTorqueLeavesAWindingThatCountsAsHot) {
+  Board board;
+  board.say("arm");
+  board.ticks(10);
+  board.start();
+  EXPECT_EQ(board.log().heat(0), Q24::from_int(1));
+  EXPECT_EQ(board.log().heat(1), Q24::from_int(1));
+  EXPECT_EQ(board.application->telemetry().conditions, 0U) << "it may be armed";
+  board.ticks(40'000);
+  board.say("arm");
+  board.say("disarm");
+  board.ticks(2);
+  board.start();
+  EXPECT_EQ(board.log().heat(0), Q24{}) << "the operator's end is no surprise";
+}
+
 TEST(FaultLog, WithoutMemoryThereIsNoLogAndNothingElseChanges) {
   test::Bench<1> bench;
   bench.say("arm");

@@ -180,6 +180,16 @@ TEST(GateThermal, AHotWindingStaysLimitedAtItsContinuousCurrentWithoutChatter) {
   }
 }
 
+TEST(GateThermal, AWindingThatBeginsHotGetsItsPeakCurrentOnceItHasCooled) {
+  AxisBench axis(config_without_rate_limit());
+  axis.axis().begin_at_heat(q(1.0));
+  EXPECT_NEAR(axis.gated(0.0, 0.0, 3.0), 1.5, 1e-5);
+  for (int i = 0; i < 2'000; ++i) {
+    static_cast<void>(axis.gated(0.0, 0.0, 0.0));
+  }
+  EXPECT_NEAR(axis.gated(0.0, 0.0, 3.0), 3.0, 1e-5);
+}
+
 TEST(GateThermal, APauseBringsThePeakCurrentBackAndDisarmingDoesNotForgetTheHeat) {
   AxisBench axis(config_without_rate_limit());
   ASSERT_GE(cycles_to_heat(axis, 3.0, 10'000), 0);
