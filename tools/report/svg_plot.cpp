@@ -41,21 +41,20 @@ auto ticks_of(double low, double high, int count) -> std::vector<double> {
   const double share = raw / power;
   const double step = (share < 1.5 ? 1.0 : share < 3.5 ? 2.0 : share < 7.5 ? 5.0 : 10.0) * power;
   std::vector<double> ticks;
-  const double first = std::ceil(low / step) * step;
-  for (int i = 0; i <= 2 * count; ++i) {  // counted: beside a large number a small step may add nothing
-    const double tick = first + i * step;
-    if (tick > high + 1e-9 * step) {
-      break;
-    }
+  const double first = std::ceil(low / step);
+  // Counted: a sum of steps too short for the numbers would stand still.
+  for (int i = 0; i <= 2 * count && (first + i) * step <= high + 1e-9 * step; ++i) {
+    const double tick = (first + i) * step;
     ticks.push_back(std::abs(tick) < 1e-9 * step ? 0.0 : tick);
   }
   return ticks;
 }
 
+/// What differs by its last digits only is drawn as a constant: a picture has no room for them.
 auto widened(double low, double high) -> std::pair<double, double> {
-  constexpr double kFinest = 1e-9;  // of the numbers: what differs by less is drawn as one
-  const bool spread = high - low > kFinest * std::max(std::abs(low), std::abs(high));
-  const double room = spread ? 0.04 * (high - low) : std::max(1e-6, 0.1 * std::abs(high));
+  constexpr double kLastDigits = 1e-12;
+  const double size = std::max(std::abs(low), std::abs(high));
+  const double room = high - low > kLastDigits * size ? 0.04 * (high - low) : std::max(1e-6, 0.1 * size);
   return {low - room, high + room};
 }
 

@@ -46,6 +46,20 @@ TEST(SvgPlot, ALongTraceStaysSmallAndKeepsItsSpikes) {
   EXPECT_GT(lowest, 275.0);
 }
 
+TEST(SvgPlot, ARangeOfTheLastDigitsHasAScaleToo) {
+  for (const double at : {40.11, 1e-9, 1e12, 0.0}) {
+    Plot plot = long_trace(100);
+    plot.series[0].y.setConstant(at);
+    plot.series[0].y[50] = std::nextafter(at, 1e300);
+    const std::string svg = svg_of(plot);
+    EXPECT_LT(svg.size(), 20000U) << at;
+    EXPECT_EQ(svg.find("nan"), std::string::npos) << at;
+    EXPECT_EQ(svg.find("inf"), std::string::npos) << at;
+    plot.y_range = {at, std::nextafter(at, 1e300)};
+    EXPECT_LT(svg_of(plot).size(), 20000U) << "as a caller may ask for it";
+  }
+}
+
 TEST(SvgPlot, AFlatTraceStillHasAScale) {
   Plot plot = long_trace(100);
   plot.series[0].y.setZero();
