@@ -6,7 +6,7 @@
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
-#include "capstan/tools/diagnose/compare.hpp"
+#include "capstan/tools/jobs/compare_job.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -37,7 +37,7 @@ void print_comparison(const Comparison& comparison) {
   for (const auto& size : comparison.now.sizes) {
     std::cout << "    " << size << "\n";
   }
-  std::cout << "the healthy law on the logs of now: " << verdict_word(comparison.now.verdict) << ". "
+  std::cout << comparison.now.base_model << " on the logs of now: " << verdict_word(comparison.now.verdict) << ". "
             << comparison.now.reason << "\n";
 }
 
@@ -45,20 +45,18 @@ auto run_compare(const CompareCommand& options) -> int {
   if (options.now.empty()) {
     throw BadInput("there are no logs of now; write them behind --: capstan compare HEALTHY... -- NOW...");
   }
-  AxisRequest request;
-  request_target(options.target, options.base, request);
-  LogOptions now = options.healthy;
-  now.files = options.now;
-  DiagnoseOptions wanted;
-  wanted.base_model = options.base;
-  wanted.drawing = options.drawing;
-  if (options.base.ends_with(".toml")) {
-    wanted.base_law = read_start_law(options.base);
-  }
+  std::vector<std::string> all = options.healthy.files;
+  all.insert(all.end(), options.now.begin(), options.now.end());
+  refuse_repeats(all);
+  CompareJob job{.healthy = options.healthy.job_logs(),
+                 .now = read_logs(options.now, options.healthy.maps),
+                 .base = options.base,
+                 .target = options.target,
+                 .drawing = options.drawing};
   if (isatty(STDERR_FILENO) != 0) {
-    wanted.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
+    job.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
-  const Comparison comparison = compare(options.healthy.read(request), now.read(request), wanted);
+  const Comparison comparison = compare(job, warn);
   print_comparison(comparison);
   if (!options.json.empty()) {
     write_text_file(options.json, comparison_json(comparison));

@@ -25,14 +25,14 @@ auto identify_wrist(const LogOptions& options, const std::vector<int>& axes, con
   if (first_repeat(axes) != axes.end()) {
     throw BadInput("--wrist-axes names an axis twice; give pitch, right and left jaw, for instance 0 1 2");
   }
-  JobLogs job = options.job_logs();
+  const JobLogs job = options.job_logs();
   AxisRequest request;
   request.needs_torque = true;
   std::array<std::vector<AxisLog>, kWristAxes> logs;
   for (std::size_t i = 0; i < kWristAxes; ++i) {
-    job.axis = axes[i];
-    job.coupled_to = i == 0 ? std::vector<int>{} : std::vector<int>{axes[0]};
-    logs[i] = read_axes(job, request, warn);
+    request.axis = axes[i];
+    request.other_axes = i == 0 ? std::vector<int>{} : std::vector<int>{axes[0]};
+    logs[i] = read_axes(job.files, request, warn);
   }
   const WristFit fit = fit_wrist(logs);
   constexpr std::array kNames = {"pitch", "right jaw", "left jaw"};

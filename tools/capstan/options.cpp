@@ -60,10 +60,6 @@ auto LogOptions::job_logs() const -> JobLogs {
   return {.files = read_logs(files, maps), .axis = axis, .coupled_to = coupled_to};
 }
 
-auto LogOptions::read(const AxisRequest& request) const -> std::vector<AxisLog> {
-  return read_recordings(job_logs(), request, warn);
-}
-
 void warn(const std::string& warning) {
   std::cerr << "warning: " << warning << "\n";
 }

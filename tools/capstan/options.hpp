@@ -21,8 +21,6 @@ struct LogOptions {
   void add_to(CLI::App& command, bool many);
   /// The files and what is said about them. Throws BadInput.
   [[nodiscard]] auto job_logs() const -> JobLogs;
-  /// Reads every file. Warnings go to stderr.
-  [[nodiscard]] auto read(const AxisRequest& request) const -> std::vector<AxisLog>;
 };
 
 /// Adds what the joint's drawing says of its tendons.

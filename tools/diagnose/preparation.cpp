@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/log/channel_shape.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -96,7 +97,9 @@ auto coarse_signals(const Preparation& p) -> CoarseSignals {
                   coarse.col(5), coarse.col(6), {}};
   if (p.logs.size() == 1) {
     for (const auto& side : p.logs.front().side) {
-      s.side.push_back({side.name, decimated(side.values, p.factor)});
+      if (varies(side.values)) {
+        s.side.push_back({side.name, decimated(side.values, p.factor)});
+      }
     }
   }
   return s;

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/settled.hpp"
 #include "capstan/tools/support/play_column.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -209,6 +210,11 @@ auto count_from_one_zero(std::vector<AxisLog>& logs,
     }
   }
   return sentences;
+}
+
+auto count_from_one_zero(std::vector<AxisLog>& logs, const LawForm& form) -> std::vector<std::string> {
+  return count_from_one_zero(
+      logs, [&form](const std::vector<AxisLog>& all) { return left_by(identify(all, form).joint, all); });
 }
 
 }  // namespace capstan::tools

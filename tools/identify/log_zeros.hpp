@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
@@ -32,5 +33,7 @@ auto log_zeros_beside(const std::vector<AxisLog>& logs, const Eigen::VectorXd& r
 auto count_from_one_zero(std::vector<AxisLog>& logs,
                          const std::function<Eigen::VectorXd(const std::vector<AxisLog>&)>& left_by_law)
     -> std::vector<std::string>;
+/// The same, where the law of this form is fitted to them.
+auto count_from_one_zero(std::vector<AxisLog>& logs, const LawForm& form) -> std::vector<std::string>;
 
 }  // namespace capstan::tools

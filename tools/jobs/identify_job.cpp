@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/jobs/identify_job.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/identify/log_zeros.hpp"
+#include "capstan/tools/jobs/law_request.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
-#include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -50,22 +48,12 @@ auto identified(const Fit& fit) -> IdentifiedForce {
 }  // namespace
 
 auto identify(const IdentifyJob& job, const Say& warn) -> Identified {
-  const auto file = job.model.ends_with(".toml") ? std::optional(form_of(read_start_law(job.model))) : std::nullopt;
-  const auto terms = file ? file->terms : terms_of_model(job.model);
-  AxisRequest request;
-  request_target(job.target, job.model, request);
-  if (file && request.effort) {
-    throw BadInput("the law of " + job.model + " explains a joint angle, and " + job.target +
-                   " is an effort; leave --target out, or choose --model rigid_dynamics");
-  }
-  request.needs_torque = std::find(terms.begin(), terms.end(), "tendon_elongation") != terms.end();
+  LawRequest asked = request_for(job.model, job.target, job.logs);
+  add_moving_axes(job.logs.files, asked.columns);
   Identified done;
-  done.logs = read_recordings(job.logs, request, warn);
-  done.form = file ? *file : form_of_model(job.model, done.logs);
-  const auto left_by_law = [&](const std::vector<AxisLog>& logs) {
-    return left_by(identify(logs, done.form).joint, logs);
-  };
-  for (const auto& zero : count_from_one_zero(done.logs, left_by_law)) {
+  done.logs = read_recordings(job.logs.files, asked.columns, warn);
+  done.form = asked.law ? form_of(*asked.law) : form_of_model(job.model, done.logs);
+  for (const auto& zero : count_from_one_zero(done.logs, done.form)) {
     warn(zero);
   }
   done.result = identify(done.logs, done.form);

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 
 /// What the commands do, for whoever asks: the command line and the Python module.
@@ -28,16 +27,10 @@ void refuse_repeats(const std::vector<std::string>& paths);
 auto read_logs(const std::vector<std::string>& paths, const std::vector<std::string>& maps) -> std::vector<CsvLog>;
 
 /// The axis of every log. @param warn  is told what was done with the logs
-auto read_axes(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
+auto read_axes(const std::vector<CsvLog>& files, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
 
 /// The same, where several recordings in one file are a log each.
-auto read_recordings(const JobLogs& logs, const AxisRequest& request, const Say& warn) -> std::vector<AxisLog>;
-
-/// A file's law that a fit starts from. Throws BadInput with what to give in place of a law of an effort.
-auto read_start_law(const std::string& path) -> JointFile;
-
-/// Makes the request one for an effort where the target or the model asks for that. Throws Refusal for a current or a
-/// voltage, which is no effort yet.
-void request_target(const std::string& target, const std::string& model, AxisRequest& request);
+auto read_recordings(const std::vector<CsvLog>& files, const AxisRequest& request, const Say& warn)
+    -> std::vector<AxisLog>;
 
 }  // namespace capstan::tools

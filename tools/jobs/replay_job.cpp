@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/jobs/replay_job.hpp"
 
+#include "capstan/tools/jobs/law_request.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 
 auto replay_angle(const CsvLog& log, int axis, const JointFile& joint, Arithmetic arithmetic, const Say& warn)
     -> AngleReplay {
-  AxisRequest request;
-  request.axis = axis;
+  AxisRequest request = columns_of_law(joint, axis);
   request.needs_target = false;
   request.every_row = true;
-  request.needs_torque = joint.has("tendon_elongation");
-  request.other_axes = joint.coupled_to;
   std::vector<std::string> notes;
   AngleReplay done{.csv = common_rows_of(log, request, notes), .log = {}, .estimates = {}};
   done.log = read_axis(done.csv, request);

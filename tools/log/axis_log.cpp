@@ -2,6 +2,7 @@
 #include "capstan/tools/log/axis_log.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "capstan/tools/log/axis_gate.hpp"
@@ -19,6 +20,8 @@ namespace {
 constexpr double kSmallJitter = 0.1;
 /// A step this many periods long is a gap.
 constexpr double kGap = 1.5;
+/// What is read of other axes.
+constexpr std::array kBeside = {"q1_rad", "q1_m", "tau_Nm"};
 
 void check_timing(const CsvLog& csv, AxisLog& axis) {
   const Eigen::Index n = axis.samples();
@@ -56,7 +59,21 @@ void check_motion(const CsvLog& csv, const AxisLog& axis, const std::string& nam
                  "; record the joint while it moves, or name another column with --map");
 }
 
-/// The other axis and the temperature, which terms of the law may read.
+/// A linear axis may have its own names for motion and effort.
+auto rotary_or_linear(const CsvLog& csv, int axis, const char* rotary, const char* linear) -> std::string {
+  const std::string name = axis_column(axis, rotary);
+  return !csv.has(name) && csv.has(axis_column(axis, linear)) ? axis_column(axis, linear) : name;
+}
+
+/// @param why  the axis is wanted
+void expect_angle(const CsvLog& csv, const std::string& q1, const std::string& why) {
+  if (!csv.has(q1)) {
+    throw BadInput(place(csv.name(), 1) + why + ", and the log has no " + q1 +
+                   "; record that axis with it, or name its column with --map \"" + q1 + "=COLUMN\"");
+  }
+}
+
+/// The other axes and the temperature, which terms of the law may read.
 void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& result) {
   constexpr const char* kTemperature = "temperature_C";
   if (csv.has(kTemperature) && varies(csv.column(kTemperature))) {
@@ -68,22 +85,17 @@ void read_surroundings(const CsvLog& csv, const AxisRequest& request, AxisLog& r
         {other, csv.column(axis_column(other, "q1_rad")),
          csv.has(tau) ? csv.column(tau) : Eigen::VectorXd(Eigen::VectorXd::Zero(result.samples()))});
   };
-  const auto wanted = [&request](int other) {
-    return std::find(request.other_axes.begin(), request.other_axes.end(), other) != request.other_axes.end();
-  };
-  for (const int other : request.other_axes) {
-    if (!csv.has(axis_column(other, "q1_rad"))) {
-      throw BadInput(place(csv.name(), 1) + "the joint is coupled to axis " + std::to_string(other) +
-                     ", and the log has no " + axis_column(other, "q1_rad") +
-                     "; record that axis with it, or name its column with --map \"" + axis_column(other, "q1_rad") +
-                     "=COLUMN\"");
-    }
+  const auto& asked = request.other_axes;
+  for (const int other : asked) {
+    expect_angle(csv, axis_column(other, "q1_rad"), "the joint is coupled to axis " + std::to_string(other));
     add(other);
   }
-  result.others_asked = request.other_axes.size();
-  for (int other = 0; other < kMostAxes; ++other) {
-    const std::string q1 = axis_column(other, "q1_rad");
-    if (other != request.axis && !wanted(other) && csv.has(q1) && varies(csv.column(q1))) {
+  result.others_asked = asked.size();
+  for (const int other : request.moving_axes ? *request.moving_axes : moving_axes(csv, request.axis)) {
+    expect_angle(csv, rotary_or_linear(csv, other, "q1_rad", "q1_m"),
+                 "axis " + std::to_string(other) + " moves in another of the logs");
+    const bool is_asked = std::find(asked.begin(), asked.end(), other) != asked.end();
+    if (!is_asked && csv.has(axis_column(other, "q1_rad"))) {
       add(other);
     }
   }
@@ -94,26 +106,16 @@ void read_side_signals(const CsvLog& csv, int axis, AxisLog& result) {
   std::vector<std::string> names = {"temperature_C"};
   for (int other = 0; other < kMostAxes; ++other) {
     if (other != axis) {
-      names.push_back(axis_column(other, "q1_rad"));
-      names.push_back(axis_column(other, "q1_m"));
-      names.push_back(axis_column(other, "tau_Nm"));
+      for (const char* quantity : kBeside) {
+        names.push_back(axis_column(other, quantity));
+      }
     }
   }
   for (const auto& name : names) {
-    if (!csv.has(name)) {
-      continue;
-    }
-    SideSignal signal{name, csv.column(name)};
-    if (varies(signal.values)) {
-      result.side.push_back(std::move(signal));
+    if (csv.has(name)) {
+      result.side.push_back({name, csv.column(name)});
     }
   }
-}
-
-/// A linear axis may have its own names for motion and effort.
-auto rotary_or_linear(const CsvLog& csv, int axis, const char* rotary, const char* linear) -> std::string {
-  const std::string name = axis_column(axis, rotary);
-  return !csv.has(name) && csv.has(axis_column(axis, linear)) ? axis_column(axis, linear) : name;
 }
 
 void read_angle(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
@@ -167,6 +169,21 @@ auto axis_column(int axis, const std::string& quantity) -> std::string {
   return "axis" + std::to_string(axis) + "/" + quantity;
 }
 
+auto moving_axes(const CsvLog& log, int axis) -> std::vector<int> {
+  std::vector<int> moving;
+  for (int other = 0; other < kMostAxes; ++other) {
+    const std::string q1 = rotary_or_linear(log, other, "q1_rad", "q1_m");
+    if (other == axis || !log.has(q1)) {
+      continue;
+    }
+    const Eigen::VectorXd values = log.column_with_gaps(q1);
+    if (values.size() > 0 && values.minCoeff<Eigen::PropagateNumbers>() < values.maxCoeff<Eigen::PropagateNumbers>()) {
+      moving.push_back(other);
+    }
+  }
+  return moving;
+}
+
 auto common_rows_of(const CsvLog& csv, const AxisRequest& request, std::vector<std::string>& notes) -> CsvLog {
   std::vector<std::string> main;
   for (const char* quantity : {"q1_rad", "q1_m", "tau_Nm", "tau_N"}) {
@@ -183,8 +200,9 @@ auto common_rows_of(const CsvLog& csv, const AxisRequest& request, std::vector<s
   }
   for (int other = 0; other < kMostAxes; ++other) {
     if (other != request.axis) {
-      others.push_back(axis_column(other, "q1_rad"));
-      others.push_back(axis_column(other, "tau_Nm"));
+      for (const char* quantity : kBeside) {
+        others.push_back(axis_column(other, quantity));
+      }
     }
   }
   return with_common_rows(csv, main, others, notes);

@@ -34,9 +34,9 @@ struct AxisLog {
   Eigen::VectorXd effort;  ///< torque or force that a law is to explain; empty where the target is the joint angle
   bool linear = false;     ///< metres and newtons instead of radians and newton metres
   bool has_torque = false;
-  std::vector<OtherAxis> others = {};  ///< those asked for, then every other one that moves: the first fill the slots
+  std::vector<OtherAxis> others = {};  ///< those asked for, then those that move: the first fill the slots
   Eigen::VectorXd temperature_c;       ///< empty if not logged or constant
-  std::vector<SideSignal> side;        ///< motion of other axes and temperature, where logged
+  std::vector<SideSignal> side;        ///< motion of other axes and temperature, where logged, moving or not
   std::vector<std::string> warnings;
   std::size_t others_asked = 0;  ///< the first of `others`
   int number = 0;                ///< of the axis in its log
@@ -85,7 +85,13 @@ struct AxisRequest {
   bool force = false;      ///< the target is the joint's torque (empty: axis<N>/tau_out_Nm), the motor's an input
   bool every_row = false;  ///< wild values are named, and stay: who replays a log has to see it
   std::vector<int> other_axes = {};  ///< axes that may pull at this one, by slots; those that move come behind them
+  /// Axes that move in any of the logs that are taken together, so that a slot means one axis in all; nothing: those
+  /// that move in this one.
+  std::optional<std::vector<int>> moving_axes = {};
 };
+
+/// Axes beside this one whose motor moves in the log, in their order.
+auto moving_axes(const CsvLog& log, int axis) -> std::vector<int>;
 
 /// The log with the rows that the axis's channels have in common, where they have different rates; else as it is.
 auto common_rows_of(const CsvLog& log, const AxisRequest& request, std::vector<std::string>& notes) -> CsvLog;

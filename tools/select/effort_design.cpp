@@ -56,7 +56,14 @@ auto angle_of_axis(const AxisLog& log, int axis) -> const SideSignal* {
   return found == log.side.end() ? nullptr : &*found;
 }
 
+auto rests(const Eigen::VectorXd& angle) -> bool {
+  return angle.minCoeff() == angle.maxCoeff();
+}
+
 auto speed_of(const AxisLog& log, const Eigen::VectorXd& angle, double window_s) -> Eigen::VectorXd {
+  if (rests(angle)) {
+    return Eigen::VectorXd::Zero(angle.size());  // what rounding leaves of it would have directions
+  }
   return LocalCubic(half_width(window_s, log)).derivative(angle, 1) / log.period_s;
 }
 
@@ -71,7 +78,7 @@ auto motion_of(const AxisLog& log, const Eigen::VectorXd& angle, const Eigen::Ve
   constexpr double kKiloPerUnit = 1e-3;
   const LocalCubic cubic(half_width(view.window_s, log));
   const Eigen::VectorXd position = cubic.derivative(angle, 0);
-  const Eigen::VectorXd speed = cubic.derivative(angle, 1) / log.period_s;
+  const Eigen::VectorXd speed = speed_of(log, angle, view.window_s);
   const Eigen::VectorXd acceleration = cubic.derivative(angle, 2) / (log.period_s * log.period_s);
   Samples samples(static_cast<std::size_t>(log.samples()));
   bool forward = true;
@@ -139,14 +146,21 @@ EffortDesign::EffortDesign(const std::vector<AxisLog>& logs, const EffortView& v
 void EffortDesign::add_other(const std::vector<AxisLog>& logs, int axis) {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
+  double standstill = 0.0;
+  bool moves = false;
   for (const auto& log : logs) {
     const Eigen::VectorXd& angle = angle_of_axis(log, axis)->values;
-    const double standstill = kStandstillShare * top_speed(log, angle, view_.window_s);
-    other_axes_[axis].push_back(motion_of(log, angle, log.tau_nm, view_, standstill));
+    standstill = std::max(standstill, kStandstillShare * top_speed(log, angle, view_.window_s));
     lowest = std::min(lowest, angle.minCoeff());
     highest = std::max(highest, angle.maxCoeff());
+    moves = moves || !rests(angle);
   }
-  others_.push_back({axis, angle_of_axis(logs.front(), axis)->name.ends_with("_m"), highest - lowest});
+  for (const auto& log : logs) {
+    other_axes_[axis].push_back(motion_of(log, angle_of_axis(log, axis)->values, log.tau_nm, view_, standstill));
+  }
+  if (moves) {
+    others_.push_back({axis, angle_of_axis(logs.front(), axis)->name.ends_with("_m"), highest - lowest});
+  }
 }
 
 auto EffortDesign::columns(const CatalogueTerm& term, const Shapes& shapes, Eigen::Index step) const

@@ -44,7 +44,7 @@ class EffortDesign {
 
   [[nodiscard]] auto rows() const -> Eigen::Index { return rows_; }
   [[nodiscard]] auto samples() const -> const std::vector<Samples>& { return samples_; }
-  /// Axes beside this one whose motion all logs have.
+  /// Axes beside this one whose angle all logs have and that move in one of them.
   [[nodiscard]] auto others() const -> const std::vector<KnownAxis>& { return others_; }
   /// One column per coefficient of a term, seen as the effort is, every `step`-th sample of each log.
   [[nodiscard]] auto columns(const CatalogueTerm& term, const Shapes& shapes, Eigen::Index step = 1) const

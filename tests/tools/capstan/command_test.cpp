@@ -324,8 +324,9 @@ TEST_F(Command, ASiteIsPalpatedOnceByEachLog) {
 TEST_F(Command, AFileOfAnEffortsLawIsNoStartOfAFit) {
   write_text_file(path("law.toml"), "schema = \"capstan.effort/1\"\n");
   const std::string log = write_log(short_log(200.0)) + " --target axis0/tau_Nm ";
-  for (const std::string& command :
-       {"diagnose " + log + "--base", "identify " + log + "--model", "compare " + log + " --now other.csv --base"}) {
+  std::filesystem::copy_file(path("log.csv"), path("other.csv"));
+  for (const std::string& command : {"diagnose " + log + "--base", "identify " + log + "--model",
+                                     "compare " + log + " --now \"" + path("other.csv") + "\" --base"}) {
     const Outcome outcome = run(command + " \"" + path("law.toml") + "\"");
     EXPECT_EQ(outcome.status, 2);
     EXPECT_NE(outcome.output.find("give the name of one instead, rigid_dynamics or inertia"), std::string::npos)

@@ -115,8 +115,52 @@ TEST(AxisLog, MotionOfOtherAxesIsKeptAsASideSignal) {
   const CsvLog csv = CsvLog::parse(
       "time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad\n0,1,1,5,0\n0.1,2,2,6,0\n0.2,3,3,7,0\n", "x.csv");
   const AxisLog axis = read_axis(csv, {});
-  ASSERT_EQ(axis.side.size(), 1U);  // axis 2 rests
+  ASSERT_EQ(axis.side.size(), 2U) << "where an axis rests counts in a law of two joints";
   EXPECT_EQ(axis.side[0].name, "axis1/q1_rad");
+  EXPECT_EQ(axis.side[1].name, "axis2/q1_rad");
+  ASSERT_EQ(axis.others.size(), 1U);  // axis 2 rests
+  EXPECT_EQ(axis.others[0].number, 1);
+}
+
+TEST(AxisLog, AnAxisThatMovesInAnotherLogTakesItsSlotHereToo) {
+  const CsvLog csv = CsvLog::parse(
+      "time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_rad,axis2/q1_rad,axis3/q1_rad\n"
+      "0,1,1,5,0,1\n0.1,2,2,5,1,2\n0.2,3,3,5,2,3\n",
+      "x.csv");
+  EXPECT_EQ(moving_axes(csv, 0), (std::vector<int>{2, 3}));
+  AxisRequest request;
+  request.moving_axes = {1, 2};
+  const AxisLog axis = read_axis(csv, request);
+  ASSERT_EQ(axis.others.size(), 2U) << "axis 3 moves in this log alone, and takes no part";
+  EXPECT_EQ(axis.others[0].number, 1);
+  EXPECT_EQ(axis.others[0].q1_rad[2], 5.0);
+  EXPECT_EQ(axis.others[1].number, 2);
+  request.other_axes = {2};
+  EXPECT_EQ(read_axis(csv, request).others[0].number, 2) << "what is asked for stays first";
+  EXPECT_EQ(read_axis(csv, request).others.size(), 2U);
+  request.moving_axes = {4};
+  try {
+    read_axis(csv, request);
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what())
+                  .find("x.csv:1: axis 4 moves in another of the logs, and the log has no "
+                        "axis4/q1_rad; record that axis with it"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(AxisLog, MovingAxesAreSeenThroughGapsAndWhereTheyAreSlides) {
+  const CsvLog csv = CsvLog::parse(
+      "time_s,axis0/q1_rad,axis0/q2_rad,axis1/q1_m,axis2/q1_rad\n"
+      "0,1,1,0.1,7\n0.1,2,2,,\n0.2,3,3,0.3,7\n0.3,4,4,,\n0.4,5,5,0.5,7\n",
+      "x.csv");
+  EXPECT_EQ(moving_axes(csv, 0), (std::vector<int>{1}));
+  const AxisLog axis = read_axis(csv, {});
+  ASSERT_EQ(axis.side.size(), 2U);
+  EXPECT_EQ(axis.side[0].name, "axis1/q1_m");
+  EXPECT_DOUBLE_EQ(axis.side[0].values[1], 0.2) << "on a straight line over a cell without a value";
 }
 
 TEST(AxisLog, TheAxisThatPullsIsTheFirstThatMovesOrTheOneAskedFor) {

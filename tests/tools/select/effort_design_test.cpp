@@ -100,6 +100,42 @@ TEST(EffortDesign, KnowsTheAxesWhoseAnglesAllLogsHave) {
   EXPECT_EQ(of_both.others()[0].axis, 7);
 }
 
+TEST(EffortDesign, AnAxisThatRestsInOneLogStandsThereAndMovesInTheOther) {
+  AxisLog moves = sine_log();
+  moves.side.push_back({"axis2/q1_rad", moves.q1_rad});
+  moves.side.push_back({"axis3/q1_rad", Eigen::VectorXd::Constant(kRows, 0.3)});
+  AxisLog rests = sine_log();
+  rests.side.push_back({"axis2/q1_rad", Eigen::VectorXd::Constant(kRows, 0.3)});
+  rests.side.push_back({"axis3/q1_rad", Eigen::VectorXd::Constant(kRows, 0.3)});
+  const EffortDesign design({moves, rests}, kView);
+  ASSERT_EQ(design.others().size(), 1u) << "axis 3 rests in both, so nothing is asked of it";
+  EXPECT_EQ(design.others()[0].axis, 2);
+  const Catalogue& catalogue = effort_law_catalogue(AxisKind::kRotary);
+  const Eigen::MatrixXd coupling = design.columns(catalogue.term("axis_coupling_axis2"), {});
+  EXPECT_GT(coupling.topRows(kRows).col(3).norm(), 0.0);
+  const Eigen::MatrixXd at_rest = coupling.bottomRows(kRows).rowwise() - coupling.row(kRows);
+  EXPECT_LT(at_rest.cwiseAbs().maxCoeff(), 1e-12) << "no speed, no acceleration and no direction that comes and goes";
+  const Eigen::MatrixXd posture = design.columns(catalogue.term("posture_coupling_axis2"), {});
+  EXPECT_NEAR(posture(kRows + 123, 12), std::cos(std::sin(3.69) + 0.3), 1e-3) << "at the angle where it stands";
+}
+
+TEST(EffortDesign, AnAxisThatTremblesInOneLogStandsByWhatItDoesInTheOthers) {
+  AxisLog moves = sine_log();
+  moves.side.push_back({"axis2/q1_rad", moves.q1_rad});
+  AxisLog trembles = sine_log();
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(kRows);
+  for (Eigen::Index i = 0; i < kRows; i += 40) {
+    count[i] = 1e-4;
+  }
+  trembles.side.push_back({"axis2/q1_rad", count});
+  const EffortDesign design({moves, trembles}, kView);
+  constexpr Eigen::Index kDry = 2;  // goes with the direction
+  const Eigen::VectorXd direction =
+      design.columns(effort_law_catalogue(AxisKind::kRotary).term("axis_coupling_axis2"), {}).col(kDry);
+  EXPECT_LT(direction.head(kRows).minCoeff(), direction.head(kRows).maxCoeff());
+  EXPECT_EQ(direction.tail(kRows).minCoeff(), direction.tail(kRows).maxCoeff());
+}
+
 TEST(EffortDesign, AnotherAxissTermSeesThatAxisOrNothing) {
   AxisLog log = sine_log();
   log.side.push_back({"axis2/q1_rad", (2.0 * log.q1_rad.array()).matrix()});
