@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "capstan/tools/identify/identify.hpp"
+#include "capstan/tools/identify/log_zeros.hpp"
 #include "capstan/tools/identify/pretension.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -92,6 +94,25 @@ auto pretension_between(const Comparison& comparison) -> std::optional<Pretensio
   return drift;
 }
 
+/// A law fitted to logs of one joint, each of which may be counted from another zero.
+auto fitted_to(std::vector<AxisLog> logs, const LawForm& form) -> JointFile {
+  count_from_one_zero(logs, form);
+  return identify(logs, form).joint;
+}
+
+/// What now's logs have beyond the healthy joint's. Laws of efforts and of a torque behind a gear are asked from their
+/// base law again, so friction that the joint always had is found again.
+auto effects_that_came(const HealthyJoint& healthy, const std::vector<AddedEffect>& now) -> std::vector<AddedEffect> {
+  std::vector<AddedEffect> came;
+  const auto was_there = [&healthy](const AddedEffect& effect) {
+    const auto& found = healthy.diagnosis.effects;
+    return healthy.law.has(effect.name) ||
+           std::any_of(found.begin(), found.end(), [&](const auto& one) { return one.name == effect.name; });
+  };
+  std::remove_copy_if(now.begin(), now.end(), std::back_inserter(came), was_there);
+  return came;
+}
+
 }  // namespace
 
 auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vector<MovedParameter> {
@@ -129,13 +150,13 @@ auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   }
   if (options.base_law) {
     healthy.law = *options.base_law;
-    healthy.fitted = identify(logs, form_of(healthy.law)).joint;
+    healthy.fitted = fitted_to(logs, form_of(healthy.law));
     return healthy;
   }
   // A law that was grown has no intervals; what has names has.
   const bool named = healthy.diagnosis.law.status == LawStatus::kConfirmed;
   healthy.law = named ? healthy.diagnosis.law : healthy.diagnosis.base;
-  healthy.fitted = identify(logs, form_of(healthy.law)).joint;
+  healthy.fitted = fitted_to(logs, form_of(healthy.law));
   if (healthy.law.fit) {
     healthy.law.fit->pretension = healthy.fitted.fit->pretension;
   }
@@ -147,14 +168,14 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   Comparison result;
   result.healthy = healthy.diagnosis;
   result.terms = healthy.law.terms;
-  result.moved = moved_between(healthy.fitted, identify(now, law_of_now(healthy.fitted, now)).joint);
+  result.moved = moved_between(healthy.fitted, fitted_to(now, law_of_now(healthy.fitted, now)));
   DiagnoseOptions from_healthy = options;
   if (healthy.law.catalogue->target() == TargetKind::kAngle) {
     from_healthy.base_law = healthy.law;
     from_healthy.base_model = "the healthy joint's law";
   }
   result.now = diagnose(now, from_healthy);
-  result.came = result.now.effects;
+  result.came = effects_that_came(healthy, result.now.effects);
   result.pretension = pretension_between(result);
   return result;
 }

@@ -21,8 +21,8 @@ auto moved_sentence(const MovedParameter& one) -> std::string;
 struct Comparison {
   std::vector<std::string> terms;                  ///< of the law that both are measured by
   std::vector<MovedParameter> moved;               ///< most spreads first
-  std::vector<AddedEffect> came;                   ///< effects that the law of the healthy joint lacks now
-  Diagnosis healthy, now;                          ///< `now` begins from the healthy joint's law
+  std::vector<AddedEffect> came;                   ///< effects that the healthy joint did not have
+  Diagnosis healthy, now;                          ///< of an angle `now` begins from the healthy joint's law
   std::optional<PretensionDrift> pretension = {};  ///< of now, and what it has changed by between the two times
 };
 
