@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
@@ -72,6 +73,11 @@ auto tests_of(const DiagnoseCommand& options) -> std::vector<CsvLog> {
   return read_logs(options.tests, options.logs.maps);
 }
 
+void say_not_written(const std::string& path, const std::string& why) {
+  std::cerr << path << " was not written: " << why
+            << (std::filesystem::exists(path) ? "; the older file is left as it was" : "") << "\n";
+}
+
 auto run_diagnose(const DiagnoseCommand& options) -> int {
   DiagnoseJob job{.logs = options.logs.job_logs(),
                   .tests = tests_of(options),
@@ -90,6 +96,8 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
   if (!options.output.empty()) {
     if (const std::string status = write_law(diagnosis, options.output); !status.empty()) {
       std::cerr << "wrote " << options.output << " (" << status << " law)\n";
+    } else {
+      say_not_written(options.output, "these logs give no law");
     }
   }
   if (!options.json.empty()) {
@@ -99,9 +107,13 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
     const std::string page = write_report(options.report, diagnosis);
     std::cerr << "wrote " << page << "\n";
   }
-  if (const std::string next = next_scenario(diagnosis); !options.next.empty() && !next.empty()) {
-    write_text_file(options.next, next);
-    std::cerr << "wrote " << options.next << "; capstan run --scenario " << options.next << "\n";
+  if (!options.next.empty()) {
+    if (const std::string next = next_scenario(diagnosis); !next.empty()) {
+      write_text_file(options.next, next);
+      std::cerr << "wrote " << options.next << "; capstan run --scenario " << options.next << "\n";
+    } else {
+      say_not_written(options.next, "this diagnosis asks for no motion");
+    }
   }
   return is_refusal(diagnosis.verdict) ? kExitRefused : kExitDone;
 }

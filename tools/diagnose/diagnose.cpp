@@ -108,6 +108,7 @@ auto found_law(const Preparation& p, const Search& search, const LawForm& base, 
 }
 
 /// Errors on a log that took no part. It may have begun elsewhere: its zero is taken off.
+/// @param log  without its long rests, as those that were fitted
 void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tested) {
   const auto error = [&](const JointFile& law) -> ErrorSummary {
     const LawDesign design({log}, law.parameters.conditioner);
@@ -311,7 +312,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   }
   gauge_pretension(p, options, by_its_loop.has_value(), d);
   for (const auto& log : options.test_logs) {
-    test_on(log, d, d.tested);
+    test_on(without_long_rests(log), d, d.tested);
   }
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(

@@ -72,7 +72,7 @@ class Standing {
 };
 
 auto creeps(const Eigen::VectorXd& q2, const RowRange& rest) -> bool {
-  const Eigen::Index third = rest.size() / 3;
+  const Eigen::Index third = std::max<Eigen::Index>(1, rest.size() / 3);
   const double moved = q2.segment(rest.begin, third).mean() - q2.segment(rest.end - third, third).mean();
   return std::abs(moved) > std::max(kCreepNoises * white_noise_level(q2), kCreepShare * range_of(q2));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/report/report.hpp"
 
+#include <array>
+#include <filesystem>
 #include <numbers>
 
 #include "capstan/tools/diagnose/next_experiment.hpp"
@@ -20,6 +22,10 @@ constexpr const char* kBeforeColour = "#c2410c";
 constexpr const char* kAfterColour = "#0f766e";
 
 constexpr const char* kNextExperiment = "next_experiment.toml";
+/// What a page may have beside it.
+constexpr std::array kBesideThePage = {
+    "loop_before.svg", "loop_after.svg", "residual_before.svg",         "residual_after.svg", "map_angle.svg",
+    "map_speed.svg",   "map_load.svg",   "map_time_since_reversal.svg", kNextExperiment};
 
 constexpr const char* kStyle = R"(
 body { font: 15px/1.5 sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222 }
@@ -319,6 +325,9 @@ auto page(const Diagnosis& d, const std::vector<Picture>& pictures) -> std::stri
 
 auto write_report(const std::string& folder, const Diagnosis& diagnosis) -> std::string {
   make_folder(folder);
+  for (const char* file : kBesideThePage) {  // an older page's would be taken for this one's
+    std::filesystem::remove(std::filesystem::path(folder) / file);
+  }
   const auto pictures = pictures_of(diagnosis);
   for (const auto& picture : pictures) {
     write_text_file(folder + "/" + picture.file, svg_of(picture.plot));
