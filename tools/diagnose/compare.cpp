@@ -113,6 +113,19 @@ auto effects_that_came(const HealthyJoint& healthy, const std::vector<AddedEffec
   return came;
 }
 
+/// The form with effects that have come, from the shapes that they were found with. Without them the healthy law's own
+/// numbers would make up for them: where a gap had come the ratio had "moved" from 1.083 to 1.022.
+auto with_effects(LawForm form, const std::vector<AddedEffect>& came, const JointFile& found) -> LawForm {
+  for (const auto& effect : came) {
+    if (!form.has(effect.name) && found.has(effect.name)) {
+      form.terms.push_back(effect.name);
+      const CatalogueTerm& term = form.catalogue->term(effect.name);
+      form.set_shapes(term, form_of(found).shapes_of(term));
+    }
+  }
+  return form;
+}
+
 }  // namespace
 
 auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vector<MovedParameter> {
@@ -168,7 +181,6 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   Comparison result;
   result.healthy = healthy.diagnosis;
   result.terms = healthy.law.terms;
-  result.moved = moved_between(healthy.fitted, fitted_to(now, law_of_now(healthy.fitted, now)));
   DiagnoseOptions from_healthy = options;
   if (healthy.law.catalogue->target() == TargetKind::kAngle) {
     from_healthy.base_law = healthy.law;
@@ -176,6 +188,11 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   }
   result.now = diagnose(now, from_healthy);
   result.came = effects_that_came(healthy, result.now.effects);
+  LawForm form = law_of_now(healthy.fitted, now);
+  if (result.now.found) {
+    form = with_effects(std::move(form), result.came, *result.now.found);
+  }
+  result.moved = moved_between(healthy.fitted, fitted_to(now, form));
   result.pretension = pretension_between(result);
   return result;
 }

@@ -68,15 +68,12 @@ void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
     d.samples += log.samples();
     d.warnings.insert(d.warnings.end(), log.warnings.begin(), log.warnings.end());
     torque = torque && log.has_torque;
-  }
-  d.rate_hz = logs.front().rate_hz();
-  const bool effort = logs.front().motion_alone();
-  for (const auto& log : logs) {
     if (log.q2_rad.size() > 0) {  // efforts: board_effort_law
       note_range(log, d.warnings);
     }
   }
-  const char* usual = effort ? kEffortModel : (torque ? kDefaultModel : "kinematic");
+  d.rate_hz = logs.front().rate_hz();
+  const char* usual = logs.front().motion_alone() ? kEffortModel : (torque ? kDefaultModel : "kinematic");
   d.base_model = options.base_model.empty() ? usual : options.base_model;
 }
 

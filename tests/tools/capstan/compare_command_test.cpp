@@ -51,6 +51,15 @@ TEST_F(CompareCommand, ARatioThatMovedIsSeenBesideZerosThatDiffer) {
   EXPECT_TRUE(says(outcome, "motor_angle.beta moved from ")) << outcome.output;
 }
 
+// Without the gap in the law the ratio would make up for it.
+TEST_F(CompareCommand, WhereAGapHasComeTheRatioHasNotMoved) {
+  const std::string healthy = joint("healthy.csv", {.seed = 1});
+  const std::string now = joint("now.csv", {.seed = 2, .play_rad = 0.03});
+  const Outcome outcome = run("compare " + healthy + "-- " + now);
+  EXPECT_TRUE(says(outcome, "play has come")) << outcome.output;
+  EXPECT_FALSE(says(outcome, "motor_angle.beta moved")) << outcome.output;
+}
+
 TEST_F(CompareCommand, FrictionThatAnAxisAlwaysHadHasNotCome) {
   const std::string healthy = write("healthy.csv", test::effort_log({.seed = 1, .axis1_moves = false}));
   const std::string now = write("now.csv", test::effort_log({.seed = 2, .axis1_moves = false}));
