@@ -17,6 +17,16 @@ class SettledStream final : public ConsentStream {
 
 }  // namespace
 
+void PartsStream::step(Session& session) {
+  const StepTime time(session.machine());
+  while (print(session, next_++) && time.left()) {
+  }
+}
+
+void PartsStream::cancel(Session& session) {
+  session.ok();
+}
+
 void Session::ok() {
   out_ << "ok\r\n";
   refused();

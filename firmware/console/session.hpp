@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "capstan/firmware/console/line_editor.hpp"
+#include "capstan/firmware/console/parts.hpp"
 #include "capstan/firmware/console/stream.hpp"
 #include "capstan/firmware/loop/board.hpp"
 #include "capstan/firmware/loop/machine.hpp"
@@ -35,7 +36,7 @@ class Session {
   [[nodiscard]] auto maintenance() -> Maintenance& { return maintenance_; }
   /// What the scope is to do, as typed so far.
   [[nodiscard]] auto scope_setup() -> ScopeSetup& { return scope_; }
-  [[nodiscard]] auto characters_dropped() const -> std::uint32_t { return sink_.dropped(); }
+  [[nodiscard]] auto characters_dropped() const -> std::uint32_t { return lines_.dropped(); }
   /// A `disarm` overtook and is under way to the cycle.
   [[nodiscard]] auto disarming() const -> bool { return urgent_ != Urgent::kNone; }
 
@@ -52,6 +53,11 @@ class Session {
     return room_.template make<T>();
   }
   void begin(Stream& stream) { stream_ = &stream; }
+  /// The same, with its first step taken at once.
+  void answer(PartsStream& stream) {
+    begin(stream);
+    stream.step(*this);
+  }
   /// The answer is ok() once the cycle has taken what it was given.
   void answer_when_taken();
   /// Hands a request to the cycle, whose consent T answers; or says why not.
@@ -91,11 +97,11 @@ class Session {
   enum class Urgent : std::uint8_t { kNone, kWanted, kPosted };
 
   Session(Machine& machine, TextSink& sink, Board& board, bool echo)
-      : machine_(machine), sink_(sink), out_(sink), board_(board), editor_(out_, echo) {}
+      : machine_(machine), lines_(sink), out_(lines_), board_(board), editor_(out_, echo) {}
   ~Session() = default;
 
   Machine& machine_;
-  TextSink& sink_;
+  LineSink lines_;  ///< flushed whenever the shell has had its turn
   Print out_;
   Board& board_;
   LineEditor editor_;

@@ -39,6 +39,7 @@ void Shell::receive(char c) {
       editor_.begin();
       break;
   }
+  lines_.flush();
 }
 
 void Shell::execute(std::string_view line) {
@@ -134,6 +135,7 @@ void Shell::poll() {
   if (stream_ != nullptr) {
     stream_->step(*this);
   }
+  lines_.flush();
 }
 
 }  // namespace capstan

@@ -74,6 +74,7 @@ void Shell::print_banner() {
   out_ << "# 'help' lists the commands, Tab completes, 'status' shows the joints, 'arm' gives torque, 'disarm' takes "
           "it\r\n";
   editor_.prompt();
+  lines_.flush();
 }
 
 }  // namespace capstan

@@ -32,8 +32,9 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"defaults", "", 0, "stages the defaults of every parameter; 'commit' takes them", commands::defaults},
     ShellCommand{"save", "", 0, "writes the parameters to storage (disarmed only)", commands::save},
     ShellCommand{"load", "", 0, "reads them back from storage (disarmed only)", commands::load},
-    ShellCommand{"maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
-                 "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes; without "
+    ShellCommand{
+        "maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
+        "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes; without "
                  "a key set, 'open' does",
                  commands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
@@ -86,23 +87,48 @@ auto shell_commands() -> std::span<const ShellCommand> {
   return kCommands;
 }
 
+namespace {
+
+/// Two parts a command: what it takes, and what it does.
+class HelpStream final : public PartsStream {
+ public:
+  const ShellCommand* only = nullptr;  ///< nullptr: all
+
+ private:
+  auto print(Session& session, std::uint32_t part) -> bool override {
+    if (part == 2 * kCommands.size()) {
+      if (only == nullptr) {
+        session.board().print_commands(session.out());
+      }
+      session.ok();
+      return false;
+    }
+    const ShellCommand& command = kCommands[part / 2];
+    if (only != nullptr && &command != only) {
+      return true;
+    }
+    if (part % 2 == 0) {
+      session.out() << "  " << command.name << ' ' << command.arguments << "\r\n";
+    } else {
+      session.out() << "      " << command.help << "\r\n";
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
 void commands::help(Session& session, std::string_view arguments) {
   const std::string_view about = next_word(arguments);
-  bool found = false;
-  for (const ShellCommand& command : kCommands) {
-    if (about.empty() || about == command.name) {
-      session.out() << "  " << command.name << ' ' << command.arguments << "\r\n      " << command.help << "\r\n";
-      found = true;
-    }
-  }
-  if (about.empty()) {
-    session.board().print_commands(session.out());
-  }
-  if (found) {
-    session.ok();
-  } else {
+  const auto* const named = std::find_if(kCommands.begin(), kCommands.end(),
+                                         [about](const ShellCommand& command) { return about == command.name; });
+  if (named == kCommands.end() && !about.empty()) {
     help_parameters(session, about);
+    return;
   }
+  auto& stream = session.make<HelpStream>();
+  stream.only = about.empty() ? nullptr : named;
+  session.answer(stream);
 }
 
 auto refuses_more(Session& session, std::string_view rest) -> bool {

@@ -201,21 +201,33 @@ void ExperimentStream::step(Session& session) {
     return;  // or the phase could be that of the last one
   }
   const MachineTelemetry now = machine.telemetry();
-  SignalSample sample;
-  while (machine.recorder().next(sample)) {
-    if (sample.raw[recording.setup.count - 1] == static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
-      recording.print_row(session.out(), sample);
-      if (palpating) {
-        machine.palpation().add(Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]));
-      }
-    }
-  }
   if (cancelled_ && now.state == State::kExperiment && !session.disarming()) {
     static_cast<void>(machine.post({.kind = Request::Kind::kStop, .axis = setup.axis}));
   }
-  if (now.experiment == ExperimentPhase::kDone || now.experiment == ExperimentPhase::kEnded) {
+  const bool over = now.experiment == ExperimentPhase::kDone || now.experiment == ExperimentPhase::kEnded;
+  if (print_rows(session) && over) {
     answer(session, now);
   }
+}
+
+/// True: all that were there.
+auto ExperimentStream::print_rows(Session& session) -> bool {
+  Machine& machine = session.machine();
+  const StepTime time(machine);
+  SignalSample sample;
+  while (machine.recorder().next(sample)) {
+    if (sample.raw[recording.setup.count - 1] != static_cast<std::int32_t>(ExperimentPhase::kRunning)) {
+      continue;
+    }
+    recording.print_row(session.out(), sample);
+    if (palpating) {
+      machine.palpation().add(Q24::from_raw(sample.raw[0]), Q24::from_raw(sample.raw[1]));
+    }
+    if (!time.left()) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void ExperimentStream::answer(Session& session, const MachineTelemetry& now) {

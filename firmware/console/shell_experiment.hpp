@@ -17,6 +17,7 @@ struct ExperimentStream final : Stream {
   void cancel(Session& /*session*/) override { cancelled_ = true; }
 
  private:
+  auto print_rows(Session& session) -> bool;
   void answer(Session& session, const MachineTelemetry& now);
 
   bool cancelled_ = false;

@@ -59,9 +59,10 @@ void FaultSecondStream::step(Session& session) {
     session.ok();  // not all of it was seen: it stays kept
     return;
   }
+  const StepTime time(session.machine());
   Print& out = session.out();
   const std::size_t end = std::min(log.kept(), next_ + kLinesAtOnce);
-  for (; next_ < end; ++next_) {
+  for (; next_ < end && time.left(); ++next_) {
     const std::int32_t cycles = log.cycles_from_fault(next_);
     out << (cycles < 0 ? "-" : "");
     print_seconds(out, static_cast<std::uint32_t>(-cycles));

@@ -73,8 +73,9 @@ void FrameStream::send_schema(Session& session) {
 void FrameStream::step(Session& session) {
   constexpr int kAtOnce = 32;  // a host may sleep for 20 ms between two looks
   constexpr std::int32_t kSchemaEveryMs = 1000;
+  const StepTime time(session.machine());
   SignalSample sample;
-  for (int i = 0; i < kAtOnce && session.machine().recorder().next(sample); ++i) {
+  for (int i = 0; i < kAtOnce && time.left() && session.machine().recorder().next(sample); ++i) {
     if (static_cast<std::int32_t>(sample.tick - schema_tick_) >= kSchemaEveryMs) {
       send_schema(session);
     }

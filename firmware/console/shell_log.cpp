@@ -15,8 +15,9 @@ struct LogStream final : Stream {
 };
 
 void LogStream::step(Session& session) {
+  const StepTime time(session.machine());
   SignalSample sample;
-  while (rows_left > 0 && session.machine().recorder().next(sample)) {
+  while (rows_left > 0 && time.left() && session.machine().recorder().next(sample)) {
     --rows_left;
     recording.print_row(session.out(), sample);
   }

@@ -147,6 +147,49 @@ void print_law_status(Print& out, const AxisConfig& config) {
   }
 }
 
+namespace {
+
+/// Three parts a joint: its law, its effort law and its force law.
+class ModelStream final : public PartsStream {
+ public:
+  std::uint32_t axis = 0;
+  std::uint32_t end = 0;  ///< the first joint that is not shown
+
+ private:
+  auto print(Session& session, std::uint32_t part) -> bool override;
+};
+
+auto ModelStream::print(Session& session, std::uint32_t part) -> bool {
+  constexpr std::uint32_t kParts = 3;
+  const std::uint32_t joint = axis + part / kParts;
+  if (joint >= end) {
+    session.ok();
+    return false;
+  }
+  Print& out = session.out();
+  const AxisConfig& config = session.machine().config()[joint];
+  switch (part % kParts) {
+    case 0: {
+      out << "joint" << joint << " joint angle q2 is the sum of\r\n";
+      print_law_status(out, config);
+      LawPrinter<false> printer(out, config.law.coefficients, config.law.shapes);
+      for_each_term<Q24>(printer);
+      out << "  and " << printer.off() << " terms that are off; 'set joint" << joint
+          << ".TERM.NAME' changes one while disarmed\r\n";
+      break;
+    }
+    case 1:
+      print_effort_law(out, config.effort);
+      break;
+    default:
+      print_force_law(out, config.force);
+      break;
+  }
+  return true;
+}
+
+}  // namespace
+
 void commands::model(Session& session, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   std::size_t only = 0;
@@ -155,18 +198,10 @@ void commands::model(Session& session, std::string_view arguments) {
     session.error("unknown_joint", "there is no such joint", "write 'model' or 'model joint0'");
     return;
   }
-  for (std::size_t axis = one ? only : 0; axis < (one ? only + 1 : session.machine().axes()); ++axis) {
-    session.out() << "joint" << static_cast<std::uint32_t>(axis) << " joint angle q2 is the sum of\r\n";
-    print_law_status(session.out(), session.machine().config()[axis]);
-    const LawParameters<Q24>& law = session.machine().config()[axis].law;
-    LawPrinter<false> printer(session.out(), law.coefficients, law.shapes);
-    for_each_term<Q24>(printer);
-    session.out() << "  and " << printer.off() << " terms that are off; 'set joint" << static_cast<std::uint32_t>(axis)
-                  << ".TERM.NAME' changes one while disarmed\r\n";
-    print_effort_law(session.out(), session.machine().config()[axis].effort);
-    print_force_law(session.out(), session.machine().config()[axis].force);
-  }
-  session.ok();
+  auto& stream = session.make<ModelStream>();
+  stream.axis = static_cast<std::uint32_t>(only);
+  stream.end = one ? stream.axis + 1 : static_cast<std::uint32_t>(session.machine().axes());
+  session.answer(stream);
 }
 
 }  // namespace capstan

@@ -3,16 +3,19 @@
 #include <algorithm>
 
 #include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/parameters/crc32.hpp"
 
 namespace capstan {
 namespace {
 
 constexpr AxisConfig kFresh;
 
-auto is_group(std::string_view name) -> bool {
+/// The group's name where it stays, for a line does not; nullptr if there is none.
+auto group_named(std::string_view name) -> const char* {
   const auto all = parameters();
-  return std::any_of(all.begin(), all.end(),
-                     [name](const ParameterInfo& parameter) { return name == parameter.group; });
+  const auto found =
+      std::find_if(all.begin(), all.end(), [name](const ParameterInfo& parameter) { return name == parameter.group; });
+  return found == all.end() ? nullptr : found->group;
 }
 
 /// False: the value was refused.
@@ -57,22 +60,117 @@ void commit_staged(Session& session) {
   session.answer_when_taken();
 }
 
-void replay_lines(Session& session, bool changed_only) {
-  session.out() << "begin\r\n";
-  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    for (const ParameterInfo& parameter : parameters()) {
-      const std::int32_t raw = raw_value(session.machine().config()[axis], parameter);
-      if (changed_only && raw == raw_value(kFresh, parameter)) {
-        continue;
-      }
-      session.out() << "set joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.'
-                    << parameter.name << ' ';
-      print_value(session.out(), parameter, raw);
-      session.out() << "\r\n";
+/// Lines of parameters, joint by joint.
+class ParametersStream final : public PartsStream {
+ public:
+  enum class Lines : std::uint8_t { kMeanings, kReplay, kReplayChanged };
+  static constexpr std::size_t kAllJoints = Session::kMaxAxes;
+
+  void begin(Session& session) {
+    in_force_ = digest(session);
+    if (lines != Lines::kMeanings) {
+      session.out() << "begin\r\n";
     }
+    session.answer(*this);
   }
-  session.out() << "commit\r\n";
+
+  Lines lines = Lines::kMeanings;
+  std::size_t only = kAllJoints;
+  const char* group = nullptr;  ///< nullptr: all
+
+ private:
+  auto print(Session& session, std::uint32_t part) -> bool override;
+  void end(Session& session) const;
+  /// Of the values in force: another console may change them while a slow line takes what they were.
+  static auto digest(Session& session) -> std::uint32_t {
+    const auto joints = session.machine().config();
+    Crc32 crc;
+    crc.add({reinterpret_cast<const std::uint8_t*>(joints.data()), joints.size_bytes()});
+    return crc.value();
+  }
+
+  std::uint32_t in_force_ = 0;
+};
+
+auto ParametersStream::print(Session& session, std::uint32_t part) -> bool {
+  const std::size_t axis = part / parameters().size();
+  if (axis >= session.machine().axes()) {
+    end(session);
+    return false;
+  }
+  const ParameterInfo& parameter = parameters()[part % parameters().size()];
+  const std::int32_t raw = raw_value(session.machine().config()[axis], parameter);
+  if ((only != kAllJoints && axis != only) || (group != nullptr && parameter.group != std::string_view(group)) ||
+      (lines == Lines::kReplayChanged && raw == raw_value(kFresh, parameter))) {
+    return true;
+  }
+  Print& out = session.out();
+  out << (lines == Lines::kMeanings ? "joint" : "set joint") << static_cast<std::uint32_t>(axis) << '.'
+      << parameter.group << '.' << parameter.name << ' ';
+  print_value(out, parameter, raw);
+  if (lines == Lines::kMeanings) {
+    out << " (";
+    print_range(out, parameter);
+    out << ") " << parameter.doc;
+  }
+  out << "\r\n";
+  return true;
+}
+
+void ParametersStream::end(Session& session) const {
+  if (digest(session) != in_force_) {
+    session.error("changed", "parameters were changed from elsewhere meanwhile, so these lines are not one set",
+                  "send the line again");
+    return;
+  }
+  if (lines != Lines::kMeanings) {
+    session.out() << "commit\r\n";
+  }
   session.ok();
+}
+
+void replay_lines(Session& session, bool changed_only) {
+  auto& stream = session.make<ParametersStream>();
+  stream.lines = changed_only ? ParametersStream::Lines::kReplayChanged : ParametersStream::Lines::kReplay;
+  stream.begin(session);
+}
+
+/// What `help` says of a group, or of one parameter.
+class MeaningsStream final : public PartsStream {
+ public:
+  const ParameterInfo* one = nullptr;
+  const char* group = nullptr;
+
+ private:
+  auto print(Session& session, std::uint32_t part) -> bool override;
+};
+
+auto MeaningsStream::print(Session& session, std::uint32_t part) -> bool {
+  if (part == parameters().size()) {
+    session.ok();
+    return false;
+  }
+  const ParameterInfo& parameter = parameters()[part];
+  if (&parameter != one && (group == nullptr || parameter.group != std::string_view(group))) {
+    return true;
+  }
+  Print& out = session.out();
+  out << "  " << parameter.group << '.' << parameter.name << ": " << parameter.doc << "\r\n      ";
+  print_range(out, parameter);
+  out << ", default ";
+  print_value(out, parameter, raw_value(kFresh, parameter));
+  switch (parameter.change) {
+    case ParameterChange::kAnyTime:
+      out << ", changes at any time\r\n";
+      break;
+    case ParameterChange::kDisarmed:
+      out << ", changes while disarmed\r\n";
+      break;
+    case ParameterChange::kMaintenance:
+      out << ", changes while disarmed and in maintenance\r\n";
+      break;
+  }
+  return true;
 }
 
 }  // namespace
@@ -84,32 +182,11 @@ void help_parameters(Session& session, std::string_view name) {
   if (session.parse_axis(rest, axis) && rest.size() > 1 && rest.front() == '.') {
     name = std::string_view(rest.data() + 1, rest.size() - 1);
   }
-  const ParameterInfo* one = find_parameter(name);
-  bool found = false;
-  for (const ParameterInfo& parameter : parameters()) {
-    if (&parameter != one && name != parameter.group) {
-      continue;
-    }
-    found = true;
-    Print& out = session.out();
-    out << "  " << parameter.group << '.' << parameter.name << ": " << parameter.doc << "\r\n      ";
-    print_range(out, parameter);
-    out << ", default ";
-    print_value(out, parameter, raw_value(kFresh, parameter));
-    switch (parameter.change) {
-      case ParameterChange::kAnyTime:
-        out << ", changes at any time\r\n";
-        break;
-      case ParameterChange::kDisarmed:
-        out << ", changes while disarmed\r\n";
-        break;
-      case ParameterChange::kMaintenance:
-        out << ", changes while disarmed and in maintenance\r\n";
-        break;
-    }
-  }
-  if (found) {
-    session.ok();
+  auto& stream = session.make<MeaningsStream>();
+  stream.one = find_parameter(name);
+  stream.group = group_named(name);
+  if (stream.one != nullptr || stream.group != nullptr) {
+    session.answer(stream);
   } else {
     session.error("unknown_topic", "there is no such command, parameter or group",
                   "'help' lists the commands, 'list' the parameters");
@@ -186,36 +263,22 @@ void commands::set(Session& session, std::string_view arguments) {
 
 void commands::list(Session& session, std::string_view arguments) {
   std::string_view filter = next_word(arguments);
-  std::size_t only = 0;
-  const bool one_axis = !filter.empty();
-  if (one_axis && !session.parse_axis(filter, only)) {
+  auto& stream = session.make<ParametersStream>();
+  if (!filter.empty() && !session.parse_axis(filter, stream.only)) {
     session.error("unknown_joint", "there is no such joint", "give joint0 and so on, or nothing");
     return;
   }
-  const bool one_group = !filter.empty();
-  const bool dot = one_group && filter.front() == '.';
-  if (dot) {
+  if (!filter.empty()) {
+    const bool dot = filter.front() == '.';
     filter.remove_prefix(1);
-  }
-  if (one_group && !(dot && is_group(filter))) {
-    session.error("unknown_group", "there is no such group of parameters",
-                  "'list' shows all of them, 'list joint0.limits' one");
-    return;
-  }
-  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    for (const ParameterInfo& parameter : parameters()) {
-      if ((one_axis && axis != only) || (one_group && filter != parameter.group)) {
-        continue;
-      }
-      session.out() << "joint" << static_cast<std::uint32_t>(axis) << '.' << parameter.group << '.' << parameter.name
-                    << ' ';
-      print_value(session.out(), parameter, raw_value(session.machine().config()[axis], parameter));
-      session.out() << " (";
-      print_range(session.out(), parameter);
-      session.out() << ") " << parameter.doc << "\r\n";
+    stream.group = dot ? group_named(filter) : nullptr;
+    if (stream.group == nullptr) {
+      session.error("unknown_group", "there is no such group of parameters",
+                    "'list' shows all of them, 'list joint0.limits' one");
+      return;
     }
   }
-  session.ok();
+  stream.begin(session);
 }
 
 void commands::dump(Session& session, std::string_view /*arguments*/) {

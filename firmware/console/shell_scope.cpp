@@ -42,10 +42,11 @@ class DumpStream final : public Stream {
 
 void DumpStream::step(Session& session) {
   constexpr std::size_t kLinesAtOnce = 4;
+  const StepTime time(session.machine());
   const Scope& scope = session.machine().scope();
   Print& out = session.out();
   const std::size_t end = std::min(scope.size(), next_ + kLinesAtOnce);
-  for (; next_ < end; ++next_) {
+  for (; next_ < end && time.left(); ++next_) {
     const std::int32_t cycles = scope.cycles_from_trigger(next_);
     out << (cycles < 0 ? "-" : "");
     print_seconds(out, static_cast<std::uint32_t>(cycles < 0 ? -cycles : cycles));
@@ -85,21 +86,22 @@ void scope_status(Session& session) {
   session.ok();
 }
 
-void scope_signals(Session& session) {
-  const auto print = [&session](const Signal& signal) {
+/// The list of them, a line a signal.
+class SignalsStream final : public PartsStream {
+  auto print(Session& session, std::uint32_t part) -> bool override {
+    const std::size_t of_joints = session.machine().axes() * joint_signals().size();
+    if (part == of_joints + machine_signals().size()) {
+      session.ok();
+      return false;
+    }
+    const Signal signal = part < of_joints ? Signal{&joint_signals()[part % joint_signals().size()],
+                                                    static_cast<std::uint8_t>(part / joint_signals().size())}
+                                           : Signal{&machine_signals()[part - of_joints]};
     print_name(session.out(), signal);
     session.out() << ' ' << signal.info->unit << ' ' << signal.info->doc << "\r\n";
-  };
-  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    for (const SignalInfo& info : joint_signals()) {
-      print({&info, static_cast<std::uint8_t>(axis)});
-    }
+    return true;
   }
-  for (const SignalInfo& info : machine_signals()) {
-    print({&info});
-  }
-  session.ok();
-}
+};
 
 void scope_channels(Session& session, std::string_view arguments) {
   if (parse_signals(arguments, session.machine().axes(), session.scope_setup().channels,
@@ -208,7 +210,7 @@ void commands::scope(Session& session, std::string_view arguments) {
   if (word.empty()) {
     scope_status(session);
   } else if (word == "signals") {
-    scope_signals(session);
+    session.answer(session.make<SignalsStream>());
   } else if (word == "channels") {
     scope_channels(session, arguments);
   } else if (word == "trigger") {

@@ -88,8 +88,9 @@ void print_tendons(Print& out, const AxisTelemetry& joint) {
   }
 }
 
-void commands::status(Session& session, std::string_view /*arguments*/) {
-  const MachineTelemetry now = session.machine().telemetry();
+namespace {
+
+void print_machine(Session& session, const MachineTelemetry& now) {
   Print& out = session.out();
   out << "state " << name(now.state) << " fault " << info(now.first_fault).name << " cycles " << now.tick
       << " overruns " << now.overruns << "\r\n";
@@ -97,46 +98,69 @@ void commands::status(Session& session, std::string_view /*arguments*/) {
       report.older || report.migrated() || report.result == LoadResult::kForeign) {
     print_load_report(out, report, "");
   }
-  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    const AxisTelemetry joint = session.machine().axis_telemetry(axis);
-    out << "joint" << static_cast<std::uint32_t>(axis);
-    if (session.machine().config()[axis].motor.fitted == 0) {
-      out << " not fitted\r\n";
-      continue;
-    }
-    out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
-        << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
-        << joint.current_a << " A";
-    if ((joint.faults & (bit(Fault::kSensorMissing) | bit(Fault::kSensorInvalid))) != 0) {
-      out << " (the last values of a sensor that is missing or invalid)";
-    }
-    if (joint.mode == ControlMode::kMotor) {
-      out << " motor reference " << joint.q1_reference_rad << " rad";
-    }
-    print_disturbance(out, joint, session.machine().config()[axis].effort);
-    print_force(out, joint, session.machine().config()[axis].force);
-    if (joint.q2_error_rad >= Q24{}) {
-      out << " within " << joint.q2_error_rad << " rad";
-    }
-    if (joint.tension > Q24{}) {
-      out << " tension " << joint.tension << " of the healthy joint's";
-    }
-    if (joint.pretension_n > Q24{}) {
-      out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
-    }
-    print_tip(out, joint);
-    for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
-      if ((joint.limits & (1U << i)) != 0) {
-        out << " limited by " << kLimitNames[i];
-      }
-    }
-    out << "\r\n";
-    print_law_status(out, session.machine().config()[axis]);
-    print_warnings(out, joint.warnings);
-    print_tendons(out, joint);
+}
+
+void print_joint(Session& session, std::size_t axis) {
+  Print& out = session.out();
+  const AxisTelemetry joint = session.machine().axis_telemetry(axis);
+  out << "joint" << static_cast<std::uint32_t>(axis);
+  if (session.machine().config()[axis].motor.fitted == 0) {
+    out << " not fitted\r\n";
+    return;
   }
-  print_thermometer(out, now);
-  session.ok();
+  out << " motor " << joint.q1_rad << " rad torque " << joint.tau_nm << " Nm joint " << joint.q2_rad << " rad"
+      << (joint.estimate_valid ? "" : " (not valid)") << " reference " << joint.q2_reference_rad << " rad current "
+      << joint.current_a << " A";
+  if ((joint.faults & (bit(Fault::kSensorMissing) | bit(Fault::kSensorInvalid))) != 0) {
+    out << " (the last values of a sensor that is missing or invalid)";
+  }
+  if (joint.mode == ControlMode::kMotor) {
+    out << " motor reference " << joint.q1_reference_rad << " rad";
+  }
+  print_disturbance(out, joint, session.machine().config()[axis].effort);
+  print_force(out, joint, session.machine().config()[axis].force);
+  if (joint.q2_error_rad >= Q24{}) {
+    out << " within " << joint.q2_error_rad << " rad";
+  }
+  if (joint.tension > Q24{}) {
+    out << " tension " << joint.tension << " of the healthy joint's";
+  }
+  if (joint.pretension_n > Q24{}) {
+    out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
+  }
+  print_tip(out, joint);
+  for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
+    if ((joint.limits & (1U << i)) != 0) {
+      out << " limited by " << kLimitNames[i];
+    }
+  }
+  out << "\r\n";
+  print_law_status(out, session.machine().config()[axis]);
+  print_warnings(out, joint.warnings);
+  print_tendons(out, joint);
+}
+
+/// The machine, its joints, and what belongs to none of them.
+class StatusStream final : public PartsStream {
+  auto print(Session& session, std::uint32_t part) -> bool override {
+    const MachineTelemetry now = session.machine().telemetry();
+    if (part == 0) {
+      print_machine(session, now);
+    } else if (part <= session.machine().axes()) {
+      print_joint(session, part - 1);
+    } else {
+      print_thermometer(session.out(), now);
+      session.ok();
+      return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+void commands::status(Session& session, std::string_view /*arguments*/) {
+  session.answer(session.make<StatusStream>());
 }
 
 }  // namespace capstan

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/console/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <utility>
 
 namespace capstan {
 namespace {
@@ -95,6 +97,28 @@ constexpr std::int64_t kRadianPerDegree = 18740330;
 constexpr int kRadianPerDegreeBits = 30;
 
 }  // namespace
+
+void LineSink::flush() {
+  if (length_ > 0) {
+    sink_.write({line_.data(), std::exchange(length_, 0)});
+  }
+}
+
+void LineSink::do_write(std::string_view text) {
+  const bool whole = !text.empty() && (text.back() == '\n' || text.back() == '\0');  // a line, or a frame
+  while (!text.empty()) {
+    const std::size_t count = std::min(text.size(), line_.size() - length_);
+    std::copy_n(text.begin(), count, line_.begin() + static_cast<std::ptrdiff_t>(length_));
+    length_ += count;
+    text.remove_prefix(count);
+    if (length_ == line_.size()) {
+      flush();
+    }
+  }
+  if (whole) {
+    flush();
+  }
+}
 
 auto Print::operator<<(std::string_view text) -> Print& {
   sink_.write(text);

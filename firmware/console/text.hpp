@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -21,6 +22,22 @@ class TextSink {
  private:
   virtual void do_write(std::string_view text) = 0;
   [[nodiscard]] virtual auto do_dropped() const -> std::uint32_t { return 0; }
+};
+
+/// Collects a line, or what there is when it is flushed, before it is handed on: a sink that waits for room in vain
+/// then waits once for it, and not for each of the parts it is put together from.
+class LineSink final : public TextSink {
+ public:
+  explicit LineSink(TextSink& sink) : sink_(sink) {}
+  void flush();
+
+ private:
+  void do_write(std::string_view text) override;
+  [[nodiscard]] auto do_dropped() const -> std::uint32_t override { return sink_.dropped(); }
+
+  TextSink& sink_;
+  std::array<char, 128> line_{};
+  std::size_t length_ = 0;
 };
 
 /// Formats without heap, floating point or printf: the target has none of them.

@@ -197,5 +197,31 @@ TEST(Text, WordsAreTakenFromTheFrontOneByOne) {
   EXPECT_EQ(next_word(text), "");
 }
 
+TEST(Text, ALineReachesItsSinkWholeAndWhatIsLongerInPieces) {
+  struct Pieces final : TextSink {
+    void do_write(std::string_view text) override { all.emplace_back(text); }
+    std::vector<std::string> all;
+  } pieces;
+  LineSink lines(pieces);
+  Print out(lines);
+  out << "q2 " << 12 << ' ' << Q24::from_double(0.5);
+  EXPECT_TRUE(pieces.all.empty());
+  out << "\r\n";
+  EXPECT_EQ(pieces.all, std::vector<std::string>{"q2 12 0.5\r\n"});
+  out << "capstan> ";
+  lines.flush();
+  lines.flush();
+  EXPECT_EQ(pieces.all.back(), "capstan> ");
+  ASSERT_EQ(pieces.all.size(), 2U);
+  const std::string longer(300, 'x');
+  out << longer << "\n";
+  std::string joined;
+  for (std::size_t i = 2; i < pieces.all.size(); ++i) {
+    EXPECT_LE(pieces.all[i].size(), 128U);
+    joined += pieces.all[i];
+  }
+  EXPECT_EQ(joined, longer + "\n");
+}
+
 }  // namespace
 }  // namespace capstan
