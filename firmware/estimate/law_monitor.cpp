@@ -55,7 +55,8 @@ void LawMonitor::rt_step(const MonitorConfig& config, const ControlConfig& contr
   if (abs(now.q1_rad - now.q1_reversal_rad) > config.settle_rad) {
     Side& side = sides_[now.forward ? 1 : 0];
     side.torque += (now.tau_nm - (now.forward ? control.torque_forward_nm : control.torque_backward_nm)).raw();
-    side.lead += now.crossed ? -now.joint_lead_rad.raw() : now.joint_lead_rad.raw();
+    const std::int64_t lead = now.joint_lead_rad.raw();  // wider, for it is negated
+    side.lead += now.crossed ? -lead : lead;
     side.error += now.crossed ? -error : error;
     side.sensed += sensed ? 1 : 0;
     ++side.count;
