@@ -33,7 +33,7 @@ auto LineEditor::take_escape(char c) -> bool {
   escape_ = goes_on ? Escape::kSequence : Escape::kNone;
   if (goes_on) {
     escape_digit_ = escape_digit_ == 0 && c >= '0' && c <= '9' ? c : escape_digit_;
-  } else if (before == Escape::kSequence && echo_) {
+  } else if (before == Escape::kSequence) {
     edit_key(c);
   }
   return true;
@@ -119,7 +119,7 @@ auto LineEditor::take_control(char c) -> bool {
 auto LineEditor::take(char c) -> Key {
   const char last = last_;
   last_ = c;
-  if (take_escape(c)) {
+  if (echo_ && take_escape(c)) {
     return Key::kNone;
   }
   if (c == '\n' && last == '\r') {

@@ -10,8 +10,8 @@ namespace capstan {
 
 /// The line that is being typed. On a terminal it is echoed and edited (arrows, Home, End, Delete, Ctrl-A E B F D K U
 /// W, history by up and down or Ctrl-P N), and what follows the word `maintenance` is shown as stars and never
-/// remembered; without one only backspace, delete and Ctrl-U mean anything. Bounded memory: the oldest lines are
-/// forgotten first.
+/// remembered; without one only backspace, delete and Ctrl-U mean anything, and other controls damage it. Bounded
+/// memory: the oldest lines are forgotten first.
 class LineEditor {
  public:
   static constexpr std::size_t kLength = 160;

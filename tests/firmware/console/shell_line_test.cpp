@@ -10,6 +10,8 @@ namespace capstan {
 namespace {
 
 using Bench = test::Bench<2>;
+using test::error_of;
+using test::has_line;
 using test::lines_of;
 using test::verdict;
 
@@ -237,15 +239,30 @@ TEST(ShellNoise, AMillionBytesRichInControlCharactersNeverArmOrRestart) {
   EXPECT_EQ(bench.board.reboots, restarts);
 }
 
-TEST(ShellEditing, KeysThatSendEscapeSequencesAreIgnoredWhole) {
-  Bench bench;
-  EXPECT_EQ(verdict(bench.say("nonsense\x1B\x15version")), "ok") << "Ctrl-U is no part of a key";
-  for (const char* line : {"ver\x1B[Asion", "\x1B[1;5Cversion", "version\x1BOP",
+TEST(ShellEditing, KeysThatSendEscapeSequencesAreNoTextOfALine) {
+  for (const char* line : {"nonsense\x1B\x15version", "ver\x1B[Asion", "\x1B[1;5Cversion", "version\x1BOP",
                            "ve\x1B"
                            "brsion",
                            "version\x1B", "version\x1B["}) {
-    EXPECT_EQ(verdict(bench.say(line)), "ok") << line;
+    Bench bench(true);
+    EXPECT_TRUE(has_line(bench.say(line), "ok")) << line;
   }
+}
+
+TEST(ShellEditing, WithoutATerminalAnEscapeIsDamageAndTakesNothingWithIt) {
+  Bench bench;
+  bench.say("arm");
+  bench.ticks(50);
+  for (const char* line : {"move joint0 0.1\x1B"
+                           "5 rad",
+                           "move joint0 \x1B-0.5 rad", "move joint0 0.1\x1B[5 rad", "version\x1B"}) {
+    EXPECT_EQ(error_of(bench.say(line)), "not_text") << line;
+    bench.say("version");  // a line that acts is not trusted right behind a damaged one
+  }
+  bench.ticks(500);
+  EXPECT_EQ(bench.joint().q2_reference_rad, Q24{});
+  EXPECT_EQ(verdict(bench.say("nonsense\x1B\x15version")), "ok") << "Ctrl-U begins a new line";
+  EXPECT_EQ(verdict(bench.say("disarm \x1B")), "ok") << "what wants torque off is never refused";
 }
 
 }  // namespace
