@@ -13,13 +13,13 @@
 /// output files mean that estimator, supervisor, controller and limits agree to the last bit. All numbers are little
 /// endian.
 ///
-///   input:  "CRP4", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
+///   input:  "CRP5", axes u32, number of parameters u32, for each axis their raw values i32 | records of kInputSize
 ///   bytes output: records of kOutputSize bytes, one for each input record
 namespace capstan::stm32f405 {
 
-inline constexpr std::uint32_t kReplayMagic = 0x34505243;  // "CRP4"
+inline constexpr std::uint32_t kReplayMagic = 0x35505243;  // "CRP5"
 template <std::size_t Axes>
-inline constexpr std::size_t kInputSize = 5 + 38 * Axes;
+inline constexpr std::size_t kInputSize = 6 + 38 * Axes;
 template <std::size_t Axes>
 inline constexpr std::size_t kOutputSize = 6 + 43 * Axes;
 
@@ -76,7 +76,8 @@ void encode(const ReplayInput<Axes>& input, std::span<std::uint8_t, kInputSize<A
   detail::ByteWriter out(bytes);
   out.u8(static_cast<std::uint8_t>((input.sensed.estop ? 1U : 0U) | (input.command.arm ? 2U : 0U) |
                                    (input.command.disarm ? 4U : 0U) | (input.command.experiment ? 8U : 0U) |
-                                   (input.command.cautious ? 16U : 0U)));
+                                   (input.command.rest ? 16U : 0U)));
+  out.u8(input.command.cautious);
   out.u32(input.sensed.overruns);
   for (std::size_t i = 0; i < Axes; ++i) {
     const AxisSensed& sensed = input.sensed.axis[i];
@@ -102,7 +103,8 @@ auto decode(std::span<const std::uint8_t, kInputSize<Axes>> bytes) -> ReplayInpu
   input.command.arm = (flags & 2U) != 0;
   input.command.disarm = (flags & 4U) != 0;
   input.command.experiment = (flags & 8U) != 0;
-  input.command.cautious = (flags & 16U) != 0;
+  input.command.rest = (flags & 16U) != 0;
+  input.command.cautious = in.u8();
   input.sensed.overruns = in.u32();
   for (std::size_t i = 0; i < Axes; ++i) {
     AxisSensed& sensed = input.sensed.axis[i];

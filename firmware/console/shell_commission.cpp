@@ -47,7 +47,8 @@ auto parse_option(std::string_view word, ExperimentSetup& setup) -> bool {
           setup.dither_nm > Q24{});
 }
 
-/// Moves, dither and fast moves, one experiment after the other, and what was found.
+/// Moves, dither and fast moves, one experiment after the other, and what was found. Torque that comes back for the
+/// fast moves is not cautious, so it stays no longer than they do.
 struct CommissionStream final : Stream {
   MotorCommissioning found;
   ExperimentSetup setup;
@@ -58,24 +59,41 @@ struct CommissionStream final : Stream {
   void cancel(Session& /*session*/) override { cancelled_ = true; }
 
  private:
-  enum class Step : std::uint8_t { kMoves, kDither, kResting, kRising, kFastMoves, kTaking };
+  enum class Step : std::uint8_t { kMoves, kDither, kResting, kRising, kFastMoves, kTaking, kGivingUp };
   auto begin_step(Session& session, Step step) -> bool;
+  void move(Session& session, const MachineTelemetry& now);
+  void rise(Session& session, const MachineTelemetry& now);
   void add_samples(Session& session);
-  void next_step(Session& session);
+  void next_step(Session& session, const MachineTelemetry& now);
   void take(Session& session);
+  void give_up(Session& session, const char* problem);
+  void refuse(Session& session, const MachineTelemetry& now) const;
 
   Step step_ = Step::kMoves;
+  const char* problem_ = nullptr;
   bool cancelled_ = false;
 };
 
-void refuse(Session& session, const char* problem) {
-  session.out() << "error not_identified: nothing was changed, because " << problem << "\r\n";
-  session.refused();
+/// @param problem  why the values are not known; nullptr: it was ended before it was over
+void CommissionStream::give_up(Session& session, const char* problem) {
+  problem_ = problem;
+  if (step_ == Step::kRising || step_ == Step::kFastMoves) {
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kRest}));
+  }
+  step_ = Step::kGivingUp;
 }
 
-void refuse_cancelled(Session& session) {
-  session.error("aborted", "commissioning was ended before it was over, and nothing was changed",
-                "read 'faults', and begin it again");
+void CommissionStream::refuse(Session& session, const MachineTelemetry& now) const {
+  if (now.first_fault != Fault::kNone) {
+    print_fault(session, "ended by ", info(now.first_fault));
+  }
+  if (problem_ == nullptr) {
+    session.error("aborted", "commissioning was ended before it was over, and nothing was changed",
+                  "read 'faults' and 'status', and begin it again");
+    return;
+  }
+  session.out() << "error not_identified: nothing was changed, because " << problem_ << "\r\n";
+  session.refused();
 }
 
 auto CommissionStream::begin_step(Session& session, Step step) -> bool {
@@ -110,37 +128,45 @@ void CommissionStream::step(Session& session) {
     return;
   }
   const MachineTelemetry now = session.machine().telemetry();
-  switch (step_) {
-    case Step::kTaking:
-      take(session);
-      return;
-    case Step::kResting:  // torque is off: from here on the joint may be as fast as it will be
-      if (cancelled_) {
-        refuse_cancelled(session);
-        return;
-      }
-      step_ = Step::kRising;
-      static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
-      return;
-    case Step::kRising:
-      if (now.state == State::kHolding && cancelled_) {
-        refuse_cancelled(session);
-      } else if (now.state == State::kHolding) {
-        static_cast<void>(begin_step(session, Step::kFastMoves));
-      } else if (!energised(now.state)) {
-        refuse(session, "torque did not come back for the fast moves; read 'faults'");
-      }
-      return;
-    default:
-      break;
+  if (step_ == Step::kGivingUp) {
+    refuse(session, now);
+  } else if (step_ == Step::kTaking && now.first_fault != Fault::kNone) {
+    refuse(session, now);
+  } else if (step_ == Step::kTaking) {
+    take(session);
+  } else if (step_ == Step::kResting || step_ == Step::kRising) {
+    rise(session, now);
+  } else {
+    move(session, now);
   }
+}
+
+/// Torque goes and comes back for the fast moves: from here on this joint may be as fast as it will be.
+void CommissionStream::rise(Session& session, const MachineTelemetry& now) {
+  if (cancelled_ || now.first_fault != Fault::kNone) {
+    give_up(session, nullptr);
+  } else if (step_ == Step::kResting) {
+    step_ = Step::kRising;
+    const unsigned others = session.board().simulated() ? 0U : kAllJoints & ~(1U << setup.axis);
+    static_cast<void>(
+        session.machine().post({.kind = Request::Kind::kArm, .cautious = static_cast<std::uint8_t>(others)}));
+  } else if (now.state == State::kHolding) {
+    if (!begin_step(session, Step::kFastMoves)) {  // and that was answered
+      static_cast<void>(session.machine().post({.kind = Request::Kind::kRest}));
+    }
+  } else if (!energised(now.state)) {
+    give_up(session, "torque did not come back for the fast moves; read 'faults'");
+  }
+}
+
+void CommissionStream::move(Session& session, const MachineTelemetry& now) {
   add_samples(session);
   if (cancelled_ && now.state == State::kExperiment && !session.disarming()) {  // somebody wants it to end
     static_cast<void>(session.machine().post({.kind = Request::Kind::kStop, .axis = setup.axis}));
   }
   const bool over = now.experiment == ExperimentPhase::kDone || now.experiment == ExperimentPhase::kEnded;
   if (over && (now.state == State::kHolding || !energised(now.state))) {  // and does not brake any more
-    next_step(session);
+    next_step(session, now);
   }
 }
 
@@ -154,14 +180,10 @@ void CommissionStream::add_samples(Session& session) {
   }
 }
 
-void CommissionStream::next_step(Session& session) {
+void CommissionStream::next_step(Session& session, const MachineTelemetry& now) {
   session.machine().recorder().stop(&session);
-  const MachineTelemetry now = session.machine().telemetry();
-  if (now.experiment == ExperimentPhase::kEnded || cancelled_) {
-    if (now.first_fault != Fault::kNone) {
-      print_fault(session, "ended by ", info(now.first_fault));
-    }
-    refuse_cancelled(session);
+  if (now.experiment == ExperimentPhase::kEnded || cancelled_ || now.first_fault != Fault::kNone) {
+    give_up(session, nullptr);
     return;
   }
   if (step_ == Step::kMoves) {
@@ -171,11 +193,11 @@ void CommissionStream::next_step(Session& session) {
   const bool identified = step_ == Step::kFastMoves;
   const char* problem = identified ? found.result().problem : found.begin_fast_moves();
   if (problem != nullptr) {
-    refuse(session, problem);
+    give_up(session, problem);
     return;
   }
   step_ = identified ? Step::kTaking : Step::kResting;
-  static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
+  static_cast<void>(session.machine().post({.kind = Request::Kind::kRest}));
 }
 
 /// Without torque, for these are safety limits.

@@ -34,7 +34,7 @@ struct LooksStream final : Stream {
 
   void begin(Session& session) {
     since_ = session.machine().telemetry().tick;
-    static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kRest}));
     session.begin(*this);
   }
   [[maybe_unused]] void step(Session& session) override;  // not on a board that can not commission
@@ -65,7 +65,8 @@ void LooksStream::step(Session& session) {
     look(session, now);
   } else if (now.tick - since_ > kRelaxCycles) {
     step_ = Step::kWaking;
-    static_cast<void>(session.machine().post({.kind = Request::Kind::kArm}));
+    const std::uint8_t cautious = session.board().simulated() ? 0 : kAllJoints;
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kArm, .cautious = cautious}));
   }
 }
 
@@ -85,13 +86,16 @@ void LooksStream::look(Session& session, const MachineTelemetry& now) {
     ++armings_;
     step_ = lost_ || looked_ == kLooks || armings_ == kArmings ? Step::kTaking : Step::kRelaxing;
     since_ = now.tick;
-    static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));
+    static_cast<void>(session.machine().post({.kind = Request::Kind::kRest}));
   }
 }
 
 /// Without torque, for it is a safety limit.
 void LooksStream::take(Session& session) {
   if (lost_) {
+    if (const Fault first = session.machine().telemetry().first_fault; first != Fault::kNone) {
+      print_fault(session, "ended by ", info(first));
+    }
     session.error("aborted", "torque went or did not come while the motor was looked at, and nothing was changed",
                   "read 'faults', and begin it again");
     return;

@@ -72,7 +72,7 @@ void commands::arm(Session& session, std::string_view /*arguments*/) {
   session.out() << "# joint" << axis
                 << " is not commissioned: a quarter of limits.joint_speed, and a thirtieth of "
                    "limits.current as the largest change in a cycle\r\n";
-  session.post<ArmStream>({.kind = Request::Kind::kArm, .cautious = true});
+  session.post<ArmStream>({.kind = Request::Kind::kArm, .cautious = kAllJoints});
 }
 
 void commands::disarm(Session& session, std::string_view /*arguments*/) {

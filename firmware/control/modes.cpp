@@ -59,6 +59,7 @@ auto Modes::rt_take(const JointView& joint, const Request& request) -> bool {
     case Request::Kind::kZero:
     case Request::Kind::kArm:
     case Request::Kind::kDisarm:
+    case Request::Kind::kRest:
       return false;
     case Request::Kind::kStop:
       if (in_torque()) {

@@ -7,6 +7,8 @@
 
 namespace capstan {
 
+inline constexpr std::uint8_t kAllJoints = 0xFF;  ///< a bit a joint
+
 /// What somebody asks of one joint, or of the machine: the operator's shell, a bus, a host that streams, an experiment.
 /// It goes down the cycle as it came.
 struct Request {
@@ -27,9 +29,11 @@ struct Request {
                    ///< held there
     kArm,          ///< of the machine: torque, if nothing blocks it
     kDisarm,       ///< of the machine: no torque; acknowledges a fault
+    kRest,         ///< of the machine: no torque; leaves a fault for the operator
   };
   Kind kind = Kind::kNone;
-  bool cautious = false;  ///< of kArm: joints whose observer is not commissioned keep to cautious_limits()
+  /// Of kArm, a bit a joint: those that keep to cautious_limits() where their observer is not commissioned.
+  std::uint8_t cautious = 0;
   std::uint8_t axis = 0;  ///< whose; where requests stand in the order of the joints, their place says it
   Q24 position_rad{};
   Q24 speed_rad_s{};

@@ -142,8 +142,9 @@ class Application final : public Machine {
     return report;
   }
 
-  /// Also while a request that may give torque is under way.
-  [[nodiscard]] auto has_torque() const -> bool { return energised(telemetry().state) || !request_box_.empty(); }
+  /// Also while a request that may give torque is under way. In this order: what the cycle has taken from the box shows
+  /// in the state.
+  [[nodiscard]] auto has_torque() const -> bool { return !request_box_.empty() || energised(telemetry().state); }
 
   /// The experiment's command, if one runs and the joints are still its own.
   void rt_experiment(Command<kAxes>& command) {
@@ -197,6 +198,9 @@ class Application final : public Machine {
         case Request::Kind::kDisarm:
           command.disarm = true;
           break;
+        case Request::Kind::kRest:
+          command.rest = true;
+          break;
         case Request::Kind::kZero:
           command.axis[request->axis] = *request;
           break;
@@ -209,7 +213,7 @@ class Application final : public Machine {
     }
     if (link_lost_.exchange(false, std::memory_order_relaxed)) {
       command.arm = false;
-      command.disarm |= energised(state_.supervisor.state());  // in kFaulted it would acknowledge the fault
+      command.rest = true;
     }
     return command;
   }

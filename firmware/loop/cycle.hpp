@@ -13,8 +13,9 @@ template <std::size_t Axes>
 struct Command {
   bool arm = false;
   bool disarm = false;
-  bool experiment = false;  ///< the commands to the joints come from an experiment
-  bool cautious = false;    ///< with `arm`: joints whose observer is not commissioned keep to cautious_limits()
+  bool rest = false;          ///< torque off, and a fault stays
+  bool experiment = false;    ///< the commands to the joints come from an experiment
+  std::uint8_t cautious = 0;  ///< with `arm`, a bit a joint, as a Request has it
   std::array<Request, Axes> axis{};
 };
 
@@ -153,7 +154,8 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
                           .waits = waits,
                           .disarm = command.disarm,
                           .experiment = command.experiment,
-                          .braking = true};
+                          .braking = true,
+                          .rest = command.rest};
   bool stops = false;
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
@@ -177,7 +179,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
     if (energised(now) && !had_torque) {
-      axis.rt_arm(*joint[i], command.cautious);
+      axis.rt_arm(*joint[i], ((command.cautious >> i) & 1U) != 0);
     }
     const JointReference& reference = axis.rt_reference(*motor[i], *joint[i], energised(now));
     drive.axis[i] = axis.rt_drive(*motor[i], reference.torque_nm, energised(now));

@@ -8,7 +8,7 @@ auto trigger_of(State state, const SupervisorInput& input) -> Trigger {
   if (input.faults != 0) {
     return input.disarm ? Trigger::kDisarm : Trigger::kFault;  // both end without torque; the operator's word is final
   }
-  if (input.disarm) {
+  if (input.disarm || (input.rest && state != State::kFaulted)) {
     return Trigger::kDisarm;
   }
   if (input.arm || (input.waits && state == State::kArmed)) {

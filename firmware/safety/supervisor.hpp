@@ -84,6 +84,7 @@ struct SupervisorInput {
   bool experiment = false;  ///< a recipe runs
   bool in_motion = false;   ///< some joint's reference is moving
   bool braking = false;     ///< and whatever moves was told to stop
+  bool rest = false;        ///< something else than the operator asks for rest: a fault stays, or is latched
 };
 
 /// Gate of the torque: one table of states. The first fault is kept until the operator disarms.

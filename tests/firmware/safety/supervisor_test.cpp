@@ -140,9 +140,9 @@ void for_all_inputs(Check&& check) {
                                               bit(Fault::kSensorMissing) | bit(Fault::kEmergencyStop)};
   for (const State before : kStates) {
     for (const FaultSet faults : fault_sets) {
-      for (int bits = 0; bits < 32; ++bits) {
-        const SupervisorInput input{faults,          (bits & 1) != 0, (bits & 2) != 0,
-                                    (bits & 8) != 0, (bits & 4) != 0, (bits & 16) != 0};
+      for (int bits = 0; bits < 128; ++bits) {
+        const SupervisorInput input{faults,          (bits & 1) != 0,  (bits & 2) != 0,  (bits & 8) != 0,
+                                    (bits & 4) != 0, (bits & 16) != 0, (bits & 32) != 0, (bits & 64) != 0};
         Supervisor supervisor = supervisor_in(before);
         const State after = supervisor.rt_step(input);
         EXPECT_EQ(after, supervisor.state());
