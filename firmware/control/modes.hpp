@@ -103,6 +103,8 @@ class Modes {
   [[nodiscard]] auto in_motion() const -> bool {
     return following_ || !trajectory_.finished() || (in_force() && !force_.arrived());
   }
+  /// References stream to it, or did until they were lost.
+  [[nodiscard]] auto streamed() const -> bool { return following_; }
   /// It was told to stop, and to nothing else since.
   [[nodiscard]] auto braking() const -> bool { return braking_; }
   /// Torque is commanded, the motor's or the joint's, not a position.

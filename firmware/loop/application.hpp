@@ -183,9 +183,33 @@ class Application final : public Machine {
     }
   }
 
+  /// What the operator asks of a joint that a stream moves ends that stream: it would take the joint back a cycle
+  /// later.
+  void rt_leave_stream(std::size_t axis) {
+    if (state_.axis[axis].streamed()) {
+      left_streams_ |= 1U << axis;
+      silent_cycles_[axis] = 0;
+    }
+  }
+
+  /// Until the sender has paused.
+  void rt_ignore_streams(Command<kAxes>& command) {
+    for (std::size_t axis = 0; axis < kAxes; ++axis) {
+      silent_cycles_[axis] = command.axis[axis].kind == Request::Kind::kNone ? silent_cycles_[axis] + 1 : 0;
+      if (silent_cycles_[axis] >= kPauseCycles) {
+        left_streams_ &= ~(1U << axis);
+      } else if ((left_streams_ >> axis & 1U) != 0) {
+        command.axis[axis] = {};
+      }
+    }
+  }
+
   /// Streamed references, over them an experiment's, and over them what the shell asked for.
   auto rt_command(const Streamed& streamed) -> Command<kAxes> {
     Command<kAxes> command{.axis = streamed};
+    if (left_streams_ != 0) {
+      rt_ignore_streams(command);
+    }
     rt_experiment(command);
     // What is asked for before the first cycle waits for the second, which can carry it out.
     const Request* request = state_.supervisor.state() == State::kBoot ? nullptr : request_box_.rt_peek();
@@ -206,6 +230,7 @@ class Application final : public Machine {
           break;
         default:
           rt_end_experiment(command, request->axis);
+          rt_leave_stream(request->axis);
           command.axis[request->axis] = *request;
           break;
       }
@@ -256,6 +281,9 @@ class Application final : public Machine {
   Mailbox<Request> request_box_;
   Published<Snapshot> published_;
   Recorder recorder_;
+  static constexpr std::uint32_t kPauseCycles = 100;  // after which a stream is another one, as on the bus
+  std::uint32_t left_streams_ = 0;                    // a bit a joint
+  std::array<std::uint32_t, kAxes> silent_cycles_{};  // of the streams that were left
   Experiment experiment_;
   bool experiment_taken_ = false;
   Mailbox<ExperimentSetup> experiment_box_;

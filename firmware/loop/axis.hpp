@@ -51,6 +51,7 @@ class Axis {
   /// The motor's direction switch, by the law's last sample.
   [[nodiscard]] auto goes_forward() const -> bool { return estimator_.law().sample().forward; }
   [[nodiscard]] auto in_motion() const -> bool { return modes_.in_motion(); }
+  [[nodiscard]] auto streamed() const -> bool { return modes_.streamed(); }
   [[nodiscard]] auto braking() const -> bool { return modes_.braking(); }
   [[nodiscard]] auto in_torque() const -> bool { return modes_.in_torque(); }
   [[nodiscard]] auto config() const -> const AxisConfig& { return config_; }

@@ -3,42 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "capstan/tests/firmware/support.hpp"
+#include "capstan/tests/firmware/loop/application_rig.hpp"
 
 namespace capstan {
 namespace {
 
 using test::FakeIo;
 using test::FlashBanks;
-
-struct Rig {
-  explicit Rig(const FlashBanks& stored = {}) : banks(stored) { application.rt_tick(); }
-  auto request(const Request& wanted) -> bool {
-    const bool posted = application.post(wanted);
-    application.rt_tick();
-    return posted;
-  }
-  auto arm() -> bool {
-    const bool posted = request({.kind = Request::Kind::kArm});
-    ticks(1);  // taken over
-    return posted;
-  }
-  auto move(double target_rad) -> bool {
-    return request(
-        {.kind = Request::Kind::kMove, .position_rad = Q24::from_double(target_rad), .speed_rad_s = Q24::from_int(2)});
-  }
-  void ticks(int count) {
-    for (int i = 0; i < count; ++i) {
-      application.rt_tick();
-    }
-  }
-  [[nodiscard]] auto state() const -> State { return application.telemetry().state; }
-  [[nodiscard]] auto fault() const -> Fault { return application.telemetry().first_fault; }
-
-  FlashBanks banks;
-  FakeIo<1> io;
-  Application<FakeIo<1>> application{io, banks};
-};
+using Rig = test::ApplicationRig;
 
 auto stored(const AxisConfig& config) -> FlashBanks {
   FlashBanks banks;
@@ -226,40 +198,6 @@ TEST(Application, TheModelTheMotorAndTheLimitsDoNotChangeUnderTorque) {
   EXPECT_EQ(rig.state(), State::kHolding);
 }
 
-TEST(Application, ALostLinkTakesTorqueAwayWithinOneCycleInTheMiddleOfAMove) {
-  Rig rig;
-  rig.arm();
-  rig.move(1.5);
-  rig.ticks(100);
-  ASSERT_EQ(rig.state(), State::kMoving);
-  rig.application.link_lost();
-  rig.ticks(1);
-  EXPECT_EQ(rig.state(), State::kDisarmed);
-  EXPECT_FALSE(rig.io.has_torque());
-}
-
-TEST(Application, ALostLinkOverrulesAnArmingThatIsUnderWay) {
-  Rig rig;
-  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
-  rig.application.link_lost();
-  rig.ticks(10);
-  EXPECT_EQ(rig.state(), State::kDisarmed);
-  EXPECT_FALSE(rig.io.has_torque());
-}
-
-TEST(Application, ALostLinkDoesNotAcknowledgeAFault) {
-  Rig rig;
-  rig.arm();
-  rig.io.estop = true;
-  rig.ticks(1);
-  rig.io.estop = false;
-  ASSERT_EQ(rig.fault(), Fault::kEmergencyStop);
-  rig.application.link_lost();
-  rig.ticks(10);
-  EXPECT_EQ(rig.state(), State::kFaulted);
-  EXPECT_EQ(rig.fault(), Fault::kEmergencyStop);
-}
-
 TEST(Application, AFailedWriteReleasesAtOnceAndTorqueDoesNotComeBackByItself) {
   Rig rig;
   rig.arm();
@@ -315,21 +253,6 @@ TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
   rig.ticks(1);
   EXPECT_TRUE(rig.application.requests_taken());
   EXPECT_EQ(rig.state(), State::kArmed);
-}
-
-TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) {
-  Rig rig;
-  rig.arm();
-  Application<FakeIo<1>>::Streamed streamed{};
-  for (int i = 0; i < 500; ++i) {
-    streamed[0] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(0.001 * i)};
-    rig.application.rt_tick(streamed);
-  }
-  EXPECT_EQ(rig.state(), State::kMoving);
-  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.5, 0.02);
-  rig.request({.kind = Request::Kind::kStop});
-  rig.ticks(300);
-  EXPECT_EQ(rig.state(), State::kHolding);
 }
 
 TEST(Application, RecordingGivesEverySampleInOrderAndCountsWhatIsNotFetched) {

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who commands an application beside its operator: a link that may be lost, and streams.
+#include <gtest/gtest.h>
+
+#include "capstan/tests/firmware/loop/application_rig.hpp"
+
+namespace capstan {
+namespace {
+
+using test::FakeIo;
+using Rig = test::ApplicationRig;
+
+TEST(Application, ALostLinkTakesTorqueAwayWithinOneCycleInTheMiddleOfAMove) {
+  Rig rig;
+  rig.arm();
+  rig.move(1.5);
+  rig.ticks(100);
+  ASSERT_EQ(rig.state(), State::kMoving);
+  rig.application.link_lost();
+  rig.ticks(1);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, ALostLinkOverrulesAnArmingThatIsUnderWay) {
+  Rig rig;
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  rig.application.link_lost();
+  rig.ticks(10);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, ALostLinkDoesNotAcknowledgeAFault) {
+  Rig rig;
+  rig.arm();
+  rig.io.estop = true;
+  rig.ticks(1);
+  rig.io.estop = false;
+  ASSERT_EQ(rig.fault(), Fault::kEmergencyStop);
+  rig.application.link_lost();
+  rig.ticks(10);
+  EXPECT_EQ(rig.state(), State::kFaulted);
+  EXPECT_EQ(rig.fault(), Fault::kEmergencyStop);
+}
+
+TEST(Application, AFaultInTheCycleOfALostLinkIsLatched) {
+  Rig rig;
+  rig.arm();
+  rig.io.encoder = Quality::kMissing;
+  rig.application.link_lost();
+  rig.ticks(1);
+  rig.io.encoder = Quality::kOk;
+  EXPECT_EQ(rig.state(), State::kFaulted);
+  EXPECT_EQ(rig.fault(), Fault::kSensorMissing);
+  EXPECT_FALSE(rig.io.has_torque());
+}
+
+TEST(Application, RestTakesTorqueAwayButLeavesAFaultForTheOperator) {
+  Rig rig;
+  rig.arm();
+  rig.request({.kind = Request::Kind::kRest});
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+  rig.arm();
+  rig.io.estop = true;
+  rig.ticks(1);
+  rig.io.estop = false;
+  rig.request({.kind = Request::Kind::kRest});
+  rig.ticks(10);
+  EXPECT_EQ(rig.fault(), Fault::kEmergencyStop);
+  rig.request({.kind = Request::Kind::kDisarm});
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+}
+
+TEST(Application, AStreamedReferenceMovesTheJointAndAnOperatorsStopOverrulesIt) {
+  Rig rig;
+  rig.arm();
+  Application<FakeIo<1>>::Streamed streamed{};
+  for (int i = 0; i < 500; ++i) {
+    streamed[0] = {.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(0.001 * i)};
+    rig.application.rt_tick(streamed);
+  }
+  EXPECT_EQ(rig.state(), State::kMoving);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.5, 0.02);
+  rig.request({.kind = Request::Kind::kStop});
+  rig.ticks(300);
+  EXPECT_EQ(rig.state(), State::kHolding);
+}
+
+TEST(Application, AnOperatorsHoldEndsAStreamUntilItsSenderPauses) {
+  Rig rig;
+  rig.arm();
+  double reference = 0.0;
+  const auto stream = [&](int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      reference += 0.0005;
+      rig.application.rt_tick({{{.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(reference)}}});
+    }
+  };
+  const auto wanted = [&] { return rig.application.axis_telemetry(0).q2_reference_rad.to_double(); };
+  stream(500);
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kStop}));
+  stream(300);
+  EXPECT_EQ(rig.state(), State::kHolding);
+  const double held = wanted();
+  EXPECT_NEAR(held, 0.25, 0.05);
+  stream(200);
+  EXPECT_EQ(wanted(), held);
+  rig.ticks(99);
+  stream(10);
+  EXPECT_EQ(wanted(), held) << "not silent for long enough";
+  rig.ticks(100);
+  reference = held;
+  stream(100);
+  EXPECT_NEAR(wanted(), reference, 0.01);
+  EXPECT_EQ(rig.state(), State::kMoving);
+}
+
+TEST(Application, AnOperatorsMoveEndsAStreamToo) {
+  Rig rig;
+  rig.arm();
+  for (int i = 0; i < 1500; ++i) {
+    if (i == 100) {
+      ASSERT_TRUE(rig.application.post(
+          {.kind = Request::Kind::kMove, .position_rad = Q24::from_double(-0.3), .speed_rad_s = Q24::from_int(1)}));
+    }
+    rig.application.rt_tick({{{.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(0.2)}}});
+  }
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_NEAR(rig.application.axis_telemetry(0).q2_reference_rad.to_double(), -0.3, 1e-3);
+}
+
+}  // namespace
+}  // namespace capstan
