@@ -24,7 +24,8 @@ auto Estimator::rt_step(const AxisConfig& config, const MotorState& motor, const
   estimate_.faults = 0;
   estimate_.error_bar_rad = ErrorBar::kUnknown;
   if (input.faults != 0) {
-    return estimate_;  // the fault is the sensor's own
+    estimate_.faults = input.faults & bit(Fault::kModelInvalid);  // any other is the sensor's own
+    return estimate_;
   }
   const Estimate<Q24> estimate = law_.update(input.measured);
   estimate_.q2_rad = estimate.q2;

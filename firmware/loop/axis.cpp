@@ -6,6 +6,14 @@
 namespace capstan {
 namespace {
 
+/// Of a motor that is not there. Nobody asks for it but a law whose joint it would pull at, which is not this
+/// machine's.
+constexpr MotorState kAbsent = [] {
+  MotorState motor;
+  motor.faults = bit(Fault::kModelInvalid);
+  return motor;
+}();
+
 auto same_law(const LawParameters<Q24>& a, const LawParameters<Q24>& b) -> bool {
   return a.coefficients == b.coefficients && a.shapes == b.shapes &&
          a.conditioner.direction_threshold_rad == b.conditioner.direction_threshold_rad &&
@@ -101,7 +109,8 @@ auto Axis::rt_sense(const AxisSensed& sensed) -> const MotorState& {
     return sensing_.rt_step(config_, sensed);
   }
   effort_.rt_absent();
-  return sensing_.rt_absent();
+  static_cast<void>(sensing_.rt_absent());
+  return kAbsent;
 }
 
 auto Axis::rt_estimate(const MotorState& motor, const LawInput& input) -> const JointEstimate& {

@@ -64,7 +64,10 @@ inline constexpr std::array<FaultInfo, 22> kFaultTable = {{
     {Fault::kEmergencyStop, "emergency_stop", "the emergency stop is open",
      "close the emergency stop, then 'disarm' and 'arm'"},
     {Fault::kModelInvalid, "model_invalid",
-     "the stored parameters are corrupt or from another version; defaults are in use", "load a model and 'save' it"},
+     "the stored parameters are corrupt or from another version, and defaults are in use; or another joint's motor is "
+     "in "
+     "the law and its motor.fitted is 0",
+     "load a model and 'save' it, or set axis_coupling.joint to -1"},
     {Fault::kDriveFailed, "drive_failed", "the amplifier did not take its set value in the last cycle",
      "check the amplifier's cable, supply and enable line, then 'disarm' and 'arm'"},
     {Fault::kBoardClock, "board_clock",

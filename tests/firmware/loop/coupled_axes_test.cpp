@@ -141,5 +141,24 @@ TEST(CoupledAxes, FeedforwardBringsJointsThatPullAtEachOtherWhereTheyAreWanted) 
   }
 }
 
+TEST(CoupledAxes, ALawThatCountsOnAJointThatIsNotThereGivesNoTorque) {
+  Config<2> config{};
+  set(config[0], "axis_coupling.angle", 0.5);
+  config[0].coupled_to[0] = 1;
+  config[1].motor.fitted = 0;
+  test::CycleRig<2> rig(config);
+  rig.arm();
+  EXPECT_EQ(rig.now(), State::kDisarmed);
+  EXPECT_TRUE(rig.has(Fault::kModelInvalid));
+  EXPECT_NE(rig.joint(0).faults & bit(Fault::kModelInvalid), 0U) << "it is this joint's law";
+  EXPECT_EQ(rig.joint(1).faults, 0U);
+  EXPECT_FALSE(rig.joint(0).estimate_valid);
+
+  config[0].coupled_to[0] = -1;
+  test::CycleRig<2> alone(config);
+  alone.arm();
+  EXPECT_EQ(alone.now(), State::kHolding);
+}
+
 }  // namespace
 }  // namespace capstan
