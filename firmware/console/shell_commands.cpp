@@ -34,9 +34,10 @@ constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"load", "", 0, "reads them back from storage (disarmed only)", commands::load},
     ShellCommand{
         "maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
-        "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes; without "
-                 "a key set, 'open' does",
-                 commands::maintenance},
+        "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes, and of a "
+        "commissioned joint its scale (motor.encoder_counts, motor.encoder_sign, motor.torque_per_current); "
+        "without a key set, 'open' does",
+        commands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", commands::disarm},
     ShellCommand{

@@ -30,11 +30,12 @@ constexpr std::size_t kLinks = kTip + offsetof(TipConfig, links);
 constexpr std::size_t kConditioner = kLaw + offsetof(LawParameters<Q24>, conditioner);
 
 constexpr std::array kFixedParameters = {
-    integer("motor", "encoder_counts", "1", "encoder counts per turn of the input pulley",
+    integer("motor", "encoder_counts", "1",
+            "encoder counts per turn of the input pulley; a safety limit once the joint is commissioned",
             kMotor + offsetof(MotorConfig, encoder_counts_per_turn), 16, 1 << 24),
-    integer("motor", "encoder_sign", "1", "+1, or -1 if the encoder counts against the torque",
+    integer("motor", "encoder_sign", "1", "+1, or -1 if the encoder counts against the torque; likewise",
             kMotor + offsetof(MotorConfig, encoder_sign), -1, 1),
-    real("motor", "torque_per_current", "Nm/A", "torque at the input pulley per motor current",
+    real("motor", "torque_per_current", "Nm/A", "torque at the input pulley per motor current; likewise",
          kMotor + offsetof(MotorConfig, torque_per_current_nm_per_a), 0.0001, 100.0),
     real("motor", "speed_limit", "rad/s", "an encoder that moves faster is a fault",
          kMotor + offsetof(MotorConfig, speed_limit_rad_s), 0.1, 120.0, kSafety),
@@ -289,38 +290,6 @@ auto raw_value(const AxisConfig& config, const ParameterInfo& parameter) -> std:
 
 void set_raw_value(AxisConfig& config, const ParameterInfo& parameter, std::int32_t raw) {
   std::memcpy(reinterpret_cast<char*>(&config) + parameter.offset, &raw, sizeof raw);
-}
-
-auto needs_rest(const AxisConfig& now, const AxisConfig& next) -> bool {
-  for (const ParameterInfo& parameter : kTable) {
-    if (parameter.change != ParameterChange::kAnyTime && raw_value(now, parameter) != raw_value(next, parameter)) {
-      return true;
-    }
-  }
-  return false;
-}
-
-auto changed_safety_limit(const AxisConfig& now, const AxisConfig& next) -> const ParameterInfo* {
-  for (const ParameterInfo& parameter : kTable) {
-    if (parameter.change == ParameterChange::kMaintenance && raw_value(now, parameter) != raw_value(next, parameter)) {
-      return &parameter;
-    }
-  }
-  return nullptr;
-}
-
-auto judge_change(const AxisConfig& now, const AxisConfig& next, Rights rights, bool live) -> SetAnswer {
-  using Refusal = SetAnswer::Refusal;
-  if (live && needs_rest(now, next)) {
-    return {.refusal = Refusal::kNeedsRest};
-  }
-  const ParameterInfo* limit = changed_safety_limit(now, next);
-  if (limit != nullptr && rights != Rights::kMaintenance) {
-    return {.refusal = Refusal::kSafetyLimit, .limit = limit};
-  }
-  const char* reason = check(next);
-  return reason == nullptr ? SetAnswer{}
-                           : SetAnswer{.refusal = Refusal::kInconsistent, .reason = reason, .grid = check_grid(next)};
 }
 
 namespace {

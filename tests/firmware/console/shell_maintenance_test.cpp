@@ -104,6 +104,33 @@ TEST(ShellMaintenance, TheRefusalNamesTheLimitAndATransactionIsRefusedWhole) {
   EXPECT_EQ(in_force(bench).limits.current_a, Q24::from_int(2));
 }
 
+TEST(ShellMaintenance, TheScaleOfACommissionedJointIsASafetyLimit) {
+  Bench bench;
+  const std::array<const char*, 3> scale = {"set joint0.motor.encoder_counts 409600",
+                                            "set joint0.motor.encoder_sign -1",
+                                            "set joint0.motor.torque_per_current 0.001 Nm/A"};
+  for (const char* line : scale) {
+    EXPECT_EQ(verdict(bench.say(line)), "ok") << line << ", while the joint is set up";
+  }
+  bench.say("maintenance open");
+  for (const char* line : {"begin", "set joint0.motor.encoder_counts 40960", "set joint0.motor.encoder_sign 1",
+                           "set joint0.motor.torque_per_current 0.1", "set joint0.observer.inertia 0.02",
+                           "set joint0.observer.coulomb 0.003", "set joint0.observer.against 0.01",
+                           "set joint0.observer.noise 0.003", "commit", "maintenance close"}) {
+    EXPECT_EQ(verdict(bench.say(line)), "ok") << line;
+  }
+  for (const char* line : scale) {
+    const std::string answer = bench.say(line);
+    EXPECT_TRUE(refused(answer, "maintenance")) << line;
+    EXPECT_NE(answer.find("motor."), std::string::npos) << answer;
+  }
+  EXPECT_EQ(in_force(bench).motor.encoder_counts_per_turn, 40960);
+  EXPECT_EQ(verdict(bench.say("set joint0.motor_angle.beta 1.1")), "ok") << "a law is applied without maintenance";
+  EXPECT_EQ(verdict(bench.say("set joint1.motor.encoder_counts 8192")), "ok") << "the other joint is not commissioned";
+  bench.say("maintenance open");
+  EXPECT_EQ(verdict(bench.say(scale[0])), "ok");
+}
+
 TEST(ShellMaintenance, ADumpGoesBackWithoutMaintenanceWhereItsLimitsAreInForce) {
   Bench bench;
   bench.say("set joint0.control.kp 1.5");
