@@ -27,21 +27,6 @@ void print_entry(Print& out, const FaultEntry& entry) {
   out << "\r\n";
 }
 
-void fault_history(Session& session) {
-  Print& out = session.out();
-  const FaultLog& log = session.machine().fault_log();
-  const auto shown = std::min<std::uint32_t>(log.count(), FaultLog::kEntries);
-  for (std::uint32_t age = 0; age < shown; ++age) {
-    out << (age == 0 ? "last " : "before ");
-    print_entry(out, log.entry(age));
-  }
-  if (log.kept() > 0) {
-    out << "kept is the second before ";
-    print_entry(out, log.kept_entry());
-    out << "'faults second' prints it; until then later faults are listed only\r\n";
-  }
-}
-
 class FaultSecondStream final : public Stream {
  public:
   void step(Session& session) override;
@@ -112,6 +97,74 @@ void print_fault(Session& session, const char* what, const FaultInfo& entry) {
   out << (before[0] == ',' ? ")\r\n" : "\r\n");
 }
 
+namespace {
+
+void print_latched(Session& session, const MachineTelemetry& now) {
+  Print& out = session.out();
+  const FaultInfo& first = info(now.first_fault);
+  out << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
+  if (now.first_fault != Fault::kNone) {
+    const SafeStop stop = safe_stop(now.conditions | bit(now.first_fault), session.board().stop_means());
+    out << "stopped by " << name(stop) << "\r\n";
+  }
+}
+
+void print_joint_warnings(Session& session, std::uint32_t axis) {
+  if (const AxisTelemetry joint = session.machine().axis_telemetry(axis); joint.warnings != 0) {
+    session.out() << "joint" << axis << ", nothing is stopped by this:\r\n";
+    print_warnings(session.out(), joint.warnings);
+    print_tendons(session.out(), joint);
+  }
+}
+
+void print_logged(Print& out, const FaultLog& log, std::uint32_t age) {
+  if (age < log.count()) {
+    out << (age == 0 ? "last " : "before ");
+    print_entry(out, log.entry(age));
+  }
+}
+
+void print_kept(Print& out, const FaultLog& log) {
+  if (log.kept() > 0) {
+    out << "kept is the second before ";
+    print_entry(out, log.kept_entry());
+    out << "'faults second' prints it; until then later faults are listed only\r\n";
+  }
+}
+
+/// What is latched, what is present one by one, what warns, and the log.
+class FaultsStream final : public PartsStream {
+  auto print(Session& session, std::uint32_t part) -> bool override;
+};
+
+auto FaultsStream::print(Session& session, std::uint32_t part) -> bool {
+  constexpr std::uint32_t kWarns = 1 + kFaultTable.size();
+  const std::uint32_t joints = kWarns + 1;
+  const auto logged = joints + static_cast<std::uint32_t>(session.machine().axes());
+  const std::uint32_t last = logged + FaultLog::kEntries;
+  const MachineTelemetry now = session.machine().telemetry();
+  if (part == 0) {
+    print_latched(session, now);
+  } else if (part < kWarns) {
+    if (const FaultInfo& entry = kFaultTable[part - 1]; (now.conditions & bit(entry.code)) != 0) {
+      print_fault(session, "present ", entry);
+    }
+  } else if (part < joints) {
+    print_warnings(session.out(), now.warnings);
+  } else if (part < logged) {
+    print_joint_warnings(session, part - joints);
+  } else if (part < last) {
+    print_logged(session.out(), session.machine().fault_log(), part - logged);
+  } else {
+    print_kept(session.out(), session.machine().fault_log());
+    session.ok();
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 void commands::faults(Session& session, std::string_view arguments) {
   const std::string_view word = next_word(arguments);
   if (word == "second") {
@@ -127,29 +180,7 @@ void commands::faults(Session& session, std::string_view arguments) {
     session.error("usage", "faults knows 'second' and 'release'", "alone it shows what is latched, present and logged");
     return;
   }
-  const MachineTelemetry now = session.machine().telemetry();
-  const FaultInfo& first = info(now.first_fault);
-  Print& out = session.out();
-  out << "latched " << first.name << ": " << first.cause << "; " << first.cure << "\r\n";
-  if (now.first_fault != Fault::kNone) {
-    const SafeStop stop = safe_stop(now.conditions | bit(now.first_fault), session.board().stop_means());
-    out << "stopped by " << name(stop) << "\r\n";
-  }
-  for (const FaultInfo& entry : kFaultTable) {
-    if ((now.conditions & bit(entry.code)) != 0) {
-      print_fault(session, "present ", entry);
-    }
-  }
-  print_warnings(out, now.warnings);
-  for (std::size_t axis = 0; axis < session.machine().axes(); ++axis) {
-    if (const AxisTelemetry joint = session.machine().axis_telemetry(axis); joint.warnings != 0) {
-      out << "joint" << static_cast<std::uint32_t>(axis) << ", nothing is stopped by this:\r\n";
-      print_warnings(out, joint.warnings);
-      print_tendons(out, joint);
-    }
-  }
-  fault_history(session);
-  session.ok();
+  session.answer(session.make<FaultsStream>());
 }
 
 }  // namespace capstan

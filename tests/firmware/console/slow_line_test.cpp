@@ -120,8 +120,8 @@ TEST(SlowLine, ADisarmIsHeardWithinALinesTimeWhateverIsBeingPrinted) {
   }
 }
 
-TEST(SlowLine, HelpAndModelAreHeardThroughToo) {
-  for (const char* printed : {"help", "help table", "model", "status"}) {
+TEST(SlowLine, AnswersOfAFewLinesAreHeardThroughToo) {
+  for (const char* printed : {"help", "help table", "model", "status", "faults"}) {
     SlowLine line;
     line.say("list joint0.limits");  // the buffer is full
     line.say(printed);
