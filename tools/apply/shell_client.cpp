@@ -17,19 +17,23 @@ constexpr std::string_view kPrompt = "capstan> ";
 
 }  // namespace
 
+auto bare_line(std::string_view line) -> std::string_view {
+  while (line.ends_with('\r') || line.ends_with('\n')) {
+    line.remove_suffix(1);
+  }
+  while (line.starts_with(kPrompt)) {
+    line.remove_prefix(kPrompt.size());
+  }
+  return line;
+}
+
 ShellClient::ShellClient(const std::string& port) : line_(open_board_port(port)), port_(port) {}
 
 auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> std::string {
   for (;;) {
     if (const std::size_t end = received_.find('\n'); end != std::string::npos) {
-      std::string line = received_.substr(0, end);
+      std::string line(bare_line(std::string_view(received_).substr(0, end)));
       received_.erase(0, end + 1);
-      while (!line.empty() && line.back() == '\r') {
-        line.pop_back();
-      }
-      while (line.starts_with(kPrompt)) {
-        line.erase(0, kPrompt.size());
-      }
       return line;
     }
     const auto left =
@@ -37,6 +41,7 @@ auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> s
     pollfd set{line_.get(), POLLIN, 0};
     const int ready = left.count() <= 0 ? 0 : ::poll(&set, 1, static_cast<int>(left.count()));
     if (ready < 0 && errno == EINTR) {
+      ++owed_;
       throw Refusal(port_ + ": stopped while the board was answering");
     }
     if (ready == 0) {
@@ -66,6 +71,10 @@ auto ShellClient::ask(const std::string& line, std::chrono::seconds patience) ->
   std::vector<std::string> answer;
   for (;;) {
     const std::string received = read_line(deadline);
+    if (owed_ > 0) {
+      owed_ -= received == "ok" || received.starts_with("error ") ? 1 : 0;
+      continue;
+    }
     if (received == "ok") {
       return answer;
     }

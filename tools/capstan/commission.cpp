@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `commission`: from a bare motor to a tuned joint, on a board or on a simulated one.
+#include <array>
 #include <csignal>
 #include <filesystem>
 #include <iostream>
@@ -23,6 +24,7 @@ struct CommissionCommand {
   bool yes = false, again = false;
 };
 
+constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
 volatile std::sig_atomic_t stop_asked = 0;
 
 auto agrees(const CommissionCommand& options, const std::string& question) -> bool {
@@ -41,7 +43,41 @@ auto state_of(const CommissionCommand& options, int axis) -> std::string {
 
 auto progress_of(const CommissionCommand& options, int axis) -> Progress {
   const std::string state = state_of(options, axis);
-  return options.again || !std::filesystem::exists(state) ? Progress{} : Progress::parse(read_text_file(state), state);
+  if (!std::filesystem::exists(state)) {
+    return {};
+  }
+  if (!options.again) {
+    return Progress::parse(read_text_file(state), state);
+  }
+  Progress anew;
+  try {
+    anew.before = Progress::parse(read_text_file(state), state).before;  // the board still waits for it
+  } catch (const BadInput&) {
+    // Anew, whatever the file says.
+  }
+  return anew;
+}
+
+/// What waits for the board ends, torque goes off and is not given again, and parameters go back. Nothing ends that: a
+/// terminal that is closed may hang up twice.
+void stop(int /*signal_number*/) {
+  stop_asked = 1;
+  for (const int signal_number : kStops) {
+    static_cast<void>(std::signal(signal_number, SIG_IGN));
+  }
+}
+
+void stop_on_signals() {
+  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // who reads what this says may go before it
+  for (const int signal_number : kStops) {
+    struct sigaction now {};
+    static_cast<void>(::sigaction(signal_number, nullptr, &now));
+    if (signal_number != SIGHUP || now.sa_handler != SIG_IGN) {  // nohup
+      now = {};
+      now.sa_handler = stop;
+      static_cast<void>(::sigaction(signal_number, &now, nullptr));
+    }
+  }
 }
 
 auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
@@ -67,6 +103,37 @@ auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOption
   return joints;
 }
 
+/// @param progress  of each joint before
+void commission_joints(BoardShell& line, const CommissionCommand& options, const std::vector<CommissionOptions>& joints,
+                       std::vector<Progress> progress) {
+  const Operator person{
+      .tell = [](const std::string& text) { std::cerr << text << "\n"; },
+      .agrees = [&options](const std::string& question) { return agrees(options, question); },
+      .keep = [&options](int axis, const Progress& now) { write_text_file(state_of(options, axis), now.text()); }};
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    give_back(line, person, joints[i], progress[i]);
+  }
+  const std::vector<std::string> before = joints.size() > 1 ? line.ask("dump") : std::vector<std::string>{};
+  std::vector<Commissioned> commissioned;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    commissioned.push_back(commission(line, person, joints[i], std::move(progress[i])));
+    progress[i] = commissioned.back().progress;
+  }
+  if (joints.size() > 1) {
+    commission_together(line, person, joints, progress, before);
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    commissioned[i].progress = progress[i];
+    if (!options.report.empty()) {
+      const std::string folder = options.report + (joints.size() == 1 ? "" : "/joint" + std::to_string(joints[i].axis));
+      const std::string page = write_commission_report(folder, commissioned[i]);
+      std::cerr << "wrote " << page << "\n";
+    }
+  }
+  write_text_file(options.machine, machine_file(joints, progress));
+  std::cerr << "wrote " << options.machine << "\n";
+}
+
 auto run_commission(const CommissionCommand& options) -> int {
   const std::vector<CommissionOptions> joints = joints_of(options);
   std::vector<Progress> progress;
@@ -80,37 +147,15 @@ auto run_commission(const CommissionCommand& options) -> int {
     scenario.seed = options.seed;
     line = std::make_unique<SimShell>(scenario);
   } else {
-    struct sigaction stop {};
-    // What waits for the board ends, torque goes off and is not given again, and parameters go back.
-    stop.sa_handler = [](int) { stop_asked = 1; };
-    static_cast<void>(::sigaction(SIGINT, &stop, nullptr));
+    stop_on_signals();
     line = std::make_unique<PortShell>(options.port);
     line->stop_by(stop_asked);
   }
-  const Operator person{.tell = [](const std::string& text) { std::cerr << text << "\n"; },
-                        .agrees = [&options](const std::string& question) { return agrees(options, question); },
-                        .keep = {}};
-  const std::vector<std::string> before = joints.size() > 1 ? line->ask("dump") : std::vector<std::string>{};
-  std::vector<Commissioned> commissioned;
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    Operator of_joint = person;
-    of_joint.keep = [&](const Progress& now) { write_text_file(state_of(options, joints[i].axis), now.text()); };
-    commissioned.push_back(commission(*line, of_joint, joints[i], std::move(progress[i])));
-    progress[i] = commissioned.back().progress;
+  try {
+    commission_joints(*line, options, joints, std::move(progress));
+  } catch (const Stopped& stopped) {
+    throw Refusal(stopped.what());
   }
-  if (joints.size() > 1) {
-    commission_together(*line, person, joints, progress, before);
-  }
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    commissioned[i].progress = progress[i];
-    if (!options.report.empty()) {
-      const std::string folder = options.report + (joints.size() == 1 ? "" : "/joint" + std::to_string(joints[i].axis));
-      const std::string page = write_commission_report(folder, commissioned[i]);
-      std::cerr << "wrote " << page << "\n";
-    }
-  }
-  write_text_file(options.machine, machine_file(joints, progress));
-  std::cerr << "wrote " << options.machine << "\n";
   return kExitDone;
 }
 

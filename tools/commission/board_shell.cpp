@@ -14,15 +14,27 @@ constexpr long kMostCycles = 1'000'000;  // of one answer, 1000 s
 }  // namespace
 
 auto BoardShell::ask(const std::string& line) -> std::vector<std::string> {
-  if (line == "arm" && stop_ != nullptr && *stop_ != 0) {
-    throw Refusal("stopped as you wished, torque is off; the same command goes on from here");
+  const auto stop = [&] {
+    told_ = true;
+    throw Stopped();
+  };
+  if (stopping() && (!told_ || line == "arm")) {
+    stop();
   }
-  return do_ask(line);
+  try {
+    return do_ask(line);
+  } catch (const Refusal&) {
+    if (stopping() && !told_) {
+      stop();  // it cut the answer off
+    }
+    throw;
+  }
 }
 
 auto PortShell::do_ask(const std::string& line) -> std::vector<std::string> {
-  // An experiment may stay silent while the joint goes to where it begins, and commissioning until it is over.
-  return shell_.ask(line, std::chrono::minutes{15});
+  // An experiment may stay silent while the joint goes to where it begins, and commissioning until it is over. What
+  // puts parameters back does not.
+  return stopping() ? shell_.ask(line) : shell_.ask(line, kLongestAnswer);
 }
 
 void SimShell::tick() {

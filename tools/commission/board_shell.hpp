@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,12 @@
 #include "capstan/tools/apply/shell_client.hpp"
 
 namespace capstan::tools {
+
+/// The person wants it to end. No Refusal: nobody may take it for what a motor or a joint did.
+class Stopped : public std::runtime_error {
+ public:
+  Stopped() : std::runtime_error("stopped as you wished, torque is off; the same command goes on from here") {}
+};
 
 /// A board's shell, one line out and one answer back.
 class BoardShell {
@@ -20,12 +27,17 @@ class BoardShell {
   virtual ~BoardShell() = default;
   /// The lines of the answer, without its "ok". Throws Refusal with the board's sentence.
   auto ask(const std::string& line) -> std::vector<std::string>;
-  /// From when this is not 0 on, torque is not given any more: who tries again after an error shall not go on then.
+  /// Once this is not 0 the next ask() throws Stopped. Those behind it put back what was changed, and are answered;
+  /// torque is not given any more.
   void stop_by(const volatile std::sig_atomic_t& flag) { stop_ = &flag; }
+
+ protected:
+  [[nodiscard]] auto stopping() const -> bool { return stop_ != nullptr && *stop_ != 0; }
 
  private:
   virtual auto do_ask(const std::string& line) -> std::vector<std::string> = 0;
   const volatile std::sig_atomic_t* stop_ = nullptr;
+  bool told_ = false;  // that it is to stop
 };
 
 /// Over a port, as ShellClient takes it.

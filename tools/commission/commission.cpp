@@ -49,6 +49,31 @@ void put_back(JointConsole& joint, const Progress& progress) {
   }
 }
 
+/// What is kept of one joint: the steps that are over, and what parameters were before the one under way.
+class Kept {
+ public:
+  Kept(const Operator& person, int axis, Progress progress)
+      : person_(person), axis_(axis), progress_(std::move(progress)) {}
+
+  auto before() -> std::function<void(const JointConsole::Parameters&)> {
+    return [this](const JointConsole::Parameters& before) {
+      if (before != progress_.before) {
+        progress_.before = before;
+        person_.keep(axis_, progress_);
+      }
+    };
+  }
+  void step_is_over(const Progress& progress) {
+    progress_ = progress;
+    person_.keep(axis_, progress_);
+  }
+
+ private:
+  const Operator& person_;
+  int axis_;
+  Progress progress_;
+};
+
 }  // namespace
 
 auto Progress::parse(const std::string& text, const std::string& name) -> Progress {
@@ -79,8 +104,8 @@ auto Progress::parse(const std::string& text, const std::string& name) -> Progre
       progress.forward_nm = *parse_number(rest);
     } else if (number > 1 && word == "reversal" && parse_number(rest)) {
       progress.reversal_rad = *parse_number(rest);
-    } else if (number > 1 && word == "set" && equals != std::string::npos) {
-      progress.set.emplace_back(rest.substr(0, equals), rest.substr(equals + 1));
+    } else if (number > 1 && (word == "set" || word == "before") && equals != std::string::npos) {
+      (word == "set" ? progress.set : progress.before).emplace_back(rest.substr(0, equals), rest.substr(equals + 1));
     } else {
       throw BadInput(
           name + ":" + std::to_string(number) +
@@ -100,6 +125,9 @@ auto Progress::text() const -> std::string {
   for (const auto& [name, value] : set) {
     text += "set " + name + "=" + value + "\n";
   }
+  for (const auto& [name, value] : before) {
+    text += "before " + name + "=" + value + "\n";
+  }
   for (const std::string& sentence : found) {
     text += "found " + sentence + "\n";
   }
@@ -112,8 +140,10 @@ auto Progress::is_done(const std::string& step) const -> bool {
 
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned {
+  give_back(board, person, options, progress);
   Commissioned all{.progress = std::move(progress), .response = {}, .tuning = {}};
-  JointConsole joint(board, options.axis, options.key);
+  Kept kept(person, options.axis, all.progress);
+  JointConsole joint(board, options.axis, options.key, kept.before());
   CommissionSteps steps(joint, person, options, all);
   put_back(joint, all.progress);
   for (const Step& step : kSteps) {
@@ -125,29 +155,44 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
       continue;
     }
     person.tell(std::string(step.name) + ": " + step.explains);
+    const auto end = [&step](const std::string& why) { throw Refusal(std::string(step.name) + ": " + why); };
     if (step.moves && !person.agrees("may the joint move?")) {
-      throw Refusal(std::string(step.name) +
-                    ": stopped as you wished, torque is off; the same command goes on from here");
+      end(Stopped().what());
     }
     try {
       step.run(steps);
       joint.restore();
     } catch (const Refusal& refusal) {
       joint.restore();
-      throw Refusal(std::string(step.name) + ": " + refusal.what());
+      end(refusal.what());
+    } catch (const Stopped& stopped) {
+      joint.restore();
+      end(stopped.what());
     }
     all.progress.done.emplace_back(step.name);
-    person.keep(all.progress);
+    kept.step_is_over(all.progress);
   }
   return all;
 }
 
+void give_back(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress& progress) {
+  if (progress.before.empty()) {
+    return;
+  }
+  person.tell("gives back what a run had set for a while when it was ended in the midst of a step");
+  JointConsole(board, options.axis, options.key, [](const auto&) {}).set_together(progress.before);
+  progress.before.clear();
+  person.keep(options.axis, progress);
+}
+
 void commission_together(BoardShell& board, const Operator& person, const std::vector<CommissionOptions>& joints,
                          std::vector<Progress>& progress, const std::vector<std::string>& before) {
+  std::string why;
   try {
     for (std::size_t i = 0; i < joints.size(); ++i) {
       Commissioned all{.progress = progress[i], .response = {}, .tuning = {}};
-      JointConsole joint(board, joints[i].axis, joints[i].key);
+      Kept kept(person, joints[i].axis, all.progress);
+      JointConsole joint(board, joints[i].axis, joints[i].key, kept.before());
       CommissionSteps steps(joint, person, joints[i], all);
       person.tell("together: shakes " + joint.name() + " while it travels and the others hold, for some two minutes");
       if (!person.agrees("may the joint move?")) {
@@ -160,18 +205,22 @@ void commission_together(BoardShell& board, const Operator& person, const std::v
       }
       progress[i] = all.progress;
     }
+    return;
   } catch (const Refusal& refusal) {
-    board.ask("begin");
-    for (const CommissionOptions& one : joints) {
-      for (const std::string& line : before) {
-        if (line.starts_with("set joint" + std::to_string(one.axis) + ".control.")) {
-          board.ask(line);
-        }
+    why = refusal.what();
+  } catch (const Stopped& stopped) {
+    why = stopped.what();
+  }
+  board.ask("begin");
+  for (const CommissionOptions& one : joints) {
+    for (const std::string& line : before) {
+      if (line.starts_with("set joint" + std::to_string(one.axis) + ".control.")) {
+        board.ask(line);
       }
     }
-    board.ask("commit");
-    throw Refusal(std::string("together: ") + refusal.what() + "; the gains of before are back, nothing was saved");
   }
+  board.ask("commit");
+  throw Refusal("together: " + why + "; the gains of before are back, nothing was saved");
 }
 
 }  // namespace capstan::tools

@@ -23,10 +23,11 @@ struct CommissionOptions {
 /// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
 struct Progress {
   std::vector<std::string> done;
-  std::vector<std::pair<std::string, std::string>> set;  ///< parameters without the joint's name, and their values
-  std::vector<std::string> found;                        ///< sentences for the report
-  double inertia_kgm2 = 0.0;                             ///< of the motor as it was shaken
-  double backward_nm = 0.0, forward_nm = 0.0;            ///< torque of a slow motion
+  std::vector<std::pair<std::string, std::string>> set;     ///< parameters without the joint's name, and their values
+  std::vector<std::pair<std::string, std::string>> before;  ///< the same of what is set for a while just now
+  std::vector<std::string> found;                           ///< sentences for the report
+  double inertia_kgm2 = 0.0;                                ///< of the motor as it was shaken
+  double backward_nm = 0.0, forward_nm = 0.0;               ///< torque of a slow motion
   double reversal_rad = 0.0;  ///< of the motor, after a turn, until friction has gone over to the other way
   /// Throws BadInput: no such form.
   static auto parse(const std::string& text, const std::string& name) -> Progress;
@@ -38,7 +39,8 @@ struct Progress {
 struct Operator {
   std::function<void(const std::string& text)> tell;
   std::function<bool(const std::string& question)> agrees;
-  std::function<void(const Progress& progress)> keep;  ///< after every step
+  std::function<void(int axis, const Progress& progress)>
+      keep;  ///< after every step, and ahead of a change for a while
 };
 
 /// What the report shows beside the sentences.
@@ -48,11 +50,15 @@ struct Commissioned {
   std::optional<Tuning> tuning;
 };
 
+/// Torque off, and parameters as they were before a run that was ended in the midst of a step.
+void give_back(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress& progress);
+
 /// From a bare motor to a tuned joint, step by step: look (without torque), shake (encoder, current sensor, inertia),
 /// press (tendons), travel (friction, a blocked joint), motor (the board's own `commission`), tune, check, save. Before
 /// `travel` the motor moves by less than 5 deg. Steps that are done are not done again.
-/// Throws Refusal with the step and a sentence with its cure. However it ends, torque is off; unless it ended well,
-/// gains and limits are those of before.
+/// Throws Refusal with the step and a sentence with its cure; Stopped where no step had begun. However it ends, torque
+/// is off; unless it ended well, gains and limits are those of before. Where it can not end itself, as this program was
+/// killed or the board lost, the progress that was kept has them, and the next run gives them back.
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned;
 

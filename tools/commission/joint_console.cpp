@@ -16,8 +16,9 @@ constexpr double kStillCounts = 2.5;
 
 }  // namespace
 
-JointConsole::JointConsole(BoardShell& board, int axis, std::string key)
-    : board_(board), axis_(axis), key_(std::move(key)) {
+JointConsole::JointConsole(BoardShell& board, int axis, std::string key,
+                           std::function<void(const Parameters&)> keep_before)
+    : board_(board), axis_(axis), key_(std::move(key)), keep_before_(std::move(keep_before)) {
   board_.ask("disarm");
   read_parameters();
 }
@@ -50,13 +51,15 @@ void JointConsole::read_parameters() {
 }
 
 void JointConsole::set(const std::string& parameter, const std::string& value) {
+  if (before_.try_emplace(parameter, text(parameter)).second) {
+    tell_before();
+  }
   board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
   board_.ask("set " + name() + "." + parameter + " " + value);
-  before_.try_emplace(parameter, text(parameter));
   values_[parameter] = value;
 }
 
-void JointConsole::set_together(const std::vector<std::pair<std::string, std::string>>& parameters) {
+void JointConsole::set_together(const Parameters& parameters) {
   board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
   board_.ask("begin");
   try {
@@ -64,7 +67,7 @@ void JointConsole::set_together(const std::vector<std::pair<std::string, std::st
       board_.ask("set " + name() + "." + parameter + " " + value);
     }
     board_.ask("commit");
-  } catch (const Refusal&) {
+  } catch (const std::exception&) {
     board_.ask("abandon");
     throw;
   }
@@ -79,6 +82,7 @@ void JointConsole::restore() {
   if (!before_.empty()) {
     set_together({before_.begin(), before_.end()});
   }
+  tell_before();
 }
 
 auto JointConsole::text(const std::string& parameter) const -> const std::string& {

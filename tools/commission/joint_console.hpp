@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -13,7 +14,10 @@ namespace capstan::tools {
 /// One joint of a board, as commissioning uses it. Remembers what parameters were before they were changed.
 class JointConsole {
  public:
-  JointConsole(BoardShell& board, int axis, std::string key);
+  /// Names without the joint's, and values.
+  using Parameters = std::vector<std::pair<std::string, std::string>>;
+  /// @param keep_before  is told what parameters were before, ahead of each change for a while and when all is back
+  JointConsole(BoardShell& board, int axis, std::string key, std::function<void(const Parameters&)> keep_before);
   JointConsole(const JointConsole&) = delete;
   auto operator=(const JointConsole&) -> JointConsole& = delete;
   /// Torque off, and everything back that was set and not kept. Whatever the board says to that.
@@ -23,7 +27,7 @@ class JointConsole {
   /// A parameter of the joint, "control.kp"; it counts as changed for a while.
   void set(const std::string& name, const std::string& value);
   /// Parameters that make sense only together, and count from now on: all of them or none.
-  void set_together(const std::vector<std::pair<std::string, std::string>>& parameters);
+  void set_together(const Parameters& parameters);
   /// What was set counts from now on.
   void keep(const std::string& name) { before_.erase(name); }
   /// What was set for a while is as it was before. Torque is off then.
@@ -45,11 +49,13 @@ class JointConsole {
 
  private:
   void read_parameters();
+  void tell_before() { keep_before_({before_.begin(), before_.end()}); }
   auto latched() -> std::string;
 
   BoardShell& board_;
   int axis_;
   std::string key_;
+  std::function<void(const Parameters&)> keep_before_;
   std::map<std::string, std::string> values_, before_;
 };
 

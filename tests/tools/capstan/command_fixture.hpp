@@ -41,6 +41,15 @@ class Command : public test::OwnFolder {
   auto exists(const std::string& name) const -> bool { return std::filesystem::exists(folder_ / name); }
 };
 
+/// Shell commands that serve a simulated board; `$port` is its shell and `$board` its process, which ends with the
+/// command. @param options  of `capstan run`
+inline auto beside_a_board(const std::string& file, const std::string& options = "") -> std::string {
+  const std::string said = "\"" + file + "\"";
+  return ": > " + said + "; \"" CAPSTAN_PROGRAM "\" run --shell tcp:0 " + options + " >> " + said +
+         " 2>&1 & board=$!; trap \"kill $board 2> /dev/null\" EXIT; for i in $(seq 200); do " +
+         "port=tcp:$(sed -n 's/^shell at .*://p' " + said + "); [ $port = tcp: ] || break; sleep 0.05; done; ";
+}
+
 inline auto short_log(double rate_hz) -> test::SyntheticRequest {
   test::SyntheticRequest request;
   request.rate_hz = rate_hz;

@@ -5,14 +5,6 @@
 namespace capstan::tools {
 namespace {
 
-/// Shell commands that serve a simulated board; `$port` is its shell, and it ends with the command.
-auto beside_a_board(const std::string& file) -> std::string {
-  const std::string said = "\"" + file + "\"";
-  return "\"" CAPSTAN_PROGRAM "\" run --shell tcp:0 > " + said +
-         " 2>&1 & trap \"kill $!\" EXIT; for i in $(seq 200); do " + "port=tcp:$(sed -n 's/^shell at .*://p' " + said +
-         "); [ $port = tcp: ] || break; sleep 0.05; done; ";
-}
-
 TEST_F(Command, ARefusedRecordingLeavesTheOlderLogAlone) {
   for (const char* name : {"keep.csv", "keep.mcap"}) {
     write_text_file(path(name), "older");

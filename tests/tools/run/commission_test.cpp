@@ -46,8 +46,12 @@ auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, P
   Operator person{.tell = [&](const std::string& text) { step = text; },
                   .agrees = [&](const std::string&) { return stop_before.empty() || !step.starts_with(stop_before); },
                   .keep =
-                      [&](const Progress& now) {
+                      [&](int, const Progress& now) {
+                        const bool over = now.done.size() > outcome.progress.done.size();
                         outcome.progress = now;
+                        if (!over) {
+                          return;
+                        }
                         const std::uint32_t tick = line.board().machine().telemetry().tick;
                         outcome.steps_s += " " + now.done.back() + " " + rounded(1e-3 * (tick - since), 3);
                         since = tick;
@@ -107,43 +111,75 @@ TEST(Commission, TheShakesOrderFitsTheShellsLine) {
   EXPECT_TRUE(outcome.done) << outcome.sentence;
 }
 
-/// A person who presses Ctrl-C while the joint is shaken for its gains.
+/// A person who presses Ctrl-C while the board answers a line that has this in it.
 class StoppedShell final : public BoardShell {
  public:
-  explicit StoppedShell(const sim::Scenario& scenario) : line_(scenario) { stop_by(stop_); }
+  StoppedShell(const sim::Scenario& scenario, std::string answering)
+      : line_(scenario), answering_(std::move(answering)) {
+    stop_by(stop_);
+  }
   [[nodiscard]] auto board() -> SimBoard& { return line_.board(); }
   [[nodiscard]] auto armed_afterwards() const -> int { return armed_afterwards_; }
 
  private:
   auto do_ask(const std::string& line) -> std::vector<std::string> override {
     armed_afterwards_ += stop_ != 0 && line == "arm" ? 1 : 0;
-    if (line.find("travel=") != std::string::npos) {
+    if (stop_ == 0 && line.find(answering_) != std::string::npos) {
       stop_ = 1;
       throw Refusal("stopped while the board was answering");
     }
     return line_.ask(line);
   }
   SimShell line_;
+  std::string answering_;
   volatile std::sig_atomic_t stop_ = 0;
   int armed_afterwards_ = 0;
 };
 
 TEST(Commission, StoppedWhileItTunesItDoesNotTryAgainAndPutsTheGainsBack) {
   const sim::Scenario scenario;
-  StoppedShell line(scenario);
+  StoppedShell line(scenario, "travel=");
   Progress progress;
   progress.done = {"look", "shake", "press", "travel", "motor"};
   progress.inertia_kgm2 = scenario.plant.motor_inertia_kgm2;
   const double before = line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double();
   const Operator person{.tell = [](const std::string&) {},
                         .agrees = [](const std::string&) { return true; },
-                        .keep = [](const Progress&) {}};
+                        .keep = [](int, const Progress&) {}};
   EXPECT_THROW(
       commission(line, person, {.axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = {}, .key = {}}, progress),
       Refusal);
   EXPECT_EQ(line.armed_afterwards(), 0);
   EXPECT_FALSE(energised(line.board().machine().telemetry().state));
   EXPECT_EQ(line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double(), before);
+}
+
+// It was told that the motor ran away and that its tendons are off.
+TEST(Commission, AStopIsTakenForNothingThatTheMotorDid) {
+  struct Stop {
+    const char* answering;  ///< part of the line
+    const char* step;
+  };
+  for (const Stop& stop : {Stop{"multisine on=torque", "shake"}, Stop{"torque_triangle", "press"},
+                           Stop{"experiment joint0 triangle", "travel"}}) {
+    StoppedShell line(draw(730), stop.answering);
+    for (const std::string& one : data_sheet(draw(730).plant)) {
+      line.ask(one);
+    }
+    const std::vector<std::string> before = line.ask("dump");
+    const Operator person{.tell = [](const std::string&) {},
+                          .agrees = [](const std::string&) { return true; },
+                          .keep = [](int, const Progress&) {}};
+    try {
+      commission(line, person, {.axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = {}, .key = {}}, {});
+      ADD_FAILURE() << stop.step << " went on";
+    } catch (const Refusal& refusal) {
+      EXPECT_EQ(std::string(refusal.what()),
+                std::string(stop.step) + ": stopped as you wished, torque is off; the same command goes on from here");
+    }
+    EXPECT_FALSE(energised(line.board().machine().telemetry().state)) << stop.step;
+    EXPECT_EQ(line.ask("dump"), before) << stop.step;
+  }
 }
 
 /// Counts the lines of each step, and lets the power fail after some of one.
@@ -182,7 +218,7 @@ TEST(Commission, AfterAPowerCutInAnyStepTheBoardIsDisarmedWithTheOldOrTheNewSetA
   const Operator person{
       .tell = [&](const std::string& text) { step = text.front() == ' ' ? step : text.substr(0, text.find(':')); },
       .agrees = [&](const std::string&) { return last_step.empty() || !known.is_done(last_step); },
-      .keep = [&](const Progress& now) { known = now; }};
+      .keep = [&](int, const Progress& now) { known = now; }};
   FileBanks whole_banks = FileBanks::temporary();
   SimShell whole(scenario, whole_banks);
   const std::vector<std::string> set_before = whole.ask("dump");
@@ -215,6 +251,35 @@ TEST(Commission, AfterAPowerCutInAnyStepTheBoardIsDisarmedWithTheOldOrTheNewSetA
     known.done.resize(static_cast<std::size_t>(&name - steps.data()) +
                       1);  // `save` moves nothing, so it does not ask before it begins
   }
+}
+
+// The board goes on with the narrow limits of the step, which were taken for those of before: a joint within them is
+// blocked.
+TEST(Commission, WhatARunThatWasKilledHadSetForAWhileIsGivenBackByTheNextOne) {
+  const sim::Scenario scenario = draw(741);
+  const CommissionOptions options{
+      .axis = 0, .corridor_rad = kCorridor, .inertia_kgm2 = scenario.plant.motor_inertia_kgm2, .key = {}};
+  std::string step;
+  Progress known;
+  const Operator person{
+      .tell = [&](const std::string& text) { step = text.front() == ' ' ? step : text.substr(0, text.find(':')); },
+      .agrees = [&](const std::string&) { return !known.is_done("travel"); },
+      .keep = [&](int, const Progress& now) { known = Progress::parse(now.text(), "state"); }};
+  SimShell board(scenario);
+  const std::vector<std::string> set_before = board.ask("dump");
+  CutShell killed(board, step);
+  killed.cut("press", 20);
+  EXPECT_THROW(commission(killed, person, options, {}), Refusal);
+  EXPECT_FALSE(known.is_done("press"));
+  EXPECT_NE(board.ask("dump"), set_before);
+  try {
+    commission(board, person, options, known);
+  } catch (const Refusal& refusal) {
+    EXPECT_EQ(std::string(refusal.what()).find("motor: stopped as you wished"), 0) << refusal.what();
+  }
+  EXPECT_EQ(known.done, (std::vector<std::string>{"look", "shake", "press", "travel"}));
+  EXPECT_TRUE(known.before.empty());
+  EXPECT_EQ(board.ask("dump"), set_before);
 }
 
 TEST(Commission, WrongWiringsAreFoundBeforeTheMotorMovesFiveDegrees) {
@@ -311,9 +376,11 @@ TEST(Commission, ProgressIsReadBackAndForeignFilesAreRefused) {
   progress.done = {"look", "shake"};
   progress.set = {{"control.stiffness", "0.5 Nm/rad"}};
   progress.found = {"a = b"};
+  progress.before = {{"limits.motor_min", "-6 rad"}};
   const Progress read = Progress::parse(progress.text(), "state");
   EXPECT_EQ(read.done, progress.done);
   EXPECT_EQ(read.set, progress.set);
+  EXPECT_EQ(read.before, progress.before);
   EXPECT_EQ(read.found, progress.found);
   EXPECT_THROW(Progress::parse("time_s,axis0/q1_rad\n", "state"), BadInput);
   EXPECT_THROW(Progress::parse("done look\n", "state"), BadInput);

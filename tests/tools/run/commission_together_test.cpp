@@ -39,7 +39,7 @@ class Together {
  private:
   Operator person_{.tell = [](const std::string&) {},
                    .agrees = [](const std::string&) { return true; },
-                   .keep = [](const Progress&) {}};
+                   .keep = [](int, const Progress&) {}};
   sim::Scenario scenario_;
   SimShell line_;
   std::vector<CommissionOptions> joints_;

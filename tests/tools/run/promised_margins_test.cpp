@@ -37,7 +37,7 @@ auto promised_and_measured(const sim::Scenario& scenario) -> Pair {
   }
   const Operator person{.tell = [](const std::string&) {},
                         .agrees = [](const std::string&) { return true; },
-                        .keep = [](const Progress&) {}};
+                        .keep = [](int, const Progress&) {}};
   const CommissionOptions options{
       .axis = 0, .corridor_rad = 1.0, .inertia_kgm2 = scenario.plant.motor_inertia_kgm2, .key = {}, .saves = false};
   const std::vector<std::string> before = line.ask("dump");

@@ -33,7 +33,7 @@ auto commissioned(SimShell& line, const sim::PlantParameters& plant) -> Ready {
   }
   const Operator person{.tell = [](const std::string&) {},
                         .agrees = [](const std::string&) { return true; },
-                        .keep = [](const Progress&) {}};
+                        .keep = [](int, const Progress&) {}};
   const Commissioned all = commission(
       line, person,
       {.axis = 0, .corridor_rad = 1.0, .inertia_kgm2 = plant.motor_inertia_kgm2, .key = {}, .saves = false}, {});
