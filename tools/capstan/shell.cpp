@@ -8,8 +8,10 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "capstan/boards/common/terminal_mode.hpp"
+#include "capstan/boards/stm32f405/image.hpp"
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -24,25 +26,63 @@ extern "C" void leave(int /*signal_number*/) {
   leave_requested = 1;
 }
 
-/// Carries what is there from one descriptor to the other, what the recorder leaves of it if there is one. Returns how
-/// much was carried; nothing at the end.
-auto carry(int from, int to, FrameRecorder* recorder) -> std::optional<std::size_t> {
+/// What is there; nothing at the end.
+auto read_some(int from) -> std::optional<std::string> {
   std::array<char, 512> buffer{};
   const auto count = ::read(from, buffer.data(), buffer.size());
-  if (count <= 0) {
-    return std::nullopt;
-  }
-  const std::string_view received(buffer.data(), static_cast<std::size_t>(count));
-  const std::string text = recorder != nullptr ? recorder->feed(received) : std::string(received);
-  for (std::size_t sent = 0; sent < text.size();) {
-    const auto written = ::write(to, text.data() + sent, text.size() - sent);
-    if (written < 0) {
-      return std::nullopt;
-    }
-    sent += static_cast<std::size_t>(written);
-  }
-  return text.size();
+  return count > 0 ? std::optional(std::string(buffer.data(), static_cast<std::size_t>(count))) : std::nullopt;
 }
+
+/// False: nobody takes it any more.
+auto write_all(int to, std::string_view text) -> bool {
+  while (!text.empty()) {
+    const auto written = ::write(to, text.data(), text.size());
+    if (written < 0) {
+      return false;
+    }
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+/// The lines of a script that the board owes an answer to.
+class Owed {
+ public:
+  void sent(std::string_view text) {
+    for (const char c : text) {
+      if (c == kCtrlC) {
+        lines_ = 0;  // the board forgets those that wait
+      }
+      lines_ += c == '\r' || (c == '\n' && last_ != '\r') ? 1 : 0;
+      last_ = c;
+    }
+  }
+  void received(std::string_view text) {
+    said_ += text;
+    for (std::size_t end = 0; (end = said_.find('\n')) != std::string::npos; said_.erase(0, end + 1)) {
+      const std::string_view line = bare_line(std::string_view(said_).substr(0, end));
+      if (line == stm32f405::kDamagedImage) {
+        throw Refusal(std::string(line.substr(2)));  // it will never answer
+      }
+      const bool refused = line.starts_with("error ");
+      refused_ += refused ? 1 : 0;
+      lines_ -= (refused || line == "ok") && lines_ > 0 ? 1 : 0;
+    }
+  }
+  [[nodiscard]] auto lines() const -> int { return lines_; }
+  [[nodiscard]] auto refused() const -> int { return refused_; }
+  [[nodiscard]] auto in_line() const -> bool { return last_ != '\n' && last_ != '\r' && last_ != kCtrlC; }
+  [[nodiscard]] auto sentence() const -> std::string {
+    return lines_ == 0 ? ""
+                       : "; " + std::to_string(lines_) + (lines_ == 1 ? " line was" : " lines were") + " not answered";
+  }
+
+ private:
+  static constexpr char kCtrlC = 0x03;
+  int lines_ = 0, refused_ = 0;
+  char last_ = '\n';
+  std::string said_;  // of a line whose end has not come
+};
 
 /// Which board this is, how it stands and what to type next.
 void print_banner(ShellClient& shell, const std::string& port) {
@@ -59,38 +99,82 @@ void print_banner(ShellClient& shell, const std::string& port) {
   std::cout << shell.take_rest() << std::flush;
 }
 
-auto talk(const std::string& port, FrameRecorder* recorder) -> int {
-  ShellClient shell(port);
-  const CharacterMode character_mode;
-  if (character_mode.active()) {
-    print_banner(shell, port);
-  }
-  if (recorder != nullptr) {
-    static_cast<void>(std::signal(SIGINT, leave));  // or the last rows would not reach the log
-  }
-  using std::chrono::steady_clock;
-  constexpr std::chrono::milliseconds kLastWords{300};  // what the board still says after standard input has ended
-  bool typing = true;
-  auto said_at = steady_clock::now();
-  while (leave_requested == 0 && (typing || steady_clock::now() - said_at < kLastWords)) {
-    std::array<pollfd, 2> set{{{shell.descriptor(), POLLIN, 0}, {typing ? STDIN_FILENO : -1, POLLIN, 0}}};
-    if (::poll(set.data(), set.size(), typing ? -1 : static_cast<int>(kLastWords.count())) < 0) {
-      continue;  // a signal
+/// A person leaves with Ctrl-C and has seen the answers. A script, standard input that is no terminal, is over when all
+/// of its lines are answered; what streams goes on.
+class Talk {
+ public:
+  Talk(const std::string& port, FrameRecorder* recorder) : port_(port), recorder_(recorder), shell_(port) {
+    if (!script_) {
+      print_banner(shell_, port);
     }
-    if ((set[0].revents & (POLLIN | POLLHUP)) != 0) {
-      const auto carried = carry(shell.descriptor(), STDOUT_FILENO, recorder);
-      if (!carried) {
-        break;
+    static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // the write says it
+    if (recorder != nullptr) {
+      static_cast<void>(std::signal(SIGINT, leave));  // or the last rows would not reach the log
+    }
+  }
+
+  auto carry_on() -> int {
+    while (leave_requested == 0 && (typing_ || steady_clock::now() - said_at_ < silence())) {
+      std::array<pollfd, 2> set{{{shell_.descriptor(), POLLIN, 0}, {typing_ ? STDIN_FILENO : -1, POLLIN, 0}}};
+      if (::poll(set.data(), set.size(), typing_ ? -1 : static_cast<int>(silence().count())) < 0) {
+        continue;  // a signal
       }
-      said_at = *carried > 0 ? steady_clock::now() : said_at;  // frames alone are no words
+      if ((set[0].revents & (POLLIN | POLLHUP)) != 0 && !hear()) {
+        return kExitDone;
+      }
+      if ((set[1].revents & (POLLIN | POLLHUP)) != 0) {
+        say();
+      }
     }
-    if ((set[1].revents & (POLLIN | POLLHUP)) != 0) {
-      typing = carry(STDIN_FILENO, shell.descriptor(), nullptr).has_value();
-      said_at = steady_clock::now();
+    if (script_ && leave_requested == 0 && owed_.lines() > 0) {
+      throw Refusal(port_ + ": no answer from the shell in time; check that a board is there" + owed_.sentence());
     }
+    return script_ && owed_.refused() > 0 ? kExitRefused : kExitDone;
   }
-  return kExitDone;
-}
+
+ private:
+  using steady_clock = std::chrono::steady_clock;
+
+  /// How long the board may be silent when nobody types any more.
+  [[nodiscard]] auto silence() const -> std::chrono::milliseconds {
+    constexpr std::chrono::milliseconds kLastWords{300};  // behind its last answer
+    return owed_.lines() > 0 ? kLongestAnswer : kLastWords;
+  }
+
+  /// What the board says, to standard output; but frames to the recorder. False: nobody reads it any more.
+  auto hear() -> bool {
+    const auto received = read_some(shell_.descriptor());
+    if (!received) {
+      throw Refusal(port_ + ": the board closed the line; check its supply and that nobody else uses its shell" +
+                    (script_ ? owed_.sentence() : ""));
+    }
+    const std::string text = recorder_ != nullptr ? recorder_->feed(*received) : *received;
+    owed_.received(text);
+    said_at_ = text.empty() ? said_at_ : steady_clock::now();
+    return write_all(STDOUT_FILENO, text);
+  }
+
+  /// What is typed, to the board.
+  void say() {
+    const auto typed = read_some(STDIN_FILENO);
+    typing_ = typed.has_value();
+    const std::string text = typed ? *typed : script_ && owed_.in_line() ? "\n" : "";  // the last line lacks it
+    owed_.sent(text);
+    if (!write_all(shell_.descriptor(), text)) {
+      throw Refusal(port_ + ": the line broke while sending; check the cable" + owed_.sentence());
+    }
+    said_at_ = steady_clock::now();
+  }
+
+  std::string port_;
+  FrameRecorder* recorder_;
+  ShellClient shell_;
+  CharacterMode character_mode_;
+  bool script_ = !character_mode_.active();
+  Owed owed_;
+  bool typing_ = true;
+  steady_clock::time_point said_at_ = steady_clock::now();
+};
 
 struct ShellOptions {
   std::string port;
@@ -99,16 +183,25 @@ struct ShellOptions {
 
 auto run_shell(const ShellOptions& options) -> int {
   if (options.record.empty()) {
-    return talk(options.port, nullptr);
+    return Talk(options.port, nullptr).carry_on();
   }
   const auto log = file_sink(options.record);
   FrameRecorder recorder(*log);
-  const int status = talk(options.port, &recorder);
+  int status = kExitDone;
+  std::string lost;
+  try {
+    status = Talk(options.port, &recorder).carry_on();
+  } catch (const Refusal& refusal) {
+    lost = refusal.what();
+  }
   log->end();
   std::cerr << "recorded " << recorder.rows() << " samples in " << options.record << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged, " << recorder.foreign() << " of other signals\n";
   if (recorder.rows() == 0) {
     std::cerr << "so no log was written; 'frames 10 joint0.q2' at the prompt sends what a log is made of\n";
+  }
+  if (!lost.empty()) {
+    throw Refusal(lost);
   }
   return status;
 }
