@@ -6,21 +6,15 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
 #include <limits>
 
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/log/column_map.hpp"
 #include "capstan/tools/support/errors.hpp"
-#include "capstan/tools/support/text.hpp"
+#include "capstan/tools/support/named_files.hpp"
 
 namespace capstan::tools {
 namespace {
-
-/// A file that an option names.
-struct NamedFile {
-  std::string option, path;
-};
 
 /// The options that write a file or, for a report, a folder; every other word that names a file is of one that is read.
 auto writes(const CLI::Option& option) -> bool {
@@ -47,40 +41,6 @@ void expect_count(const CLI::Option& option) {
     if (errno == ERANGE || word.find('-') != std::string::npos) {
       throw BadInput(option.get_name() + ": " + word + " is out of range; give a whole number from 0 to " +
                      std::to_string(std::numeric_limits<std::uint64_t>::max()));
-    }
-  }
-}
-
-/// A report goes into a folder, which is made once everything else is done.
-void expect_folder(const CLI::Option& option) {
-  for (const std::string& word : option.results()) {
-    if (std::filesystem::exists(word) && !std::filesystem::is_directory(word)) {
-      throw BadInput(option.get_name() + " " + word + " is a file; name a folder, new or old");
-    }
-  }
-}
-
-/// Found out before minutes of work, or before a joint moves. A report makes its folders.
-void expect_folder_of(const std::vector<NamedFile>& written) {
-  for (const NamedFile& file : written) {
-    const auto folder = std::filesystem::path(file.path).parent_path();
-    if (file.option != "--report" && !folder.empty() && !std::filesystem::is_directory(folder)) {
-      throw BadInput(file.option + " " + file.path + ": there is no folder " + folder.string() +
-                     "; make it, or name another one");
-    }
-  }
-}
-
-void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
-  for (auto output = written.begin(); output != written.end(); ++output) {
-    const auto is_output = [&](const NamedFile& other) { return same_file(other.path, output->path); };
-    if (const auto input = std::find_if(read.begin(), read.end(), is_output); input != read.end()) {
-      throw BadInput(output->option + " would replace " + input->path + ", which " + input->option + " reads; give " +
-                     output->option + " another name");
-    }
-    if (const auto other = std::find_if(written.begin(), output, is_output); other != output) {
-      throw BadInput(other->option + " and " + output->option + " would write the same file " + output->path +
-                     "; give each its own name");
     }
   }
 }
@@ -124,16 +84,12 @@ void expect_sound(const CLI::App& command) {
       const bool given = option->count() > 0;
       for (const std::string& word : given ? option->results() : std::vector{option->get_default_str()}) {
         if (!word.empty()) {
-          (writes(*option) ? written : read).push_back({option->get_name(), word});
+          (writes(*option) ? written : read).push_back({option->get_name(), word, option->check_lname("report")});
         }
       }
     }
-    if (option->check_lname("report")) {
-      expect_folder(*option);
-    }
   }
-  expect_apart(read, written);
-  expect_folder_of(written);
+  expect_sound_files(read, written);
   expect_maps_read(command);
 }
 

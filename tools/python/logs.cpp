@@ -84,6 +84,16 @@ auto logs_of(py::handle object) -> Logs {
   return logs;
 }
 
+auto files_of(const Logs& logs) -> std::vector<std::string> {
+  std::vector<std::string> files;
+  for (const auto& log : logs.all) {
+    if (std::filesystem::exists(name_of(log))) {
+      files.push_back(name_of(log));
+    }
+  }
+  return files;
+}
+
 auto mappings_of(const Maps& maps) -> std::vector<ColumnMapping> {
   if (const auto* texts = std::get_if<std::vector<std::string>>(&maps)) {
     return parse_mappings(*texts);

@@ -27,6 +27,9 @@ using Maps = std::variant<std::map<std::string, std::string>, std::vector<std::s
 auto log_like(pybind11::handle object) -> LogLike;
 auto logs_of(pybind11::handle object) -> Logs;
 
+/// The files among them: also those of logs that were read.
+auto files_of(const Logs& logs) -> std::vector<std::string>;
+
 auto mappings_of(const Maps& maps) -> std::vector<tools::ColumnMapping>;
 /// A log of a mapping of names to arrays; cells are empty where nothing was measured. Throws a TypeError for what is no
 /// such mapping, BadInput as the rest here.

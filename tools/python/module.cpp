@@ -17,6 +17,7 @@
 #include "capstan/tools/python/words.hpp"
 #include "capstan/tools/report/report.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/named_files.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace py = pybind11;
@@ -90,6 +91,26 @@ struct Outputs {
   std::optional<path> law, report, next;
 };
 
+void expect_sound_outputs(const Outputs& outputs, const Logs& logs, const Logs& test, const std::string& base) {
+  std::vector<NamedFile> read;
+  if (!base.empty()) {
+    read.push_back({"base", base});
+  }
+  for (const auto& [argument, files] : {std::pair("logs", files_of(logs)), std::pair("test", files_of(test))}) {
+    for (const std::string& file : files) {
+      read.push_back({argument, file});
+    }
+  }
+  std::vector<NamedFile> written;
+  for (const auto& [argument, file] :
+       {std::pair("law", outputs.law), std::pair("report", outputs.report), std::pair("next", outputs.next)}) {
+    if (file) {
+      written.push_back({argument, file->string(), argument == std::string_view("report")});
+    }
+  }
+  expect_sound_files(read, written);
+}
+
 /// Tells the caller how far it is, and lets Ctrl-C through.
 auto progress_to(const py::object& callback) -> Say {
   return [&callback](const std::string& what) {
@@ -106,6 +127,7 @@ auto progress_to(const py::object& callback) -> Say {
 auto diagnose_logs(const Logs& logs, const std::string& base, const std::string& target, const Logs& test, int axis,
                    const Maps& map, const std::vector<int>& coupled_to, const Outputs& outputs,
                    const py::object& progress) -> py::object {
+  expect_sound_outputs(outputs, logs, test, base);
   auto tests = read_tests(test, logs, map);
   DiagnoseJob job{.logs = {read_some(logs, map), axis, coupled_to},
                   .tests = std::move(tests),

@@ -315,6 +315,28 @@ class Module(unittest.TestCase):
         self.assertTrue(any((self.folder / "report").iterdir()))
         self.assertTrue(said)
 
+    def test_what_is_read_is_not_written(self):
+        path, test = self.write(joint(5.0)), self.folder / "test.csv"
+        test.write_bytes(path.read_bytes())
+        law = self.folder / "law.toml"
+        capstan.identify(path).save(law)
+        before = {file: file.read_bytes() for file in (path, test, law)}
+        link = self.folder / "link.toml"
+        link.symlink_to(law)
+        called = []
+        for arguments, part in (({"law": path}, "law would replace .*, which logs reads; give law another name"),
+                                ({"next": path}, "next would replace .*, which logs reads"),
+                                ({"test": test, "law": test}, "law would replace .*, which test reads"),
+                                ({"base": str(law), "law": link}, "law would replace .*, which base reads"),
+                                ({"law": self.folder / "one", "next": self.folder / "." / "one"}, "would write the same file"),
+                                ({"law": "/nonexistent/law.toml"}, "there is no folder /nonexistent"),
+                                ({"report": law}, "is a file; name a folder")):
+            for logs in (path, [capstan.read_log(path)]):
+                with self.assertRaisesRegex(capstan.BadInput, part):
+                    capstan.diagnose(logs, progress=called.append, **arguments)
+        self.assertEqual(called, [])
+        self.assertEqual({file: file.read_bytes() for file in before}, before)
+
     def test_exception_in_progress_ends_the_diagnosis(self):
         def stop(_):
             raise KeyError("enough")

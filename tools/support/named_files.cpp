@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capstan/tools/support/named_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
+
+namespace capstan::tools {
+namespace {
+
+void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
+  for (auto output = written.begin(); output != written.end(); ++output) {
+    const auto is_output = [&](const NamedFile& other) { return same_file(other.path, output->path); };
+    if (const auto input = std::find_if(read.begin(), read.end(), is_output); input != read.end()) {
+      throw BadInput(output->option + " would replace " + input->path + ", which " + input->option + " reads; give " +
+                     output->option + " another name");
+    }
+    if (const auto other = std::find_if(written.begin(), output, is_output); other != output) {
+      throw BadInput(other->option + " and " + output->option + " would write the same file " + output->path +
+                     "; give each its own name");
+    }
+  }
+}
+
+void expect_folder_of(const NamedFile& file) {
+  namespace fs = std::filesystem;
+  const auto folder = fs::path(file.path).parent_path();
+  if (file.is_folder) {
+    if (fs::exists(file.path) && !fs::is_directory(file.path)) {
+      throw BadInput(file.option + " " + file.path + " is a file; name a folder, new or old");
+    }
+  } else if (!folder.empty() && !fs::is_directory(folder)) {
+    throw BadInput(file.option + " " + file.path + ": there is no folder " + folder.string() +
+                   "; make it, or name another one");
+  }
+}
+
+}  // namespace
+
+void expect_sound_files(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
+  std::for_each(written.begin(), written.end(), expect_folder_of);
+  expect_apart(read, written);
+}
+
+}  // namespace capstan::tools
