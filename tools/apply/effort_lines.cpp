@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/apply/effort_lines.hpp"
 
-#include <array>
-#include <cstdio>
 #include <string_view>
 
 #include "capstan/firmware/parameters/effort_rows.hpp"
+#include "capstan/tools/apply/board_number.hpp"
 #include "capstan/tools/replay/board_effort_law.hpp"
 
 namespace capstan::tools {
@@ -16,10 +15,7 @@ class EffortLines {
  public:
   explicit EffortLines(int axis) : prefix_("set joint" + std::to_string(axis) + ".") {}
   void set(const std::string& name, double value, std::string_view unit) {
-    std::array<char, 40> number{};
-    // First to what the board has, which eight decimals tell from its neighbours: replay then runs the same numbers.
-    std::snprintf(number.data(), number.size(), "%.8f", Q24::from_double(value).to_double());
-    lines_.push_back(prefix_ + name + " " + number.data() + (unit == "1" ? "" : " " + std::string(unit)));
+    lines_.push_back(prefix_ + name + " " + board_number(value) + (unit == "1" ? "" : " " + std::string(unit)));
   }
   void choose(const std::string& name, int value) { lines_.push_back(prefix_ + name + " " + std::to_string(value)); }
   [[nodiscard]] auto take() -> std::vector<std::string> {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/apply/force_lines.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "capstan/firmware/parameters/config.hpp"
+#include "capstan/tools/apply/board_number.hpp"
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/replay/force_replay.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -23,9 +22,7 @@ class ForceLines {
     if (std::abs(value) > kMost) {
       throw BadInput("[force] " + name + " is beyond what a board takes, 127; give the law in N m");
     }
-    std::array<char, 40> number{};
-    std::snprintf(number.data(), number.size(), "%.8f", value);
-    lines_.push_back(prefix_ + name + " " + number.data() + (unit == "1" ? "" : " " + unit));
+    lines_.push_back(prefix_ + name + " " + board_number(value) + (unit == "1" ? "" : " " + unit));
   }
   void choose(ForceLawKind kind) { lines_.push_back(prefix_ + "force.law " + std::to_string(static_cast<int>(kind))); }
   void levels(std::size_t count) { lines_.push_back(prefix_ + "preisach.levels " + std::to_string(count)); }

@@ -60,6 +60,15 @@ auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std
   return lines;
 }
 
+void expect_axis(const std::vector<std::string>& lines, int axis, const std::string& file) {
+  for (const std::string& line : lines) {
+    if (const int joint = number_behind(line, "set joint"); joint >= 0 && joint != axis) {
+      throw BadInput(file + " sets up joint " + std::to_string(joint) + ", and --axis names joint " +
+                     std::to_string(axis) + "; leave --axis out, or write the other joint's number into the file");
+    }
+  }
+}
+
 void expect_joints(const std::vector<std::string>& lines, const std::vector<std::string>& version) {
   const int joints = version.empty() ? -1 : number_behind(version.front(), "joints ");
   for (const std::string& line : lines) {

@@ -12,6 +12,10 @@ namespace capstan::tools {
 /// @param force  also a law whose joint would run against the motor, or too far
 auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std::string>;
 
+/// Throws BadInput if lines of that file are for another joint than the one that was asked for: a machine.toml says
+/// itself for which.
+void expect_axis(const std::vector<std::string>& lines, int axis, const std::string& file);
+
 /// Throws BadInput if lines are for a joint that the board does not have.
 /// @param version  its answer to 'version', which says how many it has
 void expect_joints(const std::vector<std::string>& lines, const std::vector<std::string>& version);

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "capstan/firmware/estimate/law_monitor.hpp"
+#include "capstan/tools/apply/board_number.hpp"
 #include "capstan/tools/identify/friction_spread.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 
@@ -21,9 +21,7 @@ class LawLines {
       : lines_(lines), law_(law), prefix_("set joint" + std::to_string(axis) + ".") {}
 
   void set(const std::string& group, const std::string& name, double value, const char* unit) {
-    std::array<char, 40> number{};
-    std::snprintf(number.data(), number.size(), "%.8f", value);
-    std::string line = prefix_ + group + "." + name + " " + number.data();
+    std::string line = prefix_ + group + "." + name + " " + board_number(value);
     if (std::string_view(unit) != "1") {
       line.append(" ").append(unit);
     }

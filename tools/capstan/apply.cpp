@@ -17,6 +17,7 @@ struct ApplyOptions {
   std::string model;
   std::string port, key;
   int axis = 0;
+  bool axis_given = false;
   bool keep_unsaved = false;
   bool force = false;
 };
@@ -34,6 +35,9 @@ void verify(ShellClient& shell, const std::string& set_line) {
 
 auto apply(const ApplyOptions& options) -> int {
   const std::vector<std::string> lines = law_lines(options.model, options.axis, options.force);
+  if (options.axis_given) {
+    expect_axis(lines, options.axis, options.model);
+  }
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
   expect_joints(lines, version);
@@ -67,11 +71,16 @@ void add_apply(CLI::App& app, int& exit_status) {
           "the law, a joint.toml; or a machine.toml of 'capstan commission', which says itself for which joints")
       ->required();
   command->add_option("--port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
-  command->add_option("--axis", options->axis, "joint of the board")->capture_default_str()->check(CLI::Range(0, 3));
+  const CLI::Option* axis = command->add_option("--axis", options->axis, "joint of the board")
+                                ->capture_default_str()
+                                ->check(CLI::Range(0, 3));
   command->add_option("--key", options->key, "of maintenance, where the board has one; a machine.toml needs it");
   command->add_flag("--force", options->force, "write a law even if its joint would run against the motor, or too far");
   command->add_flag("--no-save", options->keep_unsaved, "try the law without keeping it over a restart");
-  command->callback([options, &exit_status] { exit_status = apply(*options); });
+  command->callback([options, axis, &exit_status] {
+    options->axis_given = axis->count() > 0;
+    exit_status = apply(*options);
+  });
 }
 
 }  // namespace capstan::tools

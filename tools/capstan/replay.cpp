@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -25,6 +26,7 @@ struct ReplayOptions {
 /// A law of an effort as a board runs it: causal, in fixed point.
 auto run_board_replay(const ReplayOptions& options, const CsvLog& csv, const EffortLaw& law) -> int {
   const BoardEffortReplay replayed = replay_board_effort(csv, options.logs.axis, law, options.model);
+  std::for_each(replayed.log.warnings.begin(), replayed.log.warnings.end(), warn);
   write_text_file(options.output, replayed.text);
   const Eigen::Index inner = replayed.log.samples() - 2 * replayed.effort.delay;
   std::cout << "replayed " << replayed.log.samples() << " samples in fixed arithmetic, wrote " << options.output
@@ -43,8 +45,11 @@ auto run_effort_replay(const ReplayOptions& options) -> int {
   if (options.arithmetic == "fixed") {
     return run_board_replay(options, csv, law);
   }
-  write_text_file(options.output, replay_effort(csv, options.logs.axis, law));
-  std::cout << "replayed " << csv.time().size() << " samples in double arithmetic, wrote " << options.output << "\n";
+  const EffortReplay replayed = replay_effort(csv, options.logs.axis, law);
+  std::for_each(replayed.log.warnings.begin(), replayed.log.warnings.end(), warn);
+  write_text_file(options.output, replayed.text);
+  std::cout << "replayed " << replayed.log.samples() << " samples in double arithmetic, wrote " << options.output
+            << "\n";
   return kExitDone;
 }
 
@@ -90,9 +95,12 @@ auto run_replay(const ReplayOptions& options) -> int {
     return run_angle_replay(options, csv, arithmetic);
   }
   LogColumns columns;
-  const std::string force = run_force_replay(options, csv, arithmetic, columns);
-  write_text_file(options.output, csv.text_with(columns.names, columns.values));
-  std::cout << "replayed " << csv.time().size() << " samples in " << options.arithmetic << " arithmetic, wrote "
+  std::vector<std::string> notes;
+  const CsvLog rows = force_rows(csv, options.logs.axis, notes);
+  std::for_each(notes.begin(), notes.end(), warn);
+  const std::string force = run_force_replay(options, rows, arithmetic, columns);
+  write_text_file(options.output, rows.text_with(columns.names, columns.values));
+  std::cout << "replayed " << rows.rows() << " samples in " << options.arithmetic << " arithmetic, wrote "
             << options.output << "\n"
             << force;
   return kExitDone;

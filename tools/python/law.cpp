@@ -179,10 +179,13 @@ auto Law::replay(const CsvLog& log, int axis, Arithmetic arithmetic, const Say& 
   if (const auto* effort = std::get_if<EffortLaw>(&law_)) {
     if (arithmetic == Arithmetic::kFixed) {
       const BoardEffortReplay replayed = replay_board_effort(log, axis, *effort, name_);
+      std::for_each(replayed.log.warnings.begin(), replayed.log.warnings.end(), warn);
       text = replayed.text;
       saturated = replayed.effort.saturated;
     } else {
-      text = replay_effort(log, axis, *effort);
+      const EffortReplay replayed = replay_effort(log, axis, *effort);
+      std::for_each(replayed.log.warnings.begin(), replayed.log.warnings.end(), warn);
+      text = replayed.text;
     }
   } else {
     LogColumns columns;
@@ -192,6 +195,10 @@ auto Law::replay(const CsvLog& log, int axis, Arithmetic arithmetic, const Say& 
       columns = columns_of(axis, replayed.estimates);
       saturated = replayed.estimates.saturated;
       rows = std::move(replayed.csv);
+    } else {
+      std::vector<std::string> notes;
+      rows = force_rows(log, axis, notes);
+      std::for_each(notes.begin(), notes.end(), warn);
     }
     if (const BoardForceLaw law = read_board_force_law(text_, name_); law.parameters.kind != ForceLawKind::kNone) {
       columns.add(axis_column(axis, "tau_out_est_Nm"), replay_torque(rows, axis, law, arithmetic, warn));

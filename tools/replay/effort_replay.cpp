@@ -11,7 +11,13 @@
 namespace capstan::tools {
 namespace {
 
-auto effort_log(const CsvLog& csv, int axis, const EffortLaw& law) -> AxisLog {
+/// Every row that the axis's channels have in common: who replays a log has to see it.
+struct EffortRows {
+  CsvLog csv;
+  AxisLog log;
+};
+
+auto effort_rows(const CsvLog& csv, int axis, const EffortLaw& law) -> EffortRows {
   const auto slash = law.target.find('/');
   const std::string quantity = slash == std::string::npos ? law.target : law.target.substr(slash + 1);
   AxisRequest request;
@@ -19,7 +25,12 @@ auto effort_log(const CsvLog& csv, int axis, const EffortLaw& law) -> AxisLog {
   request.effort = !law.of_gear();
   request.force = law.of_gear();
   request.target = axis_column(axis, quantity);
-  return read_axis(csv, request);
+  request.every_row = true;
+  std::vector<std::string> notes;
+  EffortRows rows{.csv = common_rows_of(csv, request, notes), .log = {}};
+  rows.log = read_axis(rows.csv, request);
+  rows.log.warnings.insert(rows.log.warnings.end(), notes.begin(), notes.end());
+  return rows;
 }
 
 /// @param name  "dist" of "axis0/tau_Nm": "axis0/tau_dist_Nm"
@@ -97,19 +108,20 @@ auto estimate_column(const std::string& target) -> std::string {
   return sibling(target, "est");
 }
 
-auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> std::string {
-  const AxisLog log = effort_log(csv, axis, law);
-  return csv.text_with({estimate_column(log.target)}, {run_effort_law({log}, law)});
+auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> EffortReplay {
+  auto [rows, log] = effort_rows(csv, axis, law);
+  std::string text = rows.text_with({estimate_column(log.target)}, {run_effort_law({log}, law)});
+  return {std::move(text), std::move(log)};
 }
 
 auto replay_board_effort(const CsvLog& csv, int axis, const EffortLaw& law, const std::string& name)
     -> BoardEffortReplay {
   const BoardEffortLaw board = law_in_fixed_point(law, name);
-  const AxisLog log = effort_log(csv, axis, law);
-  BoardEffortReplay replay{run_board_effort(log, board, Arithmetic::kFixed), {}, log};
-  replay.text = csv.text_with({estimate_column(log.target), sibling(log.target, "dist")},
-                              {replay.effort.law, replay.effort.disturbance});
-  return replay;
+  auto [rows, log] = effort_rows(csv, axis, law);
+  BoardEffort effort = run_board_effort(log, board, Arithmetic::kFixed);
+  std::string text =
+      rows.text_with({estimate_column(log.target), sibling(log.target, "dist")}, {effort.law, effort.disturbance});
+  return {{std::move(text), std::move(log)}, std::move(effort)};
 }
 
 }  // namespace capstan::tools

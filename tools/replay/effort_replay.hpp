@@ -11,9 +11,14 @@ namespace capstan::tools {
 /// The name of the estimate's column: "axis0/tau_est_Nm" of "axis0/tau_Nm".
 auto estimate_column(const std::string& target) -> std::string;
 
-/// Runs an effort's law over a log, the motion being given, and returns the log with the estimate appended.
+/// Of a log whose channels have different rates, the rows that they have in common.
+struct EffortReplay {
+  std::string text;  ///< these rows with the estimate appended
+  AxisLog log;       ///< with what is to be said of them
+};
+/// Runs an effort's law over a log, the motion being given.
 /// @param axis  the log's axis; the law's own, with another number, is meant
-auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> std::string;
+auto replay_effort(const CsvLog& csv, int axis, const EffortLaw& law) -> EffortReplay;
 
 /// What a board says of a log, row by row.
 struct BoardEffort {
@@ -26,10 +31,8 @@ struct BoardEffort {
 /// The firmware's law over a log, causal: in double at any rate, in fixed point at 1 kHz. Throws Refusal.
 auto run_board_effort(const AxisLog& log, const BoardEffortLaw& law, Arithmetic arithmetic) -> BoardEffort;
 
-struct BoardEffortReplay {
+struct BoardEffortReplay : EffortReplay {  ///< with the disturbance, too
   BoardEffort effort;
-  std::string text;  ///< the log with law and disturbance appended
-  AxisLog log;
 };
 /// The same in fixed point for a whole log file. Throws Refusal where no board runs the law.
 /// @param name  of the law's file

@@ -65,6 +65,13 @@ auto read_board_force_law(const std::string& joint_file, const std::string& name
   return law;
 }
 
+auto force_rows(const CsvLog& log, int axis, std::vector<std::string>& notes) -> CsvLog {
+  AxisRequest request;
+  request.axis = axis;
+  request.force = true;
+  return common_rows_of(log, request, notes);
+}
+
 auto replay_force(const Eigen::VectorXd& tau_nm, const BoardForceLaw& law, Arithmetic arithmetic) -> ReplayedForce {
   if (arithmetic == Arithmetic::kDouble) {
     const auto same = [](double x) { return x; };

@@ -26,6 +26,10 @@ struct ReplayedForce {
   long beyond = 0;            ///< samples beyond the law's table, or at the end of the range of numbers
 };
 
+/// A log with the rows that the channels of an axis's force law have in common, where they have different rates; else
+/// as it is.
+auto force_rows(const CsvLog& log, int axis, std::vector<std::string>& notes) -> CsvLog;
+
 /// Runs a force law over the motor's torque as the firmware does, which asks it for what the motor was told. kFixed is
 /// the firmware's arithmetic; the law has no clock, so any rate will do.
 auto replay_force(const Eigen::VectorXd& tau_nm, const BoardForceLaw& law, Arithmetic arithmetic) -> ReplayedForce;

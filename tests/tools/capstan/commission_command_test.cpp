@@ -41,7 +41,7 @@ TEST_F(CommissionCommand, AfterItWasKilledTheNextRunGivesBackWhatItHadSetForAWhi
     const Outcome status = run("shell $port", board() + dump("before") + ended("press", "KILL") + dump("killed") +
                                                   ended("press", "INT", again) + dump("after") + "echo status | ");
     EXPECT_NE(read_text_file(path("killed")), read_text_file(path("before"))) << again;
-    EXPECT_NE(read_text_file(path("said")).find("press: stopped as you wished"), std::string::npos) << again;
+    EXPECT_NE(read_text_file(path("said")).find(": stopped as you wished, torque is off"), std::string::npos) << again;
     EXPECT_EQ(read_text_file(path("after")), read_text_file(path("before"))) << again;
     EXPECT_NE(status.output.find("state disarmed"), std::string::npos) << again << status.output;
     std::filesystem::remove(path("state"));

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Law files of efforts and torques: what writes them, and what reads them again.
+#include "capstan/tests/tools/capstan/command_fixture.hpp"
+#include "capstan/tests/tools/synthetic_effort.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+
+namespace capstan::tools {
+namespace {
+
+class LawFileCommand : public Command {
+ protected:
+  /// An axis with dry friction, its torque in every `every`-th row only or, held, in all.
+  auto write_effort(const std::string& name, int cycles, int every = 1, bool held = false) const -> std::string {
+    test::EffortRequest request;
+    request.truth = test::EffortTruth::kCoulomb;
+    request.cycles = cycles;
+    const AxisLog made = test::synthetic_effort_log(request);
+    std::string text = "time_s,axis0/q1_rad,axis0/tau_Nm\n";
+    for (Eigen::Index i = 0; i < made.samples(); ++i) {
+      const Eigen::Index measured = i - i % every;
+      text += log_number(made.time_s[i]) + "," + log_number(made.q1_rad[held ? measured : i]) + "," +
+              (held || measured == i ? log_number(made.effort[measured]) : "") + "\n";
+    }
+    write_text_file(path(name), text);
+    return "\"" + path(name) + "\"";
+  }
+  auto replayed(const std::string& log, const std::string& law) const -> Outcome {
+    return run("replay " + log + " --model \"" + path(law) + "\" --arithmetic double -o \"" + path("replayed.csv") +
+               "\"");
+  }
+  auto rows_replayed() const -> std::size_t { return CsvLog::read(path("replayed.csv")).rows(); }
+};
+
+TEST_F(LawFileCommand, AnEffortsLawRunsOverLogsOfSeveralRatesAndOfASlowRecorder) {
+  const std::string log = write_effort("log.csv", 2);
+  ASSERT_EQ(run("identify " + log + " --model rigid_dynamics -o \"" + path("law.toml") + "\"").status, 0);
+  const Outcome gaps = replayed(write_effort("gaps.csv", 2, 2), "law.toml");
+  EXPECT_EQ(gaps.status, 0) << gaps.output;
+  EXPECT_NE(gaps.output.find("warning: " + path("gaps.csv") + ": the channels have different rates"), std::string::npos)
+      << gaps.output;
+  EXPECT_EQ(rows_replayed(), 1200U);
+  EXPECT_NE(gaps.output.find("replayed 1200 samples"), std::string::npos) << gaps.output;
+  const Outcome repeats = replayed(write_effort("repeats.csv", 2, 5, true), "law.toml");
+  EXPECT_EQ(repeats.status, 0) << repeats.output;
+  EXPECT_EQ(rows_replayed(), 2400U) << "every row of the log";
+}
+
+TEST_F(LawFileCommand, ATorquesLawRunsOverLogsOfSeveralRates) {
+  write_text_file(path("force.toml"),
+                  "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [-0.1, 0, 0.1]\n"
+                  "forces = [[-0.05], [-0.05, 0.01], [-0.05, 0.03, 0.06]]\n");
+  write_text_file(path("log.csv"),
+                  "time_s,axis0/q1_rad,axis0/tau_Nm,axis0/tau_out_Nm\n"
+                  "0,0,-0.1,-0.05\n0.01,0.05,0.1,\n0.02,0.1,0.1,0.06\n0.03,0.07,0.05,\n0.04,0.05,0,0.04\n");
+  const Outcome outcome = replayed("\"" + path("log.csv") + "\"", "force.toml");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_EQ(rows_replayed(), 3U);
+}
+
+TEST_F(LawFileCommand, TheLawOfAnEffortsShortLogIsReadAgain) {
+  const std::string log = write_effort("log.csv", 1);
+  std::string text = read_text_file(path("log.csv"));
+  std::size_t end = 0;
+  for (int line = 0; line < 201; ++line) {
+    end = text.find('\n', end) + 1;
+  }
+  write_text_file(path("short.csv"), text.substr(0, end));
+  const Outcome diagnosed =
+      run("diagnose \"" + path("short.csv") + "\" --target axis0/tau_Nm -o \"" + path("law.toml") + "\"");
+  ASSERT_TRUE(exists("law.toml")) << diagnosed.output;
+  const Outcome outcome = replayed(log, "law.toml");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+}
+
+TEST_F(LawFileCommand, AReversalTableThatWasDiagnosedIsReadAgain) {
+  ASSERT_EQ(run("run --scenario \"" CAPSTAN_SOURCE_DIR "/tools/scenarios/recipe_preisach.toml\" --log \"" +
+                path("log.csv") + "\"")
+                .status,
+            0);
+  const std::string log = "\"" + path("log.csv") + "\"";
+  const Outcome diagnosed = run("diagnose " + log + " --base preisach -o \"" + path("law.toml") + "\"");
+  ASSERT_TRUE(exists("law.toml")) << diagnosed.output;
+  const Outcome outcome = replayed(log, "law.toml");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const auto rms = outcome.output.find("against axis0/tau_out_Nm 0.00");
+  EXPECT_NE(rms, std::string::npos) << outcome.output;
+}
+
+TEST_F(LawFileCommand, TheAxisOfAMachineFileIsItsOwn) {
+  write_text_file(path("machine.toml"), "schema = \"capstan.machine/1\"\n[joint0]\n\"control.kp\" = \"0.5\"\n");
+  const Outcome other = run("apply \"" + path("machine.toml") + "\" --port tcp:1 --axis 1");
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.output.find("sets up joint 0, and --axis names joint 1"), std::string::npos) << other.output;
+  const Outcome same = run("apply \"" + path("machine.toml") + "\" --port tcp:1 --axis 0");
+  EXPECT_NE(same.output.find("nobody answers"), std::string::npos) << same.output;
+}
+
+}  // namespace
+}  // namespace capstan::tools
