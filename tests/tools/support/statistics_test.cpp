@@ -10,6 +10,11 @@ namespace capstan::tools {
 namespace {
 
 TEST(Statistics, StudentsQuantilesAreThoseOfTheTables) {
+  EXPECT_NEAR(student_t95(1), 12.706, 0.001);  // an interval of a quarter less held the truth 93 times of 100
+  EXPECT_NEAR(student_t95(1.5), 6.0167, 0.003);
+  EXPECT_NEAR(student_t95(2), 4.303, 0.001);
+  EXPECT_NEAR(student_t95(3), 3.182, 0.001);
+  EXPECT_NEAR(student_t95(4), 2.776, 0.008);
   EXPECT_NEAR(student_t95(5), 2.571, 0.01);
   EXPECT_NEAR(student_t95(10), 2.228, 0.003);
   EXPECT_NEAR(student_t95(30), 2.042, 0.002);
