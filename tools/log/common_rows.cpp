@@ -89,8 +89,16 @@ auto with_common_rows(const CsvLog& log, const std::vector<std::string>& main, c
     }
     columns[channel.name] = std::move(values);
   }
-  notes.push_back(log.name() + ": the channels have different rates; the " + std::to_string(kept.size()) + " rows of " +
-                  slowest->name + ", the slowest, are used, and the others are interpolated there");
+  constexpr Index kFewMissing = 100;  // one row in as many: cells that were lost, no other rate
+  if (const Index missing = rows - static_cast<Index>(slowest->measured.size());
+      missing > 0 && kFewMissing * missing <= rows) {
+    notes.push_back(log.name() + ": " + std::to_string(missing) + (missing == 1 ? " row has" : " rows have") +
+                    " no number for " + slowest->name + ", so the other " + std::to_string(kept.size()) +
+                    " are used; what else is missing there is interpolated");
+  } else {
+    notes.push_back(log.name() + ": the channels have different rates; the " + std::to_string(kept.size()) +
+                    " rows of " + slowest->name + ", the slowest, are used, and the others are interpolated there");
+  }
   if (kept.empty()) {
     throw BadInput(log.name() + ": the channels were never measured at the same time; record them together");
   }

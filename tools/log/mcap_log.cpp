@@ -56,7 +56,8 @@ class Table {
       ++unreadable_;
       return;
     }
-    rows_.push_back({message.time_ns, {}});
+    rows_.push_back({message.time_ns, message.channel.id, {}});
+    topics_.insert({message.channel.id, message.channel.topic});
     std::string topic = message.channel.topic;
     topic.erase(0, topic.find_first_not_of('/'));
     flatten(topic, parsed, 0);
@@ -69,11 +70,13 @@ class Table {
   [[nodiscard]] auto unreadable() const -> std::size_t { return unreadable_; }
   [[nodiscard]] auto empty() const -> bool { return rows_.empty(); }
   [[nodiscard]] auto too_many_columns() const -> bool { return too_many_; }
-  auto csv() -> std::string;
+  /// Throws BadInput where a signal has two values at a time. @param name  of the file
+  auto csv(const std::string& name) -> std::string;
 
  private:
   struct Row {
     std::uint64_t time_ns;
+    std::uint16_t channel;
     std::vector<std::pair<std::size_t, double>> cells;
   };
 
@@ -113,6 +116,9 @@ class Table {
     return by_path_[path] = names_.size() - 1;
   }
 
+  [[noreturn]] void refuse_two(const std::string& name, const std::string& seconds, const Row& other) const;
+
+  std::map<std::uint16_t, std::string> topics_;  // by channel
   std::vector<std::string> names_;
   std::set<std::string> taken_ = {"time_s"};
   std::map<std::string, std::size_t> by_path_;
@@ -130,7 +136,21 @@ auto seconds_text(std::uint64_t time_ns) -> std::string {
   return text;
 }
 
-auto Table::csv() -> std::string {
+void Table::refuse_two(const std::string& name, const std::string& seconds, const Row& other) const {
+  const std::string& topic = topics_.at(other.channel);
+  std::string channels;
+  for (const auto& [id, same] : topics_) {
+    channels += same == topic ? (channels.empty() ? "" : " and ") + std::to_string(id) : "";
+  }
+  if (channels.find(' ') != std::string::npos) {
+    throw BadInput(name + ": the topic " + topic + " comes on several channels (" + channels +
+                   "), which have messages of one time, " + seconds + " s; record each of them as a topic of its own");
+  }
+  throw BadInput(name + ": the topic " + topic + " has two messages of one time, " + seconds +
+                 " s; give each the log time at which it was measured");
+}
+
+auto Table::csv(const std::string& name) -> std::string {
   std::stable_sort(rows_.begin(), rows_.end(), [](const Row& a, const Row& b) { return a.time_ns < b.time_ns; });
   // A clock since 1970 has no digits left for microseconds in a double; a board's own has.
   constexpr std::uint64_t kOwnClock = 100'000'000'000'000'000;  // ns, three years
@@ -150,6 +170,9 @@ auto Table::csv() -> std::string {
       }
       ++i;
     } while (i < rows_.size() && fits(rows_[i]));
+    if (i < rows_.size() && rows_[i].time_ns == time_ns) {
+      refuse_two(name, seconds_text(time_ns - start), rows_[i]);
+    }
     text += seconds_text(time_ns - start);
     for (const auto& value : line) {
       text += value ? "," + exact(*value) : ",";
@@ -173,9 +196,16 @@ auto csv_of_mcap(std::string_view bytes, const std::string& name, std::vector<st
   } catch (const McapDamaged& why) {
     throw BadInput(name + ": the MCAP file is damaged: " + why.what() + "; repair it with `mcap recover " + name +
                    " -o recovered.mcap`");
+  } catch (const McapForeign& why) {
+    throw BadInput(name + ": " + why.what());
   }
   if (table.empty()) {
     const std::vector<std::string> foreign(table.foreign().begin(), table.foreign().end());
+    if (!whole && foreign.empty() && table.unreadable() == 0) {
+      throw BadInput(name + ": the MCAP file ends before its first messages are whole, as of a recording that broke " +
+                     "off; save what can be saved with `mcap recover " + name +
+                     " -o recovered.mcap`, or record it again");
+    }
     throw BadInput(name + ": the MCAP file has no numbers in JSON messages" +
                    (foreign.empty() ? std::string() : ", only " + joined(foreign)) +
                    "; record the topics as JSON, or open the file in PlotJuggler or Foxglove and export them as CSV");
@@ -193,7 +223,7 @@ auto csv_of_mcap(std::string_view bytes, const std::string& name, std::vector<st
   if (table.too_many_columns()) {
     warnings.push_back(name + ": only the first " + std::to_string(kMostColumns) + " signals were read");
   }
-  return table.csv();
+  return table.csv(name);
 }
 
 }  // namespace capstan::tools

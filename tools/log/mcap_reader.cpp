@@ -63,7 +63,7 @@ class Reader {
     if (!id || !schema || !topic || !encoding) {
       throw McapDamaged("the description of a channel is too short");
     }
-    channels_.insert({*id, {std::string(*topic), std::string(*encoding)}});  // repeated in the summary
+    channels_.insert({*id, {*id, std::string(*topic), std::string(*encoding)}});  // repeated in the summary
   }
 
   void take_message(std::string_view text) {
@@ -118,7 +118,8 @@ class Reader {
       return std::string(content);
     }
     if (compression != "lz4" && compression != "zstd") {
-      throw McapDamaged("a chunk is packed with '" + std::string(compression) + "', which is neither lz4 nor zstd");
+      throw McapForeign("a chunk is packed with '" + std::string(compression) +
+                        "', which is neither lz4 nor zstd; record it with one of these, or without compression");
     }
     try {
       return unpacked(compression == "lz4" ? Codec::kLz4 : Codec::kZstd, content, size);

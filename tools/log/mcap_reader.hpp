@@ -16,7 +16,14 @@ class McapDamaged : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The file is sound and holds what is not read here. The message says what, and what to do.
+class McapForeign : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 struct McapChannel {
+  std::uint16_t id;
   std::string topic, encoding;
 };
 
@@ -28,7 +35,7 @@ struct McapMessage {
 
 /// Calls visit for every message in the order of the file, and checks lengths and checksums on the way. Indices are not
 /// needed: the data section alone says everything. Returns false if the file ends before its footer.
-/// Throws McapDamaged.
+/// Throws McapDamaged and McapForeign.
 auto read_mcap(std::string_view bytes, const std::function<void(const McapMessage&)>& visit) -> bool;
 
 }  // namespace capstan::tools

@@ -74,6 +74,19 @@ TEST(AxisLogGate, OfTwoRatesTheSlowersRowsAreUsed) {
   EXPECT_NE(axis.warnings[0].find("1000 rows of axis0/q2_rad, the slowest"), std::string::npos) << axis.warnings[0];
 }
 
+TEST(AxisLogGate, ACellThatIsMissingIsNoOtherRate) {
+  const std::string text = text_of({}, 1.0, false);
+  std::size_t cell = 0;
+  for (int line = 0; line < 12; ++line) {
+    cell = text.find('\n', cell) + 1;
+  }
+  const std::size_t first = text.find(',', cell) + 1;
+  const AxisLog axis =
+      read_axis(CsvLog::parse(text.substr(0, first) + text.substr(text.find_first_of(",\n", first)), "x.csv"), {});
+  EXPECT_EQ(axis.samples(), kRows - 1);
+  EXPECT_NE(axis.warnings[0].find("1 row has no number for axis0/q1_rad"), std::string::npos) << axis.warnings[0];
+}
+
 /// The joint's angle comes from a camera that has a new picture every so many rows.
 auto with_camera(Index rows, Index late = 0) -> Log {
   Log log;

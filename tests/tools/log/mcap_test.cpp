@@ -134,6 +134,55 @@ TEST(Mcap, MessagesInOtherEncodingsAreNamed) {
   }
 }
 
+/// What is said of bytes that are refused.
+auto refusal_of(const std::string& bytes) -> std::string {
+  try {
+    static_cast<void>(CsvLog::parse(bytes, "x.mcap"));
+  } catch (const BadInput& refusal) {
+    return refusal.what();
+  }
+  return "taken";
+}
+
+TEST(Mcap, AFileThatEndsInItsFirstChunkIsSaidToEndThere) {
+  const std::string whole = two_rates(McapCompression::kNone, 40);
+  for (const std::size_t size : {mcap::kMagic.size(), whole.size() / 3}) {
+    const std::string said = refusal_of(whole.substr(0, size));
+    EXPECT_NE(said.find("ends before its first messages are whole"), std::string::npos) << said;
+    EXPECT_NE(said.find("mcap recover x.mcap"), std::string::npos) << said;
+  }
+}
+
+TEST(Mcap, AChunkInAnotherCompressionIsNoDamage) {
+  const std::string said =
+      refusal_of(std::string(mcap::kMagic) +
+                 mcap::record(mcap::Opcode::kChunk,
+                              mcap::FieldWriter().u64(0).u64(0).u64(4).u32(0).text("brotli").u64(4).bytes("1234")));
+  EXPECT_NE(said.find("packed with 'brotli', which is neither lz4 nor zstd; record it with"), std::string::npos)
+      << said;
+  EXPECT_EQ(said.find("damaged"), std::string::npos) << said;
+}
+
+TEST(Mcap, TwoMessagesOfOneTimeAreSaidWithTopicAndChannels) {
+  const auto file = [](bool two_channels, std::uint64_t later) {
+    std::ostringstream out;
+    McapWriter writer(out);
+    const auto one = writer.add_channel("/axis0", "motor", "{}");
+    const auto other = two_channels ? writer.add_channel("/axis0", "motor", "{}") : one;
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      writer.add_message(one, i * kMillisecond, R"({"q1_rad":1})");
+      writer.add_message(other, i * kMillisecond + later, R"({"q1_rad":2})");
+    }
+    writer.finish();
+    return out.str();
+  };
+  const std::string two = refusal_of(file(true, 0));
+  EXPECT_NE(two.find("the topic /axis0 comes on several channels (0 and 1)"), std::string::npos) << two;
+  const std::string one = refusal_of(file(false, 0));
+  EXPECT_NE(one.find("the topic /axis0 has two messages of one time, 0.000000000 s"), std::string::npos) << one;
+  EXPECT_EQ(CsvLog::parse(file(true, 1), "x.mcap").rows(), 10U) << "a recorder that began anew";
+}
+
 TEST(Mcap, AMessageOfAnUnknownChannelIsRefused) {
   using mcap::FieldWriter;
   const std::string bytes =
