@@ -4,6 +4,7 @@
 #include <pybind11/numpy.h>
 
 #include <limits>
+#include <string_view>
 
 namespace py = pybind11;
 
@@ -15,10 +16,24 @@ auto in_seconds(const py::object& times, bool of_calendar) -> py::object {
   return (of_calendar ? times - times[py::slice(0, 1, 1)] : times) / second;
 }
 
+/// Columns of a DataFrame that NumPy would take for objects: times of a zone, and numbers with pandas.NA.
+auto plain(py::object column) -> py::object {
+  const py::object dtype = py::getattr(column, "dtype", py::none());
+  if (!py::getattr(dtype, "tz", py::none()).is_none()) {
+    return py::getattr(column, "dt", column).attr("tz_convert")(py::none());
+  }
+  constexpr std::string_view kNumbers = "iufb";
+  if (py::hasattr(dtype, "na_value") && kNumbers.find(dtype.attr("kind").cast<char>()) != std::string_view::npos) {
+    using py::literals::operator""_a;
+    return column.attr("to_numpy")("dtype"_a = "float64", "na_value"_a = std::numeric_limits<double>::quiet_NaN());
+  }
+  return column;
+}
+
 }  // namespace
 
 auto column_of(py::handle source, const std::string& what) -> Column {
-  auto numbers = py::reinterpret_borrow<py::object>(source);
+  auto numbers = plain(py::reinterpret_borrow<py::object>(source));
   const bool masked = py::hasattr(numbers, "filled");
   if (const auto array = py::array::ensure(numbers)) {
     const char kind = array.dtype().kind();

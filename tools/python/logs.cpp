@@ -43,6 +43,23 @@ auto type_name(py::handle object) -> std::string {
   return py::str(py::type::of(object).attr("__name__"));
 }
 
+/// A column's name, as a file's header can have it.
+auto name_in_a_header(py::handle object) -> std::string {
+  py::detail::make_caster<std::string> name;
+  if (!py::isinstance<py::str>(object) || !name.load(object, false)) {
+    PyErr_Clear();
+    throw py::type_error("a column is named " + py::str(py::str("{!a}").format(object)).cast<std::string>() +
+                         "; give its name, for instance 'axis0/q1_rad'");
+  }
+  const std::string& text = py::detail::cast_op<std::string&>(name);
+  const auto splits = [](char c) { return c == ',' || c == '"' || (static_cast<unsigned char>(c) < ' '); };
+  if (text.empty() || std::any_of(text.begin(), text.end(), splits)) {
+    throw BadInput("a column is named " + std::string(py::repr(object)) +
+                   ", which no log can hold; give it a name without commas, double quotes and line breaks");
+  }
+  return text;
+}
+
 auto items_of(const py::object& columns) -> std::vector<std::pair<std::string, py::object>> {
   if (!py::hasattr(columns, "items")) {
     throw py::type_error("columns are given as " + type_name(columns) +
@@ -51,11 +68,7 @@ auto items_of(const py::object& columns) -> std::vector<std::pair<std::string, p
   std::vector<std::pair<std::string, py::object>> items;
   for (const auto item : columns.attr("items")()) {
     const auto pair = item.cast<py::tuple>();
-    if (!py::isinstance<py::str>(pair[0])) {
-      throw py::type_error("a column is named " + std::string(py::repr(pair[0])) +
-                           "; give its name, for instance 'axis0/q1_rad'");
-    }
-    items.emplace_back(pair[0].cast<std::string>(), pair[1]);
+    items.emplace_back(name_in_a_header(pair[0]), pair[1]);
   }
   return items;
 }

@@ -6,6 +6,10 @@ import tempfile
 import unittest
 
 import numpy
+try:
+    import pandas
+except ImportError:
+    pandas = None
 from module_test import capstan, joint, motion
 
 
@@ -40,6 +44,33 @@ class Arrays(unittest.TestCase):
                             ({"time_s": [0.0, 1j]}, "column time_s is of complex numbers; give their real part")):
             with self.assertRaisesRegex(TypeError, part):
                 capstan.log(wrong)
+
+    def test_a_name_that_no_header_holds_is_refused_by_its_name(self):
+        plain = {"time_s": numpy.arange(3.0), "axis0/q1_rad": numpy.arange(3.0)}
+        for name in ("force (N, filtered)", "a\nb", "", 'a"b', "a\tb"):
+            with self.assertRaises(capstan.BadInput) as raised:
+                capstan.log({**plain, name: numpy.zeros(3)})
+            self.assertIn(f"a column is named {name!r}, which no log can hold", str(raised.exception))
+        with self.assertRaisesRegex(TypeError, r"a column is named '\\ud800'"):
+            capstan.log({**plain, "\ud800": numpy.zeros(3)})
+        for name in ("a;b", " a", "#a", "a'b", "Kraft [N]", "\u00e4"):
+            log = capstan.log({**plain, name: numpy.ones(3)})
+            self.assertEqual(len(log.columns), 3, name)
+            self.assertTrue(numpy.array_equal(log["axis0/q1_rad"], numpy.arange(3.0)), name)
+
+    @unittest.skipIf(pandas is None, "pandas is not installed")
+    def test_columns_of_a_data_frame_may_have_missing_values_and_a_time_zone(self):
+        zoned = pandas.Series(pandas.to_datetime([0.0, 0.5, 1.0], unit="s", utc=True))
+        for times in (zoned, pandas.DatetimeIndex(zoned), zoned.dt.tz_convert("Europe/Amsterdam")):
+            for numbers in (pandas.array([1, None, 3], dtype="Int64"), pandas.array([1.0, None, 3.0], dtype="Float64")):
+                log = capstan.log(pandas.DataFrame({"time_s": times, "axis0/q1_rad": numbers}))
+                self.assertTrue(numpy.array_equal(log["time_s"], [0.0, 0.5, 1.0]))
+                self.assertTrue(numpy.array_equal(log.with_gaps("axis0/q1_rad"), [1.0, numpy.nan, 3.0], equal_nan=True))
+        switched = pandas.Series([True, None, False], dtype="boolean")
+        log = capstan.log({"time_s": numpy.arange(3.0), "brake": switched})
+        self.assertTrue(numpy.array_equal(log.with_gaps("brake"), [1.0, numpy.nan, 0.0], equal_nan=True))
+        with self.assertRaisesRegex(TypeError, "column axis0/q1_rad is given as Series"):
+            capstan.log({"time_s": numpy.arange(2.0), "axis0/q1_rad": pandas.Series(["a", None], dtype="string")})
 
     def test_complex_numbers_are_never_cut_to_their_real_part(self):
         law = capstan.identify(capstan.log(joint(5.0)))
