@@ -4,6 +4,7 @@
 #endif
 
 #include <algorithm>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
@@ -55,11 +56,8 @@ void keep_freed_memory() {
 #endif
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+auto run_command(int argc, char** argv) -> int {
   using namespace capstan::tools;
-  keep_freed_memory();
   int exit_status = kExitDone;
   CLI::App app("Firmware and tools for tendon-driven joints: run, identify, diagnose, correct.", "capstan");
   app.require_subcommand(1);
@@ -104,6 +102,19 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     std::cerr << "capstan: stopped by an internal error: " << error.what() << "; please report it with the command\n";
     return kExitRefused;
+  }
+  return exit_status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keep_freed_memory();
+  const int exit_status = run_command(argc, argv);
+  // A result is not given before all of it is out.
+  if (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+    std::cerr << "capstan: standard output took not all of the result; free some space on its disk\n";
+    return capstan::tools::kExitBadInput;
   }
   return exit_status;
 }

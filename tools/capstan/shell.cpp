@@ -108,8 +108,8 @@ class Talk {
       print_banner(shell_, port);
     }
     static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // the write says it
-    if (recorder != nullptr) {
-      static_cast<void>(std::signal(SIGINT, leave));  // or the last rows would not reach the log
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+      static_cast<void>(std::signal(signal_number, leave));  // or the last rows would not reach the log
     }
   }
 
@@ -126,14 +126,37 @@ class Talk {
         say();
       }
     }
-    if (script_ && leave_requested == 0 && owed_.lines() > 0) {
-      throw Refusal(port_ + ": no answer from the shell in time; check that a board is there" + owed_.sentence());
+    if (!port_.starts_with("tcp:")) {
+      say_torque();
+    }
+    if (script_ && owed_.lines() > 0) {
+      throw Refusal(port_ +
+                    (leave_requested != 0 ? ": left while the board was answering"
+                                          : ": no answer from the shell in time; check that a board is there") +
+                    owed_.sentence());
     }
     return script_ && owed_.refused() > 0 ? kExitRefused : kExitDone;
   }
 
  private:
   using steady_clock = std::chrono::steady_clock;
+
+  /// A serial line does not tell the board that nobody is there any more.
+  void say_torque() {
+    constexpr std::chrono::seconds kPatience{2};
+    std::string state = "no answer to 'status'";
+    try {
+      for (const std::string& line : shell_.ask("status", kPatience)) {
+        state = line.starts_with("state ") ? line.substr(0, line.find(' ', 6)) : state;
+      }
+    } catch (const Refusal&) {
+      // It may have.
+    }
+    if (state != "state disarmed" && state != "state faulted" && state != "state boot") {
+      std::cerr << "capstan: the joints may have torque (" << state << ") and keep it over a serial line; 'disarm' "
+                << "takes it away\n";
+    }
+  }
 
   /// How long the board may be silent when nobody types any more.
   [[nodiscard]] auto silence() const -> std::chrono::milliseconds {

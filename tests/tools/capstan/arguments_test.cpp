@@ -91,6 +91,14 @@ TEST_F(Arguments, APortIsANumberThatPortsHave) {
   }
 }
 
+TEST_F(Arguments, StandardOutputThatTakesNoMoreIsSaid) {
+  for (const char* command : {"dbc", "tune --help"}) {
+    const Outcome outcome = run(std::string(command) + " 2> \"" + path("said") + "\" > /dev/full; echo status $?");
+    EXPECT_EQ(outcome.output, "status 2\n") << command;
+    EXPECT_NE(read_text_file(path("said")).find("standard output took not all of the result"), std::string::npos);
+  }
+}
+
 TEST_F(Arguments, AReportGoesIntoAFolder) {
   const std::string log = write_log(short_log(100.0));
   const Outcome outcome = run("diagnose " + log + " --report " + log);

@@ -42,12 +42,14 @@ class Command : public test::OwnFolder {
 };
 
 /// Shell commands that serve a simulated board; `$port` is its shell and `$board` its process, which ends with the
-/// command. @param options  of `capstan run`
-inline auto beside_a_board(const std::string& file, const std::string& options = "") -> std::string {
+/// command. @param options  of `capstan run`   @param shell  tcp:0 or pty
+inline auto beside_a_board(const std::string& file, const std::string& options = "", const std::string& shell = "tcp:0")
+    -> std::string {
   const std::string said = "\"" + file + "\"";
-  return ": > " + said + "; \"" CAPSTAN_PROGRAM "\" run --shell tcp:0 " + options + " >> " + said +
-         " 2>&1 & board=$!; trap \"kill $board 2> /dev/null\" EXIT; for i in $(seq 200); do " +
-         "port=tcp:$(sed -n 's/^shell at .*://p' " + said + "); [ $port = tcp: ] || break; sleep 0.05; done; ";
+  const std::string name = shell == "pty" ? "s/^shell at //p" : "s/^shell at .*:/tcp:/p";
+  return ": > " + said + "; \"" CAPSTAN_PROGRAM "\" run --shell " + shell + " " + options + " >> " + said +
+         " 2>&1 & board=$!; trap \"kill $board 2> /dev/null\" EXIT; for i in $(seq 200); do port=$(sed -n '" + name +
+         "' " + said + "); [ -z \"$port\" ] || break; sleep 0.05; done; ";
 }
 
 inline auto short_log(double rate_hz) -> test::SyntheticRequest {

@@ -8,12 +8,13 @@ namespace {
 class CommissionCommand : public Command {
  protected:
   /// The program by itself, and what ends it as soon as it is in that step.
-  auto ended(const std::string& step, const std::string& signal, const std::string& more = "") const -> std::string {
+  auto ended(const std::string& step, const std::string& signal, const std::string& more = "",
+             const std::string& whom = "$program") const -> std::string {
     return "\"" CAPSTAN_PROGRAM "\" commission $port --corridor 0.8 --yes --state \"" + path("state") +
            "\" --machine \"" + path("machine") + "\" " + more + " > \"" + path("said") +
            "\" 2>&1 & program=$!; for i in $(seq 400); do grep -q '^" + step + ":' \"" + path("said") +
-           "\" && break; sleep 0.02; done; sleep 0.2; kill -" + signal +
-           " $program; wait $program; echo status $? >> \"" + path("said") + "\"; ";
+           "\" && break; sleep 0.02; done; sleep 0.2; kill -" + signal + " " + whom +
+           "; wait $program; echo status $? >> \"" + path("said") + "\"; ";
   }
   /// Keeps the board's parameters in a file.
   auto dump(const std::string& name) const -> std::string {
@@ -46,6 +47,15 @@ TEST_F(CommissionCommand, AfterItWasKilledTheNextRunGivesBackWhatItHadSetForAWhi
     EXPECT_NE(status.output.find("state disarmed"), std::string::npos) << again << status.output;
     std::filesystem::remove(path("state"));
   }
+}
+
+TEST_F(CommissionCommand, ABoardThatIsGoneIsSaid) {
+  static_cast<void>(run("--version", board() + ended("shake", "KILL", "", "$board")));
+  const std::string said = read_text_file(path("said"));
+  EXPECT_NE(said.find("status 1\n"), std::string::npos) << said;
+  EXPECT_TRUE(said.find("the board closed the line") != std::string::npos ||
+              said.find("the line broke while sending") != std::string::npos)
+      << said;
 }
 
 }  // namespace

@@ -48,5 +48,18 @@ TEST_F(ShellCommand, ABoardThatIsLostIsSaidWithWhatItDidNotAnswer) {
   EXPECT_NE(asked.output.find("; 2 lines were not answered"), std::string::npos) << asked.output;
 }
 
+TEST_F(ShellCommand, TorqueThatStaysOverASerialLineIsSaid) {
+  const std::string board = beside_a_board(path("board"), "", "pty");
+  const Outcome left = run("shell $port", board + "printf 'maintenance open\narm\n' | ");
+  EXPECT_EQ(left.status, 0) << left.output;
+  EXPECT_NE(left.output.find("the joints may have torque (state holding)"), std::string::npos) << left.output;
+  const Outcome disarmed = run("shell $port", board + "printf 'maintenance open\narm\ndisarm\n' | ");
+  EXPECT_EQ(disarmed.output.find("may have torque"), std::string::npos) << disarmed.output;
+  const Outcome stopped =
+      run("version", board + "(printf 'maintenance open\narm\n'; sleep 3) | \"" CAPSTAN_PROGRAM "\" shell $port > \"" +
+                         path("said") + "\" 2>&1 & sleep 1; kill -INT $!; wait $!; ");
+  EXPECT_NE(read_text_file(path("said")).find("may have torque (state holding)"), std::string::npos) << stopped.output;
+}
+
 }  // namespace
 }  // namespace capstan::tools
