@@ -206,6 +206,20 @@ void refuse_swinging(const Response& response, const Dense& all, const std::vect
   }
 }
 
+/// What to ask for in place of a bandwidth that no gains have: less than the most that others have, or more.
+/// @pre one was asked for
+auto other_bandwidth(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present,
+                     const Wanted& wanted) -> std::string {
+  Wanted any = wanted;
+  any.bandwidth_hz.reset();
+  const auto most = tune_servo(all, known, present, any);
+  return " at " + rounded(*wanted.bandwidth_hz, 3) + " Hz; " +
+         (most && most->margins.crossover_hz > *wanted.bandwidth_hz
+              ? "gains up to " + rounded(most->margins.crossover_hz, 2) +
+                    " Hz keep them, so ask for more bandwidth, or "
+              : std::string("ask for less bandwidth, or "));
+}
+
 /// Rms of what tells two loops apart, relative, where a gain of 1 is near, and where it is most.
 class Apart {
  public:
@@ -278,8 +292,7 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
     refuse_swinging(response, all, known, present, wanted);
     throw Refusal(response.name + ": no gains of the motor servo keep " + rounded(wanted.phase_deg, 3) + " deg, " +
                   rounded(wanted.gain_db, 3) + " dB and a modulus of " + rounded(wanted.modulus, 2) +
-                  (wanted.bandwidth_hz ? " at " + rounded(*wanted.bandwidth_hz, 3) + " Hz; ask for less bandwidth, or "
-                                       : std::string("; ")) +
+                  (wanted.bandwidth_hz ? other_bandwidth(all, known, present, wanted) : std::string("; ")) +
                   "shake for longer, for the circles of 95 % count against the margins");
   }
   const auto joint = tune_joint(all, known, *servo, present, wanted);
