@@ -24,23 +24,32 @@ void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFil
   }
 }
 
-void expect_folder_of(const NamedFile& file) {
+void expect_place_of(const NamedFile& file) {
   namespace fs = std::filesystem;
-  const auto folder = fs::path(file.path).parent_path();
   if (file.is_folder) {
-    if (fs::exists(file.path) && !fs::is_directory(file.path)) {
-      throw BadInput(file.option + " " + file.path + " is a file; name a folder, new or old");
+    fs::path there = fs::absolute(file.path);
+    while (!fs::exists(there) && there.has_relative_path()) {
+      there = there.parent_path();
     }
-  } else if (!folder.empty() && !fs::is_directory(folder)) {
+    if (fs::exists(there) && !fs::is_directory(there)) {
+      throw BadInput(file.option + " " + file.path + ": " + there.string() + " is a file; name a folder, new or old");
+    }
+    return;
+  }
+  const auto folder = fs::path(file.path).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder)) {
     throw BadInput(file.option + " " + file.path + ": there is no folder " + folder.string() +
                    "; make it, or name another one");
+  }
+  if (fs::is_directory(file.path)) {
+    throw BadInput(file.option + " " + file.path + " is a folder; name a file in it");
   }
 }
 
 }  // namespace
 
 void expect_sound_files(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written) {
-  std::for_each(written.begin(), written.end(), expect_folder_of);
+  std::for_each(written.begin(), written.end(), expect_place_of);
   expect_apart(read, written);
 }
 

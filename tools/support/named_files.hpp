@@ -13,7 +13,7 @@ struct NamedFile {
 };
 
 /// Throws BadInput where a file that is written is one that is read or is written twice, where its folder is not there,
-/// or where a folder is a file. Found out before minutes of work, or before a joint moves.
+/// where it is a folder, or a folder a file. Found out before minutes of work, or before a joint moves.
 void expect_sound_files(const std::vector<NamedFile>& read, const std::vector<NamedFile>& written);
 
 }  // namespace capstan::tools

@@ -104,6 +104,12 @@ TEST_F(Arguments, AReportGoesIntoAFolder) {
   const Outcome outcome = run("diagnose " + log + " --report " + log);
   expect_refused(outcome, "is a file; name a folder");
   EXPECT_EQ(outcome.output.find("wrote"), std::string::npos) << outcome.output;
+  write_text_file(path("file"), "");
+  const Outcome within =
+      run("diagnose " + log + " --report \"" + path("file/new/report") + "\" -o \"" + path("o") + "\"");
+  expect_refused(within, "file is a file; name a folder");
+  EXPECT_FALSE(exists("o"));
+  expect_refused(run("diagnose " + log + " -o \"" + path(".") + "\""), "is a folder; name a file in it");
 }
 
 TEST_F(Arguments, AMapOfAColumnThatNothingReadsIsRefused) {
