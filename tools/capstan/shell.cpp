@@ -161,7 +161,8 @@ class Talk {
   /// How long the board may be silent when nobody types any more.
   [[nodiscard]] auto silence() const -> std::chrono::milliseconds {
     constexpr std::chrono::milliseconds kLastWords{300};  // behind its last answer
-    return owed_.lines() > 0 ? kLongestAnswer : kLastWords;
+    constexpr std::chrono::minutes kFirstWord{1};         // nobody is there
+    return owed_.lines() == 0 ? kLastWords : heard_ ? std::chrono::milliseconds(kLongestAnswer) : kFirstWord;
   }
 
   /// What the board says, to standard output; but frames to the recorder. False: nobody reads it any more.
@@ -174,6 +175,7 @@ class Talk {
     const std::string text = recorder_ != nullptr ? recorder_->feed(*received) : *received;
     owed_.received(text);
     said_at_ = text.empty() ? said_at_ : steady_clock::now();
+    heard_ = true;
     return write_all(STDOUT_FILENO, text);
   }
 
@@ -195,7 +197,7 @@ class Talk {
   CharacterMode character_mode_;
   bool script_ = !character_mode_.active();
   Owed owed_;
-  bool typing_ = true;
+  bool typing_ = true, heard_ = false;
   steady_clock::time_point said_at_ = steady_clock::now();
 };
 

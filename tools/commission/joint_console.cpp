@@ -3,6 +3,7 @@
 
 #include <numbers>
 #include <sstream>
+#include <utility>
 
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -24,10 +25,15 @@ JointConsole::JointConsole(BoardShell& board, int axis, std::string key,
 }
 
 JointConsole::~JointConsole() {
-  try {
-    restore();
-  } catch (const std::exception&) {
-    // The line is gone; without it a board takes torque away by itself.
+  bool stopped = true;
+  while (std::exchange(stopped, false)) {
+    try {
+      restore();
+    } catch (const Stopped&) {
+      stopped = true;  // said once, and no reason to leave anything as it is
+    } catch (const std::exception&) {
+      // The line is gone; without it a board takes torque away by itself.
+    }
   }
 }
 

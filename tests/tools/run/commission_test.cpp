@@ -160,8 +160,8 @@ TEST(Commission, AStopIsTakenForNothingThatTheMotorDid) {
     const char* answering;  ///< part of the line
     const char* step;
   };
-  for (const Stop& stop : {Stop{"multisine on=torque", "shake"}, Stop{"torque_triangle", "press"},
-                           Stop{"experiment joint0 triangle", "travel"}}) {
+  for (const Stop& stop : {Stop{"multisine on=torque", "shake"}, Stop{"begin", "shake"},
+                           Stop{"torque_triangle", "press"}, Stop{"experiment joint0 triangle", "travel"}}) {
     StoppedShell line(draw(730), stop.answering);
     for (const std::string& one : data_sheet(draw(730).plant)) {
       line.ask(one);
