@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: Apache-2.0
 """A joint made of a formula, with a gap that the usual law does not know: identified, diagnosed, corrected, and run as a board would."""
+import pathlib
+import tempfile
+
 import numpy
 import capstan
 
@@ -19,10 +22,11 @@ log = capstan.log({"time_s": t, "axis0/q1_rad": q1, "axis0/tau_Nm": tau, "axis0/
 usual = capstan.identify(log)
 print(usual, usual.fit)
 
-diagnosis = capstan.diagnose(log, law="corrected.toml")
+law_file = pathlib.Path(tempfile.mkdtemp()) / "corrected.toml"
+diagnosis = capstan.diagnose(log, law=law_file)
 print(diagnosis["verdict"], [effect["name"] for effect in diagnosis["effects"]])
 print("error before", diagnosis["before"]["rmse"], "rad, after", diagnosis["after"]["rmse"], "rad")
 
-corrected = capstan.load_law("corrected.toml")
+corrected = capstan.load_law(law_file)
 on_the_board = corrected.run(q1, tau, arithmetic="fixed").q2
 print("on the board:", numpy.sqrt(numpy.mean((on_the_board - q2) ** 2)), "rad")

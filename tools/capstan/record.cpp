@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
@@ -42,9 +43,9 @@ void send(const ShellClient& shell, const std::string& line) {
 }
 
 /// Feeds the recorder until the time is over, somebody wants to stop or the board is gone; false then. Text goes into
-/// `said`.
-auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::time_point end, std::string& said)
-    -> bool {
+/// `said`. @param asked  the line that the board may refuse
+auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::time_point end, const std::string& asked,
+             std::string& said) -> bool {
   constexpr int kLookAroundMs = 50;
   while (stop_requested == 0 && steady_clock::now() < end) {
     pollfd set{shell.descriptor(), POLLIN, 0};
@@ -57,8 +58,10 @@ auto receive(const ShellClient& shell, FrameRecorder& recorder, steady_clock::ti
       return false;
     }
     said += recorder.feed({buffer.data(), static_cast<std::size_t>(count)});
-    if (said.find("error ") != std::string::npos && said.ends_with('\n')) {
-      throw Refusal("the board refused: " + std::string(trimmed(said.substr(said.find("error ") + 6))));
+    constexpr std::string_view kError = "error ";
+    if (const auto at = said.find(kError); at != std::string::npos && said.ends_with('\n')) {
+      const std::string why = said.substr(at + kError.size(), said.find('\n', at) - at - kError.size());
+      throw Refusal("the board refused '" + asked + "': " + std::string(trimmed(why)));
     }
   }
   return true;
@@ -74,17 +77,18 @@ auto run_record(const RecordOptions& options) -> int {
   for (const int signal_number : {SIGINT, SIGTERM}) {
     static_cast<void>(std::signal(signal_number, stop_recording));
   }
-  send(shell, "frames " + std::to_string(options.every_ms) + " " + joined(options.signals, " "));
+  const std::string asked = "frames " + std::to_string(options.every_ms) + " " + joined(options.signals, " ");
+  send(shell, asked);
   const auto end = options.seconds ? steady_clock::now() + std::chrono::duration_cast<steady_clock::duration>(
                                                                std::chrono::duration<double>(*options.seconds))
                                    : steady_clock::time_point::max();
   std::string said;
-  const bool there = receive(shell, recorder, end, said);
+  const bool there = receive(shell, recorder, end, asked, said);
   if (there) {
     stop_requested = 0;
     send(shell, "frames off");
     constexpr std::chrono::milliseconds kFarewell{200};
-    static_cast<void>(receive(shell, recorder, steady_clock::now() + kFarewell, said));
+    static_cast<void>(receive(shell, recorder, steady_clock::now() + kFarewell, asked, said));
   }
   log->end();
   if (recorder.rows() == 0) {

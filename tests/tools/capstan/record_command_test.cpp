@@ -11,7 +11,8 @@ TEST_F(Command, ARefusedRecordingLeavesTheOlderLogAlone) {
     const std::string to = " -o \"" + path(name) + "\" --for 0.3";
     const Outcome unknown = run("record $port joint0.nonsense" + to, beside_a_board(path("board")));
     EXPECT_EQ(unknown.status, 1) << unknown.output;
-    EXPECT_NE(unknown.output.find("unknown_signal"), std::string::npos) << unknown.output;
+    EXPECT_NE(unknown.output.find("'frames 10 joint0.nonsense': unknown_signal"), std::string::npos) << unknown.output;
+    EXPECT_EQ(unknown.output.find("\n\n"), std::string::npos) << unknown.output;
     EXPECT_EQ(read_text_file(path(name)), "older") << name;
     const Outcome twice = run("record $port joint0.q2 joint0.q2" + to, beside_a_board(path("board")));
     EXPECT_EQ(twice.status, 2) << twice.output;
