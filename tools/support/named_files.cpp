@@ -26,22 +26,23 @@ void expect_apart(const std::vector<NamedFile>& read, const std::vector<NamedFil
 
 void expect_place_of(const NamedFile& file) {
   namespace fs = std::filesystem;
+  std::error_code none;  // what can not be looked at is said by the write
   if (file.is_folder) {
     fs::path there = fs::absolute(file.path);
-    while (!fs::exists(there) && there.has_relative_path()) {
+    while (!fs::exists(there, none) && there.has_relative_path()) {
       there = there.parent_path();
     }
-    if (fs::exists(there) && !fs::is_directory(there)) {
+    if (fs::exists(there, none) && !fs::is_directory(there, none)) {
       throw BadInput(file.option + " " + file.path + ": " + there.string() + " is a file; name a folder, new or old");
     }
     return;
   }
   const auto folder = fs::path(file.path).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder)) {
+  if (!folder.empty() && !fs::is_directory(folder, none)) {
     throw BadInput(file.option + " " + file.path + ": there is no folder " + folder.string() +
                    "; make it, or name another one");
   }
-  if (fs::is_directory(file.path)) {
+  if (fs::is_directory(file.path, none)) {
     throw BadInput(file.option + " " + file.path + " is a folder; name a file in it");
   }
 }
