@@ -76,7 +76,8 @@ auto request_for(const std::string& law, const std::string& target, const JobLog
     asked.columns = columns_of_law(*asked.law, logs.axis);
   } else {
     asked.columns.axis = logs.axis;
-    asked.columns.needs_torque = !law.empty() && !force && !effort && is_law_with_torque(law);
+    const bool of_angle = !law.empty() && !force && !is_effort_model(law);
+    asked.columns.needs_torque = of_angle && !effort && is_law_with_torque(law);
   }
   if (asked.columns.other_axes.empty()) {
     asked.columns.other_axes = logs.coupled_to;

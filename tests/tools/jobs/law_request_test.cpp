@@ -49,6 +49,8 @@ TEST(LawRequest, ALawIsGivenTheTorqueThatItReads) {
   for (const char* model : {"", "kinematic", "rigid_dynamics", "inertia"}) {
     EXPECT_FALSE(request_for(model, "", {}).columns.needs_torque) << model;
   }
+  // An effort's law for a joint angle is refused by who knows the logs, not for the want of its terms.
+  EXPECT_FALSE(request_for("rigid_dynamics", "axis0/q2_rad", {}).columns.needs_torque);
 }
 
 TEST(LawRequest, WhatALawExplainsFollowsFromItsNameAndTheTarget) {
