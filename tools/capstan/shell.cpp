@@ -114,7 +114,7 @@ class Talk {
   }
 
   auto carry_on() -> int {
-    while (leave_requested == 0 && (typing_ || steady_clock::now() - said_at_ < silence())) {
+    while (leave_requested == 0 && (typing_ || Clock::now() - said_at_ < silence())) {
       std::array<pollfd, 2> set{{{shell_.descriptor(), POLLIN, 0}, {typing_ ? STDIN_FILENO : -1, POLLIN, 0}}};
       if (::poll(set.data(), set.size(), typing_ ? -1 : static_cast<int>(silence().count())) < 0) {
         continue;  // a signal
@@ -139,7 +139,7 @@ class Talk {
   }
 
  private:
-  using steady_clock = std::chrono::steady_clock;
+  using Clock = std::chrono::steady_clock;
 
   /// A serial line does not tell the board that nobody is there any more.
   void say_torque() {
@@ -174,7 +174,7 @@ class Talk {
     }
     const std::string text = recorder_ != nullptr ? recorder_->feed(*received) : *received;
     owed_.received(text);
-    said_at_ = text.empty() ? said_at_ : steady_clock::now();
+    said_at_ = text.empty() ? said_at_ : Clock::now();
     heard_ = true;
     return write_all(STDOUT_FILENO, text);
   }
@@ -188,7 +188,7 @@ class Talk {
     if (!write_all(shell_.descriptor(), text)) {
       throw Refusal(port_ + ": the line broke while sending; check the cable" + owed_.sentence());
     }
-    said_at_ = steady_clock::now();
+    said_at_ = Clock::now();
   }
 
   std::string port_;
@@ -198,7 +198,7 @@ class Talk {
   bool script_ = !character_mode_.active();
   Owed owed_;
   bool typing_ = true, heard_ = false;
-  steady_clock::time_point said_at_ = steady_clock::now();
+  Clock::time_point said_at_ = Clock::now();
 };
 
 struct ShellOptions {

@@ -125,7 +125,7 @@ class Arrays(unittest.TestCase):
                            (lambda: capstan.identify(log, "rigid_dynamics", target="axis0/q2_rad"),
                             "name the effort with target=\"axis0/tau_Nm\""),
                            (lambda: capstan.diagnose(log, base=law_file, target="axis0/tau_Nm"),
-                            "leave target out, or choose base=\"rigid_dynamics\", pull_push")):
+                            "leave target out, or give the name of a law instead, rigid_dynamics")):
             with self.assertRaisesRegex(capstan.BadInput, cure):
                 call()
         with self.assertRaisesRegex(capstan.Refusal, r'map={"axis0/tau_Nm": "axis0/i_A\*FACTOR"} target="axis0/tau_Nm"$'):
