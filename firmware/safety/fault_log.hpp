@@ -21,9 +21,8 @@ struct FaultEntry {
 };
 
 /// The last faults, the last second under torque before one of them, and the windings' heat, in memory that outlives a
-/// reset. A second that
-/// nobody has fetched is kept: later faults are listed only. The cycle writes the samples while it runs, and the
-/// background reads them while they are frozen; neither waits.
+/// reset. A second that nobody has fetched is kept: later faults are listed only. The cycle writes the samples while it
+/// runs, and the background reads them while they are frozen; neither waits.
 class FaultLog {
  public:
   static constexpr std::size_t kEntries = 8;
