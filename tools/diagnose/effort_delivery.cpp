@@ -55,12 +55,6 @@ auto is_certain(const Diagnosis& d) -> bool {
   return d.verdict == Verdict::kEffect && d.law.status == LawStatus::kConfirmed;
 }
 
-/// The search knows another axis's angle and torque, and its floor not even those. What the axis's speed and mass ask
-/// of this motor only a law that is grown shows.
-auto another_axis_moves(const std::vector<AxisLog>& logs) -> bool {
-  return !EffortDesign(logs, usual_view(logs)).others().empty();
-}
-
 /// Effects were named, and the law with them errs no more on the rows that it has not seen than the grown one on its
 /// own. The grown law's motion is seen through 0.12 s, which fast motion does not survive: EMPS, 2.8 % named, 11 grown.
 auto names_do_as_well(const Diagnosis& d, const EffortSelection& selection) -> bool {
@@ -180,7 +174,9 @@ auto has_effort_law(const std::vector<AxisLog>& logs, const Diagnosis& d) -> boo
 void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
   const bool of_effort = logs.front().motion_alone();
   const bool leaves_much = d.after.rmse > kAboveFloor * d.noise_floor;
-  if (is_certain(d) && of_effort && !leaves_much && !another_axis_moves(logs)) {
+  // The search knows another axis's angle and torque, and its floor not even those. What the axis's speed and mass ask
+  // of this motor only a law that is grown shows.
+  if (is_certain(d) && of_effort && !leaves_much && axes_beside(logs).empty()) {
     d.effort_law = runnable_law(d.law, logs);  // without growing another
     return;
   }

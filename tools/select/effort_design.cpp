@@ -56,6 +56,10 @@ auto angle_of_axis(const AxisLog& log, int axis) -> const SideSignal* {
   return found == log.side.end() ? nullptr : &*found;
 }
 
+auto all_have(const std::vector<AxisLog>& logs, int axis) -> bool {
+  return std::all_of(logs.begin(), logs.end(), [axis](const auto& log) { return angle_of_axis(log, axis) != nullptr; });
+}
+
 auto rests(const Eigen::VectorXd& angle) -> bool {
   return angle.minCoeff() == angle.maxCoeff();
 }
@@ -128,38 +132,50 @@ auto LocalCubic::derivative(const Eigen::VectorXd& signal, int order, Eigen::Ind
   return result;
 }
 
-EffortDesign::EffortDesign(const std::vector<AxisLog>& logs, const EffortView& view) : view_(view) {
+auto axes_beside(const std::vector<AxisLog>& logs) -> std::vector<KnownAxis> {
+  std::vector<KnownAxis> axes;
+  for (int axis = 0; axis < kMostCouplingAxes; ++axis) {
+    if (!all_have(logs, axis)) {
+      continue;
+    }
+    double lowest = std::numeric_limits<double>::infinity();
+    double highest = -lowest;
+    bool moves = false;
+    for (const auto& log : logs) {
+      const Eigen::VectorXd& angle = angle_of_axis(log, axis)->values;
+      lowest = std::min(lowest, angle.minCoeff());
+      highest = std::max(highest, angle.maxCoeff());
+      moves = moves || !rests(angle);
+    }
+    if (moves) {
+      axes.push_back({axis, angle_of_axis(logs.front(), axis)->name.ends_with("_m"), highest - lowest});
+    }
+  }
+  return axes;
+}
+
+EffortDesign::EffortDesign(const std::vector<AxisLog>& logs, const EffortView& view)
+    : view_(view), others_(axes_beside(logs)) {
   for (const auto& log : logs) {
     samples_.push_back(motion_of(log, log.q1_rad, moved(log.tau_nm, view.skew_s, log.period_s), view, view.standstill));
     periods_.push_back(log.period_s);
     rows_ += log.samples();
   }
   for (int axis = 0; axis < kMostCouplingAxes; ++axis) {
-    const bool known =
-        std::all_of(logs.begin(), logs.end(), [axis](const auto& log) { return angle_of_axis(log, axis) != nullptr; });
-    if (known) {
+    if (all_have(logs, axis)) {
       add_other(logs, axis);
     }
   }
 }
 
 void EffortDesign::add_other(const std::vector<AxisLog>& logs, int axis) {
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -lowest;
   double standstill = 0.0;
-  bool moves = false;
   for (const auto& log : logs) {
-    const Eigen::VectorXd& angle = angle_of_axis(log, axis)->values;
-    standstill = std::max(standstill, kStandstillShare * top_speed(log, angle, view_.window_s));
-    lowest = std::min(lowest, angle.minCoeff());
-    highest = std::max(highest, angle.maxCoeff());
-    moves = moves || !rests(angle);
+    const double top = top_speed(log, angle_of_axis(log, axis)->values, view_.window_s);
+    standstill = std::max(standstill, kStandstillShare * top);
   }
   for (const auto& log : logs) {
     other_axes_[axis].push_back(motion_of(log, angle_of_axis(log, axis)->values, log.tau_nm, view_, standstill));
-  }
-  if (moves) {
-    others_.push_back({axis, angle_of_axis(logs.front(), axis)->name.ends_with("_m"), highest - lowest});
   }
 }
 

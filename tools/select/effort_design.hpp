@@ -37,6 +37,9 @@ struct KnownAxis {
   double range = 0.0;  ///< how far it moves over all logs, rad or m
 };
 
+/// Axes beside the one of these logs whose angles all of them have, and that move in one at least.
+auto axes_beside(const std::vector<AxisLog>& logs) -> std::vector<KnownAxis>;
+
 /// Logs of one axis as the terms of an effort's law see them, the motion being given; other axes beside it.
 class EffortDesign {
  public:
