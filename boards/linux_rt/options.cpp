@@ -166,22 +166,22 @@ Without --can the joint is the simulated plant inside this program, in lock-step
                     capstan_drives listens; up to four on up to two buses (repeat it), joint0 is the first
   --pdo separate|packed
                     a message with set values for each drive (separate), or one for all drives of a bus
-  --profile FILE    what drives on these buses do otherwise than the standard says (repeatable; for some makers' drives
-                    the program knows it, see hal/cia402/profiles)
+  --profile FILE    where drives on these buses differ from the standard (repeatable; profiles of some makers' drives
+                    are built in, see hal/cia402/profiles)
   --fd              set values in CAN FD frames
   --gpio CHIP:DUTY=LINE[,...]
                     lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:
                     open), watchdog (square wave while the cycle runs); ! before a number inverts it
   --simulated-drives
-                    what is on the buses is capstan_drives: torque without commissioned motor observers
+                    the drives on the buses are simulated by capstan_drives: torque without commissioned motor observers
 
   --console stdio|pty|tcp:PORT|serial:PATH
-                    where the shell is (stdio); tcp listens on this machine only, serial is 115200 8N1
+                    where the shell is served (stdio); tcp listens on this machine only, serial is 115200 8N1
   --storage FILE    keeps parameters over restarts, made if it does not exist, and in FILE.faults beside it the fault
                     log; without it both last until the end
   --for SECONDS     ends after this time; without it at the end of standard input, by Ctrl-C or SIGTERM
   --cpu N           keeps the real-time thread on this processor
-  --priority N      of SCHED_FIFO, 1 to 99 (80)
+  --priority N      priority in SCHED_FIFO, 1 to 99 (80)
   --insist          refuses to run without real-time priority and locked memory
   --selftest        runs the cycle with a moving joint (10 s, or as --for says) and prints latency histograms,
                     page faults, missed cycles, kernel and a verdict

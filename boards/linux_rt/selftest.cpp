@@ -115,10 +115,9 @@ void print_selftest(std::ostream& out, const SelftestResult& result) {
   for (const std::string& note : verdict.notes) {
     out << "note: " << note << ".\n";
   }
-  out << (verdict.failures.empty()
-              ? "verdict: pass; repeat it for an hour under load (--for 3600 beside stress-ng) before you "
-                "trust a joint to this machine\n"
-              : "verdict: fail; do what stands above and run it again\n");
+  out << (verdict.failures.empty() ? "verdict: pass; repeat it for an hour under load (--for 3600 beside stress-ng) "
+                                     "before this machine controls a joint\n"
+                                   : "verdict: fail; follow the advice above and run it again\n");
 }
 
 auto run_selftest(LinuxRtBoard& board, double seconds, bool (*interrupted)()) -> SelftestResult {

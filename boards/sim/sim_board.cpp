@@ -149,7 +149,7 @@ auto SimBoard::run_command(std::string_view word, std::string_view rest, Print& 
 
 void SimBoard::print_commands(Print& out) const {
   out << "  fail TARGET KIND [at SECONDS] [for SECONDS] [amount AMOUNT] [axis N]\r\n"
-         "      lets something of the simulated joint fail, now or in a while: fail encoder stuck for 0.5\r\n";
+         "      injects a fault into the simulated joint, now or later: fail encoder stuck for 0.5\r\n";
 }
 
 }  // namespace capstan

@@ -70,13 +70,13 @@ inline constexpr std::array<CanTroubleInfo, 21> kCanTroubles = {{
     {"foreign", "a remote or an extended frame came through the filters and was not used",
      "reboot, and if this comes back replace the board"},
     {"send_full", "a frame of telemetry was not sent as those before it were still waiting", "take load off the bus"},
-    {"send_lost", "frames were given up after 20 ms as nobody acknowledged them",
+    {"send_lost", "frames were given up after 20 ms as no node acknowledged them",
      "check that another node is there, the bit rate of 1 Mbit/s and both terminators"},
     {"error_passive", "the controller saw so many errors that it became passive",
      "check wiring, terminators and the bit rate of every node"},
     {"bus_off", "the controller saw so many errors that it left the bus for 0.1 s, and torque was taken away",
      "check wiring, terminators and the bit rate of every node, then 'arm'"},
-    {"alone", "nobody acknowledged a frame for 0.1 s, and torque was taken away from whoever came over the bus",
+    {"alone", "no node acknowledged a frame for 0.1 s, and torque that was given over the bus was taken away",
      "check that the cable is plugged in and the other node has power, then 'arm'"},
 }};
 static_assert(kCanTroubles.size() == static_cast<std::size_t>(CanTrouble::kAlone) + 1);

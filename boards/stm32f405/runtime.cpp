@@ -55,8 +55,8 @@ void print_start(Print& out, const StartReport& report) {
            "option bits BOR_LEV to 0 (level 3) with the programmer's tool\r\n";
   }
   if (!report.watchdog_set) {
-    out << "# watchdog fault: it did not take its setting and bites too late; restart the board, and replace it if "
-           "this comes back\r\n";
+    out << "# watchdog fault: it did not take its setting and resets too late; restart the board, and replace it if "
+           "this happens again\r\n";
   }
   if (report.faulted) {
     out << "# the last run ended in a " << fault_name(report.fault) << " at 0x";

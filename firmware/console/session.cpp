@@ -83,7 +83,8 @@ auto Session::parse_name(std::string_view text, Name& name) -> bool {
 auto Session::take_staging_room() -> bool {
   staged_ = machine_.staging(this);
   if (staged_.empty()) {
-    error("staging", "another console puts a set together, and nothing was changed", "'commit' or 'abandon' it there");
+    error("staging", "another console is staging parameters, and nothing was changed",
+          "'commit' or 'abandon' it there");
     return false;
   }
   std::copy(machine_.config().begin(), machine_.config().end(), staged_.begin());

@@ -48,8 +48,8 @@ void Shell::execute(std::string_view line) {
   const bool after_damage = editor_.take_damage() || last_damaged_;
   last_damaged_ = editor_.damaged();
   if (editor_.damaged() && word != "disarm") {  // what wants torque off is never refused
-    error("not_text", "the line has characters that are no text, so it may have been damaged and was not read",
-          "check the line and its speed, and send it again");
+    error("not_text", "the line contains characters that are not text, so it may be damaged and was not read",
+          "check the connection and its speed, and send the line again");
     return;
   }
   if (editor_.too_long()) {
@@ -99,12 +99,14 @@ void Shell::execute(std::string_view line) {
 
 auto Shell::refuses_to_act(bool after_damage) -> bool {
   if (editor_.recalled()) {
-    error("recalled", "what gives torque, moves or restarts is not taken from the history, and nothing was done",
-          "type the line anew");
+    error("recalled",
+          "commands that give torque, move a joint or restart the board cannot be recalled from the history, and "
+          "nothing was done",
+          "type the line again");
     return true;
   }
   if (after_damage) {
-    error("after_damage", "the line before was damaged, so this one is not trusted, and nothing was done",
+    error("after_damage", "the previous line was damaged, so this one is not trusted, and nothing was done",
           "check the connection and its speed, and send the line again");
     return true;
   }

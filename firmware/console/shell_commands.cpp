@@ -14,60 +14,61 @@ constexpr std::size_t kAnyNumber = Session::kLineLength;
 // The type is written out: a deduced one puts the table into RAM.
 constexpr std::array<ShellCommand, 31> kCommands = {
     ShellCommand{"help", "[COMMAND|PARAMETER|GROUP]", 1,
-                 "this list; of one command, or of parameters with unit, range, default and meaning", commands::help},
+                 "lists the commands, or explains one command, or parameters with unit, range, default and meaning",
+                 commands::help},
     ShellCommand{"version", "", 0, "firmware, board and number of parameters", commands::version},
     ShellCommand{"status", "", 0, "state, joint angles, currents and active limits", commands::status},
     ShellCommand{"faults", "[second|release]", 1,
-                 "what is latched, what would block arming, and the log; the last second before a fault, as CSV",
+                 "shows the latched fault, what blocks arming and the fault log; 'second' prints the last second "
+                 "before a fault as CSV, 'release' allows it to be overwritten",
                  commands::faults},
     ShellCommand{"get", "jointN.group.name", 1, "one parameter with unit and range", commands::get},
     ShellCommand{"set", "jointN.group.name VALUE [UNIT]", kAnyNumber,
                  "changes one parameter, or stages it after 'begin'", commands::set},
     ShellCommand{"list", "[jointN[.group]]", 1, "parameters with unit, range and meaning", commands::list},
     ShellCommand{"dump", "", 0, "all parameters as lines that can be pasted back", commands::dump},
-    ShellCommand{"diff", "", 0, "the same, only what differs from the defaults", commands::diff},
+    ShellCommand{"diff", "", 0, "like 'dump', but only parameters that differ from their defaults", commands::diff},
     ShellCommand{"begin", "", 0, "starts staging: 'set' changes nothing until 'commit'", commands::begin},
     ShellCommand{"commit", "", 0, "takes all staged parameters, or none", commands::commit},
-    ShellCommand{"abandon", "", 0, "forgets what was staged", commands::abandon},
+    ShellCommand{"abandon", "", 0, "discards all staged parameters", commands::abandon},
     ShellCommand{"defaults", "", 0, "stages the defaults of every parameter; 'commit' takes them", commands::defaults},
     ShellCommand{"save", "", 0, "writes the parameters to storage (disarmed only)", commands::save},
-    ShellCommand{"load", "", 0, "reads them back from storage (disarmed only)", commands::load},
+    ShellCommand{"load", "", 0, "reads the parameters back from storage (disarmed only)", commands::load},
     ShellCommand{
         "maintenance", "[open [KEY]|close|key NEWKEY|key none]", 2,
         "opens the safety limits (limits.*, observer.*, motor.speed_limit, motor.fitted) for changes, and of a "
         "commissioned joint its scale (motor.encoder_counts, motor.encoder_sign, motor.torque_per_current); "
-        "without a key set, 'open' does",
+        "if no key is set, 'maintenance open' is enough",
         commands::maintenance},
     ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", commands::disarm},
     ShellCommand{
         "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R] [corridor=ANGLE]",
         kAnyNumber,
-        "moves a joint within its limits, or its motor, or, tip held, brings its torque there by the force law, "
-        "within a corridor about where it stands",
+        "moves the joint to ANGLE, or its motor to motor=ANGLE, within the limits; with the tip held, force=TORQUE "
+        "ramps the joint torque, and corridor=ANGLE bounds the joint's travel",
         commands::move, true},
     ShellCommand{"hold", "jointN", 1, "brakes a joint and holds it", commands::hold, true},
     ShellCommand{"zero", "jointN [ANGLE [rad|deg]]", kAnyNumber,
-                 "says at which motor angle the joint stands now (disarmed only)", commands::zero},
+                 "sets the motor's present angle, 0 without ANGLE (disarmed only)", commands::zero},
     ShellCommand{"log", "jointN COUNT [EVERY]", 3, "prints COUNT samples as CSV, one every EVERY ms", commands::log},
-    ShellCommand{
-        "experiment",
-        "jointN sine_ladder|multisine|decaying_sine|triangle|speed_ladder|reversals|torque_triangle "
-        "[amplitude=A] [offset=A] [frequencies=F,F..|speeds=V,V..|rates=R] [decay=D] [levels=N] [duration=S] "
-        "[cycles=N] [repeats=N] [every=MS] | jointN multisine|chirp on=torque|reference [amplitude=A] "
-        "[from=HZ] [to=HZ] [duration=S] [offset=A] [travel=A] [speed=V] [corridor=A] [every=MS]",
-        kAnyNumber,
-        "moves a joint as a law needs it to be identified, within its limits, and prints the log; with 'on=' it "
-        "shakes the joint for 'capstan tune' to read its frequency response from the log",
-        commands::experiment, true},
+    ShellCommand{"experiment",
+                 "jointN sine_ladder|multisine|decaying_sine|triangle|speed_ladder|reversals|torque_triangle "
+                 "[amplitude=A] [offset=A] [frequencies=F,F..|speeds=V,V..|rates=R] [decay=D] [levels=N] [duration=S] "
+                 "[cycles=N] [repeats=N] [every=MS] | jointN multisine|chirp on=torque|reference [amplitude=A] "
+                 "[from=HZ] [to=HZ] [duration=S] [offset=A] [travel=A] [speed=V] [corridor=A] [every=MS]",
+                 kAnyNumber,
+                 "runs an identification motion within the limits and prints the log; with 'on=' it excites the joint "
+                 "so that 'capstan tune' can read its frequency response from the log",
+                 commands::experiment, true},
     ShellCommand{"commission", "jointN [amplitude=ANGLE] [dither=TORQUE] | jointN looks", kAnyNumber,
-                 "moves a joint to and fro about where it stands and shakes its motor a little, to find what the motor "
-                 "observer needs; takes the torque away and sets observer.* (in maintenance only); 'looks' finds "
-                 "observer.answer anew, as after every change of gains",
+                 "moves a joint back and forth around its position and dithers its motor to find the motor observer's "
+                 "values, then takes the torque away and sets observer.* (in maintenance only); 'looks' finds "
+                 "observer.answer again, which every change of gains requires",
                  commands::commission, true},
     ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
                  kAnyNumber,
-                 "presses with torque triangles where the joint stands, and prints the log of that site and its "
+                 "presses with torque triangles at the joint's position and prints the log of that site and its "
                  "stiffness; 'map' shows the sites so far",
                  commands::palpate, true},
     ShellCommand{"watch", "[EVERY] SIGNAL...", 1 + ScopeSetup::kMostChannels,
@@ -76,10 +77,12 @@ constexpr std::array<ShellCommand, 31> kCommands = {
                  "sends signals as binary frames every EVERY ms (10) between the text, for 'capstan record'",
                  commands::frames},
     ShellCommand{"scope", "[signals|channels SIGNAL...|trigger WHAT|start [SAMPLES [BEFORE [EVERY]]]|stop|dump]",
-                 kAnyNumber, "captures signals in every cycle around a trigger; alone: how it stands", commands::scope},
+                 kAnyNumber, "captures signals in every cycle around a trigger; without arguments: shows its status",
+                 commands::scope},
     ShellCommand{"model", "[jointN]", 1, "the law's terms, what they mean and their parameters", commands::model},
-    ShellCommand{"timing", "", 0, "how well the cycle keeps its time, and what was lost", commands::timing},
-    ShellCommand{"reboot", "", 0, "starts the firmware anew (disarmed only)", commands::reboot, true},
+    ShellCommand{"timing", "", 0, "timing of the cycle, overruns, and log samples and characters lost",
+                 commands::timing},
+    ShellCommand{"reboot", "", 0, "restarts the firmware (disarmed only)", commands::reboot, true},
 };
 
 }  // namespace
@@ -180,8 +183,7 @@ void commands::timing(Session& session, std::string_view /*arguments*/) {
 void commands::reboot(Session& session, std::string_view /*arguments*/) {
   const State state = session.machine().telemetry().state;
   if (energised(state) || state == State::kFaulted || !session.machine().requests_taken()) {
-    session.error("not_disarmed", "a reboot would drop the joint or forget a fault that nobody has acknowledged",
-                  "'disarm' first");
+    session.error("not_disarmed", "a reboot would drop the joint or forget an unacknowledged fault", "'disarm' first");
     return;
   }
   session.ok();

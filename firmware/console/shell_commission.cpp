@@ -88,8 +88,8 @@ void CommissionStream::refuse(Session& session, const MachineTelemetry& now) con
     print_fault(session, "ended by ", info(now.first_fault));
   }
   if (problem_ == nullptr) {
-    session.error("aborted", "commissioning was ended before it was over, and nothing was changed",
-                  "read 'faults' and 'status', and begin it again");
+    session.error("aborted", "commissioning ended early, and nothing was changed",
+                  "read 'faults' and 'status', and start it again");
     return;
   }
   session.out() << "error not_identified: nothing was changed, because " << problem_ << "\r\n";
@@ -242,14 +242,14 @@ void begin_commissioning(Session& session, std::size_t axis, std::string_view ar
     }
   }
   if (!session.maintenance().is_open(session.machine().telemetry().tick)) {
-    session.error("maintenance", "what is found is a safety limit, and nothing moved",
+    session.error("maintenance", "commissioning writes safety limits, and nothing moved",
                   "'maintenance open' first, with the key if one is set");
   } else if (MotorObserver::commissioned(config.observer)) {
     session.out()
         << "error commissioned: joint" << static_cast<std::uint32_t>(axis)
         << " is commissioned, its observer would take the dither for a fault, and nothing moved; 'disarm' and "
            "'set joint"
-        << static_cast<std::uint32_t>(axis) << ".observer.inertia 0' to begin anew\r\n";
+        << static_cast<std::uint32_t>(axis) << ".observer.inertia 0' to start again\r\n";
     session.refused();
   } else if (const char* problem = check_experiment(setup, config)) {
     session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
@@ -284,7 +284,7 @@ void commands::commission(Session& session, std::string_view arguments) {
     begin_commissioning<CommissionStream>(session, axis, arguments);
   } else {
     session.error(
-        "not_here", "this board has no floating point to find the values with, and nothing moved",
+        "not_here", "this board has no floating point, which commissioning needs, and nothing moved",
         "commission such a joint on Linux and set observer.* here, or find them as docs/safety_concept.md says");
   }
 }

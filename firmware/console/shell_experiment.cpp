@@ -247,9 +247,8 @@ void ExperimentStream::answer(Session& session, const MachineTelemetry& now) {
     session.error("aborted", "a fault took the torque away before the experiment was over",
                   "read 'faults', then 'disarm'");
   } else {
-    session.error("aborted",
-                  "the experiment was ended before it was over, or the joint left its limits or its corridor",
-                  "lower what was asked for, or begin it again");
+    session.error("aborted", "the experiment ended early, or the joint left its limits or its corridor",
+                  "lower what was asked for, or start it again");
   }
 }
 

@@ -66,8 +66,8 @@ void FaultSecondStream::step(Session& session) {
 
 void fault_second(Session& session) {
   if (session.machine().fault_log().kept() == 0) {
-    session.error("nothing_kept", "no second before a fault is kept",
-                  "it is after a fault under torque, until it was printed and the joints are armed again");
+    session.error("nothing_kept", "no pre-fault recording is stored",
+                  "a fault under torque stores one, until it is printed and the joints are armed again");
     return;
   }
   session.out() << "time_s";
@@ -111,7 +111,7 @@ void print_latched(Session& session, const MachineTelemetry& now) {
 
 void print_joint_warnings(Session& session, std::uint32_t axis) {
   if (const AxisTelemetry joint = session.machine().axis_telemetry(axis); joint.warnings != 0) {
-    session.out() << "joint" << axis << ", nothing is stopped by this:\r\n";
+    session.out() << "joint" << axis << ", warnings, which stop nothing:\r\n";
     print_warnings(session.out(), joint.warnings);
     print_tendons(session.out(), joint);
   }
@@ -126,7 +126,7 @@ void print_logged(Print& out, const FaultLog& log, std::uint32_t age) {
 
 void print_kept(Print& out, const FaultLog& log) {
   if (log.kept() > 0) {
-    out << "kept is the second before ";
+    out << "recorded is the second before ";
     print_entry(out, log.kept_entry());
     out << "'faults second' prints it; until then later faults are listed only\r\n";
   }
@@ -177,7 +177,8 @@ void commands::faults(Session& session, std::string_view arguments) {
     return;
   }
   if (!word.empty()) {
-    session.error("usage", "faults knows 'second' and 'release'", "alone it shows what is latched, present and logged");
+    session.error("usage", "faults knows 'second' and 'release'",
+                  "without arguments it shows what is latched, present and logged");
     return;
   }
   session.answer(session.make<FaultsStream>());

@@ -96,8 +96,8 @@ void LooksStream::take(Session& session) {
     if (const Fault first = session.machine().telemetry().first_fault; first != Fault::kNone) {
       print_fault(session, "ended by ", info(first));
     }
-    session.error("aborted", "torque went or did not come while the motor was looked at, and nothing was changed",
-                  "read 'faults', and begin it again");
+    session.error("aborted", "the torque was lost or did not come during the test pulses, and nothing was changed",
+                  "read 'faults', and start it again");
     return;
   }
   if (!session.take_staging_room()) {
@@ -121,10 +121,9 @@ void LooksStream::take(Session& session) {
     print_refusal(session, answer);
     return;
   }
-  session.out() << (looked_ == kLooks
-                        ? "# torque is off; 'save' keeps these values\r\n"
-                        : "# the joint pulls or does not come to rest, so the answers of its looks are not judged; "
-                          "torque is off\r\n");
+  session.out() << (looked_ == kLooks ? "# torque is off; 'save' keeps these values\r\n"
+                                      : "# the joint is under load or does not come to rest, so its response to test "
+                                        "pulses is not checked; torque is off\r\n");
   session.answer_when_taken();
 }
 
@@ -141,10 +140,10 @@ void begin_looks(Session& session, std::size_t axis) {
 void commands::commission_looks(Session& session, std::size_t axis) {
   const MachineTelemetry now = session.machine().telemetry();
   if (!session.maintenance().is_open(now.tick)) {
-    session.error("maintenance", "what is found is a safety limit, and nothing moved",
+    session.error("maintenance", "commissioning writes safety limits, and nothing moved",
                   "'maintenance open' first, with the key if one is set");
   } else if (!MotorObserver::commissioned(session.machine().config()[axis].observer)) {
-    session.error("not_commissioned", "a joint looks only with the observer's other values, and nothing moved",
+    session.error("not_commissioned", "'commission looks' needs the other observer values first, and nothing moved",
                   "'commission' it first");
   } else if (now.state != State::kHolding) {
     session.error("not_holding", "looks need torque and every joint at rest",
@@ -156,7 +155,7 @@ void commands::commission_looks(Session& session, std::size_t axis) {
     if constexpr (MotorCommissioning::kAvailable) {
       begin_looks<LooksStream>(session, axis);
     } else {
-      session.error("not_here", "this board can not commission, and nothing moved",
+      session.error("not_here", "this board cannot commission, and nothing moved",
                     "commission such a joint on Linux and set observer.* here");
     }
   }

@@ -15,7 +15,7 @@ void maintenance_status(Session& session) {
 
 void maintenance_open(Session& session, std::string_view key) {
   if (!key.empty() && !session.machine().maintenance_key().is_set()) {
-    session.error("usage", "no key is set, and nothing was opened", "'maintenance open' does without one");
+    session.error("usage", "no key is set, and nothing was opened", "'maintenance open' is enough");
     return;
   }
   switch (session.maintenance().open(key, session.machine().maintenance_key(), session.machine().telemetry().tick)) {
@@ -28,7 +28,7 @@ void maintenance_open(Session& session, std::string_view key) {
                     "storage is erased");
       break;
     case Maintenance::Attempt::kTooSoon:
-      session.error("too_soon", "a wrong key was given less than 3 s ago, so this one was not looked at",
+      session.error("too_soon", "a wrong key was given less than 3 s ago, so this one was not checked",
                     "wait 3 s and give it again");
       break;
   }
@@ -64,7 +64,7 @@ void commands::maintenance(Session& session, std::string_view arguments) {
     maintenance_key(session, key);
   } else {
     session.error("usage", "maintenance knows 'open', 'open KEY', 'close', 'key NEWKEY' and 'key none'",
-                  "alone it says how it stands");
+                  "without arguments it shows its status");
   }
 }
 

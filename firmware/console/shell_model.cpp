@@ -127,8 +127,8 @@ void print_status_of(Print& out, const char* law, std::int32_t status) {
   switch (static_cast<LawStatus>(status)) {
     case LawStatus::kProvisional:
       out << "  the " << law
-          << " is provisional: it lowers the error on data it has not seen, and what it is made of is not "
-             "certain; a longer or richer log may tell\r\n";
+          << " is provisional: it lowers the error on unseen data, but which effects it consists of is not certain; a "
+             "longer or richer log may show it\r\n";
       break;
     case LawStatus::kBase:
       out << "  the " << law << " is the base law: nothing was found in the log that lowers its error\r\n";

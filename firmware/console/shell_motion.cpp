@@ -68,7 +68,8 @@ auto refuses_mode(Session& session, std::size_t axis, ControlMode mode) -> bool 
   // Into joint position from anywhere but a motor on its way; into the others from rest only.
   const bool from_rest = mode != ControlMode::kPosition || joint.mode == ControlMode::kMotor;
   if (from_rest && joint.mode != mode && (state == State::kExperiment || joint.moving)) {
-    session.error("moving", "another kind of control begins with the joint at rest, and it moves", "'hold' it first");
+    session.error("moving", "the control mode can change only while the joint is at rest, and it moves",
+                  "'hold' it first");
     return true;
   }
   return false;
@@ -81,11 +82,10 @@ auto refuses_outside(Session& session, std::size_t axis, Q24 margin_rad) -> bool
   const LimitConfig& limits = session.machine().config()[axis].limits;
   const bool outside = is_outside(limits, joint.q2_rad, margin_rad);
   if (outside) {
-    session.out()
-        << "error outside: by its law the joint is at " << joint.q2_rad << " rad, outside limits.joint_min "
-        << limits.joint_min_rad << " to limits.joint_max " << limits.joint_max_rad
-        << " rad, and nothing was done; if it is not there, see with 'model' whether the law is this joint's, "
-           "or 'disarm' and 'zero' it; if it is, 'disarm' and turn it back by hand\r\n";
+    session.out() << "error outside: by its law the joint is at " << joint.q2_rad << " rad, outside limits.joint_min "
+                  << limits.joint_min_rad << " to limits.joint_max " << limits.joint_max_rad
+                  << " rad, and nothing was done; if this angle is wrong, check the law with 'model', or 'disarm' and "
+                     "'zero'; if it is right, 'disarm' and turn the joint back by hand\r\n";
     session.refused();
   }
   return outside;
@@ -231,8 +231,7 @@ void commands::zero(Session& session, std::string_view arguments) {
   }
   if (problem == ValueError::kRange || request.position_rad < limits.motor_min_rad ||
       request.position_rad > limits.motor_max_rad) {
-    session.error("range",
-                  "a motor can not stand outside limits.motor_min to limits.motor_max, and nothing was changed",
+    session.error("range", "a motor cannot stand outside limits.motor_min to limits.motor_max, and nothing was changed",
                   "give the angle at which it stands");
     return;
   }

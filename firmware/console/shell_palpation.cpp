@@ -25,8 +25,8 @@ void print_stiffness(Session& session) {
   if (const auto site = session.machine().palpation().end()) {
     print_site(session.out(), *site, site->value_nm_per_rad);
   } else {
-    session.out() << "# no stiffness: the tip was not pressed far enough twice, or rests on something as stiff as the "
-                     "instrument; raise amplitude or cycles\r\n";
+    session.out() << "# no stiffness: fewer than two strokes pressed the tip far enough, or it rests on something as "
+                     "stiff as the instrument; raise amplitude or cycles\r\n";
   }
 }
 

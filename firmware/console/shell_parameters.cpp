@@ -119,7 +119,7 @@ auto ParametersStream::print(Session& session, std::uint32_t part) -> bool {
 
 void ParametersStream::end(Session& session) const {
   if (digest(session) != in_force_) {
-    session.error("changed", "parameters were changed from elsewhere meanwhile, so these lines are not one set",
+    session.error("changed", "another console changed parameters during this listing, so the lines are not consistent",
                   "send the line again");
     return;
   }
@@ -215,7 +215,7 @@ void print_refusal(Session& session, const SetAnswer& answer) {
     case Refusal::kNoSuchJoint:
       session.out() << "error inconsistent: nothing was changed, because " << answer.limit->group << '.'
                     << answer.limit->name
-                    << " names this joint itself or one that the board has not; give another's number, or -1\r\n";
+                    << " must be the number of another joint of this board, or -1 for none; correct it\r\n";
       break;
     case Refusal::kInconsistent:
       session.out() << "error inconsistent: nothing was changed, because ";
@@ -340,7 +340,7 @@ void commands::load(Session& session, std::string_view /*arguments*/) {
       break;
     case LoadResult::kForeign:
       print_load_report(session.out(), session.machine().load_report(), "");
-      session.error("storage_foreign", "the stored set has a format of another version, and nothing was changed",
+      session.error("storage_foreign", "the stored set has another version's format, and nothing was changed",
                     "flash the version that stored it, or load a model and 'save' it");
       break;
     case LoadResult::kEmpty:
@@ -352,11 +352,11 @@ void commands::load(Session& session, std::string_view /*arguments*/) {
                     "'set' what you want and 'save' again");
       break;
     case LoadResult::kUnreadable:
-      session.error("storage_failed", "the memory can not be read, and nothing was changed",
+      session.error("storage_failed", "the memory cannot be read, and nothing was changed",
                     "'reboot', and if this comes back replace the memory");
       break;
     case LoadResult::kCorrupt:
-      session.error("storage_corrupt", "no bank holds a whole set, and nothing was changed",
+      session.error("storage_corrupt", "no bank holds a complete set, and nothing was changed",
                     "load a model and 'save' it");
       break;
     case LoadResult::kRefused:

@@ -34,7 +34,7 @@ void ArmStream::step(Session& session) {
   if (now.state == State::kFaulted) {
     session.error("faulted", "a fault is latched", "read 'faults', then 'disarm' and 'arm'");
   } else if (now.conditions == 0) {
-    session.error("blocked", "what blocked arming has gone meanwhile", "'arm' again");
+    session.error("blocked", "what blocked arming is no longer present", "'arm' again");
   } else {
     session.error("blocked", "arming is blocked by the conditions above", "cure them and 'arm' again");
   }
@@ -57,7 +57,7 @@ void commands::arm(Session& session, std::string_view /*arguments*/) {
   if (!session.maintenance().is_open(session.machine().telemetry().tick)) {
     session.out()
         << "error not_commissioned: the motor observer of joint" << axis
-        << " has no values, so an encoder or current sensor that lies would not be found in time, and there is "
+        << " has no values, so a faulty encoder or current sensor would not be detected in time, and there is "
            "no torque; ";
     if (MotorCommissioning::kAvailable) {
       session.out() << "'maintenance open', 'arm' and 'commission joint" << axis

@@ -73,9 +73,8 @@ auto check_rows(const ExcitationSetup& setup, std::int32_t every) -> const char*
     return nullptr;
   }
   if (setup.kind == ExcitationSetup::Kind::kChirp || setup.travel_rad != Q24{}) {
-    return "a chirp, or a joint that travels, needs every row; leave 'every' out, or let a multisine shake a joint "
-           "that "
-           "stands";
+    return "a chirp, or a joint that travels, needs every row; leave 'every' out, or excite a joint at rest with a "
+           "multisine";
   }
   if (every % 2 == 0) {
     return "rows an even number of ms apart always meet a multisine at the same places; give an odd 'every'";

@@ -128,7 +128,7 @@ void scope_trigger(Session& session, std::string_view arguments) {
     }
     trigger = trigger_named(next_word(arguments));
     if (trigger == nullptr || trigger->trigger <= ScopeTrigger::kFault) {
-      session.error("usage", "a trigger on a signal says which way, and nothing was changed", kCure);
+      session.error("usage", "a trigger on a signal needs a direction, and nothing was changed", kCure);
       return;
     }
   }
@@ -145,7 +145,7 @@ void scope_trigger(Session& session, std::string_view arguments) {
     }
     level = signal.info->type == SignalType::kReal ? value.raw() : level;
   } else if (!next_word(arguments).empty()) {
-    session.error("usage", "this trigger takes nothing else, and nothing was changed", kCure);
+    session.error("usage", "this trigger takes no arguments, and nothing was changed", kCure);
     return;
   }
   session.scope_setup().trigger = trigger->trigger;
@@ -156,7 +156,7 @@ void scope_trigger(Session& session, std::string_view arguments) {
 
 void scope_start(Session& session, std::string_view arguments) {
   if (session.scope_setup().channel_count == 0) {
-    session.error("no_channels", "the scope does not know what to record", "'scope channels joint0.q2' first");
+    session.error("no_channels", "the scope has no channels to record", "'scope channels joint0.q2' first");
     return;
   }
   const auto room = static_cast<std::int32_t>(Scope::kWords / session.scope_setup().channel_count);
@@ -167,7 +167,7 @@ void scope_start(Session& session, std::string_view arguments) {
   if (!counted || !optional_number(next_word(arguments), 0, samples - 1, before) ||
       !optional_number(next_word(arguments), 1, kMostEvery, every) || !next_word(arguments).empty()) {
     session.out() << "error range: with these channels scope takes 2 to " << room
-                  << " samples, of these fewer than all before the trigger, and one every 1 to 1000 ms; write "
+                  << " samples, not all of them before the trigger, and one every 1 to 1000 ms; write "
                      "'scope start 1000 250 1'\r\n";
     session.refused();
     return;

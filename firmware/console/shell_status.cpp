@@ -2,16 +2,10 @@
 // The shell's view of what the machine does now.
 #include "capstan/firmware/console/shell_commands.hpp"
 
+#include "capstan/firmware/control/modes.hpp"
+
 namespace capstan {
 namespace {
-
-constexpr std::array<const char*, 7> kLimitNames = {"limits.current",
-                                                    "limits.continuous_current",
-                                                    "limits.current_rate",
-                                                    "limits.motor_min/motor_max",
-                                                    "limits.joint_min/joint_max/joint_speed",
-                                                    "limits.joint_torque or the reach of the force law",
-                                                    "the corridor of force control"};
 
 /// How far the force law may be off while its past is unknown: half of the widest that its loop gets.
 auto widest(const ForceConfig::Law::Grid::Table& grid) -> Q24 {
@@ -64,7 +58,7 @@ void print_tip(Print& out, const AxisTelemetry& joint) {
 
 void print_thermometer(Print& out, const MachineTelemetry& now) {
   if (ScalarTraits<Q24>::is_missing(now.temperature_c)) {
-    out << "thermometer none: thermal_drift knows no temperature\r\n";
+    out << "thermometer none: thermal_drift has no temperature\r\n";
     return;
   }
   out << "thermometer " << now.temperature_c << " C"
@@ -129,9 +123,9 @@ void print_joint(Session& session, std::size_t axis) {
     out << " pretension " << joint.pretension_n << " +-" << joint.pretension_95_n << " N";
   }
   print_tip(out, joint);
-  for (std::size_t i = 0; i < kLimitNames.size(); ++i) {
-    if ((joint.limits & (1U << i)) != 0) {
-      out << " limited by " << kLimitNames[i];
+  for (const LimitInfo& info : kLimitTable) {
+    if ((joint.limits & bit(info.limit)) != 0) {
+      out << " limited by " << info.settings;
     }
   }
   out << "\r\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <utility>
 
 #include "capstan/firmware/control/controller.hpp"
@@ -15,18 +16,35 @@ namespace capstan {
 /// Normal, reported, and each names the setting behind it; not faults.
 enum class Limit : std::uint8_t {
   kNone = 0,
-  kCurrent = 1,       ///< limits.current
-  kThermal = 2,       ///< limits.continuous_current
-  kRate = 4,          ///< limits.current_rate
-  kMotorTravel = 8,   ///< limits.motor_min, limits.motor_max
-  kReference = 16,    ///< limits.joint_min, joint_max, joint_speed
-  kJointTorque = 32,  ///< limits.joint_torque, or the end of what the force law reaches
-  kCorridor = 64,     ///< of force control: the joint is held at its edge
+  kCurrent = 1,
+  kThermal = 2,
+  kRate = 4,
+  kMotorTravel = 8,
+  kReference = 16,
+  kJointTorque = 32,
+  kCorridor = 64,  ///< the joint is held at its edge
 };
 using LimitSet = std::uint8_t;
 constexpr auto bit(Limit limit) -> LimitSet {
   return static_cast<LimitSet>(limit);
 }
+
+struct LimitInfo {
+  Limit limit;
+  const char* name;
+  const char* settings;  ///< the parameters behind it
+};
+/// One table for shell, signal, DBC file and documentation; in the order of the bits.
+inline constexpr std::array<LimitInfo, 7> kLimitTable = {{
+    {Limit::kCurrent, "current", "limits.current"},
+    {Limit::kThermal, "continuous_current", "limits.continuous_current"},
+    {Limit::kRate, "current_rate", "limits.current_rate"},
+    {Limit::kMotorTravel, "motor_travel", "limits.motor_min/motor_max"},
+    {Limit::kReference, "reference", "limits.joint_min/joint_max/joint_speed"},
+    {Limit::kJointTorque, "joint_torque", "limits.joint_torque or the reach of the force law"},
+    {Limit::kCorridor, "corridor", "the corridor of force control"},
+}};
+static_assert(bit(kLimitTable.back().limit) == 1U << (kLimitTable.size() - 1));
 
 /// What a joint is controlled by.
 enum class ControlMode : std::uint8_t {

@@ -18,17 +18,16 @@ constexpr auto make_effort_table() -> std::array<ParameterInfo, kEffortRows> {
   constexpr std::size_t kEffort = offsetof(AxisConfig, effort);
   constexpr std::size_t kView = kEffort + offsetof(EffortConfig, view);
   std::array<ParameterInfo, kEffortRows> table = {
-      real("effort", "window", "s",
-           "of motion that the effort law is seen through; the disturbance is a quarter of it late",
+      real("effort", "window", "s", "smoothing window of the effort law; the disturbance lags by a quarter of it",
            kView + offsetof(MotionView<Q24>, window_s), 0.016, 0.12),
       real("effort", "standstill", "rad/s", "speed below which the effort law keeps its direction",
            kView + offsetof(MotionView<Q24>, standstill_rad_s), 0.0, 10.0),
-      real("effort", "letting_go", "s", "time constant with which dry friction lets go at a standstill; 0: it holds",
+      real("effort", "letting_go", "s", "time constant with which dry friction decays at a standstill; 0: it stays",
            kView + offsetof(MotionView<Q24>, letting_go_s), 0.0, 10.0),
       integer("effort", "feedforward", "1",
               "1: position control adds the effort law's torque in place of control.torque_forward and torque_backward",
               kEffort + offsetof(EffortConfig, feedforward), 0, 1),
-      integer("effort", "status", "1", "how sure the effort law is: 0 confirmed, 1 provisional, 2 base",
+      integer("effort", "status", "1", "status of the effort law: 0 confirmed, 1 provisional, 2 base",
               kEffort + offsetof(EffortConfig, status), 0, 2),
   };
   constexpr std::size_t kLaw = kEffort + offsetof(EffortConfig, law);

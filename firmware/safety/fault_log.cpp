@@ -74,7 +74,7 @@ FaultLog::FaultLog(std::span<std::uint32_t> memory, std::size_t axes)
     memory_[kKept] = memory_[kFaults];
     set_phase(kFrozen);
   }
-  if (phase() == kFrozen && memory_[kStored] == 0) {  // it ended before the first sample, and nobody can fetch nothing
+  if (phase() == kFrozen && memory_[kStored] == 0) {  // it ended before the first sample, so there is no sample to read
     set_phase(kFree);
   }
 }

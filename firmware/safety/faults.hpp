@@ -97,7 +97,7 @@ inline constexpr std::array<FaultInfo, 22> kFaultTable = {{
     {Fault::kEncoderMotion, "encoder_motion",
      "the motor encoder showed a motion that the motor's torque and inertia cannot explain: the encoder is late, slips "
      "or counts wrong, or something struck the motor",
-     "check the encoder's cable and coupling and what the joint has hit; if neither is it, commission the joint anew"},
+     "check the encoder's cable and coupling and what the joint has hit; if neither is it, commission the joint again"},
     {Fault::kLimitCycle, "limit_cycle", "the joint oscillated for 4 s by its own control, without a command to move",
      "lower control.stiffness, damping, kp and ki, or take gains from 'capstan tune'"},
     {Fault::kOverspeed, "overspeed",

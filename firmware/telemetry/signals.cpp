@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string_view>
+
+#include "capstan/firmware/control/modes.hpp"
 
 namespace capstan {
 namespace {
@@ -14,28 +17,53 @@ constexpr auto real(const char* name, const char* column, const char* unit, cons
   return {name, column, unit, doc, SignalType::kReal, static_cast<std::uint16_t>(offset)};
 }
 
+/// "active limits: 1 current, 2 ...", from their table; it ends in a zero.
+constexpr auto limits_text() -> std::array<char, 128> {
+  std::array<char, 128> text{};
+  std::size_t length = 0;
+  const auto add = [&](std::string_view part) {
+    for (const char c : part) {
+      text[length++] = c;
+    }
+  };
+  add("active limits: ");
+  for (const LimitInfo& info : kLimitTable) {
+    const unsigned value = bit(info.limit);
+    for (unsigned digit = 100; digit > 0; digit /= 10) {
+      if (value >= digit) {
+        text[length++] = static_cast<char>('0' + value / digit % 10);
+      }
+    }
+    add(" ");
+    add(info.name);
+    add(info.limit == kLimitTable.back().limit ? "" : ", ");
+  }
+  return text;
+}
+constexpr auto kLimitsText = limits_text();
+static_assert(kLimitsText.back() == 0);
+
 constexpr std::array<SignalInfo, 31> kJointSignals = {
     real("q1", "q1_rad", "rad", "motor angle", offsetof(AxisTelemetry, q1_rad)),
     real("torque", "tau_Nm", "Nm", "torque from the measured current", offsetof(AxisTelemetry, tau_nm)),
     real("q2", "q2_est_rad", "rad", "estimated joint angle", offsetof(AxisTelemetry, q2_rad)),
-    real("q2_reported", "q2_reported_rad", "rad", "what a joint sensor with the law's sensor effects would say",
+    real("q2_reported", "q2_reported_rad", "rad", "reading of a joint sensor with the law's sensor effects",
          offsetof(AxisTelemetry, q2_reported_rad)),
     real("q2_error", "q2_err_rad", "rad",
-         "95 of 100 times q2_reported is no further from the joint, where the law's logs have been; -1 not known",
+         "95 % error bound of q2_reported within the range of the identification logs; -1: unknown",
          offsetof(AxisTelemetry, q2_error_rad)),
     real("reference", "q2_ref_rad", "rad", "wanted joint angle", offsetof(AxisTelemetry, q2_reference_rad)),
-    real("motor_reference", "q1_ref_rad", "rad", "where the servo holds the motor",
+    real("motor_reference", "q1_ref_rad", "rad", "motor angle commanded to the servo",
          offsetof(AxisTelemetry, q1_reference_rad)),
     real("current", "current_A", "A", "measured current", offsetof(AxisTelemetry, current_a)),
-    real("drive", "drive_A", "A", "current that the amplifier was told", offsetof(AxisTelemetry, drive_a)),
-    real("drive_torque", "tau_cmd_Nm", "Nm", "motor torque that the amplifier was told",
+    real("drive", "drive_A", "A", "current commanded to the amplifier", offsetof(AxisTelemetry, drive_a)),
+    real("drive_torque", "tau_cmd_Nm", "Nm", "motor torque commanded to the amplifier",
          offsetof(AxisTelemetry, drive_nm)),
     real("excitation", "tau_exc_Nm", "Nm", "torque that an experiment adds", offsetof(AxisTelemetry, excitation_nm)),
     real("force", "tau_out_est_Nm", "Nm", "joint torque by the force law, or by the tendons of the law",
          offsetof(AxisTelemetry, joint_torque_nm)),
     real("force_error", "tau_out_err_Nm", "Nm",
-         "95 of 100 times force is no further from the joint's torque, within the torques of the force law's logs; -1 "
-         "not known",
+         "95 % error bound of force within the torques of the identification logs; -1: unknown",
          offsetof(AxisTelemetry, joint_torque_error_nm)),
     real("force_reference", "tau_out_ref_Nm", "Nm", "wanted joint torque",
          offsetof(AxisTelemetry, joint_torque_reference_nm)),
@@ -43,28 +71,27 @@ constexpr std::array<SignalInfo, 31> kJointSignals = {
          offsetof(AxisTelemetry, law_torque_nm)),
     real("disturbance", "tau_dist_Nm", "Nm", "measured torque minus the effort law's, equally late: contact, collision",
          offsetof(AxisTelemetry, disturbance_nm)),
-    real("misfit", "misfit", "1", "how near the monitor of the law is to a warning, 0 to 1",
+    real("misfit", "misfit", "1", "level of the law monitor relative to its warning, 0 to 1",
          offsetof(AxisTelemetry, misfit)),
-    real("tension", "tension", "1",
-         "friction of the tendons, and so their tension, over the healthy joint's; 0 unknown",
+    real("tension", "tension", "1", "tendon friction, a measure of tension, relative to the healthy joint; 0: unknown",
          offsetof(AxisTelemetry, tension)),
-    real("pretension", "pretension_N", "N", "mean tension of both tendons together, with a free tip; 0 unknown",
+    real("pretension", "pretension_N", "N", "mean tension of both tendons together, with a free tip; 0: unknown",
          offsetof(AxisTelemetry, pretension_n)),
-    real("pretension_error", "pretension_err_N", "N", "half of its 95 % interval",
+    real("pretension_error", "pretension_err_N", "N", "half of the 95 % interval of pretension",
          offsetof(AxisTelemetry, pretension_95_n)),
-    real("tip_x", "tip_x_m", "m", "of a wrist's jaw, from its pitch axis along the shaft; zeros: tip.pitch is not set",
+    real("tip_x", "tip_x_m", "m",
+         "tip of a wrist's jaw, from its pitch axis along the shaft; zeros: tip.pitch is not set",
          offsetof(AxisTelemetry, tip_m)),
-    real("tip_y", "tip_y_m", "m", "across shaft and pitch axis", offsetof(AxisTelemetry, tip_m) + sizeof(Q24)),
-    real("tip_z", "tip_z_m", "m", "along the pitch axis", offsetof(AxisTelemetry, tip_m) + 2 * sizeof(Q24)),
-    SignalInfo{"faults", "faults", "1", "faults that this joint shows now, bit N for number N", SignalType::kWord,
+    real("tip_y", "tip_y_m", "m", "the same, across shaft and pitch axis",
+         offsetof(AxisTelemetry, tip_m) + sizeof(Q24)),
+    real("tip_z", "tip_z_m", "m", "the same, along the pitch axis", offsetof(AxisTelemetry, tip_m) + 2 * sizeof(Q24)),
+    SignalInfo{"faults", "faults", "1", "faults present at this joint, bit N for number N", SignalType::kWord,
                offsetof(AxisTelemetry, faults)},
-    SignalInfo{"limits", "limits", "1",
-               "active limits: 1 current, 2 thermal, 4 rate, 8 motor travel, 16 reference, 32 joint torque",
-               SignalType::kByte, offsetof(AxisTelemetry, limits)},
+    SignalInfo{"limits", "limits", "1", kLimitsText.data(), SignalType::kByte, offsetof(AxisTelemetry, limits)},
     SignalInfo{"valid", "valid", "1", "1 while the estimate is valid", SignalType::kByte,
                offsetof(AxisTelemetry, estimate_valid)},
-    SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's past no longer matters", SignalType::kByte,
-               offsetof(AxisTelemetry, joint_torque_known)},
+    SignalInfo{"force_known", "tau_out_known", "1", "1 once the force law's history no longer affects it",
+               SignalType::kByte, offsetof(AxisTelemetry, joint_torque_known)},
     SignalInfo{
         "force_phase", "tau_out_phase", "1",
         "phase of pull_push or blend: 1 held, 2 the pulled tendon moves, 3 both do, 4 one is slack; 0 none or unknown",
@@ -73,10 +100,9 @@ constexpr std::array<SignalInfo, 31> kJointSignals = {
                offsetof(AxisTelemetry, mode)},
     SignalInfo{"warnings", "warnings", "1", "warnings of this joint, bit N for number N", SignalType::kByte,
                offsetof(AxisTelemetry, warnings)},
-    SignalInfo{
-        "tendons", "tendons", "1",
-        "what became of the tendons: 1 loose, 2 slack, 3 worn, 4 frayed, 5 play, 6 zero moved, 7 slips, 8 broken",
-        SignalType::kByte, offsetof(AxisTelemetry, tendons)},
+    SignalInfo{"tendons", "tendons", "1",
+               "state of the tendons: 1 loose, 2 slack, 3 worn, 4 frayed, 5 play, 6 zero moved, 7 slips, 8 broken",
+               SignalType::kByte, offsetof(AxisTelemetry, tendons)},
 };
 
 constexpr std::array<SignalInfo, 6> kMachineSignals = {

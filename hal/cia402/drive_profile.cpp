@@ -55,7 +55,7 @@ class Line {
     std::uint32_t value = 0;
     const bool hex = text.starts_with("0x");
     if (!whole(hex ? text.substr(2) : text, hex ? 16 : 10, value) || value < lowest || value > highest) {
-      refuse("has '" + std::string(text) + "' where a number is due",
+      refuse("has '" + std::string(text) + "' where a number is expected",
              "give one from " + std::to_string(lowest) + " to " + std::to_string(highest) + ", in hexadecimal with 0x");
     }
     return value;

@@ -242,7 +242,7 @@ void DriveSetup::lack(const std::string& what) {
       fail(sentence + "; " + step().cure);
       return;
     case Need::kOptional:
-      note(sentence + "; " + (spare ? "a message that nobody needs stays on the bus" : step().lost));
+      note(sentence + "; " + (spare ? "a message that is not needed stays on the bus" : step().lost));
       break;
     case Need::kOnLoss:
     case Need::kOnLossIfThere:
@@ -323,7 +323,7 @@ auto DriveSetup::next_trial(Time now) -> std::optional<Frame> {
     trial_.emplace(sdo_);
   }
   if (!trial_ && now - *since_ > kStartPatience) {
-    fail("did not become operational; check its manual for what keeps it from that");
+    fail("did not become operational; check its manual for what prevents this");
   }
   if (!trial_) {
     return std::nullopt;
@@ -358,7 +358,7 @@ auto DriveSetup::next_starting(Time now) -> std::optional<Frame> {
   if (operational_) {
     phase_ = Phase::kDone;
   } else if (now - *since_ > kStartPatience) {
-    fail("did not become operational; check its manual for what keeps it from that");
+    fail("did not become operational; check its manual for what prevents this");
   }
   return std::nullopt;
 }
@@ -374,7 +374,7 @@ void DriveSetup::receive(const Frame& frame) {
     if (state == NmtState::kBootUp && phase_ == Phase::kRestarting) {
       booted_ = since_.has_value();
     } else if (state == NmtState::kBootUp && phase_ != Phase::kFailed) {
-      fail("started anew while it was set up; check its supply");
+      fail("restarted while it was set up; check its supply");
     }
     operational_ = state == NmtState::kOperational && since_.has_value();
   }

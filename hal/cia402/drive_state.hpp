@@ -28,7 +28,7 @@ inline constexpr std::array<const char*, 9> kDriveStateNames = {"not ready to sw
                                                                 "quick stop active",
                                                                 "fault reaction",
                                                                 "fault",
-                                                                "in no state that the standard knows"};
+                                                                "in a state that the standard does not define"};
 constexpr auto name(DriveState state) -> const char* {
   return kDriveStateNames[static_cast<std::size_t>(state)];
 }

@@ -5,9 +5,9 @@ namespace capstan::cia402 {
 namespace {
 
 constexpr const char* kWiring = "check cable, plugs and the termination of 120 ohm at both ends";
-constexpr const char* kForeign = "find out who else sends on this bus and take it off";
+constexpr const char* kForeign = "find the other sender on this bus and remove it";
 constexpr const char* kFirmware = "check that node number and firmware of the drive are those that were set up";
-constexpr const char* kAnew = "remove the cause, then 'reboot' sets the drives up anew";
+constexpr const char* kAnew = "remove the cause, then 'reboot' sets the drives up again";
 
 constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
     {Anomaly::kStatusLength, "status_length", "a status message has another length than was mapped, and was not used",
@@ -18,24 +18,24 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
      "check that no two nodes have the same number"},
     {Anomaly::kStatusContradicts, "status_contradicts",
      "two different status messages came for one SYNC, and neither was used",
-     "check that no two nodes have the same number, and that nobody else sends on this bus"},
+     "check that no two nodes have the same number, and that no other node sends on this bus"},
     {Anomaly::kStatusMissing, "status_missing", "no status message came for a SYNC", kWiring},
-    {Anomaly::kStatusUnknown, "status_unknown", "the statusword stands for no state of the standard", kFirmware},
+    {Anomaly::kStatusUnknown, "status_unknown", "the statusword matches no state of the standard", kFirmware},
     {Anomaly::kHeartbeatLength, "heartbeat_length", "a heartbeat is not one byte long, and does not count", kForeign},
     {Anomaly::kHeartbeatState, "heartbeat_state", "a heartbeat names no state of the standard, and does not count",
      kForeign},
     {Anomaly::kHeartbeatLost, "heartbeat_lost", "the drive's heartbeat stayed out",
-     "check its supply and cable; 'reboot' sets the drives up anew"},
-    {Anomaly::kRestarted, "restarted", "the drive started anew and has lost its configuration",
-     "check its supply; 'reboot' sets the drives up anew"},
+     "check its supply and cable; 'reboot' sets the drives up again"},
+    {Anomaly::kRestarted, "restarted", "the drive restarted and has lost its configuration",
+     "check its supply; 'reboot' sets the drives up again"},
     {Anomaly::kNotOperational, "not_operational",
-     "the drive left the state operational by itself or by somebody's order", kAnew},
+     "the drive left the state operational by itself or on another node's command", kAnew},
     {Anomaly::kEmergency, "emergency", "the drive sent an emergency message",
      "remove the cause; a drive in fault is reset once it has no torque to give"},
     {Anomaly::kEmergencyLength, "emergency_length", "an emergency message is not eight bytes long, and was not read",
      kForeign},
     {Anomaly::kSdoLength, "sdo_length", "an answer to a request is not eight bytes long, and was not read", kForeign},
-    {Anomaly::kSdoUnexpected, "sdo_unexpected", "an answer came that nobody waits for",
+    {Anomaly::kSdoUnexpected, "sdo_unexpected", "an answer came that was not expected",
      "find out who else configures this drive and end it"},
     {Anomaly::kSdoOtherObject, "sdo_other_object", "an answer is about another object than was asked for",
      "find out who else configures this drive and end it"},
@@ -58,12 +58,12 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
      "set mode of operation 10 with the maker's tool, then 'reboot'"},
     {Anomaly::kModeUnknown, "mode_unknown", "the drive did not say in which mode it was enabled, so it got no torque",
      "check the bus's load, then 'disarm' and 'arm'"},
-    {Anomaly::kUnknownId, "unknown_id", "a message came that is nobody's here", kForeign},
-    {Anomaly::kRemoteFrame, "remote_frame", "somebody asked for a message by a remote frame, which is not answered",
+    {Anomaly::kUnknownId, "unknown_id", "a message came that belongs to no drive here", kForeign},
+    {Anomaly::kRemoteFrame, "remote_frame", "another node asked for a message by a remote frame, which is not answered",
      kForeign},
-    {Anomaly::kExtendedFrame, "extended_frame", "a message with a long identifier came, which nobody here has",
+    {Anomaly::kExtendedFrame, "extended_frame", "a message with a long identifier came, which no drive here uses",
      kForeign},
-    {Anomaly::kForeignSync, "foreign_sync", "somebody else sends SYNC, so drives act at the wrong time", kForeign},
+    {Anomaly::kForeignSync, "foreign_sync", "another node sends SYNC, so drives act at the wrong time", kForeign},
     {Anomaly::kFlood, "flood", "more messages came in a cycle than one cycle reads", kForeign},
     {Anomaly::kSyncStuck, "sync_stuck",
      "the SYNC of the last cycle had not left when the next was due, so nothing more was sent", kWiring},
@@ -83,7 +83,7 @@ constexpr std::array<AnomalyInfo, kAnomalies> kTable = {{
     {Anomaly::kErrorWarning, "error_warning", "the controller met many errors", kWiring},
     {Anomaly::kControllerOverflow, "controller_overflow", "the controller lost messages before the kernel saw them",
      "give its interrupt a processor and a priority, or use a controller on the chip instead of one behind SPI"},
-    {Anomaly::kNoAcknowledge, "no_acknowledge", "nobody on the bus acknowledged a message",
+    {Anomaly::kNoAcknowledge, "no_acknowledge", "no node on the bus acknowledged a message",
      "check that a drive is connected, powered and has this bit rate"},
     {Anomaly::kBusError, "bus_error", "messages were destroyed on the bus", kWiring},
     {Anomaly::kControllerRestarted, "controller_restarted", "the controller went back on the bus by itself",

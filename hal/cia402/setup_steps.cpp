@@ -36,7 +36,7 @@ void add_stored(std::vector<SetupStep>& steps) {
   steps.push_back({.object = {0x60B2, 0, 2, "torque offset"},
                    .need = Need::kIfThere,
                    .values = {0},
-                   .cure = "it would push without being asked; set this object to 0 with the maker's tool"});
+                   .cure = "it would give torque without a command; set this object to 0 with the maker's tool"});
   for (const Object& limit :
        {Object{0x6072, 0, 2, "max torque"}, Object{0x6073, 0, 2, "max current"},
         Object{0x60E0, 0, 2, "positive torque limit"}, Object{0x60E1, 0, 2, "negative torque limit"}}) {
@@ -68,11 +68,11 @@ void add_reactions(std::vector<SetupStep>& steps) {
   steps.push_back({.object = {0x605A, 0, 2, "quick stop option code"},
                    .need = Need::kOptional,
                    .values = {0, 2, 1},
-                   .lost = "a quick stop brakes as the drive likes before its torque goes"});
+                   .lost = "in a quick stop the drive brakes in its own way before its torque goes off"});
   steps.push_back({.object = {0x605E, 0, 2, "fault reaction option code"},
                    .need = Need::kOptional,
                    .values = {0, 2, 1},
-                   .lost = "in a fault it brakes as the drive likes before its torque goes"});
+                   .lost = "in a fault it brakes in its own way before its torque goes off"});
   steps.push_back({.object = {0x6007, 0, 2, "abort connection option code"},
                    .need = Need::kOnLoss,
                    .values = {1, 2},

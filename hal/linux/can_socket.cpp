@@ -123,7 +123,7 @@ auto CanSocket::open(const std::string& name, bool fd, bool confirms) -> CanSock
     FileDescriptor socket = local_socket();
     const sockaddr_un address = local_address(name.substr(kLocal.size()));
     if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-      fail("Nobody listens at " + name, "start capstan_drives there first");
+      fail("Nothing listens at " + name, "start capstan_drives there first");
     }
     return {std::move(socket), false};
   }
@@ -145,7 +145,7 @@ auto CanSocket::open(const std::string& name, bool fd, bool confirms) -> CanSock
   address.can_family = AF_CAN;
   address.can_ifindex = static_cast<int>(index);
   if (bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    fail(name + " can not be used for CAN", "give a CAN interface that is up");
+    fail(name + " cannot be used for CAN", "give a CAN interface that is up");
   }
   return {std::move(socket), confirms};
 }
@@ -155,14 +155,14 @@ auto CanSocket::listen(const std::string& path, std::chrono::milliseconds patien
   const sockaddr_un address = local_address(path);
   if (bind(door.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(door.get(), 1) != 0) {
-    fail("Nobody can be waited for at " + path, "remove the file that is there, or take another path");
+    fail("Cannot listen on " + path, "remove the file that is there, or take another path");
   }
   pollfd ready{.fd = door.get(), .events = POLLIN, .revents = 0};
   const int arrived = poll(&ready, 1, static_cast<int>(patience.count()));
   FileDescriptor socket(arrived == 1 ? accept4(door.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC) : -1);
   static_cast<void>(unlink(path.c_str()));
   if (!socket) {
-    throw std::runtime_error("Nobody came to " + path + " in time; start the firmware with --can unix:" + path +
+    throw std::runtime_error("Nothing connected to " + path + " in time; start the firmware with --can unix:" + path +
                              ":...");
   }
   return {std::move(socket), false};

@@ -24,7 +24,7 @@ auto request(const std::string& chip, const std::vector<Wanted>& lines, GpioRequ
     return {chip, offsets, direction, levels};
   } catch (const std::runtime_error& problem) {
     throw std::runtime_error(
-        "The lines " + names + " of " + chip + " can not be had (" + problem.what() +
+        "The lines " + names + " of " + chip + " cannot be requested (" + problem.what() +
         "); gpiodetect and gpioinfo show which exist and who has them, and the user needs the right "
         "to use the chip");
   }

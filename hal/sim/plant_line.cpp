@@ -37,7 +37,7 @@ FileDescriptor connect_unix(const std::string& path) {
       return line;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  throw std::runtime_error(path + ": nobody answers there; start the board with this socket");
+  throw std::runtime_error(path + ": nothing answers there; start the board with this socket");
 }
 
 FileDescriptor accept_one(const FileDescriptor& door, const sockaddr* address, socklen_t size,

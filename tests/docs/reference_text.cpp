@@ -120,7 +120,7 @@ void print_faults() {
   heading("Faults",
           "What takes the torque away. The first one is kept until `disarm`. A fault's number is its row, from 0.");
   print_causes(kFaultTable);
-  heading("Warnings", "What somebody should look at; nothing is stopped by it.");
+  heading("Warnings", "Conditions to look at; none of them stops anything.");
   print_causes(kWarningTable);
 }
 

@@ -31,7 +31,7 @@ auto connect_loopback(const std::string& port, std::string_view number) -> FileD
   address.sin_port = htons(value);
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (!line || ::connect(line.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    throw BadInput(port + ": nobody answers (" + std::strerror(errno) + "); start the board with --shell " + port);
+    throw BadInput(port + ": nothing answers (" + std::strerror(errno) + "); start the board with --shell " + port);
   }
   return line;
 }
@@ -49,7 +49,7 @@ auto open_board_port(const std::string& port) -> FileDescriptor {
                    "); give tcp:PORT or the board's device");
   }
   if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) {
-    throw BadInput(port + ": another program of Capstan's has this port; end it first");
+    throw BadInput(port + ": another Capstan program uses this port; end it first");
   }
   if (!make_raw(line.get(), B115200)) {
     throw BadInput(port + ": this is not a serial line; give tcp:PORT or the board's device");

@@ -57,7 +57,7 @@ auto lines_of(const toml::table& root, const std::string& file) -> std::vector<s
     add_joint(joint, *node.as_table(), file, lines);
   }
   if (lines.size() == 2) {
-    throw BadInput(file + ": sets nothing; give the machine.toml of a commissioning that came to its end");
+    throw BadInput(file + ": sets nothing; give the machine.toml of a completed commissioning");
   }
   lines.insert(lines.end(), {"commit", "maintenance close"});
   return lines;

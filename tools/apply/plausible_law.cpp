@@ -82,7 +82,7 @@ auto implausible(const JointFile& joint) -> std::string {
       std::max({std::abs(forth.low), std::abs(forth.high), std::abs(back.low), std::abs(back.high)});
   if (farthest > kMostTimes * (way + std::abs(beta) * std::max(std::abs(motor[0]), std::abs(motor[1])))) {
     return over + "be as far as " + rounded(farthest, 3) + " rad from zero, and move over " + rounded(way, 3) +
-           " there: joint_offset puts it there";
+           " there: the law's joint_offset causes this";
   }
   if (range && joint.fit->joint_range > 0.0 && way > kMostTimes * joint.fit->joint_range) {
     return over + "go " + rounded(way, 3) + " rad, and in the logs it went " + rounded(joint.fit->joint_range, 3);

@@ -45,14 +45,14 @@ auto ShellClient::read_line(std::chrono::steady_clock::time_point deadline) -> s
       throw Refusal(port_ + ": stopped while the board was answering");
     }
     if (ready == 0) {
-      throw Refusal(
-          port_ +
-          ": no answer from the shell in time; check that a board is there and that nobody else uses its shell");
+      throw Refusal(port_ +
+                    ": no answer from the shell in time; check that a board is connected and that no other program "
+                    "uses its shell");
     }
     std::array<char, 512> buffer{};
     const auto count = ::read(line_.get(), buffer.data(), buffer.size());
     if (count <= 0) {
-      throw Refusal(port_ + ": the board closed the line; check its supply and that nobody else uses its shell");
+      throw Refusal(port_ + ": the board closed the line; check its supply and that no other program uses its shell");
     }
     received_.append(buffer.data(), static_cast<std::size_t>(count));
   }

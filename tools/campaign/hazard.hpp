@@ -41,7 +41,7 @@ inline constexpr int kSpeedCycles = 5;
 /// Compares two courses of the same length or the first part of `healthy`.
 [[nodiscard]] auto hazard_beyond(const Course& healthy, const Course& faulty) -> Hazard;
 /// The same for a wrong reference, which no firmware can tell from a right one as long as it is a possible motion:
-/// travel is how much further the joint is from what was asked than the healthy one from what it was asked.
+/// travel is the tracking error beyond the healthy joint's.
 [[nodiscard]] auto hazard_from_asked(const Course& healthy, const Course& faulty) -> Hazard;
 
 }  // namespace capstan::tools

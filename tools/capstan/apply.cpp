@@ -64,19 +64,19 @@ auto apply(const ApplyOptions& options) -> int {
 void add_apply(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ApplyOptions>();
   CLI::App* command =
-      app.add_subcommand("apply", "write a law, or what was commissioned, into a running board, verify and save it");
+      app.add_subcommand("apply", "write a law or commissioned settings into a running board, verify and save them");
   command
-      ->add_option(
-          "model", options->model,
-          "the law, a joint.toml; or a machine.toml of 'capstan commission', which says itself for which joints")
+      ->add_option("model", options->model,
+                   "the law, a joint.toml; or a machine.toml written by 'capstan commission', which names its joints")
       ->required();
   command->add_option("--port", options->port, "the board's shell: tcp:PORT, or its serial device")->required();
   const CLI::Option* axis = command->add_option("--axis", options->axis, "joint of the board")
                                 ->capture_default_str()
                                 ->check(CLI::Range(0, 3));
-  command->add_option("--key", options->key, "of maintenance, where the board has one; a machine.toml needs it");
-  command->add_flag("--force", options->force, "write a law even if its joint would run against the motor, or too far");
-  command->add_flag("--no-save", options->keep_unsaved, "try the law without keeping it over a restart");
+  command->add_option("--key", options->key, "maintenance key, if one is set on the board; needed for a machine.toml");
+  command->add_flag("--force", options->force,
+                    "write a law even if its joint would move against the motor, or too far");
+  command->add_flag("--no-save", options->keep_unsaved, "try the law without saving it");
   command->callback([options, axis, &exit_status] {
     options->axis_given = axis->count() > 0;
     exit_status = apply(*options);

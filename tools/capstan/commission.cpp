@@ -163,7 +163,8 @@ auto run_commission(const CommissionCommand& options) -> int {
 
 void add_commission(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<CommissionCommand>();
-  CLI::App* command = app.add_subcommand("commission", "from a bare motor to a tuned joint, step by step");
+  CLI::App* command =
+      app.add_subcommand("commission", "commission a joint from a bare motor to tuned gains, step by step");
   command->add_option("port", options->port,
                       "the board's shell: tcp:PORT, or its serial device; without it the simulated forceps");
   command
@@ -172,24 +173,24 @@ void add_commission(CLI::App& app, int& exit_status) {
       ->delimiter(',')
       ->check(CLI::Range(0, 3));
   command
-      ->add_option("--corridor", options->corridor_rad, "rad: how far the joint may go either way from where it stands")
+      ->add_option("--corridor", options->corridor_rad,
+                   "rad: how far the joint may move either way from its position at the start")
       ->required()
       ->check(CLI::Range(0.1, 3.0));
   command
-      ->add_option(
-          "--inertia", options->inertia_gm2,
-          "g m2 of motor and gear at the input pulley by the data sheet, of each joint or one for all; without it "
-          "wrong counts are not seen")
+      ->add_option("--inertia", options->inertia_gm2,
+                   "g m2 of motor and gear at the input pulley by the data sheet, of each joint or one for all; "
+                   "without it a wrong encoder resolution is not detected")
       ->delimiter(',')
       ->check(CLI::Range(1e-6, 1e6));
-  command->add_option("--key", options->key, "of maintenance, where the board has one");
-  command->add_option("--state", options->state, "file that remembers what is done")->capture_default_str();
-  command->add_flag("--again", options->again, "begin anew, whatever the file says");
-  command->add_option("--report", options->report, "folder for the page");
-  command->add_option("--machine", options->machine, "file for what sets up the next board alike")
+  command->add_option("--key", options->key, "maintenance key, if one is set on the board");
+  command->add_option("--state", options->state, "file that records the steps done")->capture_default_str();
+  command->add_flag("--again", options->again, "start again, whatever the file says");
+  command->add_option("--report", options->report, "folder for the report page");
+  command->add_option("--machine", options->machine, "file with the settings found, to set up another board")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the simulated forceps");
-  command->add_flag("--yes", options->yes, "for scripts: ask nothing");
+  command->add_option("--seed", options->seed, "seed of the simulated forceps");
+  command->add_flag("--yes", options->yes, "for scripts: answer yes to every question");
   command->callback([options, &exit_status] { exit_status = run_commission(*options); });
 }
 

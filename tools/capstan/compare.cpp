@@ -43,7 +43,7 @@ void print_comparison(const Comparison& comparison) {
 
 auto run_compare(const CompareCommand& options) -> int {
   if (options.now.empty()) {
-    throw BadInput("there are no logs of now; write them behind --: capstan compare HEALTHY... -- NOW...");
+    throw BadInput("the later logs are missing; write them after --: capstan compare HEALTHY... -- NOW...");
   }
   std::vector<std::string> all = options.healthy.files;
   all.insert(all.end(), options.now.begin(), options.now.end());
@@ -69,11 +69,11 @@ auto run_compare(const CompareCommand& options) -> int {
 void add_compare(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<CompareCommand>();
   CLI::App* command = app.add_subcommand(
-      "compare", "what has changed between two times of one joint: capstan compare HEALTHY... -- NOW...");
+      "compare", "find what changed between earlier and later logs of a joint: capstan compare HEALTHY... -- NOW...");
   options->healthy.add_to(*command, true);
-  command->add_option("--now", options->now, "logs of now; the same as what stands behind --");
+  command->add_option("--now", options->now, "later logs, as after --");
   command->add_option("--base", options->base,
-                      "law to start from, as for diagnose, or the joint's own file of an angle's law");
+                      "law to start from, as for diagnose, or the joint.toml of the joint's own angle law");
   add_drawing(*command, options->drawing);
   command->add_option("--target", options->target, "column to explain, as for diagnose");
   command->add_option("--json", options->json, "write the comparison as JSON");

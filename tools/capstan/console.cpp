@@ -37,16 +37,18 @@ auto run_console(Words words) -> int {
 
 void add_console(CLI::App& app, int& exit_status) {
   auto words = std::make_shared<Words>();
-  CLI::App* command = app.add_subcommand("console", "serve the console page to this machine's browser, with a board");
+  CLI::App* command = app.add_subcommand(
+      "console", "serve the console page to a browser on this machine, for a board or a simulated joint");
   command->add_option("port", words->options.port,
                       "the board's shell: tcp:PORT, its serial device or pseudo-terminal; none: a simulated joint");
   command
-      ->add_option("--listen", words->options.listen, "port of the page on 127.0.0.1; otherwise, or with 0, a free one")
+      ->add_option("--listen", words->options.listen,
+                   "port of the page on 127.0.0.1; without it, or with 0, a free one")
       ->check(CLI::Range(0, 65535));
   command->add_flag("--foxglove", words->options.foxglove, "show the signals by Foxglove's WebSocket protocol too");
   command->add_option("--scenario", words->scenario, "plant, effects and faults of the simulated joint, a TOML file");
   command->add_option("--page", words->options.page,
-                      "folder of the page, if it is not where it was built or installed");
+                      "folder of the page, if it was moved after it was built or installed");
   command->callback([words, &exit_status] { exit_status = run_console(*words); });
 }
 

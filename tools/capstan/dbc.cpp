@@ -26,7 +26,7 @@ auto run_dbc(const DbcOptions& options) -> int {
   }
   std::sort(request.nodes.begin(), request.nodes.end());
   if (const auto twice = std::adjacent_find(request.nodes.begin(), request.nodes.end()); twice != request.nodes.end()) {
-    throw BadInput("node " + std::to_string(*twice) + " is named twice; give each board of a bus a node of its own");
+    throw BadInput("node " + std::to_string(*twice) + " is given twice; give each board on a bus its own node number");
   }
   const std::string text = dbc_text(request);
   if (options.output.empty()) {
@@ -47,7 +47,7 @@ void add_dbc(CLI::App& app, int& exit_status) {
   command->add_option("--node", options->nodes, "node of a board on the bus (default 1); repeatable")
       ->allow_extra_args(false)
       ->check(CLI::Range(1, static_cast<int>(stm32f405::kCanLastNode)));
-  command->add_option("--axes", options->axes, "axes that the boards were built with")
+  command->add_option("--axes", options->axes, "number of axes that the boards were built with")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, stm32f405::kCanMostAxes));
   command->add_option("-o,--output", options->output, "file to write; without it the text is printed");

@@ -112,7 +112,7 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
       write_text_file(options.next, next);
       std::cerr << "wrote " << options.next << "; capstan run --scenario " << options.next << "\n";
     } else {
-      say_not_written(options.next, "this diagnosis asks for no motion");
+      say_not_written(options.next, "this diagnosis needs no further motion");
     }
   }
   return is_refusal(diagnosis.verdict) ? kExitRefused : kExitDone;
@@ -123,24 +123,27 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
 void add_diagnose(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<DiagnoseCommand>();
   CLI::App* command =
-      app.add_subcommand("diagnose", "find what a law lacks, name it or say that it is unknown, add it");
+      app.add_subcommand("diagnose", "find the effect that a law lacks, name it or report it as unknown, and add it");
   options->logs.add_to(*command, true);
   command->add_option(
       "--base", options->base,
       "law to start from: kinematic, pseudo_kinematic (default where torque is logged), tendon (two tendons with "
       "friction and pretension; takes the default's place where only it leaves no more than noise), "
-      "rigid_dynamics (default where the target is an effort) or inertia, pull_push or preisach (joint torque "
-      "from motor torque); or the joint.toml of an angle's law, which is fitted anew");
+      "rigid_dynamics (default where the target is an effort) or inertia, pull_push or preisach (joint torque from "
+      "motor torque); or the joint.toml of a joint-angle law, which is fitted again");
   command->add_option("--target", options->target,
                       "column to explain: the measured joint angle (default axis<N>/q2_rad), or an effort such as "
                       "axis0/tau_Nm or, with axis0/q1_m, axis0/tau_N; of a force law axis<N>/tau_out_Nm");
-  command->add_option("--test", options->tests, "log that takes no part in fit or choice and is judged too; repeatable")
+  command
+      ->add_option("--test", options->tests,
+                   "log that takes no part in fit or choice and on which the law is tested too; repeatable")
       ->allow_extra_args(false);
   add_drawing(*command, options->drawing);
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");
-  command->add_option("--next", options->next,
-                      "write the motion that would settle what stays open, as a scenario; the report has it too");
+  command->add_option(
+      "--next", options->next,
+      "write the motion that would decide what remains open, as a scenario; the report contains it too");
   command->add_option("-o,--output", options->output, "write the law with the effects added, for instance joint.toml");
   command->callback([options, &exit_status] { exit_status = run_diagnose(*options); });
 }

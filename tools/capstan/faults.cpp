@@ -44,7 +44,7 @@ auto run_faults(const FaultOptions& options) -> int {
 
 void add_faults(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand(
-      "faults", "break every input of the firmware in every way, and print how far the true joint goes");
+      "faults", "inject every fault into every input of the firmware, and print how far the simulated joint moves");
   command->footer(
       "Exit status: 1 where a single fault is unsafe, as some are (docs/safety_concept.md lists them), or a "
       "healthy joint was stopped; else 0.");
@@ -54,13 +54,14 @@ void add_faults(CLI::App& app, int& exit_status) {
   CLI::Option* fmea = command->add_flag("--fmea", options->fmea, "the table of docs/safety_concept.md");
   CLI::Option* hours = command
                            ->add_option("--hours", options->hours,
-                                        "instead: this many simulated hours of healthy joints, drawn at random, and "
-                                        "their false stops; five minutes for each joint, at least one")
+                                        "instead: simulate healthy random joints for this many hours, and count false "
+                                        "stops; five minutes for each joint, at least one")
                            ->check(CLI::Range(0.001, 1e5))
                            ->excludes(all)
                            ->excludes(fmea);
-  command->add_option("--seed", options->seed, "with --hours: of the first drawn joint")->needs(hours);
-  command->add_flag("--tuned", options->tuned, "with --hours: gains as 'capstan tune' finds them, not drawn ones")
+  command->add_option("--seed", options->seed, "with --hours: seed of the first random joint")->needs(hours);
+  command
+      ->add_flag("--tuned", options->tuned, "with --hours: gains as 'capstan tune' finds them instead of random ones")
       ->needs(hours);
   command->callback([options, &exit_status] { exit_status = run_faults(*options); });
 }

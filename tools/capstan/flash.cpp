@@ -98,7 +98,7 @@ auto version_of(const std::string& port) -> std::string {
 void check_board(const FlashOptions& options) {
   const std::string line = version_of(options.port);
   if (line.empty()) {
-    std::cerr << "no Capstan answers at " << options.port << " yet, as on an empty board; going on\n";
+    std::cerr << "no Capstan firmware answers at " << options.port << " yet, as on an empty board; going on\n";
     return;
   }
   if (const std::string board = word_after(line, "board"); board != options.board) {
@@ -153,17 +153,16 @@ void write_image(const std::string& programmer, const std::vector<CommandLine>& 
                     " with it; the board may hold half an image, so flash it again before it is used");
     }
     if (status != 0) {
-      throw Refusal(
-          programmer + " failed with status " + std::to_string(status) +
-          "; its own words are above. Check cable and supply (for dfu-util and stm32flash also that the board "
-          "started with BOOT0 high), then flash again: the board may hold half an image");
+      throw Refusal(programmer + " failed with status " + std::to_string(status) +
+                    "; its messages are above. Check cable and supply (for dfu-util and stm32flash also that the board "
+                    "started with BOOT0 high), then flash again: the board may hold half an image");
     }
   }
 }
 
 auto flash(const FlashOptions& options) -> int {
   if (options.board != "stm32f405") {
-    throw BadInput("'" + options.board + "' is no board that is flashed; the one that is, is stm32f405");
+    throw BadInput("'" + options.board + "' is not a board that can be flashed; write stm32f405");
   }
   const std::string file = options.image.empty() ? default_image(options.board) : options.image;
   const FlashImage image = read_flash_image(file);
@@ -191,8 +190,7 @@ auto flash(const FlashOptions& options) -> int {
     write_image(programmer, commands, stops);
   }
   if (options.port.empty()) {
-    std::cout << "written by " << programmer
-              << ", not read back; give --port to have the board asked for its version\n";
+    std::cout << "written by " << programmer << ", not verified; give --port to ask the board for its version\n";
     return kExitDone;
   }
   read_back(options, image);
@@ -203,14 +201,14 @@ auto flash(const FlashOptions& options) -> int {
 
 void add_flash(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FlashOptions>();
-  CLI::App* command = app.add_subcommand("flash", "write an image into a board, and have the board say that it is in");
+  CLI::App* command = app.add_subcommand("flash", "write an image to a board and verify that the board runs it");
   command->add_option("board", options->board, "stm32f405")->required();
-  command->add_option("image", options->image, "ELF, HEX or BIN; without it the one built beside this program");
+  command->add_option("image", options->image, "ELF, HEX or BIN; without it the image built beside this program");
   command->add_option("--tool", options->tool,
-                      "openocd, st-flash, dfu-util or stm32flash; without it whichever is there");
-  command->add_option("--port", options->port, "the board's shell, asked before and after: its serial device");
+                      "openocd, st-flash, dfu-util or stm32flash; without it whichever is installed");
+  command->add_option("--port", options->port, "serial device of the board's shell, which is asked before and after");
   command->add_option("--boot-port", options->boot_port, "serial device of the chip's boot loader, for stm32flash");
-  command->add_flag("--dry-run", options->dry_run, "check the image and print the commands only");
+  command->add_flag("--dry-run", options->dry_run, "only check the image and print the commands");
   command->callback([options, &exit_status] { exit_status = flash(*options); });
 }
 

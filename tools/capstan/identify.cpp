@@ -74,7 +74,7 @@ void add_identify(CLI::App& app, int& exit_status) {
                    "law to fit: kinematic, pseudo_kinematic, pretensioned, dynamic, multi_dof, tendon; wrist: pitch "
                    "and both jaws at once; of the joint torque: "
                    "pull_push, blend (of pull and pull-push law), preisach; of an effort: "
-                   "rigid_dynamics, inertia; or the joint.toml of an angle's law, which is fitted anew")
+                   "rigid_dynamics, inertia; or the joint.toml of a joint-angle law, which is fitted again")
       ->capture_default_str();
   command->add_option("--target", options->target,
                       "column to explain (default axis<N>/q2_rad; rigid_dynamics: axis<N>/tau_Nm, or tau_N with q1_m)");
@@ -84,7 +84,7 @@ void add_identify(CLI::App& app, int& exit_status) {
       ->capture_default_str()
       ->check(CLI::Range(kFewestPreisachLevels, kMostPreisachLevels));
   command->add_flag("--adaptive-levels", options->grid.adaptive,
-                    "of --model preisach: put the levels where the log needs them, judged on rows set aside");
+                    "of --model preisach: place the levels where the log needs them, tested on rows set aside");
   command
       ->add_option("--wrist-axes", options->wrist,
                    "of --model wrist: numbers of pitch, right and left jaw; the files are called FILE_axis<N>.toml")

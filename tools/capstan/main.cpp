@@ -30,7 +30,7 @@ auto backwards(std::vector<std::string> words) -> std::vector<std::string> {
 /// CLI11 would only say of a first word that is no command that a command is missing.
 void expect_command(const CLI::App& app, const std::vector<std::string>& words) {
   if (words.empty()) {
-    throw capstan::tools::BadInput("say what to do; `capstan --help` lists the commands");
+    throw capstan::tools::BadInput("no command was given; `capstan --help` lists the commands");
   }
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
   const int exit_status = run_command(argc, argv);
   // A result is not given before all of it is out.
   if (!std::cout.flush() || std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
-    std::cerr << "capstan: standard output took not all of the result; free some space on its disk\n";
+    std::cerr << "capstan: the result could not be written completely to standard output; free disk space\n";
     return capstan::tools::kExitBadInput;
   }
   return exit_status;

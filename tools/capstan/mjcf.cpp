@@ -34,11 +34,11 @@ auto run_mjcf(const MjcfOptions& options) -> int {
 
 void add_mjcf(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<MjcfOptions>();
-  CLI::App* command = app.add_subcommand("mjcf", "make a tendon for a MuJoCo model of a law");
+  CLI::App* command = app.add_subcommand("mjcf", "make a tendon for a MuJoCo model from a law");
   command->add_option("LAW", options->law, "a joint.toml")->required();
   command->add_option("--motor", options->names.motor, "the model's hinge of the motor")->capture_default_str();
   command->add_option("--joint", options->names.joint, "the hinge that the tendon moves")->capture_default_str();
-  command->add_option("--tendon", options->names.tendon, "what the tendon is called")->capture_default_str();
+  command->add_option("--tendon", options->names.tendon, "name of the tendon")->capture_default_str();
   command->add_option("-o,--output", options->output, "file for <include>; without it the text is printed");
   command->callback([options, &exit_status] { exit_status = run_mjcf(*options); });
 }

@@ -67,11 +67,11 @@ void warn(const std::string& warning) {
 void add_drawing(CLI::App& command, TendonDrawing& drawing) {
   command
       .add_option("--radius", drawing.radius_m,
-                  "radius of the motor's pulley in m, behind its gear: puts the tendons' pretension into newtons")
+                  "radius of the motor's pulley in m, behind its gear: gives the tendons' pretension in newtons")
       ->check(CLI::Range(1e-5, 10.0));
   command
       .add_option("--stiffness", drawing.stiffness_n_per_m,
-                  "or, where the radius is not known, stiffness E A / L of one tendon in N/m")
+                  "or, if the radius is unknown, stiffness E A / L of one tendon in N/m")
       ->check(CLI::Range(1e-3, 1e12));
 }
 

@@ -64,7 +64,8 @@ auto run_palpate(const PalpateOptions& options) -> int {
 
 void add_palpate(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<PalpateOptions>();
-  CLI::App* command = app.add_subcommand("palpate", "stiffness of what the tip touched, site by site, with intervals");
+  CLI::App* command = app.add_subcommand(
+      "palpate", "compute the stiffness of the tissue that the tip touched, site by site, with intervals");
   options->logs.add_to(*command, true);
   command
       ->add_option("--model", options->model,
@@ -83,7 +84,8 @@ void add_palpate(CLI::App& app, int& exit_status) {
   command->add_option("-o,--output", options->output, "CSV of the map to write");
   command->add_option("--svg", options->svg, "picture of the map to write: a bar for each site with its interval");
   command->footer(
-      "A site stands out ('*', another colour) from 1.5 times the median on, its whole interval. What that finds, by "
+      "A site is marked ('*', another colour) if its whole 95 % interval exceeds 1.5 times the median. What that "
+      "finds, by "
       "the\n"
       "depth and stiffness of an inclusion, and what a lower factor would: capstan thesis --table detection.");
   command->callback([options, &exit_status] { exit_status = run_palpate(*options); });

@@ -92,7 +92,7 @@ auto run_record(const RecordOptions& options) -> int {
   }
   log->end();
   if (recorder.rows() == 0) {
-    throw Refusal("no frame came within the time, and no log was written; check the port, or record for longer");
+    throw Refusal("no frame arrived in this time, and no log was written; check the port, or record for longer");
   }
   std::cout << "recorded " << recorder.rows() << " samples in " << options.output << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged\n";
@@ -113,10 +113,10 @@ void add_record(CLI::App& app, int& exit_status) {
       ->expected(1, 8);
   command->add_option("-o,--output", options->output, "log to write: MCAP if the name ends in .mcap, else CSV")
       ->required();
-  command->add_option("--every", options->every_ms, "milliseconds from sample to sample")
+  command->add_option("--every", options->every_ms, "sample interval in milliseconds")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  command->add_option("--for", options->seconds, "seconds; otherwise until Ctrl-C")->check(CLI::Range(0.01, 1e6));
+  command->add_option("--for", options->seconds, "seconds; without it until Ctrl-C")->check(CLI::Range(0.01, 1e6));
   command->callback([options, &exit_status] { exit_status = run_record(*options); });
 }
 

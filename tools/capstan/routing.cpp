@@ -39,9 +39,10 @@ auto run_routing(const RoutingOptions& options) -> int {
 
 void add_routing(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<RoutingOptions>();
-  CLI::App* command = app.add_subcommand("routing", "what a tendon's way over pulleys costs, pulley by pulley");
+  CLI::App* command =
+      app.add_subcommand("routing", "compute what friction costs on a tendon's path over pulleys, pulley by pulley");
   command->add_option("FILE", options->file, "the routing, as below")->required();
-  command->add_option("--json", options->json, "file for the same as JSON (schema capstan.routing/1)");
+  command->add_option("--json", options->json, "write the result as JSON (schema capstan.routing/1)");
   command->add_option("--svg", options->svg, "file for a picture of the tension along the top run");
   command->footer(
       "A routing, in order from the motor's pulley to the joint's (examples/routing.toml):\n"
@@ -64,9 +65,10 @@ void add_routing(CLI::App& app, int& exit_status) {
       "  wrap_rad = 0.8\n"
       "  radius_m = 0.01\n"
       "  friction = 0.1\n"
-      "[bottom] is like [top]; without it both runs are the same. Steady slow motion, (5.1), (5.5) to (5.7); stiffness "
-      "that\n"
-      "is lost below zero is gained: friction holds what lies behind it. Exit status 0 done, 2 bad input.");
+      "[bottom] is like [top]; without it both runs are the same. Steady slow motion, (5.1), (5.5) to (5.7); a\n"
+      "negative stiffness loss is a gain: friction stops the part behind it from stretching. Exit status 0 done, 2 "
+      "bad\n"
+      "input.");
   command->callback([options, &exit_status] { exit_status = run_routing(*options); });
 }
 

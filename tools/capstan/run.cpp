@@ -175,7 +175,8 @@ void refuse_beside(const CLI::Option& one, const CLI::Option& other, const std::
 
 auto run(const RunOptions& options) -> int {
   if (options.board != "sim") {
-    throw BadInput("--board linux_rt takes all words that follow it; write it first: capstan run --board linux_rt ...");
+    throw BadInput(
+        "--board linux_rt takes all arguments that follow it; write it first: capstan run --board linux_rt ...");
   }
   const sim::Scenario scenario = scenario_of(options);
   FileBanks banks = banks_of(options);
@@ -194,21 +195,22 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")
       ->check(CLI::Range(0.001, 1e6));
   const CLI::Option* log = command->add_option("--log", options->log, "CSV log to write");
-  const CLI::Option* shell = command->add_option(
-      "--shell", options->shell, "attach the firmware's shell: stdio, pty or tcp:PORT; the joint then moves by it");
+  const CLI::Option* shell =
+      command->add_option("--shell", options->shell,
+                          "attach the firmware's shell: stdio, pty or tcp:PORT; its commands then move the joint");
   command->add_option("--plant-effect", options->plant_effects,
                       "give the plant an effect, for instance play=0.03 (repeatable)");
   command->add_option("--fault", options->faults,
-                      "let something fail, for instance \"encoder stuck at 3 for 0.5\": target, kind, then any of at, "
+                      "inject a fault, for instance \"encoder stuck at 3 for 0.5\": target, kind, then any of at, "
                       "for, amount, axis (repeatable)");
-  command->add_option("--seed", options->seed, "noise of the plant");
+  command->add_option("--seed", options->seed, "seed of the plant's noise");
   command->add_option("--storage", options->storage,
-                      "file that keeps what 'save' writes; FILE.faults beside it keeps the fault log");
+                      "file in which 'save' stores the parameters; FILE.faults beside it holds the fault log");
   command->add_flag("--fast", options->fast, "with --shell: as fast as it goes instead of real time");
   command
       ->add_option("--board", options->board,
                    "sim, or, as the first word, linux_rt: the real-time program of this machine, which takes all "
-                   "words that follow (capstan run --board linux_rt --help)")
+                   "arguments that follow (capstan run --board linux_rt --help)")
       ->check(CLI::IsMember({"sim", "linux_rt"}));
   command->callback([options, &exit_status, model, log, shell] {
     refuse_beside(*shell, *model, "write the law into the running board with 'capstan apply LAW --port PORT'");

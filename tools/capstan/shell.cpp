@@ -132,7 +132,7 @@ class Talk {
     if (script_ && owed_.lines() > 0) {
       throw Refusal(port_ +
                     (leave_requested != 0 ? ": left while the board was answering"
-                                          : ": no answer from the shell in time; check that a board is there") +
+                                          : ": no answer from the shell in time; check that a board is connected") +
                     owed_.sentence());
     }
     return script_ && owed_.refused() > 0 ? kExitRefused : kExitDone;
@@ -169,7 +169,7 @@ class Talk {
   auto hear() -> bool {
     const auto received = read_some(shell_.descriptor());
     if (!received) {
-      throw Refusal(port_ + ": the board closed the line; check its supply and that nobody else uses its shell" +
+      throw Refusal(port_ + ": the board closed the line; check its supply and that no other program uses its shell" +
                     (script_ ? owed_.sentence() : ""));
     }
     const std::string text = recorder_ != nullptr ? recorder_->feed(*received) : *received;

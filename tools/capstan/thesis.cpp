@@ -83,13 +83,13 @@ auto thesis(const ThesisOptions& options) -> int {
 
 void add_thesis(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<ThesisOptions>();
-  CLI::App* command =
-      app.add_subcommand("thesis", "the reference thesis's tables on the simulated instruments, beside the printed");
+  CLI::App* command = app.add_subcommand(
+      "thesis", "reproduce the reference thesis's tables on simulated instruments, beside the printed values");
   command->add_option("--table", options->tables, "only this one (repeatable)")
       ->check(CLI::IsMember({"2.1", "2.2", "4.1", "4.1 laws", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2", "8.2.3",
                              "palpation", "detection"}));
-  command->add_option("--json", options->json, "file for the same as JSON (schema capstan.thesis/2)");
-  command->add_option("--html", options->html, "file for the same as a page, with the figures");
+  command->add_option("--json", options->json, "write the tables as JSON (schema capstan.thesis/2)");
+  command->add_option("--html", options->html, "write the tables and figures as an HTML page");
   command->footer(
       "F. Anooshahpour, 2017. KM is q2 = beta q1; PM is the thesis's law, (5.28) or, in table 6.2, (6.21); `law` is "
       "PM\n"
@@ -99,9 +99,9 @@ void add_thesis(CLI::App& app, int& exit_status) {
       "that is\n"
       "fitted to the print; all others are predicted. Below a table stands every difference over 10 %, with the "
       "reason\n"
-      "and the experiment that tested it: what is blamed changed, and the value that came of it. Amplitudes follow "
-      "from the\n"
-      "printed RMSE / (1 - GoF). Takes three minutes; exit status 0 done, 2 bad input.");
+      "and the experiment that tested it: the suspected cause was changed; the new value is shown. Amplitudes follow "
+      "from\n"
+      "the printed RMSE / (1 - GoF). Takes three minutes; exit status 0 done, 2 bad input.");
   command->callback([options, &exit_status] { exit_status = thesis(*options); });
 }
 

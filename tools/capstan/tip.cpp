@@ -55,7 +55,8 @@ auto run_tip(const TipOptions& options) -> int {
 
 void add_tip(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<TipOptions>();
-  CLI::App* command = app.add_subcommand("tip", "where a wrist's jaws are by a log's joint angles, and how far off");
+  CLI::App* command =
+      app.add_subcommand("tip", "compute the positions of a wrist's jaws from a log's joint angles, and their error");
   command->add_option("LOG", options->log, "log of the wrist's three axes (CSV)")->required();
   command->add_option("--map", options->maps, "WANTED=COLUMN or \"WANTED=COLUMN*FACTOR\"; repeatable")
       ->allow_extra_args(false);

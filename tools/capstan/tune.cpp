@@ -60,7 +60,7 @@ auto run_tune(const TuneOptions& options) -> int {
 
 void add_log(CLI::App& command, TuneOptions& options) {
   command.add_option("log", options.log, "log of 'experiment jointN chirp' or 'multisine on=torque'")->required();
-  command.add_option("--map", options.maps, "column of another name, as for identify");
+  command.add_option("--map", options.maps, "use a column of another name, as for identify");
   command.add_option("--axis", options.axis, "number of the axis")->check(CLI::Range(0, 99));
   command.add_option("--report", options.report, "folder for a page with Bode, coherence and Nyquist");
 }
@@ -69,22 +69,23 @@ void add_log(CLI::App& command, TuneOptions& options) {
 
 void add_response(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<TuneOptions>();
-  CLI::App* command =
-      app.add_subcommand("response", "frequency response of a joint with intervals, from a log of chirp or multisine");
+  CLI::App* command = app.add_subcommand(
+      "response", "compute the frequency response of a joint with intervals, from a log of a chirp or multisine");
   add_log(*command, *options);
   command->callback([options, &exit_status] { exit_status = run_response(*options); });
 }
 
 void add_tune(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<TuneOptions>();
-  CLI::App* command =
-      app.add_subcommand("tune", "gains with margins from such a log, as lines for the board's prompt on stdout");
+  CLI::App* command = app.add_subcommand(
+      "tune",
+      "compute gains with stability margins from a frequency-response log; prints lines for the board's prompt");
   add_log(*command, *options);
   command->add_option("--dump", options->dump,
                       "the board's 'dump' when the log was made; without it the firmware's defaults are taken");
   command
       ->add_option("--bandwidth", options->bandwidth_hz,
-                   "Hz, crossover of the motor servo; without it as much as the margins allow")
+                   "Hz, crossover of the motor servo; without it the highest that the margins allow")
       ->check(CLI::Range(0.5, 400.0));
   command->callback([options, &exit_status] { exit_status = run_tune(*options); });
 }

@@ -81,7 +81,7 @@ auto SimShell::do_ask(const std::string& line) -> std::vector<std::string> {
       answer.push_back(one);
     }
   }
-  throw Refusal("the board gave no end of its answer to '" + line + "'; restart it");
+  throw Refusal("the board did not finish its answer to '" + line + "'; restart it");
 }
 
 }  // namespace capstan::tools

@@ -22,19 +22,21 @@ struct Step {
 constexpr std::array<Step, 8> kSteps = {{
     {"look", false, "reads encoder and current sensor for a second, without torque", &CommissionSteps::look},
     {"shake", true,
-     "shakes the motor by less than 5 deg with a torque that no control answers: does the encoder count, which way, "
-     "and "
-     "does the current sensor see the torque",
+     "shakes the motor by less than 5 deg in open loop and checks that the encoder counts, in which direction, and "
+     "that the current sensor measures the torque",
      &CommissionSteps::shake},
-    {"press", true, "presses the motor to and fro, slowly and by less than 5 deg: do both tendons pull",
+    {"press", true, "presses the motor slowly both ways by less than 5 deg and checks that both tendons pull",
      &CommissionSteps::press},
-    {"travel", true, "moves the joint slowly within the corridor: friction both ways, and is it free",
+    {"travel", true,
+     "moves the joint slowly within the corridor, measures friction both ways and checks that it moves freely",
      &CommissionSteps::travel},
-    {"motor", true, "the board's own commissioning: what its motor observer has to know", &CommissionSteps::motor},
-    {"tune", true, "shakes the joint while it travels, for some two minutes, and takes gains with margins from it",
+    {"motor", true, "runs the board's own commissioning, which finds the motor observer's values",
+     &CommissionSteps::motor},
+    {"tune", true,
+     "shakes the joint while it travels, for about two minutes, and computes gains with margins from the response",
      &CommissionSteps::tune_gains},
-    {"check", true, "a step and a sine with the new gains, beside the old ones", &CommissionSteps::check},
-    {"save", false, "keeps what was found over a restart", &CommissionSteps::save},
+    {"check", true, "compares the new gains with the old ones by a step and a sine", &CommissionSteps::check},
+    {"save", false, "saves the values found", &CommissionSteps::save},
 }};
 
 /// What a run before this one had found; a board that was restarted does not have it.
@@ -109,7 +111,7 @@ auto Progress::parse(const std::string& text, const std::string& name) -> Progre
     } else {
       throw BadInput(
           name + ":" + std::to_string(number) +
-          ": is no progress of 'capstan commission'; give another --state, or delete the file to begin anew");
+          ": is not a progress file of 'capstan commission'; give another --state, or delete the file to start again");
     }
   }
   return progress;
@@ -179,7 +181,7 @@ void give_back(BoardShell& board, const Operator& person, const CommissionOption
   if (progress.before.empty()) {
     return;
   }
-  person.tell("gives back what a run had set for a while when it was ended in the midst of a step");
+  person.tell("restores the settings that an interrupted run had changed temporarily");
   JointConsole(board, options.axis, options.key, [](const auto&) {}).set_together(progress.before);
   progress.before.clear();
   person.keep(options.axis, progress);
@@ -194,9 +196,9 @@ void commission_together(BoardShell& board, const Operator& person, const std::v
       Kept kept(person, joints[i].axis, all.progress);
       JointConsole joint(board, joints[i].axis, joints[i].key, kept.before());
       CommissionSteps steps(joint, person, joints[i], all);
-      person.tell("together: shakes " + joint.name() + " while it travels and the others hold, for some two minutes");
+      person.tell("together: shakes " + joint.name() + " while it travels and the others hold, for about two minutes");
       if (!person.agrees("may the joint move?")) {
-        throw Refusal("stopped as you wished, torque is off");
+        throw Refusal("stopped on request, torque is off");
       }
       CommissionSteps::together(steps);
       joint.restore();
@@ -220,7 +222,7 @@ void commission_together(BoardShell& board, const Operator& person, const std::v
     }
   }
   board.ask("commit");
-  throw Refusal("together: " + why + "; the gains of before are back, nothing was saved");
+  throw Refusal("together: " + why + "; the previous gains were restored, nothing was saved");
 }
 
 }  // namespace capstan::tools

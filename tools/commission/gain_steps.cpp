@@ -159,7 +159,7 @@ void CommissionSteps::check(CommissionSteps& steps) {
   }
   const std::optional<double> after = steps.tracking(kFrequency);
   if (!after || !steps.tracking(kSlow)) {
-    throw Refusal("with the new gains the joint does not follow a slow sine; they were taken back");
+    throw Refusal("with the new gains the joint does not follow a slow sine; the old ones were restored");
   }
   joint.arm();
   joint.ask("move " + joint.name() + " " + rounded(steps.home_rad_ + 0.4 * steps.options_.corridor_rad, 6) + " rad");
@@ -171,19 +171,19 @@ void CommissionSteps::check(CommissionSteps& steps) {
   });
   if (warned) {
     throw Refusal(
-        "with the new gains the joint swings after a step; they were taken back. Begin anew (--again) with a "
-        "larger corridor");
+        "with the new gains the joint oscillates after a step; the old ones were restored. Start again (--again) with "
+        "a larger corridor");
   }
   if (before && *after > kWorse * *before + 2.0 * joint.count_rad()) {
     throw Refusal("with the new gains the joint follows a sine worse (" + rounded(1e3 * *after, 3) + " mrad, " +
-                  rounded(1e3 * *before, 3) + " before); they were taken back");
+                  rounded(1e3 * *before, 3) + " before); the old ones were restored");
   }
   for (const auto& [name, value] : found) {
     steps.decide(name, value);
   }
   steps.find("a sine is followed within " + rounded(1e3 * *after, 3) + " mrad rms of the estimate" +
              (before ? ", " + rounded(1e3 * *before, 3) + " before" : std::string(", and not at all before")) +
-             "; after a step nothing swings");
+             "; there is no oscillation after a step");
   steps.find_answer();
 }
 
@@ -194,9 +194,9 @@ void CommissionSteps::find_answer() {
   joint_.arm();
   const bool found = commission_by_board("commission " + joint_.name() + " looks");
   const bool judged = found && joint_.value("observer.answer") > 0.0;
-  find(judged ? "its looks at rest are answered by " + joint_.text("observer.answer") + ", which is watched"
-              : "how far its motor answers a look at rest is not watched: it pulls, its encoder is too coarse, or "
-                "this board can not find it");
+  find(judged ? "its response to test pulses at rest is " + joint_.text("observer.answer") + ", which is monitored"
+              : "the response to test pulses at rest will not be monitored: the joint is under load, its encoder is "
+                "too coarse, or this board cannot measure it");
 }
 
 void CommissionSteps::together(CommissionSteps& steps) {
@@ -218,7 +218,7 @@ void CommissionSteps::together(CommissionSteps& steps) {
 }
 
 void CommissionSteps::save(CommissionSteps& steps) {
-  if (steps.person_.agrees("shall the board keep it over a restart?")) {
+  if (steps.person_.agrees("save the values on the board?")) {
     steps.joint_.ask("save");
     steps.find("saved");
   } else {

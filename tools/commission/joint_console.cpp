@@ -126,7 +126,7 @@ void JointConsole::arm() {
       return;
     }
   }
-  throw Refusal(name() + " does not come to rest without torque; hold it, or take away what drives it");
+  throw Refusal(name() + " does not come to rest without torque; hold it, or remove what drives it");
 }
 
 void JointConsole::disarm() {

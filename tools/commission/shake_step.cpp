@@ -74,7 +74,7 @@ void CommissionSteps::judge_current(const CsvLog& log) {
                   " of it): the current sensor or the amplifier is dead; check cable, supply and enable line");
   }
   if (follows < 0.0) {
-    throw Refusal("the measured current has the wrong sign; turn the current sensor round, or its two wires");
+    throw Refusal("the measured current has the wrong sign; reverse the current sensor, or swap its two wires");
   }
 }
 
@@ -224,8 +224,8 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       if (!ever_answered) {
         joint.disarm();
         throw Refusal("shaken with " + rounded(one.amplitude_nm, 2) +
-                      " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or what it is "
-                      "told is wrong by a factor, motor.encoder_counts or motor.torque_per_current (" +
+                      " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or "
+                      "motor.encoder_counts or motor.torque_per_current is wrong by a factor (" +
                       refusal.what() + ")");
       }
       // It went too far; what the amplitude before this one showed decides, or a faster band, in which it goes less
@@ -258,16 +258,15 @@ void CommissionSteps::shake(CommissionSteps& steps) {
     steps.refuse_scale(lighter);
   }
   if (ever_answered) {
-    throw Refusal(
-        std::string(too_far.empty() ? ""
-                                    : "shaken harder the motor would run further than 2.9 deg, so see first that both "
-                                      "tendons are hooked; if they are, ") +
-        "friction holds the motor: it only bends its tendons, so nothing can be said of its encoder's sign and scale; "
-        "slacken the tendons for this step, " +
-        std::string(steps.options_.inertia_kgm2
-                        ? "or raise limits.continuous_current if the motor stands it"
-                        : "or say what inertia the motor's data sheet has (--inertia), so that it can be shaken harder "
-                          "and yet not far"));
+    throw Refusal(std::string(too_far.empty() ? ""
+                                              : "shaken harder the motor would run further than 2.9 deg, so check "
+                                                "first that both tendons are hooked; if they are, ") +
+                  "friction holds the motor: it only stretches its tendons, so its encoder's sign and scale cannot be "
+                  "checked; slacken the tendons for this step, " +
+                  std::string(steps.options_.inertia_kgm2
+                                  ? "or raise limits.continuous_current if the motor withstands it"
+                                  : "or give the inertia of the motor's data sheet (--inertia), so that it can be "
+                                    "shaken harder without moving far"));
   }
   throw Refusal(
       "the motor has its current and the encoder does not count: it is blocked, the encoder is dead, or friction holds "

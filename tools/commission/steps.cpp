@@ -115,8 +115,8 @@ auto CommissionSteps::here() -> double {
 void CommissionSteps::keep_to_corridor() {
   if (home_rad_ < joint_.value("limits.joint_min") || home_rad_ > joint_.value("limits.joint_max")) {
     throw Refusal("the joint stands at " + rounded(home_rad_, 3) +
-                  " rad, outside limits.joint_min to limits.joint_max: turn it back by hand, say where it stands with "
-                  "'zero', or hook the tendon that let it go");
+                  " rad, outside limits.joint_min to limits.joint_max: turn it back by hand, set its angle with "
+                  "'zero', or hook the tendon that came off");
   }
   joint_.set("limits.joint_min",
              rounded(std::max(home_rad_ - options_.corridor_rad, joint_.value("limits.joint_min")), 6) + " rad");
@@ -159,14 +159,14 @@ void CommissionSteps::look(CommissionSteps& steps) {
   const double noise = rms_about_mean(current);
   if (current.maxCoeff() == current.minCoeff()) {
     throw Refusal("the current sensor gave " + rounded(current[0], 3) +
-                  " A a thousand times without the least noise, so it is dead; check its cable and supply");
+                  " A a thousand times without any noise, so it is dead; check its cable and supply");
   }
   if (std::fabs(current.mean()) > kMostZeroShare * joint.value("limits.current")) {
     throw Refusal("without torque the current sensor shows " + rounded(current.mean(), 3) +
                   " A; adjust its zero, or check that the amplifier is off");
   }
   if (angle.maxCoeff() - angle.minCoeff() > 20.0 * joint.count_rad()) {
-    throw Refusal("the motor moves without torque; hold it, or take away what drives it");
+    throw Refusal("the motor moves without torque; hold it, or remove what drives it");
   }
   steps.find("current sensor: zero " + rounded(1e3 * current.mean(), 2) + " mA, noise " + rounded(1e3 * noise, 2) +
              " mA");
@@ -233,7 +233,7 @@ void CommissionSteps::press(CommissionSteps& steps) {
     }
     require_tendons(back >= kSpringsBack);
     steps.find("both tendons pull: " + rounded(torque / std::max(up, down), 3) + " Nm/rad at the motor at first, " +
-               rounded(100.0 * back, 2) + " % of the way springs back");
+               rounded(100.0 * back, 2) + " % of the travel springs back");
     return;
   }
   throw Refusal("the motor does not turn by " + rounded(enough / kDegree, 2) +
@@ -282,7 +282,7 @@ void CommissionSteps::travel(CommissionSteps& steps) {
     }
   }
   if (middles[0] * middles[1] * ends[0] * ends[1] == 0) {
-    throw Refusal("the motor did not go to and fro as it was told; look at the log of 'experiment " + joint.name() +
+    throw Refusal("the motor did not move both ways as commanded; look at the log of 'experiment " + joint.name() +
                   " triangle'");
   }
   for (std::size_t i = 0; i < 2; ++i) {
@@ -294,8 +294,8 @@ void CommissionSteps::travel(CommissionSteps& steps) {
   if (rise > kBlocked) {
     throw Refusal("the torque goes on rising as the motor turns (" + rounded(100.0 * rise, 2) +
                   " % over half a leg): the joint is blocked or presses against something; free it, or make the "
-                  "corridor smaller; or its tendons rub so much that over so short a way they only stretch: then "
-                  "make the corridor larger");
+                  "corridor smaller; or its tendons have so much friction that they only stretch over such a short "
+                  "travel: then make the corridor larger");
   }
   steps.all_.progress.backward_nm = at_middle[0];
   steps.all_.progress.forward_nm = at_middle[1];
@@ -337,11 +337,11 @@ void CommissionSteps::motor(CommissionSteps& steps) {
                             (louder ? " dither=" + rounded(kLouderDither * steps.continuous_nm(), 4) + "Nm" : "");
   if (!steps.commission_by_board(order)) {
     steps.find(
-        "this board can not find the motor observer's values; commission the joint on Linux and set observer.* here");
+        "this board cannot find the motor observer's values; commission the joint on Linux and set observer.* here");
     return;
   }
   steps.require_no_lighter(1e-3 * joint.value("observer.inertia"));
-  steps.find("the motor observer watches: inertia " + joint.text("observer.inertia"));
+  steps.find("the motor observer is set: inertia " + joint.text("observer.inertia"));
 }
 
 }  // namespace capstan::tools

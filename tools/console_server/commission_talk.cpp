@@ -54,7 +54,7 @@ struct Pipe {
   Pipe() {
     std::array<int, 2> ends{-1, -1};
     if (::pipe2(ends.data(), O_CLOEXEC) != 0) {
-      throw Refusal("no pipe can be had; end other programs and try again");
+      throw Refusal("no pipe can be opened; end other programs and try again");
     }
     out = FileDescriptor(ends[0]);
     in = FileDescriptor(ends[1]);
@@ -76,7 +76,7 @@ class CommissionTalk::Job final : public Guest {
     std::array<char, 64> name{};
     if (!master_ || ::grantpt(master_.get()) != 0 || ::unlockpt(master_.get()) != 0 ||
         ::ptsname_r(master_.get(), name.data(), name.size()) != 0) {
-      throw Refusal("no pseudo-terminal can be had; end other programs and try again");
+      throw Refusal("no pseudo-terminal can be opened; end other programs and try again");
     }
     slave_ = FileDescriptor(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));  // stays, so that its end is no error
     make_raw(slave_.get());

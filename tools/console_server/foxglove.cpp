@@ -123,7 +123,7 @@ void FoxgloveFeed::word(Guest& guest, std::string_view text, Hub::Clock::time_po
   const json wish = json::parse(text, nullptr, false);
   const auto listener = listeners_.find(&guest);
   if (!wish.is_object() || listener == listeners_.end()) {
-    guest.say(status("that is no message of Foxglove's protocol; connect with foxglove.websocket.v1"));
+    guest.say(status("this is not a message of Foxglove's protocol; connect with foxglove.websocket.v1"));
     return;
   }
   try {
@@ -141,7 +141,7 @@ void FoxgloveFeed::word(Guest& guest, std::string_view text, Hub::Clock::time_po
           status("'" + kind + "' is not served here: this line only shows signals; command from the console page"));
     }
   } catch (const json::exception&) {
-    guest.say(status("a message of Foxglove's protocol lacks what belongs to it; send ids as numbers"));
+    guest.say(status("a message of Foxglove's protocol is incomplete; send ids as numbers"));
   }
 }
 

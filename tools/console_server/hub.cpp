@@ -12,8 +12,7 @@ constexpr std::string_view kAnew = "anew";
 }  // namespace
 
 void BoardLine::start_anew(std::string_view /*effect*/) {
-  throw std::runtime_error(
-      "only a simulator of capstan console starts anew; end this board's program and start it again");
+  throw std::runtime_error("only a simulator of capstan console restarts; end this board's program and start it again");
 }
 
 Hub::Hub(Open open) : open_(std::move(open)) {
@@ -141,7 +140,7 @@ void Hub::look(Clock::time_point now) {
   if (line_ && commander_ != nullptr && attended_ && now - alive_ > kAliveWithin) {
     attended_ = false;
     line_->peer_left();
-    everyone("remark # nobody answered for a second: the line counts as lost, and the torque is off");
+    everyone("remark # no page answered for a second: the connection counts as lost, and the torque is off");
     commander_->say("cancel");
   }
 }

@@ -125,7 +125,7 @@ class Port : public std::enable_shared_from_this<Port> {
   }
   void fail(const error_code& error) {
     closed_ = true;
-    listener_.lost(name_ + ": the line to the board is gone (" + error.message() +
+    listener_.lost(name_ + ": the connection to the board is lost (" + error.message() +
                    "); check cable and board, then reload the page");
   }
 

@@ -301,7 +301,7 @@ class Visitor : public std::enable_shared_from_this<Visitor<Shop>> {
                        : place.starts_with(kIdentify) ? shop_->job.identify(log, behind(kIdentify), done)
                                                       : shop_->job.diagnose(log, behind(kDiagnose), done);
     if (!begun) {
-      answer(http::status::conflict, {kPlain, "the host program looks at another log; wait for it\n"});
+      answer(http::status::conflict, {kPlain, "the host program is busy with another log; wait for it\n"});
     }
   }
 
@@ -356,7 +356,7 @@ WebServer::WebServer(asio::io_context& io, std::uint16_t port, PageFiles files, 
   shop_->acceptor.set_option(asio::socket_base::reuse_address(true));
   shop_->acceptor.bind(endpoint, error);
   if (error) {
-    throw BadInput("--listen " + std::to_string(port) + ": the port can not be had (" + error.message() +
+    throw BadInput("--listen " + std::to_string(port) + ": the port cannot be opened (" + error.message() +
                    "); give another one, or leave it out for any that is free");
   }
   shop_->acceptor.listen();

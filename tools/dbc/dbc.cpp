@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/dbc/dbc.hpp"
 
-#include <array>
-#include <utility>
-
 #include "capstan/boards/stm32f405/can_messages.hpp"
 #include "capstan/firmware/control/modes.hpp"
 #include "capstan/firmware/safety/faults.hpp"
@@ -22,16 +19,6 @@ struct Named {
   std::string comment;
 };
 
-constexpr std::array<std::pair<Limit, const char*>, 7> kLimitNames = {{
-    {Limit::kCurrent, "current"},
-    {Limit::kThermal, "continuous_current"},
-    {Limit::kRate, "current_rate"},
-    {Limit::kMotorTravel, "motor_travel"},
-    {Limit::kReference, "reference"},
-    {Limit::kJointTorque, "joint_torque"},
-    {Limit::kCorridor, "corridor"},
-}};
-
 /// The bits of a field that is a set, by number; none for every other field.
 auto flags_of(CanMeaning meaning) -> std::vector<Named> {
   std::vector<Named> flags;
@@ -44,12 +31,8 @@ auto flags_of(CanMeaning meaning) -> std::vector<Named> {
       flags.push_back({static_cast<unsigned>(i), kWarningTable[i].name, kWarningTable[i].cause});
     }
   } else if (meaning == CanMeaning::kLimitFlags) {
-    for (const auto& [limit, name] : kLimitNames) {
-      unsigned number = 0;
-      while (bit(limit) >> number != 1) {
-        ++number;
-      }
-      flags.push_back({number, name, "this limit was met"});
+    for (std::size_t i = 0; i < kLimitTable.size(); ++i) {
+      flags.push_back({static_cast<unsigned>(i), kLimitTable[i].name, "this limit was met"});
     }
   }
   return flags;

@@ -130,7 +130,7 @@ auto judge_adequacy(const Preparation& p, const Evidence& evidence, const SieveR
   if (evidence.noise_from_repeats) {
     test_repetition(p, evidence, result);
   }
-  // Nobody does worse than the law alone, and what repeats can be explained by somebody.
+  // The flexible model's error never exceeds the law's; repeatable residual counts as explainable.
   if (const double flexible = result.flexible_energy.sum(); flexible > 0.0) {
     result.flexible_energy *= (1.0 - std::max(result.reducible_share, 0.0)) * left / flexible;
   }

@@ -59,10 +59,9 @@ auto as_searched(const Diagnosis& d, bool named) -> LawChoice {
 
 void warn_of_uncertain_gain(Diagnosis& d) {
   if (d.law.status == LawStatus::kProvisional && d.ratio_ci95[1] >= 1.0) {
-    d.warnings.push_back("the law predicts the rows best that it was chosen by; on those set aside it leaves " +
+    d.warnings.push_back("the law was best on the rows used to choose it; on the rows set aside its error is " +
                          rounded(d.ratio_ci95[0], 3) + " to " + rounded(d.ratio_ci95[1], 3) +
-                         " times what the base law does, so it is not certain to err less: test it on another log "
-                         "(--test)");
+                         " times the base law's, so an improvement is not certain: test it on another log (--test)");
   }
 }
 

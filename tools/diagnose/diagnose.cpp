@@ -40,11 +40,10 @@ void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
   const auto note = [&](const std::string& name, const Eigen::VectorXd& signal, const char* cure) {
     const double most = signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0.0;
     if (most >= kBoard) {
-      warnings.push_back(
-          log.name + ": " + axis + name + " goes to " + rounded(most) +
-          ", beyond the 128 that a board's numbers hold: the law is right for this log, but no board can "
-          "run it, and plays wider than 60 are not looked for; " +
-          cure);
+      warnings.push_back(log.name + ": " + axis + name + " goes to " + rounded(most) +
+                         ", beyond the range of a board's numbers, 128: the law is right for this log, but no board "
+                         "can run it, and plays wider than 60 are not searched; " +
+                         cure);
     }
   };
   const double range = log.q1_rad.maxCoeff() - log.q1_rad.minCoeff();
@@ -141,8 +140,8 @@ void deliver(const Preparation& p, const LawChoice& choice, Diagnosis& d) {
 
 /// Why a law that was grown is not delivered.
 constexpr const char* kNotBetterUnseen =
-    "laws without a name fit the log better and erred more than the base law on the rows set aside, so none is "
-    "delivered; a longer log may tell more";
+    "laws without a name fit the log better but had larger errors than the base law on the rows set aside, so none is "
+    "delivered; a longer log may help";
 
 /// Chooses the law that is delivered and measures its error, on rows that chose nothing; a law without a name that does
 /// no better there than the base law, for certain, or worse by more than a floor may be off, is none that the log
@@ -196,7 +195,7 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
     d.unnamed = unnamed_part(p, choice, d);
   }
   if (!d.undetermined.empty()) {
-    d.warnings.push_back("this log can not determine " + joined(d.undetermined) +
+    d.warnings.push_back("this log cannot determine " + joined(d.undetermined) +
                          ": other values would fit as well, so the law holds for motions like this one only");
   }
 }
@@ -246,7 +245,7 @@ void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool
   d.pretension = pretension_drift(healthy, p.logs, p.causal, p.target, p.certain());
   d.sizes.push_back(d.pretension ? drift_sentence(*d.pretension)
                                  : "torque and width of the loop have not changed alike, as they do with the "
-                                   "pretension alone, so the pretension is not told");
+                                   "pretension alone, so the pretension is not reported");
   if (d.pretension && d.law.fit && d.law.has(kTendonModel)) {
     d.law.fit->pretension = d.pretension->now;
   }
@@ -304,7 +303,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
   report(p, search, base, options.base_law, d);
   if (!why && d.base.catalogue->target() == TargetKind::kAngle) {
-    options.progress("asking whether one law holds over all of the log");
+    options.progress("checking whether one law holds over the whole log");
     ask_the_log(p, search, base, d);
   }
   gauge_pretension(p, options, by_its_loop.has_value(), d);
@@ -313,7 +312,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   }
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(
-        "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as indicated, " +
+        "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as a hint, " +
         std::string("and confirm it with a log of four equal cycles"));
   }
 }
@@ -373,12 +372,12 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
   std::transform(recorded.begin(), recorded.end(), std::back_inserter(logs), without_long_rests);
   Diagnosis d = from_one_zero(logs, options);
   if (total_samples(logs) < total_samples(recorded) && goes_by_time(d)) {
-    options.progress("asking again with the rests, through which time goes on");
+    options.progress("repeating it with the rests included");
     logs = recorded;
     d = from_one_zero(logs, options);
   }
   if (d.changed_at && logs.size() == 1 && !options.base_law) {
-    options.progress("asking the longer part by itself");
+    options.progress("diagnosing the longer part alone");
     const AxisLog part = longer_part(logs.front(), *d.changed_at);
     take_law_of_part(diagnosed({part}, options), part, d);
   }

@@ -162,8 +162,8 @@ inline auto repeats_what_was_fitted(const Diagnosis& diagnosis) -> bool {
   return diagnosis.repeats > 1 && diagnosis.tested.empty();
 }
 inline constexpr const char* kSameMotion =
-    "the rows set aside repeat the motion that the law was fitted to; what it leaves of another motion, --test LOG "
-    "shows";
+    "the rows set aside repeat the motion that the law was fitted to; use --test LOG to see its error on another "
+    "motion";
 
 /// What a person should know of log and law: warnings, then how the logs were looked at.
 auto all_notes(const Diagnosis& diagnosis) -> std::vector<std::string>;

@@ -51,8 +51,9 @@ auto inverse_products(const std::vector<Regressor>& regressors) -> Eigen::Matrix
 auto confused(const Regressor& a, const Regressor& b, double correlation) -> ConfusedPair {
   ConfusedPair pair{name_of(a), name_of(b), {a.term->name, b.term->name}, correlation, {}};
   // Estimates that go together have a difference that is known.
-  pair.sentence = "This log knows " + std::string(correlation > 0.0 ? "a difference" : "a sum") + " of " + pair.first +
-                  " and " + pair.second + " far better than either (correlation " + rounded(correlation, 3) + ")";
+  pair.sentence = "This log determines " + std::string(correlation > 0.0 ? "a difference" : "a sum") + " of " +
+                  pair.first + " and " + pair.second + " far better than either (correlation " +
+                  rounded(correlation, 3) + ")";
   std::string motion = a.term->exciting_motion;
   if (pair.terms[0] != pair.terms[1]) {
     motion += motion.empty() || b.term->exciting_motion.empty() ? "" : "; ";

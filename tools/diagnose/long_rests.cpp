@@ -140,7 +140,7 @@ auto without_long_rests(AxisLog log) -> AxisLog {
   const auto kept_rows = rows_outside(rests, log.samples());
   log = only_rows(std::move(log), kept_rows);
   log.warnings.push_back(log.name + ": nothing moves for " + rounded(still_s, 2) +
-                         " s, which say nothing of the law and take no part");
+                         " s; these rows say nothing about the law and are not used");
   return log;
 }
 

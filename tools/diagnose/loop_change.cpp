@@ -36,10 +36,10 @@ auto change_sentence(const std::string& name, const EffectSize& size) -> std::st
     return "the gap is " + range(1.0) + " rad to either side, at the joint";
   }
   if (name == kDelayTerm) {
-    return "the joint is seen " + range(1e3) + " ms later than the healthy joint was";
+    return "the joint is seen " + range(1e3) + " ms later than at the healthy joint";
   }
   // A free tip tells the product of pretension and friction number.
-  return (name == kPretensionTerm ? "pretension, while the tendons rub as they did, is "
+  return (name == kPretensionTerm ? "pretension, if the tendons' friction number is unchanged, is "
                                   : "the tendons' stiffness is ") +
          range(100.0) + " % of the healthy joint's";
 }

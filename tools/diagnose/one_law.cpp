@@ -239,7 +239,7 @@ auto when(const Preparation& p, Eigen::Index row) -> std::string {
   const double spanned = (in.time_s[row] - in.time_s[0]) / in.period_s;
   const bool all_rows = std::abs(spanned - static_cast<double>(row)) < 0.5;
   const std::string place = all_rows ? "row " + std::to_string(row + 1) + " of " + in.name : in.name;
-  return "time_s " + rounded(in.time_s[row]) + " on (" + place + ")";
+  return "time_s " + rounded(in.time_s[row]) + " (" + place + ")";
 }
 
 }  // namespace
@@ -283,15 +283,14 @@ void say_changed(const Preparation& p, const ChangedJoint& changed, Diagnosis& d
   for (std::size_t i = 0; i < std::min(kMostSaid, changed.moved.size()); ++i) {
     moved.push_back(moved_sentence(changed.moved[i]));
   }
-  std::string reason = "The joint is another one from " + when(p, changed.row) +
-                       ": on rows that it has not seen one law for all of the log leaves " +
+  std::string reason = "The joint changed at " + when(p, changed.row) +
+                       ": on unseen rows one law for all of the log leaves an error of " +
                        rounded(changed.one_leaves, 3) + " " + d.unit + ", a law for each part " +
                        rounded(changed.two_leave, 3);
   reason += moved.empty() ? "." : "; " + joined(moved, "; ") + ".";
   say({Verdict::kUnknown, reason,
-       "Cut the log there and ask its parts apart (capstan compare BEFORE -- AFTER says what has changed), or find "
-       "what "
-       "changed (a sheath's bend, a gap, the load, a slip) and record four equal cycles without it."},
+       "Split the log there and diagnose its parts separately (capstan compare BEFORE -- AFTER shows what changed), or "
+       "find the change (a sheath's bend, a gap, the load, a slip) and record four equal cycles without it."},
       d);
   d.changed_at = changed.row;
   d.effects.clear();

@@ -295,7 +295,7 @@ auto reason_unfit(const std::vector<AxisLog>& logs) -> std::string {
            rounded(target_noise, 2) + " rad; record a larger motion or a better joint sensor";
   }
   if (reversals == 0) {
-    return "the motor never reverses; record a motion that goes there and back several times at several speeds";
+    return "the motor never reverses; record a motion that goes back and forth several times at several speeds";
   }
   return {};
 }
@@ -307,7 +307,8 @@ auto reason_nameless(const std::vector<AxisLog>& logs) -> std::string {
     return {};
   }
   return "only " + std::to_string(total_samples(logs)) +
-         " samples in which the motor does not go there, back and there again; record at least 10 s at 100 Hz or more";
+         " samples in which the motor does not move forth, back and forth again; record at least 10 s at 100 Hz or "
+         "more";
 }
 
 namespace {
@@ -319,7 +320,7 @@ void check_lengths(const std::vector<AxisLog>& logs, Eigen::Index fewest) {
   for (const auto& log : logs) {
     if (logs.size() > 1 && log.samples() < fewest) {
       throw BadInput(log.name + ": the log has " + std::to_string(log.samples()) + " rows, and beside the others " +
-                     std::to_string(fewest) + " are the fewest that say something; leave it out");
+                     std::to_string(fewest) + " are the minimum for a useful fit; leave it out");
     }
   }
 }
@@ -375,7 +376,7 @@ auto prepare(std::vector<AxisLog> logs, const LawForm& base) -> Preparation {
   if (const std::string axis = p.repeats ? axis_of_another_course(p) : ""; !axis.empty()) {
     p.repeats.reset();
     p.notes.push_back("the motor repeats its cycle and " + axis +
-                      " does not, so what differs from cycle to cycle is not taken for noise");
+                      " does not, so differences between cycles are not counted as noise");
   }
   const auto gap = std::max<Eigen::Index>(kShortestGap, std::lround(kGapS / p.coarse_period_s));
   p.split = split_rows({p.coarse_logs, p.repeats, gap});

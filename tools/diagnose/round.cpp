@@ -19,10 +19,10 @@ auto outcome_of(const Round& round, const CandidateTrial& trial, const Candidate
     return "waits for " + joined(round.evidence.candidates[trial.candidate].builds_on, " or ");
   }
   if (!trial.possible) {
-    return "ruled out: the data ask for a sign that physics forbids";
+    return "ruled out: the data give a sign that is physically impossible";
   }
   if (chosen != nullptr && std::find(confusable.begin(), confusable.end(), trial.candidate) != confusable.end()) {
-    return "this log can not tell it from the best";
+    return "this log cannot distinguish it from the best";
   }
   if (!passes(trial, round.evidence) && trial.absorbed > 0.99) {
     return "not identifiable beside the law on this motion";

@@ -25,9 +25,9 @@ constexpr double kNamedShareBesideUnlisted = 0.9;
 auto late_direction(const Preparation& p) -> std::string {
   const bool by_rate = share_late_by_one_row(p) > 0.5;
   const std::string stem = "most of the running estimate's error is just after reversals, before ";
-  return stem + (by_rate ? "the log's next row shows them, so no log of this rate can tell what a law lacks there; log "
+  return stem + (by_rate ? "the log's next row shows them, so no log at this rate can show what a law lacks there; log "
                            "at a higher rate"
-                         : "this encoder shows them, so no log of it can tell what a law lacks there; use a finer "
+                         : "this encoder shows them, so no log of it can show what a law lacks there; use a finer "
                            "encoder or a smaller direction threshold");
 }
 
@@ -42,11 +42,11 @@ auto judge_empty(const Search& search, Diagnosis& d) -> Verdict {
   if (search.lacks_something) {
     d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
     d.reason +=
-        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version can not add.";
+        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version cannot add.";
     d.next_experiment = kEverything;
     if (search.unlisted.rfind("axis", 0) == 0) {
       const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
-      d.next_experiment = "Ask again with --coupled-to " + axis + ": that axis may pull at this one.";
+      d.next_experiment = "Repeat the diagnosis with --coupled-to " + axis + ": that axis may pull at this one.";
     }
     return Verdict::kUnknown;
   }
@@ -60,14 +60,14 @@ auto judge_ambiguous(const AddedEffect& effect, Diagnosis& d) -> Verdict {
   const bool all_listed = std::all_of(effect.alternatives.begin(), effect.alternatives.end(),
                                       [&d](const auto& name) { return d.base.catalogue->has(name); });
   if (effect.alternatives.size() > kMostAlternatives || !all_listed) {
-    d.reason = "Something is missing from the law, but this log can not tell " + effect.name + " from " +
+    d.reason = "Something is missing from the law, but this log cannot distinguish " + effect.name + " from " +
                joined(effect.alternatives) + ".";
     d.next_experiment = kEverything;
     return Verdict::kUnknown;
   }
   d.reason = "The law lacks " + effect.name + " or " + joined(effect.alternatives, " or ") +
-             "; this log can not tell them apart.";
-  d.next_experiment = "Record this motion, it separates them: " + next_motion(d, effect.name) + "; " +
+             "; this log cannot distinguish them.";
+  d.next_experiment = "Record this motion, which separates them: " + next_motion(d, effect.name) + "; " +
                       next_motion(d, effect.alternatives.front()) + ".";
   return Verdict::kAmbiguous;
 }
@@ -121,7 +121,7 @@ void check_completeness(const Preparation& p, Diagnosis& d) {
   if (!repeats_agree && largest_hidden_share(p, d) > kLargestHiddenShare) {
     refuse_completeness(p.repeats
                             ? "No effect shows, but the repeated cycles differ by " + rounded(100.0 * floor_share, 2) +
-                                  " % of the motion, and hide effects of a tenth of it."
+                                  " % of the motion, so an effect of a tenth of the motion could be hidden."
                             : "No effect shows, but without repeated cycles this log would not show one of a "
                               "tenth of the motion either.",
                         d);
@@ -131,8 +131,7 @@ void check_completeness(const Preparation& p, Diagnosis& d) {
   for (const auto& effect : d.detectable) {
     sizes.push_back(effect.name + " " + rounded(effect.rmse, 2));
   }
-  d.warnings.push_back("smallest contributions that this log would have shown, rms in " + d.unit + ": " +
-                       joined(sizes));
+  d.warnings.push_back("smallest contributions that this log would show, rms in " + d.unit + ": " + joined(sizes));
   if (!p.repeats) {
     d.warnings.push_back(
         "the motion does not repeat, so a weak effect outside the catalogue may hide in the noise; "
@@ -189,7 +188,7 @@ auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameles
     return unfit("naming what the law lacks", reason);
   }
   if (const auto names = undetermined(p, law); !names.empty()) {
-    return Nameless{Verdict::kNotIdentifiable, "This log can not determine " + joined(names) + " of the base law.",
+    return Nameless{Verdict::kNotIdentifiable, "This log cannot determine " + joined(names) + " of the base law.",
                     kEverything};
   }
   return std::nullopt;
@@ -227,7 +226,7 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
   }
   d.reason = "The law lacks " + found +
              (search.lacks_something
-                  ? "; what remains is certain, but hardly more than an inexact form of that term would leave."
+                  ? "; a small residual remains, no larger than a slightly wrong form of that term would cause."
                   : "; what remains cannot be distinguished from noise.");
   return Verdict::kEffect;
 }
@@ -236,8 +235,7 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) 
   const double known = noise_known(p, law);
   if (d.verdict == Verdict::kNothingMissing && d.before.rmse > kAboveFloor * known) {
     refuse_completeness("The law leaves " + rounded(d.before.rmse / known, 2) +
-                            " times what it left of its own logs: something has come, and this log does not show which "
-                            "effect it is.",
+                            " times the error on its own logs: an effect has appeared, and this log does not show which.",
                         d);
   }
 }

@@ -53,7 +53,7 @@ class Flash {
 
 void read_elf(std::string_view file, Flash& flash) {
   Elf32_Ehdr head{};
-  const auto damaged = [&flash] { return BadInput(flash.path() + ": the ELF file is damaged; build it anew"); };
+  const auto damaged = [&flash] { return BadInput(flash.path() + ": the ELF file is damaged; rebuild it"); };
   if (file.size() < sizeof head) {
     throw damaged();
   }
@@ -109,7 +109,7 @@ void read_hex(std::string_view file, Flash& flash) {
     }
     if (!line.starts_with(':') || !record || record->size() < 5 || record->size() != byte(*record, 0) + 5U ||
         sum != 0) {
-      throw BadInput(place(flash.path(), number) + "the HEX record is damaged; copy the file again or build it anew");
+      throw BadInput(place(flash.path(), number) + "the HEX record is damaged; copy the file again or rebuild it");
     }
     const std::string_view data = std::string_view(*record).substr(4, byte(*record, 0));
     const std::uint32_t address = byte(*record, 1) * 256U + byte(*record, 2);
@@ -150,13 +150,12 @@ auto crc_of(const FlashImage& image) -> std::uint32_t {
 void check_seal(const std::string& path, const FlashImage& image) {
   if (image.seal == kNoSeal) {
     throw BadInput(path +
-                   ": the image has no seal to check it by, as older ones have not; build it anew with "
+                   ": the image has no seal to check it by, as older ones have not; rebuild it with "
                    "'cmake --workflow --preset stm32f405'");
   }
   if (image.seal != crc_of(image)) {
     throw BadInput(path +
-                   ": the image is damaged, its bytes do not agree with its seal; copy the file again or build "
-                   "it anew");
+                   ": the image is damaged, its bytes do not agree with its seal; copy the file again or rebuild it");
   }
 }
 
@@ -171,12 +170,11 @@ auto image_in(const Flash& flash) -> FlashImage {
   const std::uint32_t code_end = word_at(header, kCodeEndAt);
   if (sector0_end < kImageHeaderAt + kImageHeaderBytes || sector0_end > kSector0Begin + kSector0Bytes ||
       code_end <= kCodeBegin || code_end > kFlashEnd || flash.end() != code_end) {
-    throw BadInput(flash.path() +
-                   ": the image is not as long as its header says; copy the file again or build it anew");
+    throw BadInput(flash.path() + ": the image is not as long as its header says; copy the file again or rebuild it");
   }
   const auto banks = flash.piece(kSector0Begin + kSector0Bytes, kCodeBegin);
   if (std::any_of(banks.begin(), banks.end(), [](std::uint8_t byte) { return byte != 0xFF; })) {
-    throw Refusal(flash.path() + ": it would write over the parameter banks, which no image may; build it anew");
+    throw Refusal(flash.path() + ": it would write over the parameter banks, which no image may; rebuild it");
   }
   FlashImage image{.board = text_at(header, kBoardAt, kVersionAt - kBoardAt),
                    .version = text_at(header, kVersionAt, kSector0EndAt - kVersionAt),

@@ -114,8 +114,8 @@ auto tells_pretension(const LawDesign& design, const Eigen::VectorXd& target, co
   if (trial.left >= kTendonForm * half_width) {
     return {false,
             {"the law of two tendons leaves " + rounded(trial.left, 2) +
-             " rad beside the noise, more than it may err of this loop, so these logs tell no pretension: look at both "
-             "for a slip, a contact or a limit of the motor's torque"}};
+             " rad beside the noise, more than it may err of this loop, so these logs do not determine the pretension: "
+             "check both for a slip, a contact or a limit of the motor's torque"}};
   }
   return {trial.rise > kPretensionShows * half_width};
 }

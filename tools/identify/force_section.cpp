@@ -41,7 +41,7 @@ auto array_of(const std::vector<double>& values) -> std::string {
 }
 
 auto parse(const std::string& joint_file, const std::string& name) -> toml::table {
-  return parse_toml(joint_file, name, "repair the line or write the file anew with capstan identify");
+  return parse_toml(joint_file, name, "repair the line or write the file again with capstan identify");
 }
 
 auto numbers(const toml::node_view<const toml::node>& node, const std::string& what) -> std::vector<double> {
@@ -52,7 +52,7 @@ auto numbers(const toml::node_view<const toml::node>& node, const std::string& w
     }
   }
   if (values.empty() || !std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); })) {
-    throw BadInput(what + " is not a list of numbers; identify the law anew");
+    throw BadInput(what + " is not a list of numbers; identify the law again");
   }
   return values;
 }
@@ -118,12 +118,12 @@ auto read_pull_push(const std::string& joint_file, const std::string& name) -> P
                    name + "'");
   }
   PullPushFit fit;
-  fit.cure = "identify it anew";
+  fit.cure = "identify it again";
   const auto read = [&](const char* parameter) {
     const auto value = section[parameter]["value"].value<double>();
     if (!value || !std::isfinite(*value)) {
       throw BadInput(name + ": [force] has no number for " + parameter + "; write it as " + parameter +
-                     " = { value = 1.0, unit = ... }, or identify the law anew");
+                     " = { value = 1.0, unit = ... }, or identify the law again");
     }
     const auto above = section[parameter]["ci95"][1].value<double>();
     fit.parameters.push_back({parameter, section[parameter]["unit"].value<std::string>().value_or("1"), *value,
@@ -167,14 +167,14 @@ auto read_preisach(const std::string& joint_file, const std::string& name) -> Pr
   const toml::array* rows = file["force"]["forces"].as_array();
   if (inputs.size() < 2 || inputs.size() > kMostPreisachLevels || rows == nullptr || rows->size() != inputs.size()) {
     throw BadInput(name + ": [force] has not the same 2 to " + std::to_string(kMostPreisachLevels) +
-                   " levels in inputs and forces; identify the law anew");
+                   " levels in inputs and forces; identify the law again");
   }
   table.levels = static_cast<std::uint32_t>(inputs.size());
   for (std::size_t row = 0; row < inputs.size(); ++row) {
     const auto values = numbers(file["force"]["forces"][row], name + ": row " + std::to_string(row) + " of forces");
     if (values.size() != row + 1) {
       throw BadInput(name + ": row " + std::to_string(row) + " of forces has not " + std::to_string(row + 1) +
-                     " values; identify the law anew");
+                     " values; identify the law again");
     }
     table.inputs[row] = inputs[row];
     for (std::size_t column = 0; column <= row; ++column) {
@@ -198,7 +198,7 @@ auto read_force_error(const std::string& joint_file, const std::string& name) ->
     }
     if (!std::isfinite(*value) || *value < 0.0) {
       throw BadInput(name + ": [force] " + ForceErrorNumbers::kNames[i] +
-                     " is no number of 0 or more; identify the law anew");
+                     " is no number of 0 or more; identify the law again");
     }
     numbers.values[i] = *value;
   }

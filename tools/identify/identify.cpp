@@ -57,7 +57,7 @@ void note_bounds(const LinearFit& fit, const LawForm& form, const AxisLog& log, 
   // Of an effort whose other coefficients have their signs, the torque's sign is right.
   const bool lacks = form.catalogue->target() == TargetKind::kEffort &&
                      std::find(fit.at_bound.begin(), fit.at_bound.end(), false) != fit.at_bound.end();
-  std::string why = "the logs ask for the sign that physics forbids; " + turned;
+  std::string why = "the fit gives a sign that is physically impossible; " + turned;
   if (crossed) {
     why =
         "the joint is counted against its motor, and effects have the signs of one that goes with it; count it the "
@@ -65,7 +65,8 @@ void note_bounds(const LinearFit& fit, const LawForm& form, const AxisLog& log, 
         log.target + "=COLUMN*-1\")";
   } else if (lacks) {
     why =
-        "the logs ask for the sign that physics forbids, as where the law lacks something, dry friction or a spring; "
+        "the fit gives a sign that is physically impossible; the law probably lacks an effect, such as dry friction or "
+        "a spring: "
         "'capstan diagnose --target " +
         log.target + "' finds what";
   }
@@ -222,7 +223,7 @@ auto choose_conditioner(const std::vector<AxisLog>& logs, const LawForm& form, s
   }
   const std::string unit = " " + form.catalogue->motion_unit();
   if (shape.direction_threshold_rad < noise.step_rad) {
-    how += ", less than a count as the encoder trembled on no edge";
+    how += ", below one count, because the encoder showed no jitter";
   }
   notes.push_back("direction threshold " + rounded(shape.direction_threshold_rad, 3) + unit + ": " + how +
                   " (resolution " + rounded(noise.step_rad, 3) + unit + ", noise " + rounded(noise.white_rad, 2) +

@@ -206,7 +206,7 @@ auto count_from_one_zero(std::vector<AxisLog>& logs,
     const double shift = as_logged[i].measured()[0] - logs[i].measured()[0];
     if (shift != 0.0) {
       sentences.push_back(logs[i].name + ": " + (effort ? logs[i].target : "the joint") + "'s zero is " +
-                          rounded(shift) + (effort ? "" : " rad") + " beside that of the first log, and is taken off");
+                          rounded(shift) + (effort ? "" : " rad") + " away from the first log's, and was subtracted");
     }
   }
   return sentences;

@@ -141,7 +141,7 @@ auto slope_error(const Eigen::VectorXd& x, const Eigen::VectorXd& residual, cons
 }
 
 /// Compliance over all stretches of one phase and stroke, each about its own mean, for the motor's friction and the
-/// angle where the contact begins are nobody's business here.
+/// angle where the contact begins do not matter here.
 auto stiffness_in(const Pressed& log, const SiteSpan& site, ForcePhase phase, const Stroke& stroke, double least_torque)
     -> std::optional<StrokeStiffness> {
   constexpr Eigen::Index kFewest = 6;

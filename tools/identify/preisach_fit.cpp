@@ -89,8 +89,8 @@ auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid) -
   keep_known(relays, rows);
   if (rows.in.size() < kFewest) {
     throw Refusal(
-        "hardly anything was recorded after the torque had first been at an end of its range, so the past of the "
-        "joint is not known; start the record with one full swing in both directions");
+        "too little was recorded after the torque first reached an end of its range, so the joint's history is "
+        "unknown; start the record with one full swing in both directions");
   }
   const auto signs = signs_of_weights(relays.columns.cols());
   const LinearFit first = fit_columns(relays.columns, rows.out, even_blocks(rows.log_rows, 2), signs);

@@ -124,15 +124,15 @@ auto pretension_sentence(const PretensionNumbers& n) -> std::string {
   const std::string radius = "the radius of the motor's pulley (--radius METRES)";
   if (n.torque_nm() == 0.0) {
     return "friction along the tendons takes " + range_text({n.friction_nm(), n.friction_95_nm()}, "Nm") +
-           ", friction number times pretension times radius, and these logs tell no more: for the pretension in N, a " +
-           "log with the tip held is lacking in which the motor pulls both ways until each tendon is slack in turn" +
-           (n.radius_m() > 0.0 ? "" : ", and " + radius);
+           ", friction number times pretension times radius. To get the pretension in N, add a log with the tip held "
+           "in " +
+           "which the motor pulls each tendon slack in turn" + (n.radius_m() > 0.0 ? "" : ", and give " + radius);
   }
   const std::string eta = "; friction number " + range_text({n.eta(), n.eta_95()}, "1");
   if (n.force_n() == 0.0) {
     return "pretension times the radius of the motor's pulley is " +
-           range_text({n.torque_nm(), n.torque_95_nm()}, "Nm") + eta + "; for N, " + radius +
-           " or the tendons' stiffness (--stiffness N/m) is lacking";
+           range_text({n.torque_nm(), n.torque_95_nm()}, "Nm") + eta + "; to get it in N, give " + radius +
+           " or the tendons' stiffness (--stiffness N/m)";
   }
   return "pretension is " + range_text({n.force_n(), n.force_95_n()}, "N") + ", both tendons' mean tensions together" +
          eta;
@@ -198,14 +198,14 @@ auto drift_sentence(const PretensionDrift& drift) -> std::string {
   if (drift.unit == "1") {
     return "pretension is " +
            range_text({100.0 * drift.times.value, 100.0 * drift.times.half}, "% of the healthy joint's") + condition +
-           "; for N, a log with the tip held is lacking where the healthy joint is identified";
+           "; to get it in N, identify the healthy joint with a log with the tip held";
   }
   const bool less = drift.change.value < 0.0;
   const std::string name = drift.unit == "N" ? "pretension is " : "pretension times the motor pulley's radius is ";
   return name + range_text(drift.pretension, drift.unit) + ", " +
          range_text({std::abs(drift.change.value), drift.change.half}, drift.unit) + (less ? " less" : " more") +
          " than the healthy joint's" + condition +
-         (drift.unit == "N" ? "" : "; for N, that radius is lacking (--radius METRES)");
+         (drift.unit == "N" ? "" : "; to get it in N, give that radius (--radius METRES)");
 }
 
 }  // namespace capstan::tools

@@ -37,7 +37,7 @@ class EffortReader {
     const toml::node* node = parent.get(key);
     if (node == nullptr || node->as_table() == nullptr) {
       fail(node == nullptr ? static_cast<const toml::node&>(parent) : *node,
-           "[" + key + "] is missing; write the file anew with capstan diagnose -o");
+           "[" + key + "] is missing; write the file again with capstan diagnose -o");
     }
     return *node->as_table();
   }
@@ -160,7 +160,7 @@ void write_effort_file(const std::string& path, const EffortLaw& law) {
 }
 
 auto parse_effort_file(const std::string& text, const std::string& name) -> EffortLaw {
-  return read_toml(text, name, "repair the line or write the file anew with capstan diagnose",
+  return read_toml(text, name, "repair the line or write the file again with capstan diagnose",
                    [&name](const toml::table& root) { return parse_table(root, name); });
 }
 

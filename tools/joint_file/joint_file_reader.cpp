@@ -85,7 +85,7 @@ void read_status(const SectionReader& reader, const toml::table& root, JointFile
       return;
     }
   }
-  reader.fail(*node, "the status is none that there is; write \"confirmed\", \"provisional\" or \"base\"");
+  reader.fail(*node, "unknown status; write \"confirmed\", \"provisional\" or \"base\"");
 }
 
 /// "capstan.joint/2" and beyond: what this version can not know.
@@ -160,7 +160,7 @@ auto read_table(const toml::table& root, const std::string& name) -> JointFile {
   }
   if (is_newer(schema)) {
     throw BadInput(place(name, 1) + "the law is of a newer version, " + *schema + ", and this program reads " +
-                   kJointSchema + "; update capstan, or write the file anew with this version");
+                   kJointSchema + "; update capstan, or write the file again with this version");
   }
   if (schema != kJointSchema) {
     throw BadInput(place(name, 1) +
@@ -183,7 +183,7 @@ auto read_table(const toml::table& root, const std::string& name) -> JointFile {
 }  // namespace
 
 auto parse_joint_file(const std::string& text, const std::string& name) -> JointFile {
-  return read_toml(text, name, "repair the line or write the file anew with capstan identify",
+  return read_toml(text, name, "repair the line or write the file again with capstan identify",
                    [&name](const toml::table& root) { return read_table(root, name); });
 }
 

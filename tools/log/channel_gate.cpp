@@ -80,7 +80,7 @@ class Gate {
     if (rows.size() == 1 && (!turn || is_effort(channel))) {
       add(ChannelFault::kJump, channel, std::move(rows), jump,
           "jumps by " + rounded(jump) +
-              " here, once, as where two recordings are joined, a tendon slips or the zero is set anew" +
+              " here, once, as where two recordings are joined, a tendon slips or the zero is set again" +
               (channel.role == ChannelRole::kMotorAngle  // where that is seen, a file is taken apart (recordings.hpp)
                    ? ""
                    : "; give what is before and after as two logs"));
@@ -88,8 +88,7 @@ class Gate {
     }
     const std::string count = rows.size() == 1 ? ", once," : " and " + std::to_string(rows.size()) + " times in all,";
     add(ChannelFault::kWrapped, channel, std::move(rows), jump,
-        "jumps by " + rounded(jump) + " here" + count +
-            " as an angle does that starts anew after each turn; unwrap it, " +
+        "jumps by " + rounded(jump) + " here" + count + " as an angle does that restarts after each turn; unwrap it, " +
             "for instance with Python: `numpy.unwrap(angle, period=" + rounded(turn.value_or(jump), 8) + ")`");
   }
 
@@ -161,7 +160,7 @@ class Gate {
     if (ratio > kDegrees / kPulleys && ratio < kDegrees * kPulleys && motor_range > most) {
       add(ChannelFault::kDegrees, *motor, {}, ratio,
           "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(motor->name) +
-              ", and if a gear of that " + "ratio lies between them, all is well");
+              "; if there is a gear of that ratio between them, ignore this");
     }
   }
 
@@ -203,7 +202,7 @@ class Gate {
             rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) +
             "); nothing was shifted: " + cure_of(period_s_ * delay->rows) +
             (late == effort && target != nullptr
-                 ? "; where one clock stamps all channels it is the joint: drag and friction of tendons look like it"
+                 ? "; if all channels share one clock, this is not a delay: tendon drag and friction cause it"
                  : ""));
     found_.back().low = period_s_ * delay->low;
     found_.back().high = period_s_ * delay->high;

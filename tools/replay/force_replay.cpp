@@ -32,7 +32,7 @@ auto run(const Eigen::VectorXd& tau_nm, const BoardForceLaw& from, ToScalar&& to
   ForceLaw<Scalar, kMostPreisachLevels, kForceDepth> law;
   law.become(converted<Scalar>(from.parameters, to_scalar), table);
   if (!law.is_there()) {
-    throw BadInput("the force law has a number that no board takes; identify it anew, in N m");
+    throw BadInput("the force law has a number that no board takes; identify it again, in N m");
   }
   ReplayedForce result{Eigen::VectorXd(tau_nm.size())};
   for (Eigen::Index i = 0; i < tau_nm.size(); ++i) {

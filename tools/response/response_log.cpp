@@ -70,7 +70,7 @@ void require_signals(const ResponseLog& log, bool on_torque) {
   }
   if (range_of(log.q2_rad) <= kRounding * range_of(log.q1_rad)) {
     throw Refusal(log.name +
-                  ": the joint's estimate stands still while the motor moves, so the joint loop can not be told; "
+                  ": the joint's estimate stands still while the motor moves, so the joint loop cannot be determined; "
                   "give the board a law whose estimate follows ('status' says whether it is valid) and shake again");
   }
 }

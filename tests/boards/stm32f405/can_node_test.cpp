@@ -286,7 +286,7 @@ TEST_F(Node, BusWithoutAnotherNodeIsReportedAndTheFirmwareGoesOn) {
   bus_works = false;
   steps(500);
   EXPECT_GT(troubles.count(CanTrouble::kSendLost), 0U);
-  EXPECT_NE(report().find("nobody acknowledged"), std::string::npos) << report();
+  EXPECT_NE(report().find("no node acknowledged"), std::string::npos) << report();
   EXPECT_EQ(application.telemetry().tick, 500U);
   bus_works = true;
   steps(200);

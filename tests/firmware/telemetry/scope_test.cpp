@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "capstan/firmware/control/modes.hpp"
 #include "capstan/tests/firmware/support.hpp"
 
 namespace capstan {
@@ -186,6 +187,15 @@ TEST(Signals, EveryOneIsFoundByItsPrintedNameAndNoOther) {
                             "machine", "machine.q2", "joint0.state", "jointx.q2", "q2", "joint0 q2"}) {
     EXPECT_EQ(find_signal(wrong, 2).info, nullptr) << wrong;
   }
+}
+
+TEST(Signals, TheOneOfLimitsExplainsEachOfItsBits) {
+  const std::string_view doc = find_signal("joint0.limits", 1).info->doc;
+  for (const LimitInfo& info : kLimitTable) {
+    const std::string said = " " + std::to_string(bit(info.limit)) + " " + info.name;
+    EXPECT_NE(doc.find(said), std::string_view::npos) << doc << " lacks" << said;
+  }
+  EXPECT_NE(doc.find(" 64 corridor"), std::string_view::npos) << doc;
 }
 
 }  // namespace

@@ -228,7 +228,7 @@ TEST(DriveSetup, ASparePdoThatCanNotBeSwitchedOffIsSaidAndNotRefused) {
   rig.drive.stubborn[Key(0x1802, 1)] = 0x383;
   rig.run();
   EXPECT_EQ(rig.setup.phase(), DriveSetup::Phase::kDone) << rig.setup.problem();
-  EXPECT_TRUE(rig.said("1802:01, PDO identifier")) << "a message that nobody needs stays on the bus";
+  EXPECT_TRUE(rig.said("1802:01, PDO identifier")) << "a message that is not needed stays on the bus";
 }
 
 TEST(DriveSetup, TheSmallestStoredLimitOfTorqueIsKept) {
@@ -263,7 +263,7 @@ TEST(DriveSetup, ARestartInBetweenIsAFailure) {
       setup.receive(frame(0x703, {0}));
     }
   });
-  EXPECT_NE(rig.setup.problem().find("started anew while it was set up"), std::string::npos) << rig.setup.problem();
+  EXPECT_NE(rig.setup.problem().find("restarted while it was set up"), std::string::npos) << rig.setup.problem();
 }
 
 TEST(DriveSetup, ADriveThatIsJustBeingSwitchedOnBootsTwice) {

@@ -126,7 +126,7 @@ TEST(CanSocket, WhatCanNotBeOpenedIsASentenceWithTheCure) {
   }
   const std::string nobody =
       sentence([] { static_cast<void>(CanSocket::listen(socket_path(), std::chrono::milliseconds(1))); });
-  EXPECT_NE(nobody.find("Nobody came"), std::string::npos) << nobody;
+  EXPECT_NE(nobody.find("Nothing connected"), std::string::npos) << nobody;
 }
 
 TEST(CanLink, AnInterfaceThatIsNotThereIsASentence) {

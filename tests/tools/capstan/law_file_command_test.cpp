@@ -92,7 +92,7 @@ TEST_F(LawFileCommand, TheAxisOfAMachineFileIsItsOwn) {
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.output.find("sets up joint 0, and --axis names joint 1"), std::string::npos) << other.output;
   const Outcome same = run("apply \"" + path("machine.toml") + "\" --port tcp:1 --axis 0");
-  EXPECT_NE(same.output.find("nobody answers"), std::string::npos) << same.output;
+  EXPECT_NE(same.output.find("nothing answers"), std::string::npos) << same.output;
 }
 
 }  // namespace

@@ -82,6 +82,6 @@ test('the emulated motor board behind its serial line: arm, move, tune, scope, f
   await two.page.goto('chrome://crash').catch(() => undefined);
   await state(three, 'disarmed');
   there.child.kill();
-  await message(three, 'the line to the board is gone');
+  await message(three, 'the connection to the board is lost');
   assert.equal(await three.page.textContent('#state'), 'not connected');
 });

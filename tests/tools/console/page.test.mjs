@@ -308,11 +308,11 @@ test('an effect that the firmware does not know, and one that is none', async ()
   await view(one, 'break');
   await one.page.selectOption('#effect', 'play.half_width_rad');
   await one.page.fill('#effect-value', '7');
-  await one.page.click('text="Start anew with it"');
+  await one.page.click('text="Restart with it"');
   await until(one, () => /impossible/.test(document.getElementById('effect-answer').textContent));
   await one.page.fill('#effect-value', '0.05');
-  await one.page.click('text="Start anew with it"');
-  await until(one, () => document.getElementById('effect-answer').textContent.startsWith('started anew with play'));
+  await one.page.click('text="Restart with it"');
+  await until(one, () => document.getElementById('effect-answer').textContent.startsWith('restarted with play'));
   await state(one, 'disarmed');
   await arm(one);
 });
@@ -322,8 +322,8 @@ test('a plant that diverges is told, and a start anew leads on', async () => {
   await view(one, 'break');
   await one.page.selectOption('#effect', 'stiffness_hardening.per_n');
   await one.page.fill('#effect-value', '100');
-  await one.page.click('text="Start anew with it"');
-  await until(one, () => document.getElementById('effect-answer').textContent.startsWith('started anew'));
+  await one.page.click('text="Restart with it"');
+  await until(one, () => document.getElementById('effect-answer').textContent.startsWith('restarted'));
   await state(one, 'disarmed');
   await one.page.click('#arm');
   await one.page.click('#arm-confirm');

@@ -164,7 +164,7 @@ test('a page that hangs loses its line: the simulator takes the torque by itself
   });
   await state(one, 'disarmed');
   await view(one, 'shell');
-  await one.page.waitForFunction(() => document.getElementById('console').textContent.includes('the line counts as lost'), null, { timeout: kPatience });
+  await one.page.waitForFunction(() => document.getElementById('console').textContent.includes('the connection counts as lost'), null, { timeout: kPatience });
 });
 
 test('a fault takes the torque, and only DISARM and two actions give it back', async () => {

@@ -61,11 +61,11 @@ for (const kind of ['tcp', 'pty']) {
     await one.page.waitForSelector('#joints .joint');
     await moved(one, 10);
     there.child.kill();
-    await message(one, 'the line to the board is gone');
+    await message(one, 'the connection to the board is lost');
     await message(one, 'may still have torque: press the emergency stop');
     assert.equal(await one.page.textContent('#state'), 'not connected');
     await one.page.reload();
-    await message(one, kind === 'tcp' ? 'nobody answers' : 'the port does not open');
+    await message(one, kind === 'tcp' ? 'nothing answers' : 'the port does not open');
   });
 }
 
@@ -125,7 +125,7 @@ test('a page that hangs for more than a second loses the torque', async () => {
   });
   await state(two, 'disarmed');
   await state(one, 'disarmed');
-  await said(one, 'the line counts as lost');
+  await said(one, 'the connection counts as lost');
 });
 
 test('a page that is reloaded under torque comes back without', async () => {
@@ -175,8 +175,8 @@ test('a port that is taken is told in a sentence: of the page, and of the board'
   await assert.rejects(console_('--listen', String(served.port)), /ended with 2: capstan: --listen \d+: the port can not be had .*; give another one/);
   const there = await board('pty');
   await console_(there.name);
-  await assert.rejects(console_(there.name), /ended with 2: .*another program of Capstan's has this port; end it first/);
-  await assert.rejects(console_(`tcp:${await freePort()}`), /ended with 2: .*nobody answers/);
+  await assert.rejects(console_(there.name), /ended with 2: .*another Capstan program uses this port; end it first/);
+  await assert.rejects(console_(`tcp:${await freePort()}`), /ended with 2: .*nothing answers/);
 });
 
 const answer = (one, part) => until(one, (wanted) => document.getElementById('diagnose-answer').textContent.includes(wanted), part);

@@ -36,14 +36,14 @@ test('commission is guided: it explains, asks before the joint moves, and No end
   await state(one, 'commissioning');
   assert.ok(await one.page.isDisabled('#arm'));
   await one.page.click('#commission-no');
-  await commissioned(one, 'stopped as you wished');
+  await commissioned(one, 'stopped on request');
   await state(one, 'disarmed');
   assert.match(await type(one, 'version'), /capstan .*\nok/s, 'the page commands again');
   await beginCommissioning(one);
   assert.match(await steps(one), /look: done before/);
   await one.page.check('#commission-again');
   await one.page.click('#commission-stop');
-  await commissioned(one, 'stopped as you wished');
+  await commissioned(one, 'stopped on request');
   await beginCommissioning(one);
   assert.doesNotMatch(await steps(one), /done before/);
 });

@@ -77,12 +77,12 @@ test('the simulated joint of capstan console gets an undeclared effect and a fau
   await view(one, 'break');
   await one.page.selectOption('#effect', 'play.half_width_rad');
   await one.page.fill('#effect-value', '7');
-  await one.page.click('text="Start anew with it"');
+  await one.page.click('text="Restart with it"');
   await answered('impossible');
   assert.equal(await one.page.textContent('#state'), 'holding', 'what is refused changes nothing');
   await one.page.fill('#effect-value', '0.2');
-  await one.page.click('text="Start anew with it"');
-  await answered('started anew with play.half_width_rad=0.2');
+  await one.page.click('text="Restart with it"');
+  await answered('restarted with play.half_width_rad=0.2');
   await state(one, 'disarmed');
   await state(two, 'disarmed');
   await arm(one);
@@ -95,7 +95,7 @@ test('the simulated joint of capstan console gets an undeclared effect and a fau
   await until(one, () => /latched sensor_missing: .*To do: /.test(document.querySelector('#break .faults').textContent));
   await state(two, 'faulted by sensor_missing');
   await one.page.click('#effect-none');
-  await answered('started anew, as it should be');
+  await answered('restarted without an effect');
   await state(one, 'disarmed');
   await arm(one);
 });

@@ -172,7 +172,7 @@ test('one diagnosis at a time; what is too large is told', async () => {
   const second = await visit(served, { ...post, body });
   const tuning = await visit(served, { ...post, path: `/${served.token}/tune/0`, body });
   assert.equal(tuning.status, 409, 'nor a tuning beside it');
-  assert.deepEqual([second.status, second.body], [409, 'the host program looks at another log; wait for it\n']);
+  assert.deepEqual([second.status, second.body], [409, 'the host program is busy with another log; wait for it\n']);
   assert.equal((await first).status, 200);
   const large = await visit(served, { ...post, 'content-length': String(65 * 1024 * 1024) });
   assert.equal(large.status, 413);

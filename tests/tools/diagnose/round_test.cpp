@@ -97,7 +97,7 @@ TEST(Summary, SaysOfEveryCandidateWhyMostLikelyFirst) {
   trials[1].absorbed = 0.995;
   EXPECT_EQ(outcome_of("b", &trials[0], {}), "not identifiable beside the law on this motion");
   trials[1].possible = false;
-  EXPECT_EQ(outcome_of("b", &trials[0], {}), "ruled out: the data ask for a sign that physics forbids");
+  EXPECT_EQ(outcome_of("b", &trials[0], {}), "ruled out: the data give a sign that is physically impossible");
   three.round.evidence.candidates[1].waits = true;
   three.round.evidence.candidates[1].builds_on = {"a", "c"};
   EXPECT_EQ(outcome_of("b", nullptr, {}), "waits for a or c");

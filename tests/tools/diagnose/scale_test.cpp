@@ -64,7 +64,7 @@ auto warns_of(const Diagnosis& d, const char* words) -> bool {
   return std::any_of(d.warnings.begin(), d.warnings.end(),
                      [words](const auto& warning) { return warning.find(words) != std::string::npos; });
 }
-constexpr const char* kTooFar = "beyond the 128";
+constexpr const char* kTooFar = "beyond the range of a board's numbers";
 constexpr const char* kTooFine = "tell directions from 1e-6 on";
 
 class ScaleOfMadeUpJoint : public testing::TestWithParam<Truth> {};

@@ -132,7 +132,7 @@ TEST(Identify, OneCountBackIsATurnWhereTheEncoderWasNotSeenToTremble) {
   EXPECT_GT(counts, 0.5);
   EXPECT_LT(counts, 1.0);
   EXPECT_NE(notes.at(0).find("direction threshold"), std::string::npos);
-  EXPECT_NE(notes.at(0).find("trembled on no edge"), std::string::npos) << notes.at(0);
+  EXPECT_NE(notes.at(0).find("the encoder showed no jitter"), std::string::npos) << notes.at(0);
 }
 
 TEST(Identify, OneCountBackIsNoTurnWhereTheEncoderTrembledOnce) {

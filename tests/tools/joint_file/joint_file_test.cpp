@@ -104,7 +104,7 @@ TEST(JointFile, TheStatusOfALawIsKeptAndAnOldFileIsConfirmed) {
     joint.status = status;
     EXPECT_EQ(parse_joint_file(joint_file_text(joint), "joint.toml").status, status);
   }
-  EXPECT_NE(refusal_of("status = \"sure\"\n" + kHead + kRatio).find("joint.toml:1: the status is none that there is; "),
+  EXPECT_NE(refusal_of("status = \"sure\"\n" + kHead + kRatio).find("joint.toml:1: unknown status; "),
             std::string::npos);
 }
 

@@ -94,7 +94,7 @@ TEST(IndependentPlant, AHealthyJointLacksNothingAndAGapAndALeaningWeightAreNamed
   EXPECT_EQ(late.effects.front().name, "transport_delay");
   EXPECT_TRUE(late.law.has("transport_delay")) << "and no drag in its place";
   EXPECT_TRUE(std::any_of(late.sizes.begin(), late.sizes.end(), [](const std::string& sentence) {
-    return sentence.find("ms later than the healthy joint was") != std::string::npos;
+    return sentence.find("ms later than at the healthy joint") != std::string::npos;
   }));
 }
 

@@ -51,11 +51,11 @@ TEST(PretensionGauge, SaysWhichNumberIsLacking) {
   };
   const auto has = [](const std::string& text, const char* word) { return text.find(word) != std::string::npos; };
   const std::string neither = said(from_free, {});
-  EXPECT_TRUE(has(neither, "tip held is lacking") && has(neither, "--radius")) << neither;
+  EXPECT_TRUE(has(neither, "log with the tip held") && has(neither, "--radius")) << neither;
   const std::string no_held = said(from_free, {.radius_m = plant.input_radius_m});
-  EXPECT_TRUE(has(no_held, "tip held is lacking") && !has(no_held, "--radius")) << no_held;
+  EXPECT_TRUE(has(no_held, "log with the tip held") && !has(no_held, "--radius")) << no_held;
   const std::string stiff = said(from_free, {.stiffness_n_per_m = plant.stiffness_top_n_per_m});
-  EXPECT_TRUE(has(stiff, "tip held is lacking") && has(stiff, "--radius")) << stiff;
+  EXPECT_TRUE(has(stiff, "log with the tip held") && has(stiff, "--radius")) << stiff;
   const std::string no_radius = said(from_both, {});
   EXPECT_TRUE(has(no_radius, "--radius METRES") && has(no_radius, "--stiffness") && !has(no_radius, "tip held"))
       << no_radius;

@@ -175,7 +175,7 @@ TEST(Commission, AStopIsTakenForNothingThatTheMotorDid) {
       ADD_FAILURE() << stop.step << " went on";
     } catch (const Refusal& refusal) {
       EXPECT_EQ(std::string(refusal.what()),
-                std::string(stop.step) + ": stopped as you wished, torque is off; the same command goes on from here");
+                std::string(stop.step) + ": stopped on request, torque is off; the same command goes on from here");
     }
     EXPECT_FALSE(energised(line.board().machine().telemetry().state)) << stop.step;
     EXPECT_EQ(line.ask("dump"), before) << stop.step;
@@ -245,7 +245,7 @@ TEST(Commission, AfterAPowerCutInAnyStepTheBoardIsDisarmedWithTheOldOrTheNewSetA
     try {
       commission(board, person, options, known);
     } catch (const Refusal& refusal) {
-      EXPECT_NE(std::string(refusal.what()).find("stopped as you wished"), std::string::npos) << refusal.what();
+      EXPECT_NE(std::string(refusal.what()).find("stopped on request"), std::string::npos) << refusal.what();
     }
     EXPECT_TRUE(known.is_done(name)) << name;
     known.done.resize(static_cast<std::size_t>(&name - steps.data()) +
@@ -275,7 +275,7 @@ TEST(Commission, WhatARunThatWasKilledHadSetForAWhileIsGivenBackByTheNextOne) {
   try {
     commission(board, person, options, known);
   } catch (const Refusal& refusal) {
-    EXPECT_EQ(std::string(refusal.what()).find("motor: stopped as you wished"), 0) << refusal.what();
+    EXPECT_EQ(std::string(refusal.what()).find("motor: stopped on request"), 0) << refusal.what();
   }
   EXPECT_EQ(known.done, (std::vector<std::string>{"look", "shake", "press", "travel"}));
   EXPECT_TRUE(known.before.empty());

@@ -64,7 +64,7 @@ TEST(CommissionTogether, CoupledJointsKeepTheirMarginsAndAreSavedAtOnceOrGetTheG
     });
     ASSERT_NE(told, progress.found.end());
     EXPECT_TRUE(std::any_of(progress.found.begin(), progress.found.end(), [](const std::string& sentence) {
-      return sentence.starts_with("its looks at rest are answered by ");
+      return sentence.starts_with("its response to test pulses at rest is ");
     })) << "while the others are shaken it is judged by them";
     std::printf("  %s\n", told->c_str());
   }

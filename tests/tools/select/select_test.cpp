@@ -199,7 +199,7 @@ TEST(Select, ALogOfTwoStrokesGetsItsLawAndNoName) {
   made.fast = 0.0;
   const Diagnosis d = diagnose({made_log(made)}, {});
   EXPECT_EQ(d.verdict, Verdict::kDataUnfit) << d.reason;
-  EXPECT_NE(d.reason.find("there, back and there again"), std::string::npos) << d.reason;
+  EXPECT_NE(d.reason.find("forth, back and forth again"), std::string::npos) << d.reason;
   EXPECT_TRUE(d.effects.empty());
   EXPECT_EQ(d.law.status, LawStatus::kProvisional);
   EXPECT_LT(d.after.rmse, 0.5 * d.before.rmse);

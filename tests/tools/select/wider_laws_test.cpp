@@ -196,7 +196,7 @@ TEST(DeliveredLaw, ThatErrsMoreThanTheBaseLawOnUnseenRowsIsTheBaseLaw) {
   EXPECT_EQ(d.law.status, LawStatus::kBase);
   EXPECT_LE(d.after.rmse, d.before.rmse);
   EXPECT_TRUE(std::any_of(d.warnings.begin(), d.warnings.end(), [](const std::string& warning) {
-    return warning.find("erred more than the base law") != std::string::npos;
+    return warning.find("had larger errors than the base law") != std::string::npos;
   }));
 }
 

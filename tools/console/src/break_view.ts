@@ -62,6 +62,6 @@ export class BreakView {
 
   private async start(effects: string): Promise<void> {
     const problem = await this.startAnew(effects);
-    byId('effect-answer').textContent = problem !== '' ? problem : effects === '' ? 'started anew, as it should be' : `started anew with ${effects}; the firmware does not know`;
+    byId('effect-answer').textContent = problem !== '' ? problem : effects === '' ? 'restarted without an effect' : `restarted with ${effects}, which the firmware does not know`;
   }
 }

@@ -109,7 +109,7 @@ export class ShellClient {
   private patience(): void {
     window.clearTimeout(this.timer);
     this.timer = window.setTimeout(() => {
-      this.onRemark('# no answer within 5 s; check that a board is there and that nobody else uses its shell');
+      this.onRemark('# no answer within 5 s; check that a board is connected and that no other program uses its shell');
       this.interrupt('');
     }, kPatienceMs);
   }

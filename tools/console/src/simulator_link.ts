@@ -61,7 +61,7 @@ export class SimulatorLink implements Link {
         this.events.bytes(message.bytes);
         break;
       case 'unattended':
-        this.events.bytes(new TextEncoder().encode('# nobody answered for a second: the line counts as lost, and the torque is off\r\n'));
+        this.events.bytes(new TextEncoder().encode('# no page answered for a second: the connection counts as lost, and the torque is off\r\n'));
         break;
       case 'problem':
         this.events.lost(message.text);

@@ -68,10 +68,10 @@ export class TuneView {
       return;
     }
     if ((this.board.link?.everyMs ?? kMostRate) > kMostRate) {
-      this.words.textContent = 'this line is too slow for every row of the log; connect the board by TCP, or see docs/tuning.md for a joint that stands';
+      this.words.textContent = 'this line is too slow for every row of the log; connect the board by TCP, or see docs/tuning.md for a joint at rest';
       return;
     }
-    byId('tune-asks').textContent = `May ${this.value('tune-joint')} move ${this.value('tune-travel')} rad to and fro about where it stands for ${this.value('tune-duration')} s, while its motor is shaken?`;
+    byId('tune-asks').textContent = `May ${this.value('tune-joint')} move ${this.value('tune-travel')} rad back and forth around its position for ${this.value('tune-duration')} s, while its motor is shaken?`;
     byId('tune-question').hidden = false;
     byId('tune-no').focus();
   }
