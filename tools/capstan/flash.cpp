@@ -131,17 +131,21 @@ void read_back(const FlashOptions& options, const FlashImage& image) {
   std::cout << "board answers: " << line << "\n";
 }
 
-/// Beside this program's own build, HEX first.
+/// Beside this program, as a build or a package puts them; HEX first.
 auto default_image(const std::string& board) -> std::string {
   std::error_code error;
-  const fs::path build = fs::read_symlink("/proc/self/exe", error).parent_path().parent_path().parent_path();
-  for (const char* ending : {".hex", ".elf"}) {
-    const fs::path file = build / "stm32f405" / "bin" / ("capstan_" + board + ending);
-    if (fs::exists(file, error)) {
-      return file.string();
+  const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const char* folder : {"../../stm32f405/bin", "../share/capstan/firmware"}) {
+    for (const char* ending : {".hex", ".elf"}) {
+      const fs::path file = (program / folder / ("capstan_" + board + ending)).lexically_normal();
+      if (fs::exists(file, error)) {
+        return file.string();
+      }
     }
   }
-  throw BadInput("no image for " + board + " is built; run 'cmake --workflow --preset stm32f405', or name a file");
+  throw BadInput("no image for " + board +
+                 " is there; install the package capstan-firmware, build one with 'cmake --workflow --preset "
+                 "stm32f405', or name a file");
 }
 
 /// Writes both pieces. Throws Refusal where that did not come to its end.
@@ -203,7 +207,8 @@ void add_flash(CLI::App& app, int& exit_status) {
   auto options = std::make_shared<FlashOptions>();
   CLI::App* command = app.add_subcommand("flash", "write an image to a board and verify that the board runs it");
   command->add_option("board", options->board, "stm32f405")->required();
-  command->add_option("image", options->image, "ELF, HEX or BIN; without it the image built beside this program");
+  command->add_option("image", options->image,
+                      "ELF, HEX or BIN; without it the one built or installed beside this program");
   command->add_option("--tool", options->tool,
                       "openocd, st-flash, dfu-util or stm32flash; without it whichever is installed");
   command->add_option("--port", options->port, "serial device of the board's shell, which is asked before and after");

@@ -95,8 +95,8 @@ class FlashCommand : public testing::Test {
     fs::permissions(file, fs::perms::owner_all);
   }
   auto run(const std::string& arguments) -> int {
-    const std::string command = "PATH=" + path("bin") + ":/usr/bin:/bin \"" + CAPSTAN_PROGRAM + "\" flash " +
-                                arguments + " > \"" + path("output") + "\" 2>&1";
+    const std::string command = "PATH=" + path("bin") + ":/usr/bin:/bin \"" + program_ + "\" flash " + arguments +
+                                " > \"" + path("output") + "\" 2>&1";
     const int result = std::system(command.c_str());
     output_ = read_text_file(path("output"));
     return WIFEXITED(result) ? WEXITSTATUS(result) : -1;
@@ -113,6 +113,7 @@ class FlashCommand : public testing::Test {
   const std::string bin_ = bin_image("stm32f405");
   const std::string hash_ = seal_text(seal_of(bin_));
   fs::path folder_;
+  std::string program_ = CAPSTAN_PROGRAM;
   std::string output_;
 };
 
@@ -157,6 +158,29 @@ TEST_F(FlashCommand, DryRunPrintsTheCommandsAndRunsNothing) {
   ASSERT_EQ(run("stm32f405 --dry-run " + path("image.elf")), 0) << output_;
   EXPECT_TRUE(says("openocd -f interface/stlink.cfg"));
   EXPECT_EQ(calls(), "");
+}
+
+// Without a name: in the package's folder beside the program, and in a build the one that was built there.
+TEST_F(FlashCommand, ImageOfThePackageOrTheBuildIsFoundBesideTheProgram) {
+  install("openocd");
+  struct Place {
+    const char* program;
+    const char* images;
+  };
+  for (const Place& place :
+       {Place{"usr/bin", "usr/share/capstan/firmware"}, Place{"build/host-release/bin", "build/stm32f405/bin"}}) {
+    fs::create_directories(path(place.program));
+    fs::create_directories(path(place.images));
+    program_ = path(std::string(place.program) + "/capstan");
+    fs::copy_file(CAPSTAN_PROGRAM, program_);
+    EXPECT_EQ(run("stm32f405 --dry-run"), 2) << "no image is there yet";
+    EXPECT_TRUE(says("install the package capstan-firmware")) << output_;
+    EXPECT_TRUE(says("cmake --workflow --preset stm32f405")) << output_;
+    const std::string image = path(std::string(place.images) + "/capstan_stm32f405.hex");
+    write_text_file(image, hex_image(bin_));
+    EXPECT_EQ(run("stm32f405 --dry-run"), 0) << output_;
+    EXPECT_TRUE(says(image + ": stm32f405 1.2.3 image " + hash_)) << output_;
+  }
 }
 
 TEST_F(FlashCommand, ImageForAnotherBoardIsRefused) {
