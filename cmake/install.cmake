@@ -24,6 +24,9 @@ install(FILES ${PROJECT_SOURCE_DIR}/README.md DESTINATION ${CMAKE_INSTALL_DATADI
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tools/scenarios DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools
   PATTERN README.md EXCLUDE)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/demo_steps DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan RENAME demo COMPONENT tools)
+install(FILES ${PROJECT_SOURCE_DIR}/examples/routing.toml DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan/examples COMPONENT tools)
+install(FILES ${CMAKE_CURRENT_LIST_DIR}/README.Debian DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/capstan COMPONENT tools)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs/schema DESTINATION ${CMAKE_INSTALL_DATADIR}/capstan COMPONENT tools)
 
 set(CAPSTAN_PAGE ${PROJECT_SOURCE_DIR}/build/browser/site CACHE PATH "where the preset browser has put the console page")
@@ -33,6 +36,8 @@ endif()
 
 if(TARGET capstan_python)  # where Debian's python3 looks, and anybody with PYTHONPATH
   install(TARGETS capstan_python LIBRARY DESTINATION lib/python3/dist-packages COMPONENT python)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples/python/ DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-capstan/examples
+    COMPONENT python)
 endif()
 
 set(CAPSTAN_FIRMWARE_IMAGES ${PROJECT_SOURCE_DIR}/build/stm32f405/bin CACHE PATH "where the preset stm32f405 has put its images")

@@ -54,7 +54,6 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # tools/package builds what is packed
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME capstan)
 set(CPACK_PACKAGE_CONTACT "${CAPSTAN_MAINTAINER}")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "Control firmware and tools for joints driven through tendons")
 set(CPACK_COMPONENTS_ALL ${components})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
@@ -66,26 +65,33 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 set(CPACK_DEBIAN_TOOLS_PACKAGE_NAME ${packages_tools})
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_COMPONENT_TOOLS_DESCRIPTION "The program capstan reads logs of a tendon-driven joint, identifies its law,
+set(CPACK_DEBIAN_TOOLS_PACKAGE_SUGGESTS "openocd | stlink-tools | dfu-util")
+# A description's first line is the synopsis.
+set(CPACK_COMPONENT_TOOLS_DESCRIPTION "tools for joints driven through tendons: identify, diagnose, run
+The program capstan reads logs of a tendon-driven joint, identifies its law,
 says what the law lacks, and puts the missing effect into a running board.
-With the firmware for a real-time Linux, a simulated plant and drives.")
+With the firmware for a real-time Linux, a simulated plant and drives.
+/usr/share/capstan/demo shows all of it on a simulated joint, in a minute.")
 
 set(CPACK_DEBIAN_MODEL_PACKAGE_NAME ${packages_model})
 set(CPACK_DEBIAN_MODEL_PACKAGE_SECTION libdevel)
-set(CPACK_COMPONENT_MODEL_DESCRIPTION "Laws of motion and force as C++ templates, for other controllers:
+set(CPACK_COMPONENT_MODEL_DESCRIPTION "laws of joints driven through tendons, as a C++ library
+Laws of motion and force as C++ templates, for other controllers:
 find_package(Capstan) and capstan::model, or pkg-config capstan-model.")
 
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME ${packages_python})
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${python_depends}, python3-numpy")
-set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python module that reads logs of such a joint, identifies and diagnoses it,
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Python module for logs of joints driven through tendons
+Python module that reads logs of such a joint, identifies and diagnoses it,
 and runs its laws over arrays in double and in the arithmetic of the board.")
 
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_NAME ${packages_firmware})
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_SECTION electronics)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_FIRMWARE_PACKAGE_RECOMMENDS capstan)
-set(CPACK_COMPONENT_FIRMWARE_DESCRIPTION "Images for the STM32F405 motor board: four axes, quadrature encoders, a
+set(CPACK_COMPONENT_FIRMWARE_DESCRIPTION "control firmware for joints driven through tendons, as images
+Images for the STM32F405 motor board: four axes, quadrature encoders, a
 console on a serial line and a CAN bus. The program capstan flash writes them.")
 include(CPack)
