@@ -1,30 +1,26 @@
 # SPDX-License-Identifier: Apache-2.0
-# Cross compilers only. CAPSTAN_TARGET chooses the board; what its processor needs comes from boards/<board>/cpu.cmake, which sets
+# Cross compilers only. CAPSTAN_TARGET is the board, a folder of boards/; what its processor needs comes from its cpu.cmake, which sets
 #   CAPSTAN_COMPILER_PREFIX  CAPSTAN_CPU_FLAGS  CAPSTAN_SYSTEM_NAME  CAPSTAN_SYSTEM_PROCESSOR
-set(CAPSTAN_TARGET "stm32f405" CACHE STRING "stm32f405, linux_rt_aarch64 or browser")
+# or, where the compiler brings a description of its own for CMake, CAPSTAN_TOOLCHAIN and CAPSTAN_CPU_FLAGS.
+set(CAPSTAN_TARGET "stm32f405" CACHE STRING "a folder of boards/ that has a cpu.cmake")
 set(CMAKE_TRY_COMPILE_PLATFORM_VARIABLES CAPSTAN_TARGET)
+set(capstan_cpu ${CMAKE_CURRENT_LIST_DIR}/boards/${CAPSTAN_TARGET}/cpu.cmake)
+if(NOT EXISTS ${capstan_cpu})
+  message(FATAL_ERROR "CAPSTAN_TARGET is '${CAPSTAN_TARGET}', and there is no boards/${CAPSTAN_TARGET}/cpu.cmake; name the folder of a board that has one.")
+endif()
+include(${capstan_cpu})
 
-if(CAPSTAN_TARGET STREQUAL "browser")  # emscripten brings a description of its own
-  include(${CMAKE_CURRENT_LIST_DIR}/boards/browser/cpu.cmake)
-  if(NOT EXISTS ${CAPSTAN_EMSCRIPTEN})
-    message(FATAL_ERROR "emscripten is not installed; run tools/setup.")
+if(DEFINED CAPSTAN_TOOLCHAIN)
+  if(NOT EXISTS ${CAPSTAN_TOOLCHAIN})
+    message(FATAL_ERROR "${CAPSTAN_TOOLCHAIN} is not installed; run tools/setup.")
   endif()
-  include(${CAPSTAN_EMSCRIPTEN})
+  include(${CAPSTAN_TOOLCHAIN})
   foreach(language C CXX)
     set(CMAKE_${language}_FLAGS_INIT "${CAPSTAN_CPU_FLAGS}")
   endforeach()
   set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
   return()
 endif()
-
-if(CAPSTAN_TARGET STREQUAL "stm32f405")
-  set(capstan_board "stm32f405")
-elseif(CAPSTAN_TARGET STREQUAL "linux_rt_aarch64")
-  set(capstan_board "linux_rt")
-else()
-  message(FATAL_ERROR "CAPSTAN_TARGET is '${CAPSTAN_TARGET}', which toolchain.cmake does not know; use stm32f405, linux_rt_aarch64 or browser.")
-endif()
-include(${CMAKE_CURRENT_LIST_DIR}/boards/${capstan_board}/cpu.cmake)
 
 set(CMAKE_SYSTEM_NAME ${CAPSTAN_SYSTEM_NAME})
 set(CMAKE_SYSTEM_PROCESSOR ${CAPSTAN_SYSTEM_PROCESSOR})
