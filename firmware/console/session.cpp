@@ -47,6 +47,7 @@ void Session::busy_cycle() {
 }
 
 void Session::answer_when_taken() {
+  stream_ = nullptr;
   begin(make<SettledStream>());
 }
 

@@ -8,6 +8,7 @@
 #include "capstan/firmware/console/parts.hpp"
 #include "capstan/firmware/console/stream.hpp"
 #include "capstan/firmware/loop/board.hpp"
+#include "capstan/firmware/loop/expect.hpp"
 #include "capstan/firmware/loop/machine.hpp"
 #include "capstan/firmware/parameters/parameter_text.hpp"
 #include "capstan/firmware/safety/maintenance.hpp"
@@ -50,6 +51,7 @@ class Session {
   /// Room for the answer that goes on; begin() makes it go on. @pre no other is under way
   template <typename T>
   auto make() -> T& {
+    CAPSTAN_EXPECT(stream_ == nullptr);
     return room_.template make<T>();
   }
   void begin(Stream& stream) { stream_ = &stream; }
@@ -58,7 +60,7 @@ class Session {
     begin(stream);
     stream.step(*this);
   }
-  /// The answer is ok() once the cycle has taken what it was given.
+  /// The answer is ok() once the cycle has taken what it was given. The last act of an answer under way: its room goes.
   void answer_when_taken();
   /// Hands a request to the cycle, whose consent T answers; or says why not.
   template <typename T>

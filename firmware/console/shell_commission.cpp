@@ -4,6 +4,7 @@
 
 #include "capstan/firmware/console/recording.hpp"
 #include "capstan/firmware/console/shell_commands.hpp"
+#include "capstan/firmware/console/shell_experiment.hpp"
 #include "capstan/firmware/parameters/parameters.hpp"
 #include "capstan/firmware/safety/motor_commissioning.hpp"
 #include "capstan/firmware/safety/motor_observer.hpp"
@@ -53,7 +54,7 @@ struct CommissionStream final : Stream {
   MotorCommissioning found;
   ExperimentSetup setup;
 
-  /// False: the recorder is not free, and that was answered.
+  /// False: it can not begin now, and that was answered.
   auto begin(Session& session) -> bool { return begin_step(session, Step::kMoves); }
   [[maybe_unused]] void step(Session& session) override;  // not on a board that can not commission
   void cancel(Session& /*session*/) override { cancelled_ = true; }
@@ -117,8 +118,10 @@ auto CommissionStream::begin_step(Session& session, Step step) -> bool {
     }
     setup.cycles = kFastCycles;
   }
+  if (!hand_over(session, setup)) {
+    return false;
+  }
   step_ = step;
-  static_cast<void>(session.machine().begin_experiment(setup));  // its way to the cycle is free
   session.begin(*this);
   return true;
 }
@@ -252,8 +255,7 @@ void begin_commissioning(Session& session, std::size_t axis, std::string_view ar
         << static_cast<std::uint32_t>(axis) << ".observer.inertia 0' to start again\r\n";
     session.refused();
   } else if (const char* problem = check_experiment(setup, config)) {
-    session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
-    session.refused();
+    refuse_experiment(session, problem);
   } else if (session.machine().telemetry().state != State::kHolding) {
     session.error("not_holding", "commissioning begins with torque on and every joint at rest",
                   "'arm' first, or wait until the joints stand");

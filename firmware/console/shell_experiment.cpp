@@ -151,8 +151,7 @@ auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t ax
     }
   }
   if (const char* problem = check_experiment(setup, session.machine().config()[axis])) {
-    session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
-    session.refused();
+    refuse_experiment(session, problem);
     return nullptr;
   }
   if (recipe.recipe == Recipe::kMultisine && session.machine().telemetry().state == State::kHolding) {
@@ -172,6 +171,20 @@ auto recipe_names() -> std::span<const char* const> {
   return kRecipeNames;
 }
 
+void refuse_experiment(Session& session, const char* problem) {
+  session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
+  session.refused();
+}
+
+auto hand_over(Session& session, const ExperimentSetup& setup) -> bool {
+  const char* problem = session.machine().begin_experiment(setup);
+  if (problem != nullptr) {
+    session.machine().recorder().stop(&session);
+    refuse_experiment(session, problem);
+  }
+  return problem == nullptr;
+}
+
 auto ExperimentStream::begin(Session& session) -> bool {
   if (session.machine().telemetry().state != State::kHolding) {
     session.error("not_holding", "an experiment begins with torque on and every joint at rest",
@@ -187,10 +200,9 @@ auto ExperimentStream::begin(Session& session) -> bool {
     session.error("busy", "the cycle has not taken the last request yet, and nothing moved", "send the line again");
     return false;
   }
-  if (!recording.begin(session)) {
+  if (!recording.begin(session) || !hand_over(session, setup)) {
     return false;
   }
-  static_cast<void>(session.machine().begin_experiment(setup));  // its way to the cycle is free, see above
   session.begin(*this);
   return true;
 }

@@ -11,7 +11,7 @@ struct ExperimentStream final : Stream {
   Recording recording;
   bool palpating = false;  ///< with a law that tells stiffness
 
-  /// Begins `setup`, which was checked, as `recording` shows it. False: it can not begin now, and that was answered.
+  /// Begins `setup`, as `recording` shows it. False: it can not begin now, and that was answered.
   auto begin(Session& session) -> bool;
   void step(Session& session) override;
   void cancel(Session& /*session*/) override { cancelled_ = true; }
@@ -22,6 +22,12 @@ struct ExperimentStream final : Stream {
 
   bool cancelled_ = false;
 };
+
+/// Answers that nothing moves, and why. @param problem  "sentence; cure"
+void refuse_experiment(Session& session, const char* problem);
+/// Hands the setup to the cycle, whose recorder is this console's. False: it was refused, which was answered, and the
+/// recorder is free again.
+auto hand_over(Session& session, const ExperimentSetup& setup) -> bool;
 
 /// Whether an experiment is one that measures a frequency response, by its name and the words behind it.
 auto asks_for_response(std::string_view recipe, std::string_view arguments) -> bool;

@@ -126,8 +126,7 @@ void begin_response(Session& session, std::string_view recipe, std::size_t axis,
     problem = check_experiment(setup, config);
   }
   if (problem != nullptr) {
-    session.out() << "error range: nothing moved, because " << problem << "\r\n";  // it ends in its own cure
-    session.refused();
+    refuse_experiment(session, problem);
     return;
   }
   prepare_excitation(own);

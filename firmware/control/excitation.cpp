@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "capstan/firmware/loop/expect.hpp"
 #include "capstan/model/trigonometry.hpp"
 
 namespace capstan {
@@ -148,6 +149,7 @@ auto check_excitation(const ExcitationSetup& setup, Q24 offset_rad, const AxisCo
 }
 
 void prepare_excitation(ExcitationSetup& setup) {
+  CAPSTAN_EXPECT(setup.from_khz > Q24{} && setup.to_khz >= setup.from_khz && setup.to_khz <= kFastest);
   if (setup.kind == ExcitationSetup::Kind::kChirp) {
     setup.growth = growth_of(setup);
     return;

@@ -122,6 +122,10 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
     return "there is no joint (motor.fitted is 0); choose another";
   }
   constexpr std::int32_t kMost = 1000;
+  static_assert(ExperimentSetup::kMostRungs == 8, "the sentence says so");
+  if (setup.rung_count > ExperimentSetup::kMostRungs) {
+    return "an experiment has at most 8 frequencies, speeds or rates; give fewer";
+  }
   if (setup.amplitude <= Q24{} || setup.rung_count == 0 || lowest_rung(setup) <= Q24{}) {
     return "amplitude, frequencies, speeds and rates have to be above 0; correct them";
   }

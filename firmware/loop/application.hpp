@@ -125,8 +125,15 @@ class Application final : public Machine {
   auto scope() -> Scope& override { return scope_; }
   auto fault_log() -> FaultLog& override { return fault_log_; }
   auto palpation() -> Palpation& override { return palpation_; }
-  auto begin_experiment(const ExperimentSetup& setup) -> bool override {
-    return setup.axis < kAxes && experiment_box_.offer(setup);
+  auto begin_experiment(const ExperimentSetup& setup) -> const char* override {
+    if (setup.axis >= kAxes) {
+      return "there is no such joint; choose another";
+    }
+    const char* problem = check_experiment(setup, config_[setup.axis]);
+    if (problem == nullptr && !experiment_box_.offer(setup)) {
+      problem = "the cycle has not taken the last experiment yet; send the line again";
+    }
+    return problem;
   }
 
  private:

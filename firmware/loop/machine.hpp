@@ -48,9 +48,10 @@ class Machine {
   virtual auto fault_log() -> FaultLog& = 0;
   /// For whoever has the recorder.
   virtual auto palpation() -> Palpation& = 0;
-  /// Hands an experiment to the cycle, which begins it if every joint holds still. @pre check_experiment() has nothing
-  /// against it. False: the last one is still under way to the cycle, or there is no such joint.
-  virtual auto begin_experiment(const ExperimentSetup& setup) -> bool = 0;
+  /// Hands an experiment to the cycle, which begins it if every joint holds still; or says why not, "sentence; cure",
+  /// and nothing moves: what check_experiment() has against it, no such joint, or the last one still under way to the
+  /// cycle. nullptr: handed over.
+  [[nodiscard]] virtual auto begin_experiment(const ExperimentSetup& setup) -> const char* = 0;
 
  protected:
   ~Machine() = default;  // never owned through this face: a virtual one would need operator delete

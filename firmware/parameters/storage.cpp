@@ -6,6 +6,7 @@
 #include <iterator>
 #include <string_view>
 
+#include "capstan/firmware/loop/expect.hpp"
 #include "capstan/firmware/parameters/crc32.hpp"
 #include "capstan/firmware/parameters/name_hash.hpp"
 #include "capstan/firmware/parameters/parameters.hpp"
@@ -96,6 +97,7 @@ auto was_cut(std::span<const std::uint8_t> stored, std::uint32_t wanted) -> bool
   std::array<std::uint8_t, 4> whole{};
   put(whole, wanted);
   const auto [cut, target] = std::mismatch(stored.begin(), stored.end(), whole.begin());
+  CAPSTAN_EXPECT(cut != stored.end());
   return (*cut & *target) == *target &&
          std::all_of(std::next(cut), stored.end(), [](std::uint8_t byte) { return byte == 0xFF; });
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
+#include "capstan/firmware/loop/expect.hpp"
+
 namespace capstan {
 namespace {
 
@@ -119,10 +121,12 @@ auto FaultLog::place_of(std::size_t sample) const -> std::size_t {
 }
 
 auto FaultLog::cycles_from_fault(std::size_t sample) const -> std::int32_t {
+  CAPSTAN_EXPECT(sample < kept());
   return static_cast<std::int32_t>(memory_[place_of(sample)] - memory_[place_of(kept() - 1)]);
 }
 
 auto FaultLog::raw(std::size_t sample, std::size_t axis, std::size_t signal) const -> std::int32_t {
+  CAPSTAN_EXPECT(sample < kept() && axis < axes_ && signal < kSignals);
   const auto words = memory_.subspan(place_of(sample) + 1 + axis * kWordsOfJoint, kWordsOfJoint);
   if (signal < kWordsOfJoint) {
     return static_cast<std::int32_t>(words[signal] << 8U);

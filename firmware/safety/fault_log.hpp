@@ -45,8 +45,9 @@ class FaultLog {
   [[nodiscard]] auto kept() const -> std::size_t;
   /// Which fault they belong to.
   [[nodiscard]] auto kept_entry() const -> FaultEntry;
-  /// Cycles from the fault to a sample, 0 or below. @pre sample < kept(), as in raw
+  /// Cycles from the fault to a sample, 0 or below. @pre sample < kept()
   [[nodiscard]] auto cycles_from_fault(std::size_t sample) const -> std::int32_t;
+  /// @pre sample < kept(), a joint of the log's, signal < kSignals
   [[nodiscard]] auto raw(std::size_t sample, std::size_t axis, std::size_t signal) const -> std::int32_t;
   /// The kept second may be written over from the next arming on.
   void release();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "capstan/firmware/loop/expect.hpp"
 #include "capstan/firmware/parameters/config.hpp"
 
 namespace capstan {
@@ -58,6 +59,7 @@ class LookAnswer {
   /// @param least  counts/256 for each A beyond; 0: nothing is too little
   /// @returns true where too many answers in a row were less than that
   auto rt_step(std::int32_t moved, std::int32_t wanted_a, std::int32_t dead_a, std::int32_t least) -> bool {
+    CAPSTAN_EXPECT(waits());
     if (!judged_) {
       --left_;
       return false;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
@@ -185,7 +186,9 @@ class Rig {
     setup.rungs = {Q24::from_double(0.7), Q24::from_double(1.2), Q24::from_double(1.7)};
     setup.rung_count = 3;
     setup.cycles = 2;
-    static_cast<void>(application_.begin_experiment(setup));
+    if (const char* problem = application_.begin_experiment(setup)) {
+      throw std::logic_error(problem);
+    }
   }
 
   void step() {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "capstan/firmware/console/shell_experiment.hpp"
 #include "capstan/firmware/console/shell_input.hpp"
 #include "capstan/tests/firmware/support.hpp"
 
@@ -201,6 +202,25 @@ TEST(ShellExperiment, WithoutTorqueInMotionOrWithWrongOptionsNothingMoves) {
   refused("experiment joint0 triangle amplitude=0.2 amplitude=0.2", "option");
   EXPECT_EQ(bench.state(), State::kHolding);
   EXPECT_NEAR(bench.io.motors[0].angle_rad, 0.0, 1e-3);
+}
+
+// What the machine refuses though the shell did not.
+TEST(ShellExperiment, ARefusalOfTheMachineIsTheAnswerAndTheRecorderIsFreeAgain) {
+  Bench bench;
+  bench.say("arm");
+  const ExperimentSetup wrong{
+      .recipe = Recipe::kTriangle, .amplitude = Q24::from_int(3), .rungs = {Q24::from_double(0.4)}, .rung_count = 1};
+  RecorderSetup recorded;
+  choose_signals(recorded, 0, std::array<std::string_view, 1>{"q1"});
+  ASSERT_TRUE(bench.application.recorder().start(&bench.shell, recorded));
+  EXPECT_FALSE(hand_over(bench.shell, wrong));
+  bench.application.rt_tick();
+  bench.shell.poll();
+  EXPECT_EQ(bench.sink.take(),
+            "error range: nothing moved, because the motion leaves limits.joint_min to limits.joint_max; lower the "
+            "amplitude or move the offset\r\n");
+  EXPECT_EQ(bench.application.telemetry().state, State::kHolding);
+  EXPECT_EQ(experiment(bench, "experiment joint0 triangle").verdict, "ok");
 }
 
 TEST(ShellExperiment, AnyFaultEndsItTakesTheTorqueAndIsNamed) {

@@ -131,6 +131,7 @@ TEST(Experiment, WhatAJointCanNotDoIsRefusedWithSentenceAndCure) {
   EXPECT_TRUE(refused(with([](auto& s) { s.rungs[0] = q(25.0); }), "20 Hz"));
   EXPECT_TRUE(refused(with([](auto& s) { s.rungs[0] = Q24{}; }), "above 0"));
   EXPECT_TRUE(refused(with([](auto& s) { s.rung_count = 0; }), "above 0"));
+  EXPECT_TRUE(refused(with([](auto& s) { s.rung_count = ExperimentSetup::kMostRungs + 1; }), "at most 8"));
   EXPECT_TRUE(refused(with([](auto& s) { s.cycles = 0; }), "cycles"));
   EXPECT_TRUE(refused(with([](auto& s) { s.repeats = 1001; }), "repeats"));
   EXPECT_TRUE(refused(with([](auto& s) { s.recipe = Recipe::kMultisine, s.length_ms = 3'999; }), "two periods"));

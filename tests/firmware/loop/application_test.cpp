@@ -59,6 +59,37 @@ TEST(Application, ASavedSetIsInForceFromTheFirstCycle) {
   EXPECT_EQ(rig.state(), State::kHolding) << "1.3 rad is outside the saved joint_max";
 }
 
+TEST(Application, AnExperimentIsJudgedWhoeverBringsItAndTheReasonIsSaid) {
+  Rig rig;
+  ASSERT_TRUE(rig.arm());
+  const ExperimentSetup sound{.recipe = Recipe::kTriangle,
+                              .amplitude = Q24::from_double(0.2),
+                              .rungs = {Q24::from_double(0.4)},
+                              .rung_count = 1};
+  ExperimentSetup too_far = sound;
+  too_far.amplitude = Q24::from_int(3);
+  ExperimentSetup nobody = sound;
+  nobody.axis = 1;
+  ExperimentSetup too_many = sound;
+  too_many.rung_count = ExperimentSetup::kMostRungs + 1;
+  const std::vector<std::pair<ExperimentSetup, std::string>> cases = {
+      {too_far, "limits.joint_min"}, {nobody, "no such joint"}, {too_many, "at most 8"}};
+  for (const auto& [setup, reason] : cases) {
+    const char* problem = rig.application.begin_experiment(setup);
+    ASSERT_NE(problem, nullptr) << reason;
+    EXPECT_NE(std::string(problem).find(reason), std::string::npos) << problem;
+    EXPECT_NE(std::string(problem).find("; "), std::string::npos) << "no cure: " << problem;
+    rig.ticks(2);
+    EXPECT_EQ(rig.state(), State::kHolding) << reason;
+  }
+  EXPECT_EQ(rig.application.begin_experiment(sound), nullptr);
+  const char* problem = rig.application.begin_experiment(sound);
+  ASSERT_NE(problem, nullptr);
+  EXPECT_NE(std::string(problem).find("has not taken the last"), std::string::npos) << problem;
+  rig.ticks(2);
+  EXPECT_EQ(rig.state(), State::kExperiment);
+}
+
 TEST(Application, CorruptStorageMeansDefaultsBlocksArmingAndSaysSoUntilASetIsSaved) {
   FlashBanks banks = stored(other_config());
   banks.memory[0][60] ^= 4U;

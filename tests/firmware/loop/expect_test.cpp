@@ -8,8 +8,11 @@
 #include <csignal>
 
 #include "capstan/firmware/console/shell_input.hpp"
+#include "capstan/firmware/control/excitation.hpp"
 #include "capstan/firmware/control/force_control.hpp"
 #include "capstan/firmware/control/palpation.hpp"
+#include "capstan/firmware/safety/fault_log.hpp"
+#include "capstan/firmware/safety/look_answer.hpp"
 #include "capstan/firmware/telemetry/scope.hpp"
 #include "capstan/firmware/telemetry/signals.hpp"
 #include "capstan/tests/firmware/support.hpp"
@@ -71,6 +74,38 @@ TEST_F(Expect, CapturesThatDoNotFit) {
 TEST_F(Expect, SignalThatThereIsNone) {
   const MachineTelemetry machine;
   EXPECT_EXIT(static_cast<void>(rt_raw(Signal{}, machine, {})), trapped, "");
+}
+
+TEST_F(Expect, SampleOfAFaultThatIsNotKept) {
+  std::vector<std::uint32_t> memory(FaultLog::words_for(1));
+  const FaultLog log(memory, 1);
+  ASSERT_EQ(log.kept(), 0U);
+  EXPECT_EXIT(static_cast<void>(log.raw(0, 0, 0)), trapped, "");
+  EXPECT_EXIT(static_cast<void>(log.cycles_from_fault(0)), trapped, "");
+}
+
+TEST_F(Expect, ExcitationThatNobodyChecked) {
+  ExcitationSetup setup;
+  setup.from_khz = setup.to_khz = Q24{};
+  EXPECT_EXIT(prepare_excitation(setup), trapped, "");
+  setup.from_khz = Q24::from_double(0.001);
+  setup.to_khz = Q24::from_int(100);  // harmonics of it do not fit
+  EXPECT_EXIT(prepare_excitation(setup), trapped, "");
+}
+
+TEST_F(Expect, AnswerInTheRoomOfAnother) {
+  test::Bench<1> bench;
+  struct Endless final : Stream {
+    void step(Session& /*session*/) override {}
+    void cancel(Session& /*session*/) override {}
+  };
+  bench.shell.begin(bench.shell.make<Endless>());
+  EXPECT_EXIT(static_cast<void>(bench.shell.make<Endless>()), trapped, "");
+}
+
+TEST_F(Expect, AnswerOfALookThatThereIsNone) {
+  LookAnswer answer;
+  EXPECT_EXIT(static_cast<void>(answer.rt_step(0, 0, 0, 0)), trapped, "");
 }
 
 }  // namespace
