@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/mjcf/mjcf.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -65,16 +67,47 @@ auto gap_of(const JointFile& joint, double ratio) -> double {
   return std::abs(gain / ratio - 1.0) <= kGainOfAGap ? std::abs(gain) * shape(joint, "play", 0) : 0.0;
 }
 
-/// By which the joint lags per torque of the motor, rad/Nm: the mean of both tendons.
-auto lag_of(const JointFile& joint) -> double {
-  return -(coefficient(joint, "tendon_elongation", 0) + coefficient(joint, "tendon_elongation", 1)) / 2.0;
+/// By which the joint lags per torque of the motor, rad/Nm, where its tendons have friction of their own: as far as in
+/// steady motion, for a spring has no friction along it, and the torque of steady motion is what the simulated joint
+/// has as friction.
+auto lag_of_tendons(const JointFile& joint, double ratio) -> double {
+  if (coefficient(joint, kTendonModel, 0) == 0.0) {
+    return 0.0;
+  }
+  if (friction_of(joint, ratio) == 0.0) {
+    throw Refusal(
+        "the file does not say the torque of steady motion ([feedforward]), by which the law's tendons "
+        "stretch; identify it again with 'capstan identify LOG --model pseudo_kinematic -o joint.toml'");
+  }
+  LawParameters<double> alone = rigid_law();
+  const auto take = [](auto& into, const auto& from, std::size_t first, std::size_t count) {
+    const auto begin = static_cast<std::ptrdiff_t>(first);
+    std::copy_n(from.begin() + begin, count, into.begin() + begin);
+  };
+  const CatalogueTerm& term = joint.catalogue->term(kTendonModel);
+  take(alone.coefficients, joint.parameters.coefficients, joint.catalogue->term("motor_angle").first_coefficient, 1);
+  take(alone.coefficients, joint.parameters.coefficients, term.first_coefficient, 1);
+  take(alone.shapes, joint.parameters.shapes, term.first_shape, TendonShape::kCount);
+  const MotionLaw<double> law(SamplePeriod<double>(1e-3), alone);
+  const SteadyTorque& torque = *joint.steady_torque;
+  return ratio * law.lost_motion(torque.backward_nm, torque.forward_nm) / (torque.forward_nm - torque.backward_nm);
+}
+
+/// The same of the whole law, the mean of both tendons.
+auto lag_of(const JointFile& joint, double ratio) -> double {
+  return lag_of_tendons(joint, ratio) -
+         (coefficient(joint, "tendon_elongation", 0) + coefficient(joint, "tendon_elongation", 1)) / 2.0;
 }
 
 /// Of the spring between the hinges, N m/rad at the joint; 0: they are stiff. The motor's torque is the ratio times the
 /// joint's.
-auto stiffness_of(const JointFile& joint, double ratio) -> double {
-  const double lag = lag_of(joint);
+auto stiffness_of(double lag, double ratio) -> double {
   return lag * ratio > 0.0 ? 1.0 / (lag * ratio) : 0.0;
+}
+
+/// Whether a term is what the spring is made of.
+auto is_elastic(const std::string& term) -> bool {
+  return term == "tendon_elongation" || term == kTendonModel;
 }
 
 }  // namespace
@@ -96,17 +129,18 @@ auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf {
                   std::string("--model pseudo_kinematic"));
   }
   const double gap = gap_of(joint, ratio);
-  const double stiffness = gap > 0.0 ? 0.0 : stiffness_of(joint, ratio);
-  const bool pushes = gap == 0.0 && lag_of(joint) * ratio < 0.0;
+  const double lag = gap > 0.0 ? 0.0 : lag_of(joint, ratio);
+  const double stiffness = stiffness_of(lag, ratio);
+  const bool pushes = lag * ratio < 0.0 || (gap == 0.0 && lag == 0.0 && coefficient(joint, kTendonModel, 0) != 0.0);
   Mjcf result;
   std::vector<std::string> unknown;
   for (const auto& term : joint.terms) {
     const bool expressed = term == "motor_angle" || term == "joint_offset" || (term == "play" && gap > 0.0) ||
-                           (term == "tendon_elongation" && gap == 0.0 && !pushes);
+                           (is_elastic(term) && gap == 0.0 && !pushes);
     if (!expressed) {
       result.left_out.push_back(term);
     }
-    if (!expressed && !(term == "tendon_elongation" && pushes)) {
+    if (!expressed && !(is_elastic(term) && pushes)) {
       unknown.push_back(term);
     }
   }
@@ -115,8 +149,9 @@ auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf {
                               "; the simulated joint goes without");
   }
   if (pushes) {
-    result.warnings.push_back("with a ratio of " + rounded(ratio, 3) +
-                              " this law's tendon_elongation is a spring that pushes the joint on, which no tendon is; "
+    result.warnings.push_back("with a ratio of " + rounded(ratio, 3) + " this law's " +
+                              (joint.has(kTendonModel) ? kTendonModel : "tendon_elongation") +
+                              " is a spring that pushes the joint on, which no tendon is; "
                               "the simulated joint goes without. Count the joint the other way, --map with a minus on "
                               "q2_rad, and identify the law again");
   }

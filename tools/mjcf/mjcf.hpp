@@ -25,7 +25,7 @@ struct Mjcf {
 /// The tendon between the two hinges: its ratio; its elasticity, from how far the joint lags behind under torque; the
 /// gap of a play, which then stands for the elasticity too; friction, from the torque of steady motion. MuJoCo computes
 /// the torques that the law only knows: at a slow motion its joint goes where the law says. Throws Refusal for a law
-/// without a ratio.
+/// without a ratio, and for one of tendons with friction (`tendon`) in a file without the torque of steady motion.
 auto mjcf_of(const JointFile& joint, const MjcfNames& names) -> Mjcf;
 
 }  // namespace capstan::tools

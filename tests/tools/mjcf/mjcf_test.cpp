@@ -158,6 +158,50 @@ TEST(Mjcf, StiffTendonKeepsTheRatio) {
   expect_follows(joint, 0.002);
 }
 
+// The law that `diagnose` writes by default, with the numbers of the demo's healthy joint.
+auto law_of_tendons() -> JointFile {
+  JointFile joint = law({"motor_angle", "joint_offset", "tendon"});
+  const CatalogueTerm& term = joint.catalogue->term("tendon");
+  joint.parameters.coefficients[term.first_coefficient] = -6.16;
+  const std::array<double, 4> shapes = {1.19, 1.14, 0.067 / 2.0, 0.51};  // etas, pretension, share
+  std::copy(shapes.begin(), shapes.end(),
+            joint.parameters.shapes.begin() + static_cast<std::ptrdiff_t>(term.first_shape));
+  return joint;
+}
+
+TEST(Mjcf, TendonsWithFrictionLagBehindAsFarAsTheLawSays) {
+  const JointFile joint = law_of_tendons();
+  const Mjcf made = mjcf_of(joint, {});
+  EXPECT_TRUE(made.left_out.empty());
+  EXPECT_TRUE(made.warnings.empty());
+  EXPECT_EQ(made.text.find("<equality>"), std::string::npos) << "a stiff joint";
+  const Motion motion = simulate(joint);
+  const auto [half_width, middle] = loop_at_zero(motion);
+  const auto [half_width_said, middle_said] = loop_at_zero({motion.motor, said(joint, motion)});
+  EXPECT_GT(half_width_said, 0.01);
+  EXPECT_NEAR(half_width, half_width_said, 0.05 * half_width_said);
+  EXPECT_NEAR(middle, middle_said, 0.002);
+  expect_follows(joint, 0.002);
+}
+
+TEST(Mjcf, TendonsWithFrictionNeedTheTorqueOfSteadyMotion) {
+  JointFile joint = law_of_tendons();
+  joint.steady_torque.reset();
+  try {
+    static_cast<void>(mjcf_of(joint, {}));
+    ADD_FAILURE() << "a joint that is as soft as nobody knows";
+  } catch (const Refusal& refusal) {
+    EXPECT_NE(std::string(refusal.what()).find("--model pseudo_kinematic"), std::string::npos) << refusal.what();
+  }
+  joint = law_of_tendons();
+  joint.parameters.coefficients[joint.catalogue->term("tendon").first_coefficient] *= -1.0;
+  const Mjcf pushes = mjcf_of(joint, {});
+  EXPECT_EQ(pushes.left_out, std::vector<std::string>{"tendon"});
+  ASSERT_EQ(pushes.warnings.size(), 1U);
+  EXPECT_NE(pushes.warnings.front().find("Count the joint the other way"), std::string::npos)
+      << pushes.warnings.front();
+}
+
 TEST(Mjcf, WhatHasNoCounterpartIsNamed) {
   JointFile joint = law({"motor_angle", "joint_offset", "tendon_elongation", "gravity"});
   EXPECT_EQ(mjcf_of(joint, {}).left_out, std::vector<std::string>{"gravity"});
