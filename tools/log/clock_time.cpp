@@ -63,13 +63,14 @@ auto days_of(int year, int month, int day) -> std::optional<std::int64_t> {
   return std::chrono::sys_days(date).time_since_epoch().count();
 }
 
-/// "2026-11-22" or "22.11.2026"; days since 1970.
+/// "2026-11-22", "2026/11/22" or "22.11.2026"; days since 1970.
 auto date(Cutter& text) -> std::optional<std::int64_t> {
   const bool dotted = text.left().size() > 2 && text.left()[2] == '.';
+  const char* const marks = dotted ? "." : text.left().size() > 4 && text.left()[4] == '/' ? "/" : "-";
   const auto first = text.digits(dotted ? 2 : 4);
-  const bool mark = text.one_of(dotted ? "." : "-");
+  const bool mark = text.one_of(marks);
   const auto month = text.digits(2);
-  const bool again = text.one_of(dotted ? "." : "-");
+  const bool again = text.one_of(marks);
   const auto last = text.digits(dotted ? 4 : 2);
   if (!first || !month || !last || !mark || !again) {
     return std::nullopt;
@@ -77,18 +78,37 @@ auto date(Cutter& text) -> std::optional<std::int64_t> {
   return dotted ? days_of(*last, *month, *first) : days_of(*first, *month, *last);
 }
 
-/// "05:18:23.123", nanoseconds.
+/// "PM" or nothing behind a time of day: hours to add; nothing if the hour is none of twelve.
+auto half_day(Cutter& text, int hour) -> std::optional<int> {
+  static_cast<void>(text.one_of(" "));
+  const bool morning = text.one_of("Aa");
+  const bool evening = !morning && text.one_of("Pp");
+  if (!morning && !evening) {
+    return 0;
+  }
+  if (!text.one_of("Mm") || hour < 1 || hour > 12) {
+    return std::nullopt;
+  }
+  return (evening ? 12 : 0) - (hour == 12 ? 12 : 0);
+}
+
+/// "05:18:23.123", or "18:23.123" without hours; nanoseconds.
 auto time_of_day(Cutter& text) -> std::optional<std::int64_t> {
-  const auto hour = text.digits(2);
-  const bool mark = text.one_of(":");
+  const bool no_hours = text.left().size() > 5 && (text.left()[5] == '.' || text.left()[5] == ',');
+  const auto hour = no_hours ? std::optional(0) : text.digits(2);
+  const bool mark = no_hours || text.one_of(":");
   const auto minute = text.digits(2);
   const bool again = text.one_of(":");
   const auto second = text.digits(2);
   if (!hour || !minute || !second || !mark || !again || *hour > 23 || *minute > 59 || *second > 60) {
     return std::nullopt;
   }
-  const std::int64_t whole = ((*hour * 60LL + *minute) * 60LL + *second) * kSecond;
-  return whole + (text.one_of(".,") ? text.fraction() : 0);
+  const std::int64_t fraction = text.one_of(".,") ? text.fraction() : 0;
+  const auto later = half_day(text, *hour);
+  if (!later) {
+    return std::nullopt;
+  }
+  return (((*hour + *later) * 60LL + *minute) * 60LL + *second) * kSecond + fraction;
 }
 
 /// "Z", "+02:00", "+0200", "+02" or nothing; nanoseconds to take off.
@@ -114,7 +134,7 @@ auto zone(Cutter& text) -> std::optional<std::int64_t> {
 auto parse_clock(std::string_view text) -> std::optional<ClockTime> {
   Cutter cutter(trimmed(text));
   ClockTime result;
-  if (cutter.left().size() < 8) {
+  if (cutter.left().size() < 7) {
     return std::nullopt;
   }
   result.dated = cutter.left()[2] != ':';

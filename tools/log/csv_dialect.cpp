@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "capstan/tools/log/clock_time.hpp"
+#include "capstan/tools/log/csv_cells.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 
@@ -29,53 +30,16 @@ auto lines_of(std::string_view text, std::size_t most) -> std::vector<Line> {
   for (std::size_t begin = 0; begin < text.size() && lines.size() < most + remarks; ++number) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     lines.push_back({trimmed(text.substr(begin, end - begin)), number});
-    remarks += lines.back().text.starts_with(kRemark) ? 1 : 0;
+    remarks += is_remark(lines.back().text) ? 1 : 0;
     begin = end + 1;
   }
   return lines;
 }
 
-/// "1,5" as "1.5"; nothing if the cell is no number with one decimal comma.
-auto with_decimal_point(std::string_view cell) -> std::optional<std::string> {
-  const auto comma = cell.find(',');
-  if (comma == std::string_view::npos || cell.find('.') != std::string_view::npos) {
-    return std::nullopt;
-  }
-  std::string text(cell);
-  text[comma] = '.';
-  return parse_number(text) ? std::optional(text) : std::nullopt;
-}
-
-/// "1.234,5": a comma for the decimals and points between thousands.
-auto has_thousands(std::string_view cell) -> bool {
-  if (cell.find('.') == std::string_view::npos || cell.find(',') == std::string_view::npos) {
-    return false;
-  }
-  std::string text;
-  std::copy_if(cell.begin(), cell.end(), std::back_inserter(text), [](char c) { return c != '.' && c != ','; });
-  return parse_number(text).has_value();
-}
-
-auto is_value(const std::string& cell) -> bool {
-  return parse_number(cell) || with_decimal_point(cell) || has_thousands(cell) || parse_clock(cell);
-}
-
-/// Half of the cells that say something are numbers.
-auto is_data(const std::vector<std::string>& cells) -> bool {
-  const auto filled = std::count_if(cells.begin(), cells.end(), [](const auto& cell) { return !cell.empty(); });
-  return filled > 0 && std::count_if(cells.begin(), cells.end(), is_value) * 2 >= filled;
-}
-
-auto is_units_row(const std::vector<std::string>& cells) -> bool {
-  const auto units = [](const auto& cell) { return cell.empty() || is_unit_word(cell); };
-  return std::all_of(cells.begin(), cells.end(), units) &&
-         std::any_of(cells.begin(), cells.end(), [](const auto& cell) { return !cell.empty(); });
-}
-
 struct Layout {
   Separator separator = Separator::kComma;
   std::size_t cells = 1;
-  std::size_t header = 0, units = 0;  ///< line numbers; 0: none
+  std::size_t header = 0, units = 0, types = 0;  ///< line numbers; 0: none
   bool header_is_remark = false;
 };
 
@@ -90,11 +54,11 @@ auto cells_or_none(std::string_view line, Separator separator) -> std::vector<st
 /// The separator that cuts most lines into the same number of cells, and that number.
 void find_separator(const std::vector<Line>& lines, Layout& layout) {
   std::size_t most = 0;
-  for (const auto separator :
-       {Separator::kTab, Separator::kSemicolon, Separator::kComma, Separator::kWideBlanks, Separator::kBlanks}) {
+  for (const auto separator : {Separator::kTab, Separator::kSemicolon, Separator::kComma, Separator::kBar,
+                               Separator::kWideBlanks, Separator::kBlanks}) {
     std::map<std::size_t, std::size_t> counts;
     for (const auto& line : lines) {
-      if (!line.text.empty() && !line.text.starts_with(kRemark)) {
+      if (!line.text.empty() && !is_remark(line.text)) {
         ++counts[cells_or_none(line.text, separator).size()];
       }
     }
@@ -113,7 +77,7 @@ auto first_data(const std::vector<Line>& lines, const Layout& layout) -> std::si
   enum class Kind { kData, kNames, kOther };
   std::vector<std::pair<std::size_t, Kind>> kinds;  // index of a line with text
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (!lines[i].text.empty() && !lines[i].text.starts_with(kRemark)) {
+    if (!lines[i].text.empty() && !is_remark(lines[i].text)) {
       const auto cells = cells_or_none(lines[i].text, layout.separator);
       kinds.emplace_back(i, cells.size() != layout.cells ? Kind::kOther : is_data(cells) ? Kind::kData : Kind::kNames);
     }
@@ -132,14 +96,16 @@ void find_header(const std::vector<Line>& lines, Layout& layout) {
   const std::size_t data = first_data(lines, layout);
   for (std::size_t i = 0; i < data; ++i) {
     const Line& line = lines[i];
-    const bool remark = line.text.starts_with(kRemark);
+    const bool remark = is_remark(line.text);
     last_remark = remark ? &line : last_remark;
     const auto cells = remark ? std::vector<std::string>{} : cells_or_none(line.text, layout.separator);
     if (cells.size() == layout.cells && layout.header > 0 && is_units_row(cells)) {
       layout.units = line.number;
+    } else if (cells.size() == layout.cells && layout.header > 0 && is_types_row(cells)) {
+      layout.types = line.number;
     } else if (cells.size() == layout.cells) {
       layout.header = line.number;
-      layout.units = 0;
+      layout.units = layout.types = 0;
     }
   }
   if (layout.header == 0 && last_remark != nullptr &&
@@ -150,12 +116,13 @@ void find_header(const std::vector<Line>& lines, Layout& layout) {
 }
 
 auto by_contract(std::string_view text, const std::vector<Line>& lines, const Layout& layout) -> bool {
-  const auto first =
-      std::find_if(lines.begin(), lines.end(), [](const Line& line) { return !line.text.starts_with(kRemark); });
+  const auto first = std::find_if(lines.begin(), lines.end(), [](const Line& line) { return !is_remark(line.text); });
   const bool header_first = first == lines.end() || layout.header == 0 || layout.header == first->number;
   const bool no_end = first == lines.end() || first->text.empty() || first->text.back() != ',';
+  const bool percent =
+      std::any_of(lines.begin(), lines.end(), [](const Line& line) { return line.text.starts_with('%'); });
   return layout.separator == Separator::kComma && header_first && !layout.header_is_remark && no_end &&
-         layout.units == 0 && text.find('"') == std::string_view::npos;
+         layout.units == 0 && layout.types == 0 && !percent && text.find('"') == std::string_view::npos;
 }
 
 class Rewriter {
@@ -185,10 +152,10 @@ class Rewriter {
     const bool header = number == layout_.header;
     if (header && layout_.header_is_remark) {
       line = trimmed(line.substr(1));
-    } else if (number < layout_.header || number == layout_.units) {
+    } else if (number < layout_.header || number == layout_.units || number == layout_.types || line.starts_with('%')) {
       result += kRemark;
       return;
-    } else if (line.empty() || line.starts_with(kRemark)) {
+    } else if (line.empty() || is_remark(line)) {
       result += line;
       return;
     }
@@ -234,9 +201,11 @@ class Rewriter {
       return cell;
     }
     if (layout_.separator != Separator::kComma && has_thousands(cell)) {
+      const bool points = cell.rfind('.') < cell.rfind(',');
       throw BadInput(place(name_, number) + "'" + cell + "' has both a point and a comma, one of them between " +
-                     "thousands; export without thousands separators, or take the points out with `tr -d . < " + name_ +
-                     " > log.csv` if the commas are the decimals'");
+                     "thousands; export without thousands separators, or take the " + (points ? "points" : "commas") +
+                     " out with `tr -d " + (points ? "." : ",") + " < " + name_ + " > log.csv` if the " +
+                     (points ? "commas" : "points") + " are the decimals'");
     }
     if (auto number_text = with_decimal_point(cell)) {
       comma_line_ = comma_line_ == 0 ? number : comma_line_;
@@ -262,95 +231,63 @@ class Rewriter {
   std::size_t comma_line_ = 0, point_line_ = 0;  // first of each kind
 };
 
-/// "0,01,1,5" below "t,q": every number has been cut in two.
-void refuse_cut_numbers(const std::vector<Line>& lines, const Layout& layout, const std::string& name) {
+/// Whether all rows from a line on have so many cells; those that the sample does not show, too.
+auto all_rows_have(std::string_view text, std::size_t first_line, std::size_t cells) -> bool {
+  std::size_t number = 1;
+  for (std::size_t begin = 0; begin < text.size(); ++number) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string_view line = trimmed(text.substr(begin, end - begin));
+    const auto commas = static_cast<std::size_t>(std::count(line.begin(), line.end(), ','));
+    if (number >= first_line && !line.empty() && !is_remark(line) && commas + 1 != cells) {
+      return false;
+    }
+    begin = end + 1;
+  }
+  return true;
+}
+
+/// "0,01,1,5" below "t,q": every number has been cut in two. Which commas are decimals is certain only where each
+/// number has one: "0,1,5" may be 0 and 1.5 or 0.1 and 5.
+void refuse_cut_numbers(std::string_view text, const std::vector<Line>& lines, const Layout& layout,
+                        const std::string& name) {
   if (layout.separator != Separator::kComma || layout.header != 0 || lines.size() < 2) {
     return;
   }
-  const auto first = std::find_if(lines.begin(), lines.end(), [&](const Line& line) {
-    return !line.text.empty() && !line.text.starts_with(kRemark);
-  });
+  const auto first = std::find_if(lines.begin(), lines.end(),
+                                  [&](const Line& line) { return !line.text.empty() && !is_remark(line.text); });
   if (first == lines.end()) {
     return;
   }
   const auto names = cells_or_none(first->text, Separator::kComma);
   const bool no_points = std::none_of(first + 1, lines.end(),
                                       [](const Line& line) { return line.text.find('.') != std::string_view::npos; });
-  if (!is_data(names) && names.size() * 2 == layout.cells && no_points) {
-    throw BadInput(place(name, first->number + 1) + "the rows have twice as many cells as the header: the decimals " +
-                   "have commas and so has the table; export with semicolons, or write points with `sed -E " +
-                   std::to_string(first->number + 1) + "',$ s/([0-9]+),([0-9]+)/\\1.\\2/g' " + name + " > log.csv`");
+  if (is_data(names) || names.size() * 2 != layout.cells || !no_points) {
+    return;
   }
+  const std::size_t line = first->number + 1;
+  const std::string cure =
+      all_rows_have(text, line, layout.cells)
+          ? ", or write points with `sed -E " + std::to_string(line) +
+                "',$ s/([0-9]+),([0-9]+([eE][-+]?[0-9]+)?)/\\1.\\2/g' " + name + " > log.csv`"
+          : ", or with points; here numbers without decimals stand among the others, so no command can tell which "
+            "commas are decimals";
+  throw BadInput(place(name, line) + "the rows have twice as many cells as the header: the decimals have commas and " +
+                 "so has the table; export with semicolons" + cure);
 }
 
 auto separator_word(Separator separator) -> const char* {
-  constexpr std::array kWords = {"tabs", "semicolons", "commas", "blanks", "blanks"};
+  constexpr std::array kWords = {"tabs", "semicolons", "commas", "bars", "blanks", "blanks"};
   return kWords[static_cast<std::size_t>(separator)];
 }
 
-auto is_blank(char c) -> bool {
-  return c == ' ' || c == '\t';
-}
-
 }  // namespace
-
-auto cells_of(std::string_view line, Separator separator) -> std::vector<std::string> {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  const char mark = separator == Separator::kTab ? '\t' : separator == Separator::kSemicolon ? ';' : ',';
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    const std::string_view so_far = trimmed(cells.back());
-    if (quoted) {
-      const bool doubled = c == '"' && i + 1 < line.size() && line[i + 1] == '"';
-      quoted = c != '"' || doubled;
-      cells.back() += quoted ? std::string(1, c) : "";
-      i += doubled ? 1 : 0;
-    } else if (c == '"' && so_far.empty()) {
-      quoted = true;
-    } else if (separator == Separator::kWideBlanks || separator == Separator::kBlanks) {
-      const std::size_t end = std::min(line.find_first_not_of(" \t", i), line.size());
-      const bool cut = is_blank(c) && (separator == Separator::kBlanks || c == '\t' || end - i > 1);
-      if (cut && end < line.size()) {
-        cells.emplace_back();
-      }
-      cells.back() += is_blank(c) ? (cut ? "" : " ") : std::string(1, c);
-      i = is_blank(c) ? end - 1 : i;
-    } else if (c == mark) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  if (quoted) {
-    throw Unclosed{};
-  }
-  for (auto& cell : cells) {
-    cell = std::string(trimmed(cell));
-  }
-  return cells;
-}
-
-auto is_unit_word(std::string_view word) -> bool {
-  constexpr std::array kUnits = {"s",      "ms",      "us",   "µs",    "ns",   "sec",   "seconds", "rad",    "deg",
-                                 "°",      "mrad",    "m",    "mm",    "um",   "Nm",    "N m",     "N*m",    "N.m",
-                                 "mNm",    "Nmm",     "N",    "kN",    "A",    "mA",    "V",       "mV",     "C",
-                                 "°C",     "degC",    "K",    "Hz",    "rpm",  "rad/s", "deg/s",   "rad/s²", "rad/s^2",
-                                 "rad/s2", "deg/s^2", "m/s",  "m/s^2", "mm/s", "%",     "-",       "1",      "counts",
-                                 "cnt",    "ticks",   "bool", "N·m",   "1/min"};
-  word = trimmed(word);
-  if (word.size() > 2 && ((word.front() == '[' && word.back() == ']') || (word.front() == '(' && word.back() == ')'))) {
-    return true;
-  }
-  return std::find(kUnits.begin(), kUnits.end(), word) != kUnits.end();
-}
 
 auto canonical_csv(std::string text, const std::string& name, std::vector<std::string>& notes) -> std::string {
   const auto lines = lines_of(text, kSampleLines);
   Layout layout;
   find_separator(lines, layout);
   find_header(lines, layout);
-  refuse_cut_numbers(lines, layout, name);
+  refuse_cut_numbers(text, lines, layout, name);
   if (by_contract(text, lines, layout)) {
     return text;
   }

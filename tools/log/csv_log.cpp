@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/log/clock_time.hpp"
+#include "capstan/tools/log/csv_cells.hpp"
 #include "capstan/tools/log/csv_dialect.hpp"
 #include "capstan/tools/log/file_form.hpp"
 #include "capstan/tools/log/header_units.hpp"
@@ -97,8 +98,8 @@ void CsvLog::read_rows(std::size_t begin, std::size_t number) {
     }
     const bool last = std::string_view(text_).substr(std::min(begin, text_.size())).find_first_not_of("\r\n\t ") ==
                       std::string_view::npos;
-    if (trimmed(text).empty() && last) {
-      break;
+    if (trimmed(text).empty() && (last || names_.size() > 1)) {
+      continue;
     }
     const std::size_t cells = cells_in(text);
     if (last && (!ended || cells < names_.size())) {
@@ -183,7 +184,7 @@ auto CsvLog::cells(std::size_t index, bool gaps) const -> Eigen::VectorXd {
     const bool gap = gaps && trimmed(cell).empty();
     if (!gap && (!value || !std::isfinite(*value))) {
       throw BadInput(place(name_, lines_[row].number) + "column " + names_[index] + " holds '" +
-                     std::string(trimmed(cell)) + "', which is not a number; repair the line or cut the log before it");
+                     std::string(trimmed(cell)) + "'" + no_number(cell, gaps, name_));
     }
     values[static_cast<Eigen::Index>(row)] = gap ? std::nan("") : *value;
   }
@@ -271,12 +272,14 @@ auto CsvLog::time() const -> Eigen::VectorXd {
       throw BadInput(place(name_, lines_[static_cast<std::size_t>(i)].number) + "time_s " +
                      (repeated ? "repeats " : "runs backward to ") + exact(time[i]) +
                      (repeated ? "" : " after " + exact(time[i - 1])) +
-                     "; remove the line, or split the file if two recordings were joined");
+                     (whole ? ", as the times have no fractions of a second; export them with milliseconds"
+                            : "; remove the line, or split the file if two recordings were joined"));
     }
   }
   return time;
 }
 
+      const bool whole = clock && repeated && ((time.array() - time.array().round()).abs() < 1e-6).all();
 auto CsvLog::with_rows(const std::vector<std::size_t>& rows, std::map<std::string, Eigen::VectorXd> columns) const
     -> CsvLog {
   CsvLog result = *this;

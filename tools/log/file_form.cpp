@@ -62,6 +62,10 @@ auto with_file(std::string cure, const std::string& name) -> std::string {
 }
 
 void refuse_foreign(std::string_view bytes, const std::string& name) {
+  constexpr std::size_t kTarMark = 257;  // byte of a header where "ustar" stands
+  if (bytes.size() > kTarMark && bytes.substr(kTarMark).starts_with("ustar")) {
+    throw BadInput(name + ": the file is a tar archive, not a log; unpack it with `tar -xf " + name + "`");
+  }
   for (const auto& form : kForeignForms) {
     if (bytes.starts_with(form.magic)) {
       throw BadInput(name + ": the file " + form.what + ", not a log; " + with_file(form.cure, name));
@@ -186,6 +190,24 @@ auto from_latin1(std::string_view bytes) -> std::string {
   return text;
 }
 
+/// JSON, XML and web pages. JSON lines have an object in each.
+void refuse_trees(std::string_view text, const std::string& name) {
+  constexpr std::string_view kBlank = " \t\r\n";
+  const std::size_t first = std::min(text.find_first_not_of(kBlank), text.size());
+  const std::string_view body = text.substr(first);
+  const std::size_t inside = std::min(body.find_first_not_of(kBlank, 1), body.size());
+  const bool list = body.starts_with('[') && inside < body.size() && (body[inside] == '{' || body[inside] == '[');
+  const bool json = body.starts_with('{') || list;
+  if (!json && !body.starts_with('<')) {
+    return;
+  }
+  const bool lines = body.starts_with('{') && body.find("\n{") != std::string_view::npos;
+  throw BadInput(name + ": the file is " + (json ? "JSON" : "XML or HTML") +
+                 ", not CSV; write one row per sample, for instance with Python: `pandas.read_" +
+                 (json ? "json" : "xml") + "('" + name + (lines ? "', lines=True" : "'") +
+                 ").to_csv('log.csv', index=False)`");
+}
+
 }  // namespace
 
 auto text_of_file(std::string bytes, const std::string& name, std::vector<std::string>& notes) -> std::string {
@@ -200,6 +222,13 @@ auto text_of_file(std::string bytes, const std::string& name, std::vector<std::s
   if (text.starts_with("\xEF\xBB\xBF"sv)) {
     text.erase(0, 3);
   }
+  constexpr std::size_t kFewestZeros = 4;  // a text in two-byte units ends in one
+  const std::size_t end = text.find_last_not_of('\0') + 1;
+  if (text.size() - end >= kFewestZeros && text.find('\0') == end && text.find('\n') < end) {
+    notes.push_back(name + ": the file ends in " + std::to_string(text.size() - end) +
+                    " zero bytes, as where the power went while it was written; they were dropped");
+    text.erase(end);
+  }
   if (text.find('\0') != std::string::npos) {
     throw BadInput(name + ": the file is binary, not text; export the log as CSV, and look at it with `head -c 300 " +
                    name + " | xxd`");
@@ -211,12 +240,7 @@ auto text_of_file(std::string bytes, const std::string& name, std::vector<std::s
   if (text.find('\n') == std::string::npos) {
     std::replace(text.begin(), text.end(), '\r', '\n');
   }
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first != std::string::npos && (text[first] == '{' || text[first] == '<')) {
-    throw BadInput(name + ": the file is " + (text[first] == '{' ? "JSON" : "XML or HTML") +
-                   ", not CSV; write one row per sample, for instance with Python: `pandas.read_" +
-                   (text[first] == '{' ? "json" : "xml") + "('" + name + "').to_csv('log.csv', index=False)`");
-  }
+  refuse_trees(text, name);
   return text;
 }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "capstan/tools/log/csv_dialect.hpp"
+#include "capstan/tools/log/csv_cells.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 

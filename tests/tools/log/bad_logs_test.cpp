@@ -2,6 +2,9 @@
 // The table of files as people have them: each is read, or refused with its true cause and the command that cures it.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <regex>
+
 #include "capstan/tools/log/compression.hpp"
 #include "capstan/tools/log/csv_log.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -100,6 +103,21 @@ INSTANTIATE_TEST_SUITE_P(
         FileCase{"a board's parameters before its rows, as the page keeps them", dumped(400) + kPlain, ""},
         FileCase{"a prompt's log with an error after it", kPlain + "error unknown_command: no such command\nok\n",
                  "x.csv:5: the board answered 'error unknown_command"},
+        FileCase{"bars", "time_s|axis0/q1_rad\n0|1.5\n0.01|-2\n0.02|3\n", "bars"},
+        FileCase{"a blank line after each row", "time_s,axis0/q1_rad\n\n0,1.5\n\n0.01,-2\n\n0.02,3\n\n", ""},
+        FileCase{"names in a remark of MATLAB's", "% time_s,axis0/q1_rad\n0,1.5\n0.01,-2\n0.02,3\n", ""},
+        FileCase{"a row of types", "time_s,axis0/q1_rad\ndouble,double\n0,1.5\n0.01,-2\n0.02,3\n", ""},
+        FileCase{"rows of types and of units", "time,axis0/q1\ndouble,double\ns,rad\n0,1.5\n0.01,-2\n0.02,3\n",
+                 "units in line 3"},
+        FileCase{"zero bytes at the end", kPlain + std::string(64, '\0'), "64 zero bytes"},
+        FileCase{"dates with slashes, the year first",
+                 "time_s,axis0/q1_rad\n2026/11/22 05:00:00,1.5\n2026/11/22 05:00:00.01,-2\n2026/11/22 05:00:00.02,3\n",
+                 ""},
+        FileCase{"twice twelve hours", "time_s,axis0/q1_rad\n11:59:59.99 AM,1.5\n12:00:00.00 PM,-2\n12:00:00.01 PM,3\n",
+                 ""},
+        FileCase{"midnight of twice twelve hours",
+                 "time_s,axis0/q1_rad\n11:59:59.99 PM,1.5\n12:00:00.00 AM,-2\n12:00:00.01 AM,3\n", ""},
+        FileCase{"minutes and seconds", "time_s,axis0/q1_rad\n01:59.99,1.5\n02:00.00,-2\n02:00.01,3\n", ""},
         FileCase{"UTF-16 with a mark", utf16(kPlain, false, true), ""},
         FileCase{"UTF-16 big endian", utf16(kPlain, true, true), ""},
         FileCase{"UTF-16 without a mark", utf16(kPlain, false, false), ""},
@@ -148,6 +166,8 @@ INSTANTIATE_TEST_SUITE_P(
         FileCase{"decimal commas between commas", "time_s,axis0/q1_rad\n0,00,1,5\n0,01,2,5\n0,02,3,5\n",
                  "`sed -E 2',$ s/"},
         FileCase{"thousands", "time_s;axis0/q1_rad\n0;1.234,5\n1;2.234,5\n", "`tr -d . < x.csv > log.csv`"},
+        FileCase{"thousands by commas", "time_s;axis0/q1_rad\n0.0;1,234.5\n1.0;2,234.5\n",
+                 "`tr -d , < x.csv > log.csv` if the points"},
         FileCase{"both points and commas", "time_s;axis0/q1_rad\n0.00;1,5\n0.01;2,5\n0.02;3,5\n",
                  "`tr , . < x.csv > log.csv`"},
         FileCase{"two logs of one prompt", kPlain + "ok\n" + kPlain + "ok\n", "x.csv:6: a second log begins here"},
@@ -155,6 +175,12 @@ INSTANTIATE_TEST_SUITE_P(
         FileCase{"no names", "0;1\n1;2\n", "put the column names there"},
         FileCase{"dates with slashes", "time_s,axis0/q1_rad\n11/22/2026 05:00:00,1\n11/22/2026 05:00:01,2\n",
                  "'11/22/2026 05:00:00'"},
+        FileCase{"dates with slashes, the year last",
+                 "time_s,axis0/q1_rad\n11/12/2026 05:00:00,1\n11/12/2026 05:00:01,2\n",
+                 "which number is the day and which the month; write it as 2026-11-22"},
+        FileCase{"times of whole seconds", "time_s,axis0/q1_rad\n05:00:03,1\n05:00:03,2\n05:00:04,2\n",
+                 "x.csv:3: time_s repeats 0, as the times have no fractions of a second; export"},
+        FileCase{"Fortran's exponents", "time_s,axis0/q1_rad\n0,1.5D+00\n1,-2.0D-01\n", "Fortran's exponents"},
         FileCase{"a broken time of day", "time_s,axis0/q1_rad\n05:00:00.0,1\n05:00:00.1,2\nlater,2\n5:0,2\n",
                  "x.csv:4: column time_s holds 'later'"},
         FileCase{"a zip archive", "PK\x03\x04 and so on", "`unzip x.csv`"},
@@ -169,11 +195,60 @@ INSTANTIATE_TEST_SUITE_P(
         FileCase{"a ROS 2 bag", "SQLite format 3\0"s, "is a database, as ROS 2 bags"},
         FileCase{"binary", "time_s,a\n\x01\0\x02"s, "the file is binary"},
         FileCase{"JSON", "  {\"time_s\": [0, 1]}\n", "the file is JSON"},
+        FileCase{"a list of JSON in one line", "[{\"time_s\": 0}, {\"time_s\": 1}]",
+                 "pandas.read_json('x.csv').to_csv"},
+        FileCase{"lines of JSON", "{\"time_s\": 0}\n{\"time_s\": 1}\n", "pandas.read_json('x.csv', lines=True)"},
+        FileCase{"a tar archive", std::string(257, 'x') + "ustar  and so on", "`tar -xf x.csv`"},
+        FileCase{"zero bytes in the middle", kPlain + "\0\0\0\0\0"s + kPlain, "the file is binary"},
         FileCase{"a web page", "<html><body>404</body></html>\n", "XML or HTML"},
         FileCase{"gzip that ends early", kGzip.substr(0, 24), "`gzip -dc x.csv > log.csv`"},
         FileCase{"gzip that is damaged", kGzip.substr(0, 20) + "\xFF\xFF\xFF" + kGzip.substr(23), "it is damaged"},
         FileCase{"Zstandard that ends early", packed(Codec::kZstd, kPlain).substr(0, 20), "it ends in the middle"},
         FileCase{"LZ4 that ends early", packed(Codec::kLz4, kPlain).substr(0, 20), "it ends in the middle"}));
+
+auto refusal_of(const std::string& text) -> std::string {
+  try {
+    static_cast<void>(CsvLog::parse(text, "x.csv").column_with_gaps("axis0/q1_rad"));
+  } catch (const BadInput& refusal) {
+    return refusal.what();
+  }
+  return "";
+}
+
+/// What the sed command of a refusal makes of a line. @param mark  around pattern and replacement
+auto cured(const std::string& line, const std::string& refusal, char mark) -> std::string {
+  const auto from = refusal.find(std::string("s") + mark) + 2;
+  const auto middle = refusal.find(mark, from);
+  std::string replacement = refusal.substr(middle + 1, refusal.find(mark, middle + 1) - middle - 1);
+  std::replace(replacement.begin(), replacement.end(), '\\', '$');
+  return std::regex_replace(line, std::regex(refusal.substr(from, middle - from)), replacement);
+}
+
+TEST(Logs, DecimalCommasBetweenCommasAreCuredWhereEachNumberHasOneAndElseNotGuessed) {
+  const std::string each = refusal_of("time_s,axis0/q1_rad\n0,00,1,5e-3\n0,01,-2,5\n0,02,3,5\n");
+  EXPECT_EQ(cured("0,00,1,5e-3", each, '/'), "0.00,1.5e-3");
+  EXPECT_EQ(cured("0,01,-2,5", each, '/'), "0.01,-2.5");
+  for (const char* text : {"time_s,axis0/q1_rad\n0,1,5\n0,01,2,5\n0,02,3,5\n",      // a time of zero
+                           "time_s,axis0/q1_rad\n0,00,1,5\n0,01,2,5\n0,02,3\n"}) {  // an angle of three
+    const std::string some = refusal_of(text);
+    EXPECT_EQ(some.find("sed"), std::string::npos) << some;
+    EXPECT_NE(some.find("export with semicolons"), std::string::npos) << some;
+  }
+}
+
+TEST(Logs, CellsThatSayThatNothingWasMeasuredAreCuredByEmptyOnes) {
+  for (const char* word : {"nan", "NaN", "NA", "N/A", "null", "None"}) {
+    const std::string row = std::string("1,") + word;
+    const std::string refusal = refusal_of("time_s,axis0/q1_rad\n0,1\n" + row + "\n2,3\n");
+    EXPECT_EQ(cured(row, refusal, '#'), "1,") << refusal;
+  }
+}
+
+TEST(Logs, RowsThatBeginWithoutMeasuredValuesAreNoNames) {
+  const CsvLog log = CsvLog::parse("time_s,a,b,c\n0,NA,null,NA\n1,2,3,4\n", "x.csv");
+  EXPECT_EQ(log.rows(), 2U);
+  EXPECT_EQ(log.column_names(), (std::vector<std::string>{"time_s", "a", "b", "c"}));
+}
 
 /// Between two texts, each time they occur.
 auto all_between(const std::string& text, const std::string& open, const std::string& close)
