@@ -28,14 +28,17 @@ auto begins_with_name(std::string_view text, std::string_view name) -> bool {
          (text.size() == name.size() || !is_word_character(name.back()) || !is_word_character(text[name.size()]));
 }
 
-/// The longest column name that the text begins with. Names that are numbers or nothing but marks are found in quotes
-/// only.
+/// Whether a name is found without quotes: no number, nor nothing but marks.
+auto is_word(const std::string& name) -> bool {
+  return std::any_of(name.begin(), name.end(), is_word_character) && !parse_number(name);
+}
+
+/// The longest column name that the text begins with.
 auto longest_name(std::string_view text, const std::vector<std::string>& names) -> std::optional<std::size_t> {
   std::optional<std::size_t> best;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
-    const bool word = std::any_of(name.begin(), name.end(), is_word_character) && !parse_number(name);
-    if (word && begins_with_name(text, name) && (!best || name.size() > names[*best].size())) {
+    if (is_word(name) && begins_with_name(text, name) && (!best || name.size() > names[*best].size())) {
       best = i;
     }
   }
@@ -97,6 +100,10 @@ void define_functions(mu::Parser& parser) {
 }
 
 }  // namespace
+
+auto as_operand(const std::string& name) -> std::string {
+  return is_word(name) ? name : "'" + name + "'";
+}
 
 void ColumnExpression::take_name(std::size_t index) {
   const auto found = std::find(columns_.begin(), columns_.end(), index);

@@ -16,6 +16,9 @@ class BadExpression : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A column's name in an expression: between ' ' where it is no word.
+auto as_operand(const std::string& name) -> std::string;
+
 /// Arithmetic on the columns of a log: "0.5*(left + right)", "deg(elbow [deg])", "(a - b)*0.0369".
 /// Numbers, column names, + - * / ^ ( ), deg(x) (degrees to radians), rad(x) (radians to degrees), sin, cos, abs, sqrt,
 /// sign; the constants pi and deg (radians per degree). A column's name is taken as long as it goes, whatever

@@ -67,6 +67,9 @@ auto CsvLog::parse(std::string bytes, std::string name, std::vector<ColumnMappin
   }
   log.read_header(without_line_end(std::string_view(log.text_).substr(begin, end - begin)));
   log.read_rows(end + 1, number + 1);
+  for (auto& mapping : log.mappings_) {
+    read_by_unit(mapping, log.names_, log.name_, log.warnings_);
+  }
   for (auto& mapping : mappings_by_unit(log.names_, log.mappings_, log.name_, log.warnings_)) {
     log.mappings_.push_back(std::move(mapping));
   }
@@ -171,6 +174,12 @@ auto CsvLog::source_name(const std::string& wanted) const -> std::string {
   return mapping != nullptr && index_of(mapping->expression) ? mapping->expression : wanted;
 }
 
+auto CsvLog::expression_of(const std::string& wanted) const -> std::string {
+  const auto* mapping = mapping_of(wanted);
+  const std::string& text = mapping != nullptr ? mapping->expression : wanted;
+  return index_of(text) ? as_operand(text) : mapping != nullptr ? "(" + text + ")" : text;
+}
+
 auto CsvLog::missing(const std::string& wanted, const std::string& source) const -> std::string {
   return place(name_, 1) + "there is no column " + source + " among " + joined(names_) +
          "; name the right one with --map " + wanted + "=COLUMN";
@@ -269,6 +278,7 @@ auto CsvLog::time() const -> Eigen::VectorXd {
   for (Eigen::Index i = 1; i < time.size(); ++i) {
     if (!(time[i] > time[i - 1])) {
       const bool repeated = time[i] == time[i - 1];
+      const bool whole = clock && repeated && ((time.array() - time.array().round()).abs() < 1e-6).all();
       throw BadInput(place(name_, lines_[static_cast<std::size_t>(i)].number) + "time_s " +
                      (repeated ? "repeats " : "runs backward to ") + exact(time[i]) +
                      (repeated ? "" : " after " + exact(time[i - 1])) +
@@ -279,7 +289,6 @@ auto CsvLog::time() const -> Eigen::VectorXd {
   return time;
 }
 
-      const bool whole = clock && repeated && ((time.array() - time.array().round()).abs() < 1e-6).all();
 auto CsvLog::with_rows(const std::vector<std::size_t>& rows, std::map<std::string, Eigen::VectorXd> columns) const
     -> CsvLog {
   CsvLog result = *this;

@@ -33,6 +33,8 @@ class CsvLog {
   [[nodiscard]] auto has(const std::string& wanted) const -> bool;
   /// Name in the file of the column that wanted is read from as it is; `wanted` itself where a factor changes the unit.
   [[nodiscard]] auto source_name(const std::string& wanted) const -> std::string;
+  /// What wanted is read from, as a part of another --map.
+  [[nodiscard]] auto expression_of(const std::string& wanted) const -> std::string;
   /// Every cell as a finite number, the mapping worked out. Throws BadInput: missing column, or a cell that is
   /// not a number.
   [[nodiscard]] auto column(const std::string& wanted) const -> Eigen::VectorXd;

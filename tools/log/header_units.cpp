@@ -72,6 +72,12 @@ auto is_contract_stem(const std::string& stem) -> bool {
                      [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; });
 }
 
+auto unit_named(std::string_view word) -> const UnitName* {
+  const auto* const unit =
+      std::find_if(kUnits.begin(), kUnits.end(), [&](const UnitName& u) { return u.written == word; });
+  return unit == kUnits.end() ? nullptr : &*unit;
+}
+
 struct Reading {
   std::string wanted;
   double factor = 1.0;
@@ -82,9 +88,8 @@ auto reading_of(const std::string& name) -> std::optional<Reading> {
   if (!apart || !is_contract_stem(plain_stem(apart->stem))) {
     return std::nullopt;
   }
-  const auto unit =
-      std::find_if(kUnits.begin(), kUnits.end(), [&](const UnitName& u) { return u.written == apart->unit; });
-  if (unit == kUnits.end()) {
+  const UnitName* unit = unit_named(apart->unit);
+  if (unit == nullptr) {
     return std::nullopt;
   }
   const std::string wanted = plain_stem(apart->stem) + "_" + std::string(unit->si);
@@ -115,6 +120,25 @@ auto mappings_by_unit(const std::vector<std::string>& names, const std::vector<C
                     (factor == 1.0 ? "" : " (times " + rounded(factor, 6) + ")"));
   }
   return mappings;
+}
+
+void read_by_unit(ColumnMapping& mapping, const std::vector<std::string>& names, const std::string& log,
+                  std::vector<std::string>& notes) {
+  const auto of_column = taken_apart(mapping.expression);
+  const auto of_wanted = taken_apart(mapping.wanted);
+  if (!of_column || !of_wanted || std::find(names.begin(), names.end(), mapping.expression) == names.end()) {
+    return;
+  }
+  const UnitName* given = unit_named(of_column->unit);
+  const UnitName* wanted = unit_named(of_wanted->unit);
+  if (given == nullptr || wanted == nullptr || given->si != wanted->si || given->factor == wanted->factor) {
+    return;
+  }
+  const double factor = given->factor / wanted->factor;
+  notes.push_back(log + ": column " + mapping.expression + " is read as " + mapping.wanted + " (times " +
+                  rounded(factor, 6) + "); --map \"" + mapping.wanted + "=" + mapping.expression +
+                  "*1\" takes its numbers as they are");
+  mapping.expression += "*" + exact(factor);
 }
 
 }  // namespace capstan::tools

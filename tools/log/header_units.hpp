@@ -14,4 +14,10 @@ namespace capstan::tools {
 auto mappings_by_unit(const std::vector<std::string>& names, const std::vector<ColumnMapping>& given,
                       const std::string& log, std::vector<std::string>& notes) -> std::vector<ColumnMapping>;
 
+/// A mapping to a column as it is, whose name has a unit of the same quantity as what is wanted ("axis0/tau_Nm=Torque
+/// [mNm]"), gets the factor between them. A note in `notes` says so, and how to read the numbers as they are.
+/// @param names  columns of the log
+void read_by_unit(ColumnMapping& mapping, const std::vector<std::string>& names, const std::string& log,
+                  std::vector<std::string>& notes);
+
 }  // namespace capstan::tools

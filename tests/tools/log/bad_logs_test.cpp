@@ -250,6 +250,26 @@ TEST(Logs, RowsThatBeginWithoutMeasuredValuesAreNoNames) {
   EXPECT_EQ(log.column_names(), (std::vector<std::string>{"time_s", "a", "b", "c"}));
 }
 
+TEST(Logs, AMappedColumnsUnitIsRead) {
+  const std::string text = "t_ms,Torque [mNm],Motor (deg),speed_mm\n0,500,180,1\n10,-250,-90,2\n";
+  const CsvLog log = CsvLog::parse(text, "x.csv",
+                                   parse_mappings({"time_s=t_ms", "axis0/tau_Nm=Torque [mNm]",
+                                                   "axis0/q1_rad=Motor (deg)", "axis0/q2_rad=speed_mm"}));
+  EXPECT_EQ(log.time()[1], 0.01);
+  EXPECT_EQ(log.column("axis0/tau_Nm"), Eigen::Vector2d(0.5, -0.25));
+  EXPECT_NEAR(log.column("axis0/q1_rad")[0], 3.14159265358979, 1e-12);
+  EXPECT_EQ(log.column("axis0/q2_rad")[1], 2.0);  // a length is no angle
+  ASSERT_EQ(log.warnings().size(), 3U);
+  EXPECT_NE(log.warnings()[1].find("Torque [mNm] is read as axis0/tau_Nm (times 0.001)"), std::string::npos);
+  for (const char* factor : {"1", "0.002"}) {
+    const CsvLog given =
+        CsvLog::parse(text, "x.csv", parse_mappings({std::string("axis0/tau_Nm=Torque [mNm]*") + factor}));
+    EXPECT_EQ(given.column("axis0/tau_Nm")[0], 500.0 * *parse_number(factor));
+    ASSERT_EQ(given.warnings().size(), 1U);
+    EXPECT_NE(given.warnings()[0].find("t_ms is read as time_s"), std::string::npos);
+  }
+}
+
 /// Between two texts, each time they occur.
 auto all_between(const std::string& text, const std::string& open, const std::string& close)
     -> std::vector<std::string> {
