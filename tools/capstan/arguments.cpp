@@ -23,6 +23,15 @@ auto writes(const CLI::Option& option) -> bool {
   return std::any_of(kWriters.begin(), kWriters.end(), [&](const char* name) { return option.check_lname(name); });
 }
 
+/// What the frames of a board are written to may be MCAP; nothing else is, whatever its name.
+void expect_no_mcap(const CLI::App& command, const NamedFile& file) {
+  const bool by_frames = command.get_name() == "record" || file.option == "--record";
+  if (!by_frames && file.path.ends_with(".mcap")) {
+    throw BadInput(file.option + ": " + file.path + " would be named like MCAP, which 'capstan " + command.get_name() +
+                   "' does not write; give it another ending, for a log .csv");
+  }
+}
+
 /// Ranges let nan through, as it is neither below nor above.
 void expect_finite(const CLI::App& command, const CLI::Option& option) {
   for (const std::string& word : option.results()) {
@@ -89,6 +98,7 @@ void expect_sound(const CLI::App& command) {
       }
     }
   }
+  std::for_each(written.begin(), written.end(), [&](const auto& file) { expect_no_mcap(command, file); });
   expect_sound_files(read, written);
   expect_maps_read(command);
 }

@@ -67,6 +67,14 @@ TEST_F(Arguments, NoOutputReplacesAnInput) {
   EXPECT_EQ(read_text_file(path("law.toml")), "law");
 }
 
+TEST_F(Arguments, WhatIsNoMcapIsNotNamedSo) {
+  const std::string log = write_log(short_log(100.0));
+  const std::string named = "\"" + path("x.mcap") + "\"";
+  expect_refused(run("run --for 0.01 --log " + named), "give it another ending, for a log .csv");
+  expect_refused(run("replay " + log + " --model law.toml -o " + named), "'capstan replay' does not write");
+  EXPECT_FALSE(exists("x.mcap"));
+}
+
 TEST_F(Arguments, NoFileIsWrittenTwice) {
   const std::string log = write_log(short_log(100.0));
   const std::string one = "\"" + path("one") + "\"";
