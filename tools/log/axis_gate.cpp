@@ -35,14 +35,20 @@ void keep_rows(AxisLog& axis, const std::vector<Eigen::Index>& rows) {
 }
 
 /// The channels of an axis that are looked at.
-auto channels_of(const AxisLog& axis, const AxisRequest& request, const std::string& q1) -> std::vector<GateChannel> {
+auto channels_of(const CsvLog& csv, const AxisLog& axis, const AxisRequest& request, const std::string& q1)
+    -> std::vector<GateChannel> {
   const bool effort = axis.effort.size() > 0;
-  return {{q1, ChannelRole::kMotorAngle, &axis.q1_rad},
-          {axis_column(request.axis, "tau_Nm"), ChannelRole::kMotorEffort, axis.has_torque ? &axis.tau_nm : nullptr},
-          {effort ? axis.target : "", request.force ? ChannelRole::kJointEffort : ChannelRole::kMotorEffort,
-           effort ? &axis.effort : nullptr},
-          {effort ? axis_column(request.axis, "q2_rad") : axis.target, ChannelRole::kJointAngle,
-           axis.q2_rad.size() > 0 ? &axis.q2_rad : nullptr}};
+  std::vector<GateChannel> channels = {
+      {q1, ChannelRole::kMotorAngle, &axis.q1_rad},
+      {axis_column(request.axis, "tau_Nm"), ChannelRole::kMotorEffort, axis.has_torque ? &axis.tau_nm : nullptr},
+      {effort ? axis.target : "", request.force ? ChannelRole::kJointEffort : ChannelRole::kMotorEffort,
+       effort ? &axis.effort : nullptr},
+      {effort ? axis_column(request.axis, "q2_rad") : axis.target, ChannelRole::kJointAngle,
+       axis.q2_rad.size() > 0 ? &axis.q2_rad : nullptr}};
+  for (auto& channel : channels) {
+    channel.source = csv.expression_of(channel.name);
+  }
+  return channels;
 }
 
 /// Rows per new value of the held ones, by name.
@@ -76,6 +82,20 @@ auto frames_of_joint(const AxisLog& axis, const Beats& beats, const std::vector<
   return {};
 }
 
+/// " (lines 12, 40 and 3 more)", where there is more than the one that stands before the sentence.
+auto lines_text(const CsvLog& csv, const std::vector<Eigen::Index>& rows) -> std::string {
+  constexpr std::size_t kMostNamed = 8;
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < std::min(rows.size(), kMostNamed); ++i) {
+    lines.push_back(std::to_string(csv.line_of(static_cast<std::size_t>(rows[i]))));
+  }
+  if (rows.size() < 2) {
+    return "";
+  }
+  const std::string more = rows.size() > kMostNamed ? " and " + std::to_string(rows.size() - kMostNamed) + " more" : "";
+  return " (lines " + joined(lines) + more + ")";
+}
+
 /// Puts a straight line through these rows of every signal, from the row before to the row after.
 void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows) {
   std::sort(rows.begin(), rows.end());
@@ -92,7 +112,7 @@ void leave_out(AxisLog& axis, std::vector<Eigen::Index> rows) {
 }  // namespace
 
 void pass_gate(const CsvLog& csv, const AxisRequest& request, const std::string& q1, AxisLog& axis) {
-  const std::vector<GateChannel> channels = channels_of(axis, request, q1);
+  const std::vector<GateChannel> channels = channels_of(csv, axis, request, q1);
   const std::vector<ChannelFinding> findings = inspect_channels(axis.period_s, channels);
   std::vector<Eigen::Index> wild;
   Beats beats;
@@ -117,7 +137,9 @@ void pass_gate(const CsvLog& csv, const AxisRequest& request, const std::string&
     const std::string held = thins ? "; only those " + std::to_string(kept.size()) + " rows are used"
                                    : ", so it is late by half of that on average; log the sensor's own rate";
     axis.warnings.push_back(where + finding.channel + " " + finding.what +
-                            (finding.fault == ChannelFault::kHeld ? held : ""));
+                            (finding.fault == ChannelFault::kHeld     ? held
+                             : finding.fault == ChannelFault::kSpikes ? lines_text(csv, finding.rows)
+                                                                      : ""));
   }
   if (kept.empty()) {
     return;

@@ -8,6 +8,7 @@
 
 #include "capstan/model/terms/transport_delay.hpp"
 #include "capstan/tools/log/channel_delay.hpp"
+#include "capstan/tools/log/channel_ends.hpp"
 #include "capstan/tools/log/channel_shape.hpp"
 #include "capstan/tools/log/wild_values.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -17,6 +18,7 @@ namespace capstan::tools {
 namespace {
 
 using Eigen::Index;
+using Rows = std::vector<Index>;
 
 constexpr double kFewestSteps = 100.0;  // of the resolution over the range: coarser, and steps look like lost motion
 /// A joint behind tendons turns less than this; its angle in degrees runs over more.
@@ -30,8 +32,17 @@ auto is_effort(const GateChannel& channel) -> bool {
   return channel.role == ChannelRole::kMotorEffort || channel.role == ChannelRole::kJointEffort;
 }
 
-/// What a delay can be cured by.
-auto cure_of(double late_s) -> std::string {
+/// What --map reads the channel from, as a part of an expression.
+auto source_of(const GateChannel& channel) -> const std::string& {
+  return channel.source.empty() ? channel.name : channel.source;
+}
+
+/// What a delay can be cured by. A law's answer may come late; what it reads it takes as it comes, and none looks
+/// ahead.
+auto cure_of(bool is_target, double late_s) -> std::string {
+  if (!is_target) {
+    return "no effect of a law takes it up, so give this channel's values the times at which they were measured";
+  }
   constexpr double kLongestS = TransportDelay<double>::kInfo.shapes[0].maximum;
   return late_s <= kLongestS ? "the effect transport_delay can take it up, and a common time stamp would cure it"
                              : "the effect transport_delay takes up " + rounded(1e3 * kLongestS, 3) +
@@ -92,8 +103,22 @@ class Gate {
             "for instance with Python: `numpy.unwrap(angle, period=" + rounded(turn.value_or(jump), 8) + ")`");
   }
 
+  /// A number below zero whose sign was lost.
+  void add_unsigned_word(const GateChannel& channel, double range) {
+    const std::string half = exact(0.5 * range);
+    const std::string& source = source_of(channel);
+    add(ChannelFault::kWrapped, channel, {}, range,
+        "is " + rounded(range, 8) + " too high wherever it is below zero, as a number with a sign is that was read " +
+            "without one; read it with --map \"" + channel.name + "=" + source + " - " + half + "*(1 + sign(" + source +
+            " - " + half + "))\"");
+  }
+
   void look_at(const GateChannel& channel) {
     const Eigen::VectorXd& x = *channel.values;
+    if (const auto range = is_effort(channel) ? unsigned_range(x) : std::nullopt) {
+      add_unsigned_word(channel, *range);
+      return;
+    }
     if (auto rows = jump_rows(x); !rows.empty()) {
       if (rows.size() == 1 || !is_effort(channel)) {  // friction switches a torque to and fro between two levels
         add_jumps(channel, std::move(rows));
@@ -106,15 +131,17 @@ class Gate {
       add(ChannelFault::kSpikes, channel, std::move(rows), 0.0,
           "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
     }
+    const Rows clipped = clipped_rows(x);
     if (const auto beat = rows_per_value(x)) {
       add(ChannelFault::kHeld, channel, {}, *beat, "has a new value only every " + rounded(*beat) + " samples");
-    } else if (auto clipped = clipped_rows(x); !clipped.empty()) {
-      const auto count = std::to_string(clipped.size());
-      add(ChannelFault::kClipped, channel, std::move(clipped), x.maxCoeff(),
-          "is cut off at an end of its range in " + count + " rows, from here on; choose a larger range of the sensor");
+    } else if (!clipped.empty()) {
+      add(ChannelFault::kClipped, channel, clipped, x.maxCoeff(),
+          "is cut off at an end of its range in " + std::to_string(clipped.size()) +
+              " rows, from here on; choose a larger range of the sensor" +
+              (is_effort(channel) ? ", unless the drive itself gives no more" : ""));
     }
     const auto* motor = first_of(ChannelRole::kMotorAngle);
-    if (motor != nullptr && motor->name != channel.name) {
+    if (motor != nullptr && motor->name != channel.name && clipped.empty()) {  // what is cut off stands still as well
       if (auto stuck = stuck_rows(x, *motor->values); !stuck.empty()) {
         const auto count = std::to_string(stuck.size());
         add(ChannelFault::kStuck, channel, std::move(stuck), 0.0,
@@ -141,12 +168,12 @@ class Gate {
     const double joint_range = robust_range(*joint->values);
     const double motor_range = motor == nullptr ? 0.0 : robust_range(*motor->values);
     const double most = kMostJointTurns * 2.0 * std::numbers::pi;
-    const auto hint = [](const std::string& name) {
-      return "; if it is in degrees, read it with --map \"" + name + "=deg(" + name + ")\"";
+    const auto hint = [](const GateChannel& channel) {
+      return "; if it is in degrees, read it with --map \"" + channel.name + "=deg(" + source_of(channel) + ")\"";
     };
     if (joint_range > most) {
       add(ChannelFault::kDegrees, *joint, {}, joint_range,
-          "runs over " + rounded(joint_range) + ", more turns than a joint behind tendons makes" + hint(joint->name));
+          "runs over " + rounded(joint_range) + ", more turns than a joint behind tendons makes" + hint(*joint));
     }
     if (motor == nullptr || joint_range <= 0.0) {
       return;
@@ -159,7 +186,7 @@ class Gate {
     const double ratio = motor_range / joint_range;
     if (ratio > kDegrees / kPulleys && ratio < kDegrees * kPulleys && motor_range > most) {
       add(ChannelFault::kDegrees, *motor, {}, ratio,
-          "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(motor->name) +
+          "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(*motor) +
               "; if there is a gear of that ratio between them, ignore this");
     }
   }
@@ -199,8 +226,8 @@ class Gate {
     const double ms = 1e3 * period_s_;
     add(ChannelFault::kLate, *late, {}, period_s_ * delay->rows,
         "is late against the other channels by " + rounded(ms * delay->rows, 3) + " ms (95 % " +
-            rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) +
-            "); nothing was shifted: " + cure_of(period_s_ * delay->rows) +
+            rounded(ms * delay->low, 3) + " to " + rounded(ms * delay->high, 3) + "); nothing was shifted: " +
+            cure_of(late == (target != nullptr ? target : effort), period_s_ * delay->rows) +
             (late == effort && target != nullptr
                  ? "; if all channels share one clock, this is not a delay: tendon drag and friction cause it"
                  : ""));

@@ -29,6 +29,7 @@ struct GateChannel {
   std::string name;
   ChannelRole role = ChannelRole::kOther;
   const Eigen::VectorXd* values = nullptr;
+  std::string source = {};  ///< what --map reads it from; empty: a column of that name
 };
 
 struct ChannelFinding {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "capstan/tools/support/statistics.hpp"
 
@@ -13,8 +12,12 @@ namespace {
 using Eigen::Index;
 using Rows = std::vector<Index>;
 
-/// Of changes that a clock makes, so many come on its beat.
+/// Of changes that a clock makes, so many come on its beat. It may jitter and lose pictures; but where changes come
+/// sooner than its beat less the jitter, no clock makes them.
 constexpr double kOnBeat = 0.97;
+constexpr double kJitter = 1.0 / 3.0;  // of the beat: of two pictures, a sixth early or late each
+constexpr double kMostLost = 2.0;      // pictures in turn
+constexpr double kOneBeat = 1.5;       // beats: up to here none was lost
 constexpr Index kFewestChanges = 20;
 /// A channel that is held moves by several steps of its resolution from value to value; an encoder's count by one.
 constexpr double kFewestStepsPerValue = 1.5;
@@ -29,14 +32,7 @@ constexpr double kEdge = 0.01;          // of the largest value: the smallest
 constexpr double kFewestAtEdge = 12.0;  // rows near zero
 constexpr double kEvenDensity = 0.25;   // of neighbouring bands
 constexpr double kSharpTurns = 0.6;     // share of the turns near zero that are sharp
-constexpr double kClipRun = 5;          // rows at the very end of the range
-constexpr double kClipShare = 0.004;    // of the rows
-constexpr double kAbrupt = 0.5;         // of the usual change, on the way into the end of the range
 constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a channel with noise or fine steps
-constexpr double kWrapShare = 0.6;      // of the full range in one row
-constexpr double kWrapAlike = 0.15;     // by which the jumps may differ
-constexpr double kTurnShare = 0.02;     // by which a jump may miss a turn: the step of a fast joint from row to row
-constexpr double kQuietBeside = 0.1;    // of the jump: all other changes
 
 auto repeated_share(const Eigen::VectorXd& x) -> double {
   return static_cast<double>((changes_of(x).array() == 0.0).count()) / static_cast<double>(x.size() - 1);
@@ -131,9 +127,11 @@ auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {
     runs[i] = static_cast<double>(at[static_cast<std::size_t>(i) + 1] - at[static_cast<std::size_t>(i)]);
   }
   const double beat = median(runs);
-  const double exact_beat = static_cast<double>(at.back() - at.front()) / static_cast<double>(runs.size());
-  const auto on_beat = (runs.array() >= beat - 1.0).count();
-  const auto near_beat = ((runs.array() - beat).abs() <= 1.0).count();
+  const double jitter = std::max(1.0, kJitter * beat);
+  // Changes of every second row on average come in the next row as well, so there a late one says nothing of a clock.
+  const double longest = (beat - jitter > 1.0 ? (1.0 + kMostLost) * beat : beat) + jitter;
+  const auto on_beat = (runs.array() >= beat - jitter).count();
+  const auto near_beat = (runs.array() >= beat - jitter && runs.array() <= longest).count();
   const double step = quantisation_step(x);
   const double size = median(Eigen::Map<const Eigen::VectorXd>(sizes.data(), static_cast<Index>(sizes.size())));
   const bool by_steps = step <= 0.0 || size > kFewestStepsPerValue * step;
@@ -142,23 +140,28 @@ auto rows_per_value(const Eigen::VectorXd& x) -> std::optional<double> {
   if (beat < 2.0 || share(on_beat) < kOnBeat || share(near_beat) < kMostlyNear || !by_steps) {
     return std::nullopt;
   }
-  return std::abs(exact_beat - beat) < 1.0 ? exact_beat : beat;
+  const auto single = runs.array() <= kOneBeat * beat;
+  return single.select(runs.array(), 0.0).sum() / static_cast<double>(single.count());
 }
 
 auto frame_rows(const Eigen::VectorXd& values, double beat) -> Rows {
-  constexpr double kOverdue = 1.5;  // beats: a new value that comes a little late is no rest
+  constexpr double kRest =
+      2.5;  // beats without a new value: in less a picture was late or lost, and an old value is none
   Rows frames;
-  double last = 0.0;
+  const auto fill_rest = [&](Index end) {
+    const Index begin = frames.empty() ? end : frames.back();
+    const auto length = static_cast<double>(end - begin);
+    for (double due = beat; length >= kRest * beat && due <= length - 0.5 * beat; due += beat) {
+      frames.push_back(begin + static_cast<Index>(due));
+    }
+  };
   for (Index i = 1; i < values.size(); ++i) {
-    const auto row = static_cast<double>(i);
     if (values[i] != values[i - 1]) {
-      last = row;
+      fill_rest(i);
       frames.push_back(i);
-    } else if (!frames.empty() && row >= last + kOverdue * beat) {
-      last += beat;
-      frames.push_back(static_cast<Index>(last));
     }
   }
+  fill_rest(values.size());
   return frames;
 }
 
@@ -201,51 +204,6 @@ auto is_magnitude(const Eigen::VectorXd& x, bool effort) -> bool {
   return (effort && has_hard_edge(x, top)) || turns_sharply(x, top);
 }
 
-auto clipped_rows(const Eigen::VectorXd& x) -> Rows {
-  if (repeated_share(x) > kRarelyRepeats) {
-    return {};  // coarse or held: the ends of its range are flat anyway
-  }
-  Rows rows;
-  const double high = x.maxCoeff();
-  const double low = x.minCoeff();
-  const double usual = median(changes_of(x));
-  constexpr Index kReach = 3;
-  for (const Run& run : flat_runs(x, static_cast<Index>(kClipRun))) {
-    // A signal that turns or comes to rest is slow before it is flat; one that is cut off is not.
-    const bool abrupt =
-        run.begin >= kReach && std::abs(x[run.begin] - x[run.begin - kReach]) > kAbrupt * kReach * usual;
-    if (abrupt && (x[run.begin] == high || x[run.begin] == low)) {
-      append_rows(rows, run);
-    }
-  }
-  return static_cast<double>(rows.size()) < kClipShare * static_cast<double>(x.size()) ? Rows{} : rows;
-}
-
-auto jump_rows(const Eigen::VectorXd& x) -> Rows {
-  const double range = x.maxCoeff() - x.minCoeff();
-  const Eigen::VectorXd changes = changes_of(x);
-  Rows rows;
-  double largest = 0.0;
-  double smallest = range;
-  double other = 0.0;
-  for (Index i = 0; i < changes.size(); ++i) {
-    if (changes[i] > kWrapShare * range) {
-      rows.push_back(i + 1);
-      largest = std::max(largest, changes[i]);
-      smallest = std::min(smallest, changes[i]);
-    } else {
-      other = std::max(other, changes[i]);
-    }
-  }
-  const bool alike = largest - smallest <= kWrapAlike * largest && other < kQuietBeside * largest;
-  // A single wild value jumps and comes back.
-  const auto back = std::any_of(rows.begin(), rows.end(),
-                                [&](Index row) { return std::find(rows.begin(), rows.end(), row + 1) != rows.end(); });
-  constexpr double kMostWraps = 0.02;
-  const bool few = static_cast<double>(rows.size()) < kMostWraps * static_cast<double>(x.size());
-  return range > 0.0 && alike && few && !back ? rows : Rows{};
-}
-
 auto leap_row(const Eigen::VectorXd& joint, const Eigen::VectorXd& motor) -> std::optional<Index> {
   constexpr double kFurther = 4.0;  // than in any other row; chosen on no log
   constexpr double kStays = 0.5;    // of the leap
@@ -268,18 +226,6 @@ auto leap_row(const Eigen::VectorXd& joint, const Eigen::VectorXd& motor) -> std
   const Eigen::VectorXd apart = joint - ratio * motor;
   const double stays = median(apart.segment(at + 1, kAround)) - median(apart.segment(at + 1 - kAround, kAround));
   return leap > kFurther * changes.maxCoeff() && std::abs(stays) > kStays * leap ? std::optional(at + 1) : std::nullopt;
-}
-
-auto nearest_turn(double jump) -> std::optional<double> {
-  const auto near = [jump](double turn) { return std::abs(jump - turn) <= kTurnShare * turn; };
-  for (const double turn : {2.0 * std::numbers::pi, 360.0, 1.0}) {
-    if (near(turn)) {
-      return turn;
-    }
-  }
-  constexpr double kFewestCounts = 512.0;  // 256 counts are a joint's 255 degrees as well
-  const double counts = std::exp2(std::round(std::log2(jump)));
-  return counts >= kFewestCounts && near(counts) ? std::optional(counts) : std::nullopt;
 }
 
 auto steps_over_range(const Eigen::VectorXd& x) -> std::optional<double> {

@@ -19,7 +19,8 @@ auto varies(const Eigen::VectorXd& values) -> bool;
 /// Rows per new value of a channel that is held by a clock; nothing if it is not.
 auto rows_per_value(const Eigen::VectorXd& values) -> std::optional<double>;
 
-/// Rows at which a held channel has a new value: where it changes, and while it rests, where one was due.
+/// Rows at which a held channel has a new value: where it changes, and while it rests, where one was due. Where it only
+/// lacks a value or two, as of a camera that lost pictures, there is none.
 /// @param beat  rows per new value, from rows_per_value()
 auto frame_rows(const Eigen::VectorXd& values, double beat) -> std::vector<Eigen::Index>;
 
@@ -30,18 +31,9 @@ auto stuck_rows(const Eigen::VectorXd& values, const Eigen::VectorXd& motion) ->
 /// @param effort  crosses zero on the way, noise and all; an angle may well start at zero and return to it
 auto is_magnitude(const Eigen::VectorXd& values, bool effort) -> bool;
 
-/// Rows at an end of the range where the channel is cut off.
-auto clipped_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
-
-/// Rows before which the channel jumps, each time alike and far beyond all other changes.
-auto jump_rows(const Eigen::VectorXd& values) -> std::vector<Eigen::Index>;
-
 /// Row before which a joint's angle leaps once, without its motor and for good, several times as far as in any other
 /// row.
 auto leap_row(const Eigen::VectorXd& joint, const Eigen::VectorXd& motor) -> std::optional<Eigen::Index>;
-
-/// The turn of a sensor that jumps by nearly this much: 2 pi, 360, 1, or a power of two of counts.
-auto nearest_turn(double jump) -> std::optional<double>;
 
 /// Steps of its resolution over the robust range; nothing if no resolution is to be seen.
 auto steps_over_range(const Eigen::VectorXd& values) -> std::optional<double>;

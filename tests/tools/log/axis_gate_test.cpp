@@ -58,6 +58,33 @@ TEST(AxisLogGate, AWildValueIsNamedByItsLineAndAStraightLineTakesItsPlace) {
   EXPECT_EQ(read_axis(CsvLog::parse(text_of(log, 1.0), "x.csv"), all).q2_rad[100], 50.0);
 }
 
+TEST(AxisLogGate, WildValuesAreNamedByTheirLines) {
+  Log log;
+  for (Index k = 1; k <= 10; ++k) {
+    log.q2[100 * k] = 50.0;
+  }
+  const AxisLog axis = read_axis(CsvLog::parse(text_of(log, 1.0), "x.csv"), {});
+  ASSERT_EQ(axis.warnings.size(), 1U);
+  EXPECT_NE(axis.warnings[0].find("(lines 102, 202, 302, 402, 502, 602, 702, 802 and 2 more)"), std::string::npos)
+      << axis.warnings[0];
+}
+
+TEST(AxisLogGate, TheCureOfDegreesReadsTheColumnThatWasMapped) {
+  Log log;
+  log.q2 *= 57.29577951308232;
+  std::string text = text_of(log, 1.0);
+  text.replace(text.find("axis0/q2_rad"), 12, "elbow");
+  for (const auto& [mapping, cure] :
+       {std::pair("axis0/q2_rad=elbow", "deg(elbow)"), {"axis0/q2_rad=elbow*1.5", "deg((elbow*1.5))"}}) {
+    const AxisLog axis = read_axis(CsvLog::parse(text, "x.csv", parse_mappings({mapping})), {});
+    ASSERT_EQ(axis.warnings.size(), 1U);
+    const std::string option = std::string("--map \"axis0/q2_rad=") + cure + "\"";
+    ASSERT_NE(axis.warnings[0].find(option), std::string::npos) << axis.warnings[0];
+    const auto cured = parse_mappings({std::string("axis0/q2_rad=") + cure});
+    EXPECT_LT(read_axis(CsvLog::parse(text, "x.csv", cured), {}).q2_rad.maxCoeff(), 2.0);
+  }
+}
+
 TEST(AxisLogGate, OfRowsThatRepeatOnlyTheMeasuredOnesAreUsed) {
   const AxisLog axis = read_axis(CsvLog::parse(text_of({}, 1.0, false, 5), "x.csv"), {});
   EXPECT_EQ(axis.samples(), kRows / 5);
@@ -148,6 +175,11 @@ TEST(AxisLogGate, AMotorsHeldTorqueThinsNothing) {
 TEST(FrameRows, AreWhereAValueIsNewAndAtRestWhereOneIsDue) {
   const VectorXd held{{0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2, 2, 2, 2, 2, 5, 5, 5, 5, 6, 6}};  // at rest from row 6 to 14
   EXPECT_EQ(frame_rows(held, 3.0), (std::vector<Index>{3, 6, 9, 12, 15, 19}));
+}
+
+TEST(FrameRows, HaveNoOldValueWhereAPictureWasLost) {
+  const VectorXd held{{0, 0, 0, 1, 1, 1, 2, 2, 2, 2, 2, 2, 5, 5, 5, 6, 6}};  // one lost at row 9
+  EXPECT_EQ(frame_rows(held, 3.0), (std::vector<Index>{3, 6, 12, 15}));
 }
 
 }  // namespace

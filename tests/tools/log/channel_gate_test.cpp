@@ -5,8 +5,12 @@
 
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "capstan/tests/tools/log/small_log.hpp"
+#include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -59,6 +63,39 @@ TEST(ChannelGate, AHeldChannelIsNamedWithItsRate) {
   EXPECT_EQ(found(log), Words{"held q2"});
 }
 
+// Clocks of cameras jitter, and pictures are lost.
+TEST(ChannelGate, ACameraThatJittersAndLosesPicturesIsNamed) {
+  for (const auto& [jitter, lost] : {std::pair(1, 0U), {2, 0U}, {0, 15U}, {2, 15U}, {1, 25U}}) {
+    Log log;
+    std::uint32_t chance = 7;
+    double seen = log.q2[0];
+    Index next = 0;
+    for (Index i = 0, beat = 0; i < kRows; ++i) {
+      if (i == next) {
+        chance = chance * 1664525U + 1013904223U;
+        seen = (chance >> 8U) % 100 < lost ? seen : log.q2[i];
+        chance = chance * 1664525U + 1013904223U;
+        next = 7 * ++beat + static_cast<Index>((chance >> 8U) % static_cast<std::uint32_t>(jitter + 1));
+      }
+      log.q2[i] = seen;
+    }
+    EXPECT_EQ(found(log), Words{"held q2"}) << jitter << " " << lost;
+  }
+}
+
+TEST(ChannelGate, AChannelThatChangesByChanceIsNotHeldByAClock) {
+  for (const std::uint32_t share : {25U, 35U, 50U}) {
+    Log log;
+    std::uint32_t chance = 7;
+    for (Index i = 1; i < kRows; ++i) {
+      chance = chance * 1664525U + 1013904223U;
+      log.q2[i] = (chance >> 8U) % 100 < share ? log.q2[i] : log.q2[i - 1];
+    }
+    const auto words = found(log);
+    EXPECT_EQ(std::find(words.begin(), words.end(), "held q2"), words.end()) << share;
+  }
+}
+
 TEST(ChannelGate, AMagnitudeIsNamed) {
   Log log;
   log.tau = log.tau.cwiseAbs();
@@ -69,6 +106,50 @@ TEST(ChannelGate, AChannelThatIsCutOffIsNamed) {
   Log log;
   log.tau = log.tau.cwiseMin(0.5);
   EXPECT_EQ(found(log), Words{"clipped tau"});
+}
+
+auto with_noise(VectorXd x, double size) -> VectorXd {
+  std::uint32_t noise = 5;
+  for (double& value : x) {
+    noise = noise * 1664525U + 1013904223U;
+    value += size * (static_cast<double>(noise >> 8U) / 16777216.0 - 0.5);
+  }
+  return x;
+}
+
+// By shares of the rows, with noise that lifts single rows off the end too.
+TEST(ChannelGate, HoweverManyRowsAreCutOffUpToHalfTheyAreNamed) {
+  for (const double noise : {0.0, 0.02}) {
+    for (const double share : {0.02, 0.05, 0.15, 0.25, 0.45}) {
+      for (const bool both : {false, true}) {
+        Log log;
+        log.tau = with_noise(log.tau, noise);
+        const double part = both ? 0.5 * share : share;
+        const double high = quantile(log.tau, 1.0 - part);
+        log.tau = log.tau.cwiseMin(high).cwiseMax(both ? quantile(log.tau, part) : log.tau.minCoeff());
+        const auto words = found(log);
+        EXPECT_NE(std::find(words.begin(), words.end(), "clipped tau"), words.end())
+            << noise << " " << share << " " << both;
+        EXPECT_EQ(std::find(words.begin(), words.end(), "stuck tau"), words.end()) << share;
+      }
+    }
+  }
+}
+
+// A motor that speeds up, slows down and rests at both ends of its way, and what is coarse there.
+TEST(ChannelGate, WhatRestsAtTheEndsOfItsWayIsNotCutOff) {
+  for (const double step : {0.0, 1e-4, 2e-3}) {
+    Log log;
+    for (Index i = 0; i < kRows; ++i) {
+      const double phase = static_cast<double>(i % 800) / 200.0;  // up, rest, down, rest
+      const double way = phase < 1.0 ? phase : phase < 2.0 ? 1.0 : phase < 3.0 ? 3.0 - phase : 0.0;
+      const double angle = way * way * (3.0 - 2.0 * way);
+      log.q1[i] = step > 0.0 ? std::round(angle / step) * step : angle;
+    }
+    for (const auto& finding : inspect_channels(kPeriod, {{"q1", ChannelRole::kMotorAngle, &log.q1}})) {
+      EXPECT_NE(finding.fault, ChannelFault::kClipped) << step;
+    }
+  }
 }
 
 TEST(ChannelGate, AChannelThatStandsStillForAWhileIsNamed) {
@@ -85,6 +166,51 @@ TEST(ChannelGate, AnAngleThatStartsAnewAfterATurnIsNamed) {
   const auto words = found(log);
   ASSERT_FALSE(words.empty());
   EXPECT_EQ(words.front(), "wrapped q1");
+}
+
+// Where noise takes it to and fro over its zero.
+TEST(ChannelGate, ANoisyAngleThatStartsAnewIsNotToldToHaveWildValues) {
+  for (const double noise : {0.0, 0.01, 0.05}) {
+    Log log;
+    log.q2 = with_noise(8.0 * log.q2, noise);
+    for (double& q : log.q2) {
+      q = std::remainder(q, 2.0 * std::numbers::pi);
+    }
+    EXPECT_EQ(found(log), Words{"wrapped q2"}) << noise;
+  }
+  Log wild;  // all come back
+  for (const Index row : {100, 700, 1500, 2222}) {
+    wild.q2[row] = 40.0;
+  }
+  EXPECT_EQ(found(wild), Words{"spikes q2"});
+}
+
+TEST(ChannelGate, ANumberThatLostItsSignIsNamedWithTheMappingThatCuresIt) {
+  for (const auto& [bits, unit] : {std::pair(16, 1e-3), {12, 1e-3}, {16, 3e-5}}) {
+    Log log;
+    const VectorXd counts = (log.tau.array() / unit).round();
+    const double range = std::exp2(bits);
+    const VectorXd lost = counts.unaryExpr([range](double x) { return x < 0.0 ? x + range : x; });
+    const auto findings = inspect_channels(kPeriod, {{"q1", ChannelRole::kMotorAngle, &log.q1},
+                                                     {"axis0/tau_Nm", ChannelRole::kMotorEffort, &lost, "raw"}});
+    ASSERT_EQ(findings.size(), 1U) << bits;
+    EXPECT_STREQ(fault_word(findings[0].fault), "wrapped");
+    const std::string& what = findings[0].what;
+    const auto begin = what.find("--map \"") + 7;
+    const std::string mapping = what.substr(begin, what.find('"', begin) - begin);
+    std::string text = "time_s,raw\n";
+    for (Index i = 0; i < 600; ++i) {
+      text += std::to_string(i) + "," + exact(lost[i]) + "\n";
+    }
+    EXPECT_EQ(CsvLog::parse(text, "x.csv", parse_mappings({mapping})).column("axis0/tau_Nm"), counts.head(600))
+        << mapping;
+  }
+  Log sentinel;  // what a device says when it has no value
+  sentinel.tau = ((sentinel.tau.array() - sentinel.tau.minCoeff() + 0.1) * 1000.0).round();
+  for (const Index row : {100, 700, 1500, 2222}) {
+    sentinel.tau[row] = 65535.0;
+  }
+  EXPECT_EQ(found(sentinel), Words{"spikes tau"});
 }
 
 TEST(ChannelGate, AWrapIsUnwrappedByTheTurnOfItsSensor) {
@@ -187,6 +313,26 @@ TEST(ChannelGate, ALateChannelIsToldWhatCuresIt) {
                                                      {"q2", ChannelRole::kJointAngle, &late}});
     ASSERT_EQ(findings.size(), 1U);
     EXPECT_NE(findings[0].what.find(cure), std::string::npos) << findings[0].what;
+  }
+}
+
+// A law's answer may come late, but none looks ahead.
+TEST(ChannelGate, OnlyALateTargetIsToldThatAnEffectTakesItUp) {
+  const Log log;
+  const VectorXd q1 = held_back(log.q1, 7);
+  const VectorXd tau = held_back(log.tau, 7);
+  const VectorXd q2 = held_back(log.q2, 7);
+  for (const auto& [motor, effort, joint, taken_up] : {std::tuple(&q1, &log.tau, &log.q2, false),
+                                                       {&log.q1, &tau, &log.q2, false},
+                                                       {&log.q1, &log.tau, &q2, true},
+                                                       {&q1, &log.tau, nullptr, false},
+                                                       {&log.q1, &tau, nullptr, true}}) {
+    const auto findings = inspect_channels(kPeriod, {{"q1", ChannelRole::kMotorAngle, motor},
+                                                     {"tau", ChannelRole::kMotorEffort, effort},
+                                                     {"q2", ChannelRole::kJointAngle, joint}});
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].what.find("transport_delay can take it up") != std::string::npos, taken_up)
+        << findings[0].channel << " " << findings[0].what;
   }
 }
 
