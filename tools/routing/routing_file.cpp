@@ -8,10 +8,39 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kMostTurnsOfSurface = 6.0;
+// -ln of the tension ratio over a whole run: beyond this 1 N holds 22,000, which is a knot and no tendon drive.
+constexpr double kMostEta = 10.0;
+// Of the tendon. Steel and polyethylene break below it; elongation is linear in tension here.
+constexpr double kMostStrain = 0.05;
 const std::vector<std::string> kPulleyKeys = {"name",     "wrap_rad",      "radius_m",
                                               "friction", "bore_radius_m", "bearing_friction"};
 
-/// A routing's numbers, each within what makes sense.
+/// The highest tension of a state, N: at an end of a run, for it only falls or only rises between.
+auto highest_n(const BeltState& state) -> double {
+  return std::max({state.top_in_n, state.top_out_n, state.bottom_in_n, state.bottom_out_n});
+}
+
+/// Under the load, driven and giving way.
+auto highest_under_load_n(const Routing& routing) -> double {
+  const BeltDrive drive = routing.drive();
+  double highest = routing.pretension_n;
+  for (const double s : {1.0, -1.0}) {
+    const RunShape top = exact_shape(drive.top, s);
+    const RunShape bottom = exact_shape(drive.bottom, -s);
+    highest = std::max(highest,
+                       highest_n(solve_belt(drive, top, bottom, torque_in_for(drive, top, bottom, routing.load_nm))));
+  }
+  return highest;
+}
+
+/// Under the motor torques that one surface is compared at.
+auto highest_under_torque_n(const Routing& routing) -> double {
+  const BeltDrive drive = routing.drive();
+  return std::max(highest_n(solve_exactly(drive, routing.torque_nm, 1.0)),
+                  highest_n(solve_exactly(drive, -routing.torque_nm, 1.0)));
+}
+
+/// A routing's numbers, each within what makes sense, and what they come to together.
 class RoutingReader {
  public:
   explicit RoutingReader(const std::string& name) : reader_(name) {}
@@ -34,6 +63,10 @@ class RoutingReader {
       reader_.fail(*root.get("load_Nm"),
                    "pretension_N and load_Nm are both zero, so no tendon is under tension; give one of them");
     }
+    expect_bearable(root, "load_Nm", routing, highest_under_load_n(routing));
+    if (routing.torque_nm > 0.0) {
+      expect_bearable(root, "torque_Nm", routing, highest_under_torque_n(routing));
+    }
     return routing;
   }
 
@@ -49,6 +82,17 @@ class RoutingReader {
       reader_.fail(*node, key + " = " + rounded(value, 6) + " is out of range; it must be from " + range);
     }
     return value;
+  }
+
+  void expect_bearable(const toml::table& root, const std::string& key, const Routing& routing,
+                       double highest_n) const {
+    const double strain = highest_n / routing.axial_stiffness_n;
+    if (!(strain <= kMostStrain)) {
+      reader_.fail(*root.get(key),
+                   key + " and pretension_N strain the tendon by " + rounded(100.0 * strain, 3) +
+                       " %; it must be from 0 to " + rounded(100.0 * kMostStrain, 2) +
+                       " %: lower them, or give the axial_stiffness_N (E A) of a tendon that bears them");
+    }
   }
 
   auto pulley(const toml::table& entry) const -> Idler {
@@ -78,12 +122,27 @@ class RoutingReader {
           reader_.fail(entry, "a pulley is not a table; write [[" + key + ".pulley]]");
         }
         run.pulleys.push_back(pulley(*entry.as_table()));
-        run.names.push_back(
-            as_written((*entry.as_table())["name"].value<std::string>().value_or(std::to_string(run.pulleys.size()))));
+        run.names.push_back(name_of(*entry.as_table(), run.pulleys.size()));
       }
     }
     read_spans(*table, run);
+    if (const double eta = equivalent_eta(run.view()); eta > kMostEta) {
+      reader_.fail(*table, "the pulleys of [" + key + "] have eta = " + rounded(eta, 3) +
+                               " in all, -ln of the tension that is left; it must be from 0 to " +
+                               rounded(kMostEta, 2) + ": correct wrap_rad or friction");
+    }
     return run;
+  }
+
+  auto name_of(const toml::table& entry, std::size_t number) const -> std::string {
+    const toml::node* node = entry.get("name");
+    if (node == nullptr) {
+      return std::to_string(number);
+    }
+    if (!node->is_string()) {
+      reader_.fail(*node, "the name of a pulley is no text; write it in quotes, name = \"elbow\"");
+    }
+    return as_written(*node->value<std::string>());
   }
 
   void read_spans(const toml::table& table, RoutedRun& run) const {

@@ -256,6 +256,12 @@ TEST(Routing, RefusesWhatMakesNoSenseWithLineAndRange) {
            Bad{"load_Nm = 0.05", "load_Nm =", "this is not TOML: "},
            Bad{"[top]", "[\"t\u00fcp\"]", "unknown key t\u00fcp"},
            Bad{"radius_m = 0.004", "radius_mm = 4", "unknown key radius_mm in a pulley"},
+           Bad{"radius_m = 0.004", "radius_m = 0.004\nname = 5", "way.toml:11: the name of a pulley is no text"},
+           // Each number is within its range, and all of them together are not.
+           Bad{"friction = 0.1\n", "friction = 5\n", "the pulleys of [top] have eta = 21"},
+           Bad{"load_Nm = 0.05", "load_Nm = 100", "way.toml:5: load_Nm and pretension_N strain the tendon by "},
+           Bad{"axial_stiffness_N = 25000", "axial_stiffness_N = 1", "it must be from 0 to 5 %"},
+           Bad{"load_Nm = 0.05", "load_Nm = 0.05\ntorque_Nm = 1000", "way.toml:6: torque_Nm and pretension_N strain"},
        }) {
     EXPECT_NE(refusal(changed(good, bad.from, bad.to)).find(bad.says), std::string::npos)
         << bad.to << ": " << refusal(changed(good, bad.from, bad.to));
@@ -263,6 +269,20 @@ TEST(Routing, RefusesWhatMakesNoSenseWithLineAndRange) {
   const std::string loose =
       changed(changed(good, "pretension_N = 14", "pretension_N = 0"), "load_Nm = 0.05", "load_Nm = 0");
   EXPECT_NE(refusal(loose).find("no tendon is under tension"), std::string::npos);
+}
+
+TEST(Routing, SaysFiniteFiguresAtTheEdgeOfWhatItTakes) {
+  Drive drive = example();
+  drive.top.rollers[1].wrap = 36.0;
+  drive.top.rollers[1].friction = 9.0 / 36.0;
+  drive.bottom = drive.top;
+  const RoutingCost cost = cost_of(read_routing(text_of(drive, 1e-4), "way.toml"));
+  const SurfaceError& one = cost.one_surface;
+  for (const double figure : {cost.state.driving_nm, cost.state.giving_way_nm, cost.state.lost_motion_rad,
+                              cost.state.stiffness_nm_per_rad, one.torque, one.angle}) {
+    EXPECT_TRUE(std::isfinite(figure)) << figure;
+  }
+  EXPECT_TRUE(one.warns());
 }
 
 TEST(Routing, DrawsTheTensionThatItReckonsWith) {
