@@ -18,6 +18,10 @@ constexpr double kLeft = 74.0;
 constexpr double kRight = 16.0;
 constexpr double kTopMargin = 34.0;
 constexpr double kBottomMargin = 48.0;
+constexpr double kLine = 16.0;       // of text
+constexpr double kPerLetter = 7.0;   // at most, on average
+constexpr double kBetween = 12.0;    // names of a legend
+constexpr double kTitleLine = 20.0;  // its foot
 constexpr Eigen::Index kMostPoints = 4000;
 
 /// One axis: data range on a stretch of pixels.
@@ -115,7 +119,7 @@ auto label(double x, double y, const char* anchor, const std::string& text, cons
 auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
   std::string svg;
   for (const double tick : ticks_of(x.low, x.high, 8)) {
-    svg += line(x.at(tick), kTopMargin, x.at(tick), kHeight - kBottomMargin, "#ddd");
+    svg += line(x.at(tick), y.pixel_high, x.at(tick), kHeight - kBottomMargin, "#ddd");
     svg += label(x.at(tick), kHeight - kBottomMargin + 16.0, "middle", rounded(tick, 6));
   }
   for (const double tick : ticks_of(y.low, y.high, 6)) {
@@ -123,9 +127,9 @@ auto grid(const Plot& plot, const Scale& x, const Scale& y) -> std::string {
     svg += label(kLeft - 6.0, y.at(tick) + 4.0, "end", rounded(tick, 6));
   }
   svg += label((kLeft + kWidth - kRight) / 2.0, kHeight - 10.0, "middle", plot.x_label);
-  const double middle = (kTopMargin + kHeight - kBottomMargin) / 2.0;
+  const double middle = (y.pixel_high + kHeight - kBottomMargin) / 2.0;
   svg += label(16.0, middle, "middle", plot.y_label, " transform=\"rotate(-90 16 " + coordinate(middle) + ")\"");
-  svg += label(kLeft, 20.0, "start", plot.title, " font-weight=\"bold\"");
+  svg += label(kLeft, kTitleLine, "start", plot.title, " font-weight=\"bold\"");
   return svg;
 }
 
@@ -137,12 +141,52 @@ auto trace(const Series& series, const Scale& x, const Scale& y) -> std::string 
   return "<polyline fill=\"none\" stroke=\"" + series.colour + "\" stroke-width=\"1.2\" points=\"" + points + "\"/>\n";
 }
 
-auto legend(const Plot& plot) -> std::string {
+auto width_of(const std::string& text) -> double {
+  return kPerLetter * static_cast<double>(text.size());
+}
+
+/// Names of a legend, line by line.
+using Legend = std::vector<std::vector<const Series*>>;
+
+/// One line beside the title, if they fit there; else as many as it takes below it, and none beside it.
+auto legend_of(const Plot& plot) -> Legend {
+  Legend lines(1);
+  double used = width_of(plot.title) + kBetween;
+  const auto add = [&](const Series& series) {
+    const double more = kBetween + width_of(series.label);
+    if (used + more > kWidth - kLeft - kRight && (lines.size() == 1 || !lines.back().empty())) {
+      return false;
+    }
+    used += more;
+    lines.back().push_back(&series);
+    return true;
+  };
+  const auto named = [](const Series& series) { return !series.label.empty(); };
+  if (std::all_of(plot.series.begin(), plot.series.end(), [&](const Series& s) { return !named(s) || add(s); })) {
+    return lines;
+  }
+  lines = {{}, {}};
+  used = 0.0;
+  for (const Series& series : plot.series) {
+    if (named(series) && !add(series)) {
+      lines.emplace_back();
+      used = 0.0;
+      static_cast<void>(add(series));
+    }
+  }
+  return lines;
+}
+
+auto legend_text(const Legend& lines) -> std::string {
   std::string svg;
-  double right = kWidth - kRight;
-  for (auto series = plot.series.rbegin(); series != plot.series.rend(); ++series) {
-    svg += label(right, 20.0, "end", series->label, " fill=\"" + series->colour + "\"");
-    right -= 12.0 + 7.0 * static_cast<double>(series->label.size());
+  double foot = kTitleLine;
+  for (const auto& names : lines) {
+    double right = kWidth - kRight;
+    for (auto series = names.rbegin(); series != names.rend(); ++series) {
+      svg += label(right, foot, "end", (*series)->label, " fill=\"" + (*series)->colour + "\"");
+      right -= kBetween + width_of((*series)->label);
+    }
+    foot += kLine;
   }
   return svg;
 }
@@ -167,7 +211,9 @@ auto svg_of(const Plot& plot) -> std::string {
   const auto [x_low, x_high] = x_range(plot);
   const auto [y_low, y_high] = plot.y_range ? *plot.y_range : common_range({plot});
   const Scale x{x_low, x_high, kLeft, kWidth - kRight};
-  const Scale y{y_low, y_high, kHeight - kBottomMargin, kTopMargin};
+  const Legend legend = legend_of(plot);
+  const double top = kTopMargin + kLine * static_cast<double>(legend.size() - 1);
+  const Scale y{y_low, y_high, kHeight - kBottomMargin, top};
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + coordinate(kWidth) + " " +
                     coordinate(kHeight) + "\" width=\"" + coordinate(kWidth) + "\" height=\"" + coordinate(kHeight) +
                     "\" font-family=\"sans-serif\" font-size=\"12\" role=\"img\" aria-label=\"" + escaped(plot.title) +
@@ -177,7 +223,7 @@ auto svg_of(const Plot& plot) -> std::string {
   for (const auto& series : plot.series) {
     svg += trace(series, x, y);
   }
-  return svg + legend(plot) + "</svg>\n";
+  return svg + legend_text(legend) + "</svg>\n";
 }
 
 }  // namespace capstan::tools
