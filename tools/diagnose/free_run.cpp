@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/identify/known_direction.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/statistics.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/given_motion.hpp"
+#include "capstan/tools/identify/known_direction.hpp"
 #include "capstan/tools/identify/loop.hpp"
-#include "capstan/tools/identify/noncausal_samples.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -314,25 +314,6 @@ auto undetermined_coefficients(const LinearFit& fit, const LawForm& form, const 
     }
   }
   return undetermined;
-}
-
-auto of_known_direction(const std::vector<AxisLog>& logs, const LawDesign& running, const LawForm& form,
-                        const ConditionerShape<double>& conditioner) -> LawDesign {
-  constexpr double kMostRows = 0.3;  // in doubt; beyond, the rest says too little by itself
-  if (form.catalogue->target() != TargetKind::kAngle || !form.has("tendon_elongation")) {
-    return running;
-  }
-  const AngleNoise noise = motor_angle_noise(logs);
-  Blocks rows;
-  Eigen::Index begin = 0;
-  for (std::size_t i = 0; i < logs.size(); ++i) {
-    for (const auto& block : doubtful_rows(running.samples()[i], noncausal_samples(logs[i], conditioner, noise))) {
-      rows.push_back({begin + block.begin, begin + block.end});
-    }
-    begin += logs[i].samples();
-  }
-  const bool few = static_cast<double>(rows_in(rows)) < kMostRows * static_cast<double>(running.rows());
-  return few ? running.with_lines(std::move(rows)) : running;
 }
 
 namespace {

@@ -50,11 +50,6 @@ auto choose_rate_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd&
 auto choose_tendon_filter(const std::vector<AxisLog>& logs, const Eigen::VectorXd& target, const Blocks& blocks,
                           const LawForm& form, const ConditionerShape<double>& conditioner) -> ConditionerShape<double>;
 
-/// The design whose rows teach a law with a jump by direction: straight lines take the place of doubtful_rows(), in
-/// columns and target alike. The running one where other laws are fitted, or where most rows are in doubt.
-auto of_known_direction(const std::vector<AxisLog>& logs, const LawDesign& running, const LawForm& form,
-                        const ConditionerShape<double>& conditioner) -> LawDesign;
-
 /// Blocks for intervals: longer than what the residual of all rows remembers on the pieces, as many as that allows (8
 /// to 60, and one a piece).
 auto interval_blocks(const Blocks& pieces, const Eigen::VectorXd& residual) -> Blocks;
