@@ -58,8 +58,15 @@ auto fit_pair(const Evidence& evidence, const Eigen::MatrixXd& fit_products, std
   return pair;
 }
 
-auto contains(const EffectPair& pair, std::size_t candidate) -> bool {
-  return pair.candidate[0] == candidate || pair.candidate[1] == candidate;
+/// Whether each effect of a pair is one of the other pair's, or a special case of it.
+auto is_within(const Evidence& evidence, const EffectPair& pair, const EffectPair& general) -> bool {
+  const auto is_case_of = [&evidence](std::size_t one, std::size_t other) {
+    const auto& special = evidence.candidates[other].special_cases;
+    return one == other || std::find(special.begin(), special.end(), evidence.candidates[one].name) != special.end();
+  };
+  const auto& [a, b] = pair.candidate;
+  const auto& [c, d] = general.candidate;
+  return (is_case_of(a, c) && is_case_of(b, d)) || (is_case_of(a, d) && is_case_of(b, c));
 }
 
 auto names_as_double(const CatalogueTerm& a, const CatalogueTerm& b) -> bool {
@@ -103,14 +110,20 @@ auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::opt
       }
     }
   }
-  const auto best = std::min_element(pairs.begin(), pairs.end(),
-                                     [](const auto& x, const auto& y) { return x.energies.sum() < y.energies.sum(); });
+  auto best = std::min_element(pairs.begin(), pairs.end(),
+                               [](const auto& x, const auto& y) { return x.energies.sum() < y.energies.sum(); });
   if (best == pairs.end()) {
     return std::nullopt;
   }
+  const auto as_well = [&](const EffectPair& other) { return !clearly_positive(other.energies - best->energies); };
+  for (auto other = pairs.begin(); other != pairs.end(); ++other) {
+    if (other != best && as_well(*other) && is_within(evidence, *other, *best)) {
+      best = other;  // what the log does not ask for is not named
+      other = pairs.begin();
+    }
+  }
   for (const auto& other : pairs) {
-    const bool rival = !contains(other, best->candidate[0]) || !contains(other, best->candidate[1]);
-    if (rival && !clearly_positive(other.energies - best->energies)) {
+    if (as_well(other) && !is_within(evidence, *best, other)) {
       return std::nullopt;
     }
   }

@@ -14,7 +14,8 @@ struct EffectPair {
   Eigen::VectorXd energies;  ///< out of fold per learned block, in the measured quantity
 };
 
-/// The best pair, when every pair without one or the other of its two is clearly worse over blocks; nothing otherwise.
+/// The best pair, or the special case of it that does as well, when every pair is clearly worse over blocks that holds
+/// neither its two nor more general ones; nothing otherwise.
 /// Two strong effects can hide each other from a search that adds one at a time.
 /// Effects that the catalogue calls confusable with each other are no pair.
 auto best_pair(const Evidence& evidence, const Catalogue& catalogue) -> std::optional<EffectPair>;

@@ -108,8 +108,8 @@ class Probes {
     for (const double share : {0.03, 0.1, 0.3}) {
       thinning.push_back({(v / (1.0 + v.abs() / (share * fastest))).matrix()});
     }
-    add("shear_thinning", std::move(thinning));
-    const Column level = Column::Ones(rows());  // a spring's rest may be anywhere
+    add("shear_thinning", std::move(thinning), Sign::kAny, {"coulomb_friction"});  // which it is at no speed at all
+    const Column level = Column::Ones(rows());                                     // a spring's rest may be anywhere
     const auto centred = s_.q1.array() - s_.q1.mean();
     add("stiffness",
         {{centred.matrix(), centred.square().matrix(), level}, {centred.matrix(), centred.cube().matrix(), level}},

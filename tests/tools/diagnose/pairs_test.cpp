@@ -70,6 +70,23 @@ TEST(Pairs, NoneIsNamedWhereAnotherDoesAsWell) {
   EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
 }
 
+TEST(Pairs, APairThatHoldsThisOneAsASpecialCaseIsNoRival) {
+  Two two;
+  Eigen::MatrixXd general(kRows, 2);
+  general << two.own.col(1), two.own.col(3);
+  two.candidates[2] = candidate_named("c", general);
+  EXPECT_FALSE(best_pair(two.evidence(), two.catalogue));
+  two.candidates[2].special_cases = {"b"};
+  const auto pair = best_pair(two.evidence(), two.catalogue);
+  ASSERT_TRUE(pair);
+  EXPECT_EQ(pair->candidate[0], 0u);
+  EXPECT_EQ(pair->candidate[1], 1u);
+  two.error += 0.5 * two.own.col(3);  // which only the general one explains
+  const auto wider = best_pair(two.evidence(), two.catalogue);
+  ASSERT_TRUE(wider);
+  EXPECT_EQ(wider->candidate[1], 2u);
+}
+
 TEST(Pairs, EffectsThatPassForEachOtherAreNoPair) {
   Two two;
   two.candidates.resize(2);
