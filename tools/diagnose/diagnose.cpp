@@ -302,6 +302,10 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
   d.traces.measured = p.target;
   d.traces.load = stacked_signal(p.logs, &AxisLog::tau_nm);
   report(p, search, base, options.base_law, d);
+  if (options.base_law) {
+    keep_what_is_not_asked(p, *options.base_law, d.base);
+    keep_what_is_not_asked(p, *options.base_law, d.law);
+  }
   if (!why && d.base.catalogue->target() == TargetKind::kAngle) {
     options.progress("checking whether one law holds over the whole log");
     ask_the_log(p, search, base, d);

@@ -3,11 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "capstan/tools/diagnose/adequacy.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
 #include "capstan/tools/diagnose/left_to_choose.hpp"
+#include "capstan/tools/diagnose/proposal.hpp"
+#include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/joint_file/table_section.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -169,13 +173,55 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
 
 }  // namespace
 
+namespace {
+
+/// Calls `look(term, i, column)` for the coefficients of a law, `i` counted from the first of the term.
+void for_each_column(const Preparation& p, const LawForm& law,
+                     const std::function<void(const CatalogueTerm&, std::size_t, const Eigen::VectorXd&)>& look) {
+  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  Eigen::Index column = 0;
+  for (const CatalogueTerm* term : ordered_terms(law)) {
+    for (std::size_t i = 0; i < term->coefficients.size(); ++i) {
+      look(*term, i, columns.col(column++));
+    }
+  }
+}
+
+auto is_usual(const std::string& term) -> bool {
+  const auto usual = terms_of_model(kDefaultModel);
+  return term == kTendonModel || std::find(usual.begin(), usual.end(), term) != usual.end();
+}
+
+}  // namespace
+
 auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string> {
   if (law.has("preisach")) {
     return {};
   }
-  const Eigen::MatrixXd columns = law_columns(p.causal, law);
+  // Knots of a table take up what the rest leaves, a level too, and mean nothing one by one: what the rest is worth is
+  // asked without them.
+  const LawForm asked = law.has(kTableTerm) ? law_without(law, kTableTerm) : law;
+  const Eigen::MatrixXd columns = law_columns(p.causal, asked);
   const Blocks blocks = refined(p.split, p.factor).learned();
-  return undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(law)), law, columns, p.target);
+  auto names =
+      undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(asked)), asked, columns, p.target);
+  // Nor is a part of an effect asked for whose signal the log lacks, as a drift's temperature without a thermometer.
+  for_each_column(p, asked, [&names](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
+    if (!is_usual(term.name) && term.coefficients.size() > 1 && column.isZero(0.0)) {
+      std::erase(names, term.name + "." + term.coefficients[i].name);
+    }
+  });
+  return names;
+}
+
+void keep_what_is_not_asked(const Preparation& p, const JointFile& given, JointFile& law) {
+  for_each_column(p, form_of(law), [&](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
+    const std::size_t at = term.first_coefficient + i;
+    if (given.has(term.name) && column.isZero(0.0)) {
+      law.parameters.coefficients[at] = given.parameters.coefficients[at];
+      law.coefficient_ci95[at] = given.coefficient_ci95[at];
+    }
+  });
 }
 
 auto unfit(const std::string& what_for, const std::string& reason) -> Nameless {

@@ -22,8 +22,10 @@ auto unfit(const std::string& what_for, const std::string& reason) -> Nameless;
 /// determine.
 auto nameless(const Preparation& p, const LawForm& law) -> std::optional<Nameless>;
 /// Parameters of a law that the logs can not determine. A Preisach table has cells that no motion but its recipe
-/// visits; they take no part then.
+/// visits; they take no part then. Nor do a table's knots, and parts of effects whose signal the logs lack.
 auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::string>;
+/// Coefficients whose signal the logs lack, or whose knots they do not visit, stay those of the law that was given.
+void keep_what_is_not_asked(const Preparation& p, const JointFile& given, JointFile& law);
 
 /// Puts what the search found into words and decides what may be named, before any error is reported. Writes reason,
 /// warnings and next experiment.

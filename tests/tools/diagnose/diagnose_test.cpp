@@ -214,6 +214,28 @@ TEST(Diagnose, AGapThatHasGrownSinceTheBaseLawIsFittedAndNotMissed) {
   EXPECT_NEAR(shape_of(now, "play"), 2.0 * shape_of(healthy, "play"), 0.05 * shape_of(healthy, "play"));
 }
 
+// A board without a thermometer has a drift by time alone; what the temperature would do can neither be told nor
+// matter.
+TEST(Diagnose, ALawWithADriftIsAskedAgainOfItsOwnLog) {
+  const AxisLog log = test::synthetic_log(small_request(Truth::kDrift));
+  Diagnosis first = diagnose({log}, {});
+  expect_named(first, "thermal_drift");
+  EXPECT_TRUE(first.undetermined.empty()) << joined(first.undetermined);
+  const CatalogueTerm& drift = first.law.catalogue->term("thermal_drift");
+  const auto at = std::find_if(drift.coefficients.begin(), drift.coefficients.end(),
+                               [](const auto& one) { return one.name == std::string("temperature"); });
+  const auto temperature =
+      drift.first_coefficient + static_cast<std::size_t>(std::distance(drift.coefficients.begin(), at));
+  first.law.parameters.coefficients[temperature] = 0.003;  // found on another day, with a thermometer
+  DiagnoseOptions options;
+  options.base_law = first.law;
+  const Diagnosis again = diagnose({log}, options);
+  EXPECT_EQ(again.verdict, Verdict::kNothingMissing) << again.reason;
+  EXPECT_LT(again.after.rmse, 1.1 * first.after.rmse);
+  EXPECT_EQ(again.base.parameters.coefficients[temperature], 0.003);
+  EXPECT_EQ(again.law.parameters.coefficients[temperature], 0.003);
+}
+
 TEST(Diagnose, TheSameLogAlwaysGetsTheSameAnswer) {
   const SyntheticRequest request = small_request(Truth::kPlay);
   EXPECT_EQ(diagnosis_json(diagnosis_of(request)), diagnosis_json(diagnosis_of(request)));
