@@ -68,6 +68,10 @@ auto implausible(const JointFile& joint) -> std::string {
   const Stroke back = stroke_of(law, {motor[1], motor[0]}, torque.backward_nm, lost_rad);
   const Stroke forth = stroke_of(law, motor, torque.forward_nm, lost_rad);
   const double beta = law.beta();
+  if (!joint.fit && std::abs(beta) > kMostTimes) {
+    return "its joint goes " + rounded(beta, 3) +
+           " times as far as its motor, and a file without [fit] does not say that " + "it did so in any log";
+  }
   const std::string over =
       "over the motor's " + rounded(motor[0], 3) + " to " + rounded(motor[1], 3) + " rad the joint would ";
   for (const auto& [stroke, sign] : {std::pair(forth, 1.0), std::pair(back, -1.0)}) {

@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -30,6 +31,21 @@ auto reported(const ErrorSummary& error, const std::string& unit) -> std::string
          (unit == "rad" ? "" : ", " + rounded(error.relative_percent, 3) + " % of the effort");
 }
 
+/// What each of the likeliest effects would take away by itself; they overlap, so the shares need not add up.
+auto candidates_line(const std::vector<CandidateShare>& candidates) -> std::string {
+  constexpr std::size_t kMost = 3;
+  std::vector<std::string> shares;
+  for (const auto& candidate : candidates) {
+    if (shares.size() < kMost) {
+      shares.push_back(candidate.name + " " + std::to_string(std::lround(100.0 * candidate.share)) + " %");
+    }
+  }
+  return shares.empty()
+             ? ""
+             : "  candidates, with the share of the error's energy that each explains alone: " + joined(shares, ", ") +
+                   "\n";
+}
+
 /// @param said  warnings that were said while the logs were read
 void print_diagnosis(const Diagnosis& d, const std::vector<std::string>& said) {
   std::cout << "verdict: " << verdict_word(d.verdict) << "\n  " << d.reason << "\n";
@@ -42,6 +58,7 @@ void print_diagnosis(const Diagnosis& d, const std::vector<std::string>& said) {
   if (d.unnamed) {
     std::cout << "  " << d.unnamed->sentence << "\n";
   }
+  std::cout << candidates_line(d.candidates);
   std::cout << "  law: " << word_of(d.law.status) << "\n  error on rows set aside (RMSE): before "
             << reported(d.before, d.unit);
   std::cout << "; after " << reported(d.after, d.unit) << "; ratio 95 % [" << rounded(d.ratio_ci95[0], 3) << ", "

@@ -4,6 +4,7 @@
 
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
+#include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -168,8 +169,11 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
   json["noise_floor"] = d.noise_floor;
   json["floor_from"] = d.floor_from;
   json["detectable"] = Json::array();
+  const double whole = d.traces.measured.size() > 0 ? rms(d.traces.measured) : 0.0;
   for (const auto& effect : d.detectable) {
-    json["detectable"].push_back({{"name", effect.name}, {"rmse", effect.rmse}});
+    if (effect.rmse <= whole) {  // more than all of the motion is none that this log would show
+      json["detectable"].push_back({{"name", effect.name}, {"rmse", effect.rmse}});
+    }
   }
   json["unnamed"] = d.unnamed ? unnamed_json(*d.unnamed) : Json(nullptr);
   json["candidates"] = Json::array();

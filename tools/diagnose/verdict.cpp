@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <set>
 
 #include "capstan/tools/diagnose/adequacy.hpp"
@@ -165,10 +166,15 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
         signal == TableSignal::kMotorAngle ? q1 : (signal == TableSignal::kTorque ? axis + "/tau" : describe(signal)),
         factor == TableFactor::kOne ? "curve" : std::string("curve times ") + describe(factor)};
   }
-  if (choice.term == "curved_ratio") {
-    return {q1, "curve"};
+  static const std::map<std::string, std::string> kOverTheAngle = {{"curved_ratio", "curve"},
+                                                                   {"presliding", "rounded hysteresis"},
+                                                                   {"angle_periodic", "wave"},
+                                                                   {"gravity", "weight"},
+                                                                   {"transport_delay", "delay"}};
+  if (const auto form = kOverTheAngle.find(choice.term); form != kOverTheAngle.end()) {
+    return {q1, form->second};
   }
-  return {choice.term == "presliding" ? q1 : choice.term, choice.term == "presliding" ? "rounded hysteresis" : "term"};
+  return choice.term == "thermal_drift" ? Dependence{"time", "drift"} : Dependence{axis + "/tau", choice.term};
 }
 
 }  // namespace

@@ -122,6 +122,13 @@ void read_angle(const CsvLog& csv, const AxisRequest& request, AxisLog& axis) {
   const std::string tau = axis_column(request.axis, "tau_Nm");
   axis.has_torque = request.needs_torque || csv.has(tau);
   axis.tau_nm = axis.has_torque ? csv.column(tau) : Eigen::VectorXd::Zero(axis.samples());
+  if (axis.has_torque && !request.needs_torque && axis.tau_nm.maxCoeff() == axis.tau_nm.minCoeff()) {
+    axis.has_torque = false;
+    axis.tau_nm.setZero();
+    axis.warnings.push_back(csv.name() + ": " + tau +
+                            " never changes, so this counts as a log without torque; check its "
+                            "sensor, or leave the column out");
+  }
   const std::string target = request.target.empty() ? axis_column(request.axis, "q2_rad") : request.target;
   if (request.needs_target || csv.has(target)) {
     axis.target = target;

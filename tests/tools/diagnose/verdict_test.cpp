@@ -331,7 +331,7 @@ TEST(UnnamedPart, SaysWhatItDependsOnAndHowMuchItTakesAway) {
   EXPECT_NE(std::find(part->signals.begin(), part->signals.end(), "axis2/q1"), part->signals.end());
   EXPECT_NE(std::find(part->signals.begin(), part->signals.end(), "axis4/q1"), part->signals.end());
   EXPECT_NE(std::find(part->signals.begin(), part->signals.end(), "another axis"), part->signals.end());
-  EXPECT_NE(std::find(part->signals.begin(), part->signals.end(), "thermal_drift"), part->signals.end());
+  EXPECT_NE(std::find(part->signals.begin(), part->signals.end(), "time"), part->signals.end());
   EXPECT_NE(part->form.find("hysteresis + "), std::string::npos);
   EXPECT_NE(part->form.find("curve"), std::string::npos);
   EXPECT_NEAR(part->share, 0.64, 1e-12);

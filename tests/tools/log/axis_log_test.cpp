@@ -33,6 +33,27 @@ TEST(AxisLog, TorqueIsZeroWhereItIsNotLogged) {
   EXPECT_THROW(read_axis(csv, {.axis = 0, .target = {}, .needs_target = true, .needs_torque = true}), BadInput);
 }
 
+TEST(AxisLog, ATorqueThatNeverChangesIsNone) {
+  const auto read = [](const std::string& torque, bool needed) {
+    std::string text = "time_s,axis0/q1_rad,axis0/q2_rad,axis0/tau_Nm\n";
+    for (int i = 0; i < 50; ++i) {
+      std::string line = moving_line(i);
+      line.pop_back();
+      text += line + "," + (i == 20 ? torque : "0.25") + "\n";
+    }
+    AxisRequest request;
+    request.needs_torque = needed;
+    return read_axis(CsvLog::parse(text, "x.csv"), request);
+  };
+  const AxisLog dead = read("0.25", false);
+  EXPECT_FALSE(dead.has_torque);
+  EXPECT_EQ(dead.tau_nm.cwiseAbs().maxCoeff(), 0.0);
+  ASSERT_FALSE(dead.warnings.empty());
+  EXPECT_NE(dead.warnings.front().find("axis0/tau_Nm never changes"), std::string::npos) << dead.warnings.front();
+  EXPECT_TRUE(read("0.26", false).has_torque);
+  EXPECT_TRUE(read("0.25", true).has_torque) << "who asks for a law with torque is told what that law lacks";
+}
+
 TEST(AxisLog, AnotherAxisAndTargetCanBeAskedFor) {
   const CsvLog csv = CsvLog::parse(text_with("time_s,axis3/q1_rad,camera", 50, moving_line), "x.csv");
   const AxisLog axis = read_axis(csv, {.axis = 3, .target = "camera", .needs_target = true, .needs_torque = false});

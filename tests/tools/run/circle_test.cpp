@@ -142,6 +142,10 @@ TEST(PlausibleLaw, IsOneThatFollowsItsMotorAsFarAsItsLogsDid) {
   coefficient(joint, "motor_angle") = 11.0;
   EXPECT_NE(implausible(joint).find("the joint would go 33 rad, and in the logs it went 3"), std::string::npos)
       << implausible(joint);
+  joint.fit.reset();  // a file written by hand
+  EXPECT_NE(implausible(joint).find("without [fit]"), std::string::npos) << implausible(joint);
+  coefficient(joint, "motor_angle") = 9.0;
+  EXPECT_EQ(implausible(joint), "");
 }
 
 TEST(PlausibleLaw, IsNoneThatPutsTheJointFarFromItsZero) {
