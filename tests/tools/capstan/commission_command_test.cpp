@@ -28,7 +28,7 @@ TEST_F(CommissionCommand, ItIsStoppedByAClosedTerminalAsByCtrlC) {
     const Outcome status =
         run("shell $port", board() + dump("before") + ended("shake", signal) + dump("after") + "echo status | ");
     const std::string said = read_text_file(path("said"));
-    EXPECT_NE(said.find("shake: stopped as you wished, torque is off; the same command goes on from here\nstatus 1\n"),
+    EXPECT_NE(said.find("shake: stopped on request, torque is off; the same command continues from here\nstatus 1\n"),
               std::string::npos)
         << signal << ": " << said;
     EXPECT_NE(status.output.find("state disarmed"), std::string::npos) << signal << ": " << status.output;

@@ -60,8 +60,9 @@ TEST_F(DiagnoseCommand, WhatIsNotWrittenIsSaidAndAnOlderFileIsNotTakenForIt) {
   sound.rate_hz = 100.0;
   sound.cycle_s = 25.0;
   const Outcome asked_nothing = run("diagnose " + write_log(sound) + " --next " + next);
-  EXPECT_NE(asked_nothing.output.find("next.toml was not written: this diagnosis asks for no motion; the older file"),
-            std::string::npos)
+  EXPECT_NE(
+      asked_nothing.output.find("next.toml was not written: this diagnosis needs no further motion; the older file"),
+      std::string::npos)
       << asked_nothing.output;
   EXPECT_EQ(read_text_file(path("law.toml")), "# an older law\n");
   EXPECT_EQ(read_text_file(path("next.toml")), "# an older motion\n");

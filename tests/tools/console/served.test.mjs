@@ -172,7 +172,7 @@ test('a board of another version is told', async () => {
 
 test('a port that is taken is told in a sentence: of the page, and of the board', async () => {
   const served = await console_();
-  await assert.rejects(console_('--listen', String(served.port)), /ended with 2: capstan: --listen \d+: the port can not be had .*; give another one/);
+  await assert.rejects(console_('--listen', String(served.port)), /ended with 2: capstan: --listen \d+: the port cannot be opened .*; give another one/);
   const there = await board('pty');
   await console_(there.name);
   await assert.rejects(console_(there.name), /ended with 2: .*another Capstan program uses this port; end it first/);

@@ -321,7 +321,7 @@ TEST(Diagnose, ParametersOfAnEffectThatTheLogCanNotTellApartAreNamedAndNotPrinte
   EXPECT_EQ(d.undetermined,
             (std::vector<std::string>{"axis_coupling.angle", "axis_coupling.top", "axis_coupling.bottom"}));
   EXPECT_TRUE(std::any_of(d.warnings.begin(), d.warnings.end(), [](const auto& warning) {
-    return warning.find("can not determine axis_coupling.angle") != std::string::npos;
+    return warning.find("cannot determine axis_coupling.angle") != std::string::npos;
   }));
   const auto json = nlohmann::json::parse(diagnosis_json(d));
   EXPECT_TRUE(json.at("effects").at(0).at("parameters").at("angle").at("value").is_null());

@@ -23,9 +23,9 @@ TEST(LoopChange, AGapIsToldInRadiansALatenessInMillisecondsAndTheRestInPerCent) 
   EXPECT_EQ(change_sentence("play", {0.01, "rad", Interval{0.009, 0.011}}),
             "the gap is 0.01 [0.009, 0.011] rad to either side, at the joint");
   EXPECT_EQ(change_sentence("pretension_offset", {1.2, "1", Interval{1.1, 1.3}}),
-            "pretension, while the tendons rub as they did, is 120 [110, 130] % of the healthy joint's");
+            "pretension, if the tendons' friction number is unchanged, is 120 [110, 130] % of the healthy joint's");
   EXPECT_EQ(change_sentence("transport_delay", {0.008, "s", Interval{0.0079, 0.0081}}),
-            "the joint is seen 8 [7.9, 8.1] ms later than the healthy joint was");
+            "the joint is seen 8 [7.9, 8.1] ms later than at the healthy joint");
 }
 
 TEST(LoopChange, OnlyTheNumberThatHasTheNameChanges) {

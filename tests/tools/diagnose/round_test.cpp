@@ -88,7 +88,7 @@ TEST(Summary, SaysOfEveryCandidateWhyMostLikelyFirst) {
     return std::string("not ranked");
   };
   EXPECT_EQ(outcome_of("a", &trials[0], {}), "explains the residual best");
-  EXPECT_EQ(outcome_of("b", &trials[0], {1}), "this log can not tell it from the best");
+  EXPECT_EQ(outcome_of("b", &trials[0], {1}), "this log cannot distinguish it from the best");
   EXPECT_EQ(outcome_of("b", &trials[0], {}), "ruled out: the best explains significantly more");
   trials[1].explained = 0.0;
   EXPECT_EQ(outcome_of("b", &trials[0], {}), "not confirmed on unseen rows");

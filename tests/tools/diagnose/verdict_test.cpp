@@ -85,7 +85,7 @@ TEST(Judge, UpToThreeListedAlternativesAreAnAnswer) {
   EXPECT_EQ(judge(search, d), Verdict::kUnknown);
   search.effects.front().alternatives = {"sticky_spot"};  // a probe
   EXPECT_EQ(judge(search, d), Verdict::kUnknown);
-  EXPECT_TRUE(says(d, "can not tell play from sticky_spot"));
+  EXPECT_TRUE(says(d, "cannot distinguish play from sticky_spot"));
 }
 
 TEST(CandidateShares, AreThoseOfTheFirstRoundMostFirst) {
@@ -296,7 +296,7 @@ TEST(HoldToOwnLogs, ALawThatLeavesMoreThanItDidOfItsOwnHasGotSomething) {
   log.d.before.rmse = 0.13;
   hold_to_own_logs(log.p, law, log.d);
   EXPECT_EQ(log.d.verdict, Verdict::kUnknown);
-  EXPECT_TRUE(says(log.d, "1.3 times what it left of its own logs"));
+  EXPECT_TRUE(says(log.d, "1.3 times the error on its own logs"));
   log.d.verdict = Verdict::kEffect;
   hold_to_own_logs(log.p, law, log.d);
   EXPECT_EQ(log.d.verdict, Verdict::kEffect);

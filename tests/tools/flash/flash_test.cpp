@@ -337,7 +337,7 @@ TEST_F(FlashCommand, AStopEndsTheWritingProgramAndItsFolderAndSaysWhatTheBoardMa
 
 TEST_F(FlashCommand, WrongNamesAreBadInput) {
   EXPECT_EQ(run("sim " + path("image.hex")), 2);
-  EXPECT_TRUE(says("'sim' is no board that is flashed")) << output_;
+  EXPECT_TRUE(says("'sim' is not a board that can be flashed")) << output_;
   EXPECT_EQ(run("stm32f405 --tool hammer " + path("image.hex")), 2);
   EXPECT_TRUE(says("use one of openocd, st-flash, dfu-util, stm32flash")) << output_;
   EXPECT_EQ(run("stm32f405 --tool stm32flash " + path("image.hex")), 2);

@@ -57,7 +57,7 @@ TEST(LogZeros, AreTakenOffByTheRoughLawAndThenByWhatTheFoundOneLeaves) {
   };
   const auto sentences = count_from_one_zero(logs, left);
   ASSERT_EQ(sentences.size(), 1U);
-  EXPECT_NE(sentences[0].find("the joint's zero is 0.1 rad beside that of the first log"), std::string::npos);
+  EXPECT_NE(sentences[0].find("the joint's zero is 0.1 rad away from the first log's"), std::string::npos);
   EXPECT_LT((logs[1].q2_rad - plain.q2_rad).cwiseAbs().maxCoeff(), 1e-9);
 }
 

@@ -136,7 +136,7 @@ TEST(Newtons, StayOutWithoutADrawingOrAPretension) {
 TEST(PretensionSentence, SaysWhatIsLacking) {
   JointFile joint = tendons();
   EXPECT_TRUE(
-      has(pretension_sentence(*pretension_of(joint, false)), "until each tendon is slack in turn, and the radius"));
+      has(pretension_sentence(*pretension_of(joint, false)), "pulls each tendon slack in turn, and give the radius"));
   EXPECT_TRUE(has(pretension_sentence(*pretension_of(joint, true)), "--stiffness N/m)"));
 }
 

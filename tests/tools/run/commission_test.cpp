@@ -175,7 +175,7 @@ TEST(Commission, AStopIsTakenForNothingThatTheMotorDid) {
       ADD_FAILURE() << stop.step << " went on";
     } catch (const Refusal& refusal) {
       EXPECT_EQ(std::string(refusal.what()),
-                std::string(stop.step) + ": stopped on request, torque is off; the same command goes on from here");
+                std::string(stop.step) + ": stopped on request, torque is off; the same command continues from here");
     }
     EXPECT_FALSE(energised(line.board().machine().telemetry().state)) << stop.step;
     EXPECT_EQ(line.ask("dump"), before) << stop.step;
