@@ -69,7 +69,9 @@ auto cut_off_at(const Eigen::VectorXd& x, double end, double least, double step)
     }
     stretch.push_back(i);
   }
-  finish();
+  if (!stretch.empty() && stretch.back() + 1 < x.size()) {  // to the log's end: as where a motor is switched off
+    finish();
+  }
   return rows;
 }
 

@@ -152,6 +152,14 @@ TEST(ChannelGate, WhatRestsAtTheEndsOfItsWayIsNotCutOff) {
   }
 }
 
+TEST(ChannelGate, AMotorThatIsSwitchedOffBeforeTheLogEndsIsNotCutOff) {
+  Log log;
+  log.tau = log.tau.array() - log.tau.minCoeff() + 0.05;
+  log.tau.tail(kRows / 3).setZero();
+  const auto words = found(log);
+  EXPECT_EQ(std::find(words.begin(), words.end(), "clipped tau"), words.end());
+}
+
 TEST(ChannelGate, AChannelThatStandsStillForAWhileIsNamed) {
   Log log;
   log.q2.segment(1000, 400).setConstant(log.q2[1000]);
