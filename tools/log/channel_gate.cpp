@@ -32,6 +32,12 @@ auto is_effort(const GateChannel& channel) -> bool {
   return channel.role == ChannelRole::kMotorEffort || channel.role == ChannelRole::kJointEffort;
 }
 
+/// Whether a signal keeps its value in most of these rows.
+auto mostly_still(const Eigen::VectorXd& x, const Rows& rows) -> bool {
+  const auto still = std::count_if(rows.begin(), rows.end(), [&](Index i) { return i > 0 && x[i] == x[i - 1]; });
+  return 2 * static_cast<std::size_t>(still) > rows.size();
+}
+
 /// What --map reads the channel from, as a part of an expression.
 auto source_of(const GateChannel& channel) -> const std::string& {
   return channel.source.empty() ? channel.name : channel.source;
@@ -131,7 +137,11 @@ class Gate {
       add(ChannelFault::kSpikes, channel, std::move(rows), 0.0,
           "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
     }
-    const Rows clipped = clipped_rows(x);
+    const auto* motor = first_of(ChannelRole::kMotorAngle);
+    Rows clipped = clipped_rows(x);
+    if (is_angle && motor != nullptr && mostly_still(*motor->values, clipped)) {
+      clipped.clear();  // it rests at an end of its way
+    }
     if (const auto beat = rows_per_value(x)) {
       add(ChannelFault::kHeld, channel, {}, *beat, "has a new value only every " + rounded(*beat) + " samples");
     } else if (!clipped.empty()) {
@@ -140,7 +150,6 @@ class Gate {
               " rows, from here on; choose a larger range of the sensor" +
               (is_effort(channel) ? ", unless the drive itself gives no more" : ""));
     }
-    const auto* motor = first_of(ChannelRole::kMotorAngle);
     if (motor != nullptr && motor->name != channel.name && clipped.empty()) {  // what is cut off stands still as well
       if (auto stuck = stuck_rows(x, *motor->values); !stuck.empty()) {
         const auto count = std::to_string(stuck.size());

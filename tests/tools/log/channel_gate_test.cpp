@@ -136,18 +136,22 @@ TEST(ChannelGate, HoweverManyRowsAreCutOffUpToHalfTheyAreNamed) {
   }
 }
 
-// A motor that speeds up, slows down and rests at both ends of its way, and what is coarse there.
+// A motor that slows down before it rests at both ends of its way, or stops at once, and what is coarse there.
 TEST(ChannelGate, WhatRestsAtTheEndsOfItsWayIsNotCutOff) {
   for (const double step : {0.0, 1e-4, 2e-3}) {
-    Log log;
-    for (Index i = 0; i < kRows; ++i) {
-      const double phase = static_cast<double>(i % 800) / 200.0;  // up, rest, down, rest
-      const double way = phase < 1.0 ? phase : phase < 2.0 ? 1.0 : phase < 3.0 ? 3.0 - phase : 0.0;
-      const double angle = way * way * (3.0 - 2.0 * way);
-      log.q1[i] = step > 0.0 ? std::round(angle / step) * step : angle;
-    }
-    for (const auto& finding : inspect_channels(kPeriod, {{"q1", ChannelRole::kMotorAngle, &log.q1}})) {
-      EXPECT_NE(finding.fault, ChannelFault::kClipped) << step;
+    for (const bool at_once : {false, true}) {
+      Log log;
+      for (Index i = 0; i < kRows; ++i) {
+        const double phase = static_cast<double>(i % 800) / 250.0;  // up, rest, down, rest
+        const double way = phase < 1.0 ? phase : phase < 1.6 ? 1.0 : phase < 2.6 ? 2.6 - phase : 0.0;
+        const double angle = at_once ? way + 0.3 * way * (1.0 - way) : way * way * (3.0 - 2.0 * way);
+        log.q1[i] = step > 0.0 ? std::round(angle / step) * step : angle;
+        log.q2[i] = 0.7 * log.q1[i];
+      }
+      for (const auto& finding : inspect_channels(
+               kPeriod, {{"q1", ChannelRole::kMotorAngle, &log.q1}, {"q2", ChannelRole::kJointAngle, &log.q2}})) {
+        EXPECT_NE(finding.fault, ChannelFault::kClipped) << finding.channel << " " << step << " " << at_once;
+      }
     }
   }
 }
