@@ -58,12 +58,16 @@ auto law_of(const LoopGains& gains, double hz) -> Law {
           .joint = gains.kp + gains.ki_per_s * kCycleS / (1.0 - back) + gains.kd_s * rate};
 }
 
+/// Of the amplitude, where too few lines tell by how much it lacks.
+constexpr double kLouderForLines = 1.5;
+
 auto clear_points(const Response& response) -> std::vector<ResponsePoint> {
   const auto clear =
       points_within(response, [](const ResponsePoint& point) { return kMostCircle * std::abs(point.motor.value); });
   if (clear.size() < kLeastLines) {
     throw FaintShake(response.name + ": only " + std::to_string(clear.size()) +
-                     " lines rise clearly above the noise; shake with a larger amplitude, or for longer");
+                         " lines rise clearly above the noise; shake with a larger amplitude, or for longer",
+                     kLouderForLines);
   }
   return clear;
 }

@@ -55,7 +55,12 @@ struct Distortion {
 /// What was shaken does not rise above the noise; a larger amplitude would.
 class FaintShake : public Refusal {
  public:
-  using Refusal::Refusal;
+  /// @param louder  times the amplitude that it takes at least
+  FaintShake(const std::string& why, double louder) : Refusal(why), louder_(louder) {}
+  [[nodiscard]] auto louder() const -> double { return louder_; }
+
+ private:
+  double louder_;
 };
 
 struct Response {

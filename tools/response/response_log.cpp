@@ -118,11 +118,12 @@ void require_usable(const Response& response) {
     }
     throw FaintShake(
         response.name + ": at " + rounded(worst->hz, 3) + " Hz only " + rounded(100.0 * worst->coherence, 2) +
-        " % of the power " + (response.multisine ? "repeats with" : "follows") +
-        " what shakes (80 % are needed where the loop's gain is near 1); shake with " +
-        rounded(louder(worst->coherence), 2) + " times the amplitude at least" + other +
-        "; to shake for longer does not help, as " +
-        (response.multisine ? "each period is as noisy" : "the noise grows with the time as the shake does"));
+            " % of the power " + (response.multisine ? "repeats with" : "follows") +
+            " what shakes (80 % are needed where the loop's gain is near 1); shake with " +
+            rounded(louder(worst->coherence), 2) + " times the amplitude at least" + other +
+            "; to shake for longer does not help, as " +
+            (response.multisine ? "each period is as noisy" : "the noise grows with the time as the shake does"),
+        louder(worst->coherence));
   }
   if (response.distortion.known && response.distortion.odd > kMostDistortion) {
     throw Refusal(response.name + ": " + rounded(100.0 * response.distortion.odd, 2) +
