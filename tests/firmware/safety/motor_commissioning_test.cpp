@@ -89,6 +89,19 @@ TEST(MotorCommissioning, AMotorThatTurnsBackWhileItIsShakenShowsNoInertia) {
   EXPECT_TRUE(says(rig.shake(1200, 1, 0, -0.7), "did not go one way"));
 }
 
+TEST(MotorCommissioning, AMotorThatRunsBackwardWhileItIsShakenShowsTheSameInertia) {
+  Rig rig;
+  ASSERT_EQ(rig.shake(1200, 1, 0, -3.0), nullptr);
+  EXPECT_NEAR(rig.inertia_kgm2(), kInertiaKgm2, 0.02 * kInertiaKgm2);
+}
+
+TEST(MotorCommissioning, AMotorThatStandsWhileItIsShakenShowsNoInertia) {
+  Rig rig;
+  rig.commissioning.begin_dither();
+  rig.stand(1200, 0.0);
+  EXPECT_TRUE(says(rig.commissioning.begin_fast_moves(), "did not go one way"));
+}
+
 TEST(MotorCommissioning, AnEncoderThatCountsAgainstTheTorqueIsNamed) {
   Rig rig;
   EXPECT_TRUE(says(rig.shake(1200, -1), "counts against the torque"));
