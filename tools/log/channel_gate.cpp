@@ -119,6 +119,31 @@ class Gate {
             " - " + half + "))\"");
   }
 
+  /// Stretches of one value.
+  void look_at_flats(const GateChannel& channel) {
+    const Eigen::VectorXd& x = *channel.values;
+    const auto* motor = first_of(ChannelRole::kMotorAngle);
+    Rows clipped = clipped_rows(x);
+    if (!is_effort(channel) && motor != nullptr && mostly_still(*motor->values, clipped)) {
+      clipped.clear();  // it rests at an end of its way
+    }
+    if (const auto beat = rows_per_value(x)) {
+      add(ChannelFault::kHeld, channel, {}, *beat, "has a new value only every " + rounded(*beat) + " samples");
+    } else if (!clipped.empty()) {
+      add(ChannelFault::kClipped, channel, clipped, x.maxCoeff(),
+          "is cut off at an end of its range in " + std::to_string(clipped.size()) +
+              " rows, from here on; choose a larger range of the sensor" +
+              (is_effort(channel) ? ", unless the drive itself gives no more" : ""));
+    }
+    if (motor != nullptr && motor->name != channel.name && clipped.empty()) {  // what is cut off stands still as well
+      if (auto stuck = stuck_rows(x, *motor->values); !stuck.empty()) {
+        const auto count = std::to_string(stuck.size());
+        add(ChannelFault::kStuck, channel, std::move(stuck), 0.0,
+            "stands still in " + count + " rows, from here on, while the motor moves on; check its cable");
+      }
+    }
+  }
+
   void look_at(const GateChannel& channel) {
     const Eigen::VectorXd& x = *channel.values;
     if (const auto range = is_effort(channel) ? unsigned_range(x) : std::nullopt) {
@@ -137,26 +162,7 @@ class Gate {
       add(ChannelFault::kSpikes, channel, std::move(rows), 0.0,
           "stands out from both neighbours here, one of " + count + " such rows; a straight line takes their place");
     }
-    const auto* motor = first_of(ChannelRole::kMotorAngle);
-    Rows clipped = clipped_rows(x);
-    if (is_angle && motor != nullptr && mostly_still(*motor->values, clipped)) {
-      clipped.clear();  // it rests at an end of its way
-    }
-    if (const auto beat = rows_per_value(x)) {
-      add(ChannelFault::kHeld, channel, {}, *beat, "has a new value only every " + rounded(*beat) + " samples");
-    } else if (!clipped.empty()) {
-      add(ChannelFault::kClipped, channel, clipped, x.maxCoeff(),
-          "is cut off at an end of its range in " + std::to_string(clipped.size()) +
-              " rows, from here on; choose a larger range of the sensor" +
-              (is_effort(channel) ? ", unless the drive itself gives no more" : ""));
-    }
-    if (motor != nullptr && motor->name != channel.name && clipped.empty()) {  // what is cut off stands still as well
-      if (auto stuck = stuck_rows(x, *motor->values); !stuck.empty()) {
-        const auto count = std::to_string(stuck.size());
-        add(ChannelFault::kStuck, channel, std::move(stuck), 0.0,
-            "stands still in " + count + " rows, from here on, while the motor moves on; check its cable");
-      }
-    }
+    look_at_flats(channel);
     if (is_magnitude(x, channel.role == ChannelRole::kMotorEffort)) {
       add(ChannelFault::kUnsigned, channel, {}, 0.0,
           "turns up sharply each time it reaches zero, as the magnitude of a signal with a sign does; log it with its "
