@@ -183,12 +183,14 @@ class Gate {
     const double joint_range = robust_range(*joint->values);
     const double motor_range = motor == nullptr ? 0.0 : robust_range(*motor->values);
     const double most = kMostJointTurns * 2.0 * std::numbers::pi;
-    const auto hint = [](const GateChannel& channel) {
-      return "; if it is in degrees, read it with --map \"" + channel.name + "=deg(" + source_of(channel) + ")\"";
+    const auto hint = [this](const std::string& name) {
+      const auto channel =
+          std::find_if(channels_.begin(), channels_.end(), [&](const auto& c) { return c.name == name; });
+      return "; if it is in degrees, read it with --map \"" + name + "=deg(" + source_of(*channel) + ")\"";
     };
     if (joint_range > most) {
       add(ChannelFault::kDegrees, *joint, {}, joint_range,
-          "runs over " + rounded(joint_range) + ", more turns than a joint behind tendons makes" + hint(*joint));
+          "runs over " + rounded(joint_range) + ", more turns than a joint behind tendons makes" + hint(joint->name));
     }
     if (motor == nullptr || joint_range <= 0.0) {
       return;
@@ -201,7 +203,7 @@ class Gate {
     const double ratio = motor_range / joint_range;
     if (ratio > kDegrees / kPulleys && ratio < kDegrees * kPulleys && motor_range > most) {
       add(ChannelFault::kDegrees, *motor, {}, ratio,
-          "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(*motor) +
+          "runs " + rounded(ratio, 3) + " times as far as " + joint->name + hint(motor->name) +
               "; if there is a gear of that ratio between them, ignore this");
     }
   }
