@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <map>
 
+#include "capstan/tools/support/text.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -49,15 +51,16 @@ void print_remedies(std::ostream& out, const std::vector<CampaignRow>& rows) {
 
 void print_row(std::ostream& out, const CampaignRow& row) {
   const std::string detected = row.detected_ms < 0 ? "-" : std::to_string(row.detected_ms);
-  put(out, "%-36s %-11s %-10s %-10s %-16s %6s %3d %8.3f %7.2f %7.3f %6.2f %5d/%d\n", name(row.trouble).c_str(),
+  const std::string cut = row.unavoidable_rad > 0.0 ? rounded(row.unavoidable_rad, 3) : "-";
+  put(out, "%-36s %-11s %-10s %-10s %-16s %6s %3d %8.3f %8s %7.2f %7.3f %6.2f %5d/%d\n", name(row.trouble).c_str(),
       name(row.joint), name(row.situation), name(row.outcome), info(row.fault).name, detected.c_str(),
-      row.off_after_cycles, row.hazard.travel_rad, row.hazard.speed_rad_s, row.hazard.torque_nm, row.severity,
-      row.unsafe, row.cases);
+      row.off_after_cycles, row.hazard.travel_rad, cut.c_str(), row.hazard.speed_rad_s, row.hazard.torque_nm,
+      row.severity, row.unsafe, row.cases);
 }
 
 constexpr const char* kHead =
-    "fault                                joint       while      outcome    by                   ms off   travel   "
-    "speed "
+    "fault                                joint       while      outcome    by                   ms off   travel  "
+    " if cut   speed "
     " torque  sever unsafe\n";
 
 /// The worst of each fault over joints and situations, in the order in which they first come.
@@ -78,6 +81,7 @@ auto worst_of_each(const std::vector<CampaignRow>& rows) -> std::vector<Campaign
     place->unsafe = old.unsafe + row.unsafe;
     place->hazard = old.hazard;
     place->hazard.widen(row.hazard);
+    place->unavoidable_rad = std::max(old.unavoidable_rad, row.unavoidable_rad);
     place->detected_ms = std::max(old.detected_ms, row.detected_ms);
     place->off_after_cycles = std::max(old.off_after_cycles, row.off_after_cycles);
   }
@@ -99,9 +103,11 @@ void print_fmea(std::ostream& out, const std::vector<CampaignRow>& rows) {
   for (const CampaignRow& row : worst_of_each(rows)) {
     const std::string by = row.fault == Fault::kNone ? "-" : info(row.fault).name;
     const std::string ms = row.detected_ms < 0 ? "-" : std::to_string(row.detected_ms);
-    put(out, "| %s | %s, %s: %s | %s | %s | %.3f | %.2f | %.3f | %d of %d |\n", name(row.trouble).c_str(),
+    const std::string cut =
+        row.unavoidable_rad > 0.0 ? " (" + rounded(row.unavoidable_rad, 3) + " if cut at once)" : "";
+    put(out, "| %s | %s, %s: %s | %s | %s | %.3f%s | %.2f | %.3f | %d of %d |\n", name(row.trouble).c_str(),
         name(row.joint), name(row.situation), name(row.outcome), by.c_str(), ms.c_str(), row.hazard.travel_rad,
-        row.hazard.speed_rad_s, row.hazard.torque_nm, row.unsafe, row.cases);
+        cut.c_str(), row.hazard.speed_rad_s, row.hazard.torque_nm, row.unsafe, row.cases);
   }
 }
 
@@ -114,7 +120,8 @@ void print_campaign(std::ostream& out, const Campaign& campaign) {
   }
   out << "\nThe worst of each fault over all joints, situations and phases. ms: longest detection; off: cycles from "
          "there; "
-         "travel (rad), speed (rad/s) and torque (Nm): of the true joint beyond the same motion without the fault\n";
+         "travel (rad), speed (rad/s) and torque (Nm): of the true joint beyond the same motion without the fault; if "
+         "cut: travel where the torque is cut at the onset\n";
   print_hazards(out, campaign.single);
   print_hazards(out, campaign.pairs);
   print_counts(out, "single faults", campaign.single);

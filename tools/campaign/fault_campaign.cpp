@@ -79,7 +79,7 @@ class Judge {
     const Hazard hazard = wrongly_asked ? hazard_from_asked(healthy_, run.course) : hazard_beyond(healthy_, run.course);
     const HazardLimits limits = hazard_limits(setup_of(scene_.joint).config);
     const double severity = hazard.severity(limits);
-    const Outcome outcome = judge(run, row, severity);
+    const Outcome outcome = judge(run, row, hazard, limits);
     const bool worse = row.cases == 0 || outcome > row.outcome || (outcome == row.outcome && severity > row.severity);
     ++row.cases;
     row.unsafe += outcome == Outcome::kUnsafe ? 1 : 0;
@@ -96,17 +96,19 @@ class Judge {
   }
 
  private:
-  [[nodiscard]] auto judge(const RunResult& run, CampaignRow& row, double severity) const -> Outcome {
+  [[nodiscard]] auto judge(const RunResult& run, CampaignRow& row, const Hazard& hazard,
+                           const HazardLimits& limits) const -> Outcome {
     const bool ended = run.end == State::kFaulted || run.blocked;
     if (run.torque_returned || (ended && (run.fault == Fault::kNone || run.off_after_cycles > 2))) {
       return Outcome::kUnsafe;
     }
-    if (severity > 1.0) {
-      return by_mechanics(row) ? Outcome::kMechanical : Outcome::kUnsafe;
+    if (hazard.severity(limits) > 1.0) {
+      return by_mechanics(row, hazard, limits) ? Outcome::kMechanical : Outcome::kUnsafe;
     }
     return run.blocked ? Outcome::kBlocked : run.end == State::kFaulted ? Outcome::kFaulted : Outcome::kTolerated;
   }
-  [[nodiscard]] auto by_mechanics(CampaignRow& row) const -> bool {
+  /// What the firmware adds to it is held to its limit all the same.
+  [[nodiscard]] auto by_mechanics(CampaignRow& row, const Hazard& hazard, const HazardLimits& limits) const -> bool {
     if (row.trouble.first.input != Input::kTransmission) {
       return false;
     }
@@ -114,7 +116,7 @@ class Judge {
     cut.cut_at_onset = true;
     const Hazard least = hazard_beyond(healthy_, run_scene(scene_, cut).course);
     row.unavoidable_rad = std::max(row.unavoidable_rad, least.travel_rad);
-    return least.severity(hazard_limits(setup_of(scene_.joint).config)) > 1.0;
+    return least.severity(limits) > 1.0 && hazard.travel_rad <= least.travel_rad + limits.travel_rad;
   }
 
   Scene scene_;

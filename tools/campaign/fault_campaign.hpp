@@ -14,8 +14,8 @@ enum class Outcome : std::uint8_t {
   kFaulted,     ///< detected, torque off within two cycles, latched
   kBlocked,     ///< detected at rest, and arming was refused
   kTolerated,   ///< no fault, and the true joint went no further than the limits of a hazard
-  kMechanical,  ///< beyond those limits, but so is the joint whose torque is cut at the onset: no firmware can better
-                ///< it
+  kMechanical,  ///< beyond those limits, but so is the joint whose torque is cut at the onset, and further than that
+                ///< one by no more than limits.fault_travel
   kUnsafe,      ///< none of these
 };
 
