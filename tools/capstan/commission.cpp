@@ -21,7 +21,8 @@ struct CommissionCommand {
   std::vector<double> inertia_gm2;
   std::string port, key, state = "commission.txt", report, machine = "machine.toml";
   std::uint64_t seed = 1;
-  bool yes = false, again = false;
+  bool yes = false, again = false, restarted = false, without_inertia = false;
+  bool state_given = false, machine_given = false;
 };
 
 constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
@@ -36,9 +37,22 @@ auto agrees(const CommissionCommand& options, const std::string& question) -> bo
   return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
 }
 
-/// One file a joint where there are several.
+/// "commission.txt" as "commission.joint1.txt": what is known of one joint is not taken for another's.
+auto with_joint(const std::string& name, int axis) -> std::string {
+  const std::size_t dot = name.rfind('.');
+  return name.substr(0, dot) + ".joint" + std::to_string(axis) + name.substr(dot);
+}
+
+/// One file a joint.
 auto state_of(const CommissionCommand& options, int axis) -> std::string {
-  return options.axes.size() == 1 ? options.state : options.state + ".joint" + std::to_string(axis);
+  return !options.state_given       ? with_joint(options.state, axis)
+         : options.axes.size() == 1 ? options.state
+                                    : options.state + ".joint" + std::to_string(axis);
+}
+
+auto machine_of(const CommissionCommand& options) -> std::string {
+  return options.machine_given || options.axes.size() > 1 ? options.machine
+                                                          : with_joint(options.machine, options.axes[0]);
 }
 
 auto progress_of(const CommissionCommand& options, int axis) -> Progress {
@@ -51,7 +65,11 @@ auto progress_of(const CommissionCommand& options, int axis) -> Progress {
   }
   Progress anew;
   try {
-    anew.before = Progress::parse(read_text_file(state), state).before;  // the board still waits for it
+    Progress kept = Progress::parse(read_text_file(state), state);
+    if (!kept.before.empty()) {  // that joint of that board still waits for it
+      anew.axis = kept.axis;
+      anew.before = std::move(kept.before);
+    }
   } catch (const BadInput&) {
     // Anew, whatever the file says.
   }
@@ -109,6 +127,10 @@ void commission_joints(BoardShell& line, const CommissionCommand& options, const
   const Operator person{
       .tell = [](const std::string& text) { std::cerr << text << "\n"; },
       .agrees = [&options](const std::string& question) { return agrees(options, question); },
+      .assures =
+          [&options](const std::string& question) {
+            return options.restarted || (!options.yes && agrees(options, question));
+          },
       .keep = [&options](int axis, const Progress& now) { write_text_file(state_of(options, axis), now.text()); }};
   for (std::size_t i = 0; i < joints.size(); ++i) {
     give_back(line, person, joints[i], progress[i]);
@@ -130,12 +152,31 @@ void commission_joints(BoardShell& line, const CommissionCommand& options, const
       std::cerr << "wrote " << page << "\n";
     }
   }
-  write_text_file(options.machine, machine_file(joints, progress));
-  std::cerr << "wrote " << options.machine << "\n";
+  write_text_file(machine_of(options), machine_file(joints, progress));
+  std::cerr << "wrote " << machine_of(options) << "\n";
+}
+
+/// Nothing else tells counts and torque per current that are wrong by a factor of 2.
+void require_inertia(const CommissionCommand& options) {
+  if (!options.inertia_gm2.empty() || options.without_inertia) {
+    return;
+  }
+  const std::string warning =
+      "WARNING: without --inertia nothing compares motor.encoder_counts and motor.torque_per_current with the motor: "
+      "if "
+      "one is wrong by a factor, gains, speed, torque and the corridor will be wrong by it, and nobody will notice";
+  if (options.yes) {
+    throw BadInput(warning + "; give the data sheet's --inertia, or say --without-inertia");
+  }
+  std::cerr << warning << "\n";
+  if (!agrees(options, "are both right for certain?")) {
+    throw Refusal("nothing was begun; give the data sheet's --inertia");
+  }
 }
 
 auto run_commission(const CommissionCommand& options) -> int {
   const std::vector<CommissionOptions> joints = joints_of(options);
+  require_inertia(options);
   std::vector<Progress> progress;
   for (const CommissionOptions& joint : joints) {
     progress.push_back(progress_of(options, joint.axis));
@@ -183,15 +224,31 @@ void add_commission(CLI::App& app, int& exit_status) {
                    "without it a wrong encoder resolution is not detected")
       ->delimiter(',')
       ->check(CLI::Range(1e-6, 1e6));
+  command->add_flag("--without-inertia", options->without_inertia,
+                    "the inertia is not known, and counts and torque per current are certain");
   command->add_option("--key", options->key, "maintenance key, if one is set on the board");
-  command->add_option("--state", options->state, "file that records the steps done")->capture_default_str();
+  const CLI::Option* state =
+      command
+          ->add_option("--state", options->state,
+                       "file that records the steps done; without it the joint's name is put into the name")
+          ->capture_default_str();
   command->add_flag("--again", options->again, "start again, whatever the file says");
+  command->add_flag("--restarted", options->restarted,
+                    "the board lost its power meanwhile, and is the one that was commissioned");
   command->add_option("--report", options->report, "folder for the report page");
-  command->add_option("--machine", options->machine, "file with the settings found, to set up another board")
-      ->capture_default_str();
+  const CLI::Option* machine =
+      command
+          ->add_option("--machine", options->machine,
+                       "file with the settings found, to set up another board; without it the name of a single joint is "
+                       "put into the name")
+          ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of the simulated forceps");
   command->add_flag("--yes", options->yes, "for scripts: answer yes to every question");
-  command->callback([options, &exit_status] { exit_status = run_commission(*options); });
+  command->callback([options, state, machine, &exit_status] {
+    options->state_given = state->count() > 0;
+    options->machine_given = machine->count() > 0;
+    exit_status = run_commission(*options);
+  });
 }
 
 }  // namespace capstan::tools

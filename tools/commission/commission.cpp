@@ -39,16 +39,43 @@ constexpr std::array<Step, 8> kSteps = {{
     {"save", false, "saves the values found", &CommissionSteps::save},
 }};
 
-/// What a run before this one had found; a board that was restarted does not have it.
-void put_back(JointConsole& joint, const Progress& progress) {
+constexpr const char* kAnew = "start again with --again, or give this joint a --state of its own";
+
+/// Of another joint nothing may be taken for this one's.
+void require_own(JointConsole& joint, const Progress& progress) {
+  if (progress.axis && *progress.axis != joint.axis()) {
+    throw Refusal("the recorded progress is of joint" + std::to_string(*progress.axis) + ", and this is " +
+                  joint.name() + "; give each joint a --state of its own");
+  }
+  if (const std::string mark = joint.mark(); !progress.board.empty() && progress.board != mark) {
+    throw Refusal("the recorded progress is of another joint or another scale (" + progress.board +
+                  "), and this is one of " + mark + "; " + kAnew);
+  }
+}
+
+/// What a run before this one had found; a board that was restarted does not have it, nor has another one.
+void put_back(JointConsole& joint, const Operator& person, const Progress& progress) {
   std::vector<std::pair<std::string, std::string>> known = progress.set;
   if (!progress.is_done("check")) {
     // Nobody has seen yet whether these gains are any good.
     std::erase_if(known, [](const auto& one) { return one.first.starts_with("control."); });
   }
-  if (!known.empty()) {
-    joint.set_together(known);
+  const std::string other = joint.first_other(known);
+  if (other.empty()) {
+    return;
   }
+  const std::string differs = joint.name() + "." + other + " is " + joint.text(other) +
+                              ", which is not what was found in the steps that are done";
+  if (progress.is_done("save")) {
+    throw Refusal(differs + " and saved: it is another board, or was changed since; " + kAnew);
+  }
+  if (!person.assures(differs + ": was the board restarted since, and is it the same joint?")) {
+    throw Refusal(differs +
+                  ": it is another board, or was restarted or changed since; if it was restarted and is the "
+                  "same say so (--restarted), otherwise " +
+                  kAnew);
+  }
+  joint.set_together(known);
 }
 
 /// What is kept of one joint: the steps that are over, and what parameters were before the one under way.
@@ -91,10 +118,16 @@ auto Progress::parse(const std::string& text, const std::string& name) -> Progre
     const std::string rest = blank < line.size() ? line.substr(blank + 1) : "";
     const std::size_t equals = rest.find('=');
     ++number;
-    if (number == 1 && line == "capstan.commission/1") {
+    if (number == 1 && line == "capstan.commission/2") {
       continue;
     }
-    if (number > 1 && word == "done") {
+    if (number > 1 && word == "axis" && parse_number(rest)) {
+      progress.axis = static_cast<int>(*parse_number(rest));
+    } else if (number > 1 && word == "board") {
+      progress.board = rest;
+    } else if (number > 1 && word == "home" && parse_number(rest)) {
+      progress.home_rad = *parse_number(rest);
+    } else if (number > 1 && word == "done") {
       progress.done.push_back(rest);
     } else if (number > 1 && word == "found") {
       progress.found.push_back(rest);
@@ -118,7 +151,10 @@ auto Progress::parse(const std::string& text, const std::string& name) -> Progre
 }
 
 auto Progress::text() const -> std::string {
-  std::string text = "capstan.commission/1\n";
+  std::string text = "capstan.commission/2\n";
+  text += axis ? "axis " + std::to_string(*axis) + "\n" : "";
+  text += board.empty() ? "" : "board " + board + "\n";
+  text += home_rad ? "home " + exact(*home_rad) + "\n" : "";
   for (const std::string& step : done) {
     text += "done " + step + "\n";
   }
@@ -143,11 +179,12 @@ auto Progress::is_done(const std::string& step) const -> bool {
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned {
   give_back(board, person, options, progress);
+  progress.axis = options.axis;
   Commissioned all{.progress = std::move(progress), .response = {}, .tuning = {}};
   Kept kept(person, options.axis, all.progress);
   JointConsole joint(board, options.axis, options.key, kept.before());
   CommissionSteps steps(joint, person, options, all);
-  put_back(joint, all.progress);
+  put_back(joint, person, all.progress);
   for (const Step& step : kSteps) {
     if (!options.saves && std::string(step.name) == "save") {
       continue;
@@ -171,6 +208,9 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
       joint.restore();
       end(stopped.what());
     }
+    if (step.moves) {
+      all.progress.board = joint.mark();
+    }
     all.progress.done.emplace_back(step.name);
     kept.step_is_over(all.progress);
   }
@@ -178,11 +218,13 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
 }
 
 void give_back(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress& progress) {
+  JointConsole joint(board, options.axis, options.key, [](const auto&) {});
+  require_own(joint, progress);
   if (progress.before.empty()) {
     return;
   }
   person.tell("restores the settings that an interrupted run had changed temporarily");
-  JointConsole(board, options.axis, options.key, [](const auto&) {}).set_together(progress.before);
+  joint.set_together(progress.before);
   progress.before.clear();
   person.keep(options.axis, progress);
 }

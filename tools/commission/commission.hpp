@@ -22,6 +22,9 @@ struct CommissionOptions {
 
 /// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
 struct Progress {
+  std::optional<int> axis;         ///< whose it is ...
+  std::string board;               ///< ... on what board, since the motor was shaken: JointConsole::mark
+  std::optional<double> home_rad;  ///< where the joint stood then: the middle of the corridor
   std::vector<std::string> done;
   std::vector<std::pair<std::string, std::string>> set;     ///< parameters without the joint's name, and their values
   std::vector<std::pair<std::string, std::string>> before;  ///< the same of what is set for a while just now
@@ -39,6 +42,9 @@ struct Progress {
 struct Operator {
   std::function<void(const std::string& text)> tell;
   std::function<bool(const std::string& question)> agrees;
+  /// Whether the board was restarted since, and is the one that was commissioned: a person can know that, a script that
+  /// asks nothing has to be told.
+  std::function<bool(const std::string& question)> assures = [](const std::string&) { return false; };
   std::function<void(int axis, const Progress& progress)>
       keep;  ///< after every step, and ahead of a change for a while
 };
@@ -50,12 +56,13 @@ struct Commissioned {
   std::optional<Tuning> tuning;
 };
 
-/// Torque off, and parameters as they were before a run that was ended in the midst of a step.
+/// Torque off, and parameters as they were before a run that was ended in the midst of a step. Throws Refusal where the
+/// progress is another joint's, and nothing was changed.
 void give_back(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress& progress);
 
 /// From a bare motor to a tuned joint, step by step: look (without torque), shake (encoder, current sensor, inertia),
 /// press (tendons), travel (friction, a blocked joint), motor (the board's own `commission`), tune, check, save. Before
-/// `travel` the motor moves by less than 5 deg. Steps that are done are not done again.
+/// `travel` the motor moves by less than 5 deg. Steps that are done are not done again, on the joint they were done on.
 /// Throws Refusal with the step and a sentence with its cure; Stopped where no step had begun. However it ends, torque
 /// is off; unless it ended well, gains and limits are those of before. Where it can not end itself, as this program was
 /// killed or the board lost, the progress that was kept has them, and the next run gives them back.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The steps of commissioning that take gains, try them and keep them.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "capstan/tools/commission/steps.hpp"
@@ -21,12 +22,45 @@ constexpr double kShakePerMotion = 260.0, kFastShakePerMotion = 750.0;
 constexpr double kSplitHz = 90.0, kLastHz = 250.0;
 constexpr int kSlowS = 60, kFastS = 50;
 constexpr double kWorse = 1.5;  // rms of following a sine; of seeds 740 to 759 it fell to a half, and once rose by 1.2
-constexpr double kLouder = 1.5;
+constexpr double kBeyondAsked = 1.1;  // of the amplitude that a faint shake asks for at least
+constexpr double kQuieter = 1.5;
 constexpr double kWaysPerLeg = 2.0;   // from -travel to travel
 constexpr double kLessTravel = 0.25;  // when it went too far
 constexpr int kMostAttempts = 4;
+constexpr Eigen::Index kBesideRows = 10;  // of 10 ms: over which a slow sine shows where it goes
+constexpr double kAboutMiddle = 0.3;      // of a sine's amplitude: behind there friction has gone over
 // What a measurement may be off from the margins that were promised.
 constexpr double kMeasuredDeg = 5.0, kMeasuredDb = 1.0, kMeasuredModulus = 0.9;
+
+// Half of the torque by which forward and backward differ, over that of `travel`.
+constexpr double kLeastFriction = 0.7, kMostFriction = 1.3;
+
+/// What gains do that do not suit a joint. All else is the joint's, or its sensors'.
+auto by_gains(const std::string& why) -> bool {
+  return why.find("latched following_error") != std::string::npos ||
+         why.find("latched overspeed") != std::string::npos || why.find("latched limit_cycle") != std::string::npos;
+}
+
+/// Backward and forward, N m, of a sine about its middle.
+auto torque_of(const JointConsole& joint, const CsvLog& log) -> std::pair<double, double> {
+  const Eigen::VectorXd torque = joint.column(log, "tau_Nm");
+  const Eigen::VectorXd angle = joint.column(log, "q1_rad");
+  const double middle = 0.5 * (angle.maxCoeff() + angle.minCoeff());
+  const double half = 0.5 * (angle.maxCoeff() - angle.minCoeff());
+  std::array<double, 2> sums{};
+  std::array<int, 2> rows{};
+  // It stands before and behind the sine.
+  const Eigen::Index last = angle.size() - 2 * kBesideRows;
+  const Eigen::VectorXd way = angle.tail(last) - angle.head(last);
+  for (Eigen::Index i = 0; i < last; ++i) {
+    const Eigen::Index row = i + kBesideRows;
+    if (std::fabs(way[i]) > 0.5 * way.maxCoeff() && std::fabs(angle[row] - middle) < kAboutMiddle * half) {
+      sums[way[i] > 0.0 ? 1 : 0] += torque[row];
+      ++rows[way[i] > 0.0 ? 1 : 0];
+    }
+  }
+  return {sums[0] / std::max(1, rows[0]), sums[1] / std::max(1, rows[1])};
+}
 
 /// A multisine on the motor's torque while the joint travels.
 struct Shake {
@@ -56,10 +90,10 @@ auto response_to(const Shake& shake, const Way& way, JointConsole& joint) -> Res
 
 void CommissionSteps::respond(const std::function<void(const Response&)>& take) {
   keep_to_corridor();
-  joint_.set("observer.inertia", "0");                // it would take the shaking for a sensor that lies
-  Way way{.home = std::round(home_rad_ * 1e4) / 1e4,  // the shell's line has room for so many digits
-          .travel = std::min(1.8, kTravelShare * options_.corridor_rad),
-          .beside = kBeside * options_.corridor_rad};
+  watch_frozen();
+  Way way{.home = std::round(corridor_.middle * 1e4) / 1e4,  // the shell's line has room for so many digits
+          .travel = std::min(1.8, kTravelShare * corridor_.half),
+          .beside = kBeside * corridor_.half};
   const double per_motion = all_.progress.inertia_kgm2 * kWaysPerLeg * way.travel / kLegS;
   double share = 1.0;  // of the amplitudes
   const auto amplitude = [&](double per_motion_s) {
@@ -83,14 +117,22 @@ void CommissionSteps::respond(const std::function<void(const Response&)>& take) 
       require_usable(response);
       take(response);
       return;
+    } catch (const Faulted&) {
+      throw;
     } catch (const FaintShake& refusal) {
-      try_again(refusal, too_little, kLouder);
+      try_again(refusal, too_little, kBeyondAsked * refusal.louder());
     } catch (const Refusal& refusal) {
-      try_again(refusal, too_much, 1.0 / kLouder);
+      try_again(refusal, too_much, 1.0 / kQuieter);
       // Tendons that give way where friction turns: less travel, and what that leaves beside it.
       way.beside += kLessTravel * way.travel;
       way.travel -= kLessTravel * way.travel;
     }
+  }
+  if (too_much == 0.0) {
+    problem +=
+        "; " + rounded(too_little, 2) +
+        " times the first amplitude did not do, so it may be no noise: a joint that answers otherwise forward than "
+        "backward, or from place to place. Give both tendons the same pretension, or tune it by hand";
   }
   throw Refusal(problem);
 }
@@ -100,6 +142,7 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
   steps.calm();
   const LoopGains present = read_gains(steps.joint_.gains_dump(), joint.axis());
   steps.respond([&](const Response& response) {
+    steps.require_same_friction(response.backward_nm, response.forward_nm);
     steps.all_.response = response;
     steps.all_.tuning = tune(response, present, {});
   });
@@ -125,20 +168,27 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
   }
 }
 
-auto CommissionSteps::tracking(const char* frequency) -> std::optional<double> {
+auto CommissionSteps::sine(const char* frequency) -> CsvLog {
   joint_.arm();
-  try {
-    const CsvLog log =
-        joint_.rows("experiment", std::string("sine_ladder every=10 cycles=1 repeats=1 frequencies=") + frequency +
-                                      " amplitude=" + rounded(0.6 * options_.corridor_rad, 6) +
-                                      "rad offset=" + rounded(home_rad_, 6) + "rad");
-    joint_.disarm();
-    const Eigen::VectorXd off = joint_.column(log, "q2_ref_rad") - joint_.column(log, "q2_est_rad");
-    return std::sqrt(off.array().square().mean());
-  } catch (const Refusal& refusal) {
-    joint_.disarm();
-    person_.tell(std::string("  ") + refusal.what());
-    return {};
+  const CsvLog log = joint_.rows("experiment", std::string("sine_ladder every=10 cycles=1 repeats=1 frequencies=") +
+                                                   frequency + " amplitude=" + rounded(0.6 * corridor_.half, 6) +
+                                                   "rad offset=" + rounded(corridor_.middle, 6) + "rad");
+  joint_.disarm();
+  return log;
+}
+
+auto CommissionSteps::tracking(const CsvLog& log) const -> double {
+  const Eigen::VectorXd off = joint_.column(log, "q2_ref_rad") - joint_.column(log, "q2_est_rad");
+  return std::sqrt(off.array().square().mean());
+}
+
+void CommissionSteps::require_same_friction(double backward_nm, double forward_nm) const {
+  const double now = 0.5 * (forward_nm - backward_nm);
+  const double before = 0.5 * (all_.progress.forward_nm - all_.progress.backward_nm);
+  if (before > 0.0 && (now < kLeastFriction * before || now > kMostFriction * before)) {
+    throw Faulted("friction is " + rounded(now, 3) + " Nm now and was " + rounded(before, 3) +
+                  " Nm in 'travel': a tendon tore, slipped or got stuck meanwhile; look at both, and start again with "
+                  "--again");
   }
 }
 
@@ -153,16 +203,37 @@ void CommissionSteps::check(CommissionSteps& steps) {
   }
   constexpr const char* kFrequency = "0.2Hz";
   constexpr const char* kSlow = "0.1Hz";  // which friction and a coarse encoder fail in; not the old gains, for time
-  const std::optional<double> before = steps.tracking(kFrequency);
+  std::optional<double> before;
+  const auto not_at_all = [&](const Refusal& refusal) {
+    joint.disarm();
+    steps.person_.tell(std::string("  ") + refusal.what());
+  };
+  try {
+    before = steps.tracking(steps.sine(kFrequency));
+  } catch (const Faulted& fault) {
+    if (!by_gains(fault.what())) {
+      throw;
+    }
+    not_at_all(fault);
+  } catch (const Refusal& refusal) {
+    not_at_all(refusal);
+  }
   for (const auto& [name, value] : found) {
     joint.set(name, value);
   }
-  const std::optional<double> after = steps.tracking(kFrequency);
-  if (!after || !steps.tracking(kSlow)) {
-    throw Refusal("with the new gains the joint does not follow a slow sine; the old ones were restored");
-  }
+  const auto followed = [&](const char* frequency) {
+    try {
+      return steps.sine(frequency);
+    } catch (const Refusal& refusal) {
+      throw Refusal(std::string("with the new gains the joint does not follow a slow sine; the old ones were restored (") +
+                    refusal.what() + ")");
+    }
+  };
+  const double after = steps.tracking(followed(kFrequency));
+  const auto [backward, forward] = torque_of(joint, followed(kSlow));
+  steps.require_same_friction(backward, forward);
   joint.arm();
-  joint.ask("move " + joint.name() + " " + rounded(steps.home_rad_ + 0.4 * steps.options_.corridor_rad, 6) + " rad");
+  joint.ask("move " + joint.name() + " " + rounded(steps.corridor_.middle + 0.4 * steps.corridor_.half, 6) + " rad");
   static_cast<void>(joint.rows("log", "2000 1"));  // time for it to swing
   const std::vector<std::string> status = joint.ask("status");
   joint.disarm();
@@ -174,17 +245,17 @@ void CommissionSteps::check(CommissionSteps& steps) {
         "with the new gains the joint oscillates after a step; the old ones were restored. Start again (--again) with "
         "a larger corridor");
   }
-  if (before && *after > kWorse * *before + 2.0 * joint.count_rad()) {
-    throw Refusal("with the new gains the joint follows a sine worse (" + rounded(1e3 * *after, 3) + " mrad, " +
+  if (before && after > kWorse * *before + 2.0 * joint.count_rad()) {
+    throw Refusal("with the new gains the joint follows a sine worse (" + rounded(1e3 * after, 3) + " mrad, " +
                   rounded(1e3 * *before, 3) + " before); the old ones were restored");
   }
-  for (const auto& [name, value] : found) {
-    steps.decide(name, value);
-  }
-  steps.find("a sine is followed within " + rounded(1e3 * *after, 3) + " mrad rms of the estimate" +
+  steps.find("a sine is followed within " + rounded(1e3 * after, 3) + " mrad rms of the estimate" +
              (before ? ", " + rounded(1e3 * *before, 3) + " before" : std::string(", and not at all before")) +
              "; there is no oscillation after a step");
   steps.find_answer();
+  for (const auto& [name, value] : found) {
+    steps.decide(name, value);
+  }
 }
 
 void CommissionSteps::find_answer() {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/commission/joint_console.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <sstream>
 #include <utility>
@@ -14,6 +16,12 @@ namespace {
 constexpr int kMostLooks = 60;  // of half a second, until a motor has come to rest
 constexpr int kMostDisarms = 3;
 constexpr double kStillCounts = 2.5;
+/// A board rounds what it is told: to a thousandth, or to a millionth of the unit.
+constexpr double kRoundedShare = 1e-3, kRounded = 1e-6;
+
+auto number_of(const std::string& value) -> double {
+  return parse_number(value.substr(0, value.find(' '))).value_or(0.0);
+}
 
 }  // namespace
 
@@ -100,8 +108,7 @@ auto JointConsole::text(const std::string& parameter) const -> const std::string
 }
 
 auto JointConsole::value(const std::string& parameter) const -> double {
-  const std::string& all = text(parameter);
-  return parse_number(all.substr(0, all.find(' '))).value_or(0.0);
+  return number_of(text(parameter));
 }
 
 auto JointConsole::gains_dump() -> std::string {
@@ -110,6 +117,26 @@ auto JointConsole::gains_dump() -> std::string {
     dump += "set " + name() + "." + parameter + " " + value + "\n";
   }
   return dump;
+}
+
+auto JointConsole::mark() -> std::string {
+  std::string board;
+  for (const std::string& line : board_.ask("version")) {
+    const std::size_t from = line.find("board ");
+    if (from != std::string::npos) {
+      board = line.substr(from, line.find(" parameters ") - from) + ", ";
+    }
+  }
+  return board + text("motor.encoder_counts") + " counts, sign " + text("motor.encoder_sign") + ", " +
+         text("motor.torque_per_current");
+}
+
+auto JointConsole::first_other(const Parameters& parameters) const -> std::string {
+  const auto other = std::find_if(parameters.begin(), parameters.end(), [this](const auto& one) {
+    const double wanted = number_of(one.second);
+    return std::fabs(value(one.first) - wanted) > kRoundedShare * std::fabs(wanted) + kRounded;
+  });
+  return other == parameters.end() ? "" : other->first;
 }
 
 auto JointConsole::count_rad() const -> double {
@@ -122,7 +149,11 @@ void JointConsole::arm() {
   for (int look = 0; look < kMostLooks; ++look) {
     const Eigen::VectorXd angle = column(rows("log", "50 10"), "q1_rad");
     if (angle.maxCoeff() - angle.minCoeff() < kStillCounts * count_rad()) {
-      board_.ask("arm");
+      try {
+        board_.ask("arm");
+      } catch (const Refusal& refusal) {
+        throw Faulted(refusal.what() + fault());
+      }
       return;
     }
   }
@@ -143,25 +174,29 @@ void JointConsole::disarm() {
   }
 }
 
-/// "; latched encoder_motion: ...", or nothing.
-auto JointConsole::latched() -> std::string {
+auto JointConsole::fault() -> std::string {
   for (const std::string& line : board_.ask("faults")) {
-    if (line.find("latched ") == 0) {
+    if ((line.starts_with("latched ") && !line.starts_with("latched none")) || line.starts_with("present ")) {
       return "; " + line;
     }
   }
   return {};
 }
 
+auto JointConsole::order(const std::string& line) -> std::vector<std::string> {
+  try {
+    return board_.ask(line);
+  } catch (const Refusal& refusal) {
+    if (const std::string why = fault(); !why.empty()) {
+      throw Faulted(refusal.what() + why);
+    }
+    throw;
+  }
+}
+
 auto JointConsole::rows(const std::string& command, const std::string& options) -> CsvLog {
   std::string text;
-  std::vector<std::string> answer;
-  try {
-    answer = board_.ask(command + " " + name() + " " + options);
-  } catch (const Refusal& refusal) {
-    throw Refusal(refusal.what() + latched());
-  }
-  for (const std::string& line : answer) {
+  for (const std::string& line : order(command + " " + name() + " " + options)) {
     const bool row = line.find(',') != std::string::npos;
     text += row ? line + "\n" : "";
   }

@@ -8,8 +8,15 @@
 
 #include "capstan/tools/commission/board_shell.hpp"
 #include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
+
+/// The board latched a fault or gives no torque. To try again would acknowledge it and forget its cause.
+class Faulted : public Refusal {
+ public:
+  using Refusal::Refusal;
+};
 
 /// One joint of a board, as commissioning uses it. Remembers what parameters were before they were changed.
 class JointConsole {
@@ -37,10 +44,18 @@ class JointConsole {
   [[nodiscard]] auto text(const std::string& name) const -> const std::string&;
   [[nodiscard]] auto gains_dump() -> std::string;
 
-  /// Waits until the motor stands, then arms.
+  /// What tells this board's joint from others, as far as it can be told: kind and joints of the board, scale of the
+  /// motor. Nothing of it changes while the joint is commissioned.
+  auto mark() -> std::string;
+  /// Of parameters that it should have the first that it has otherwise; nothing: none.
+  [[nodiscard]] auto first_other(const Parameters& parameters) const -> std::string;
+
+  /// Waits until the motor stands, then arms. Throws Faulted where the board does not.
   void arm();
   void disarm();
-  /// `log` or `experiment` with the joint's name behind the first word.
+  /// What may move the joint. Throws Faulted where a fault ended it.
+  auto order(const std::string& line) -> std::vector<std::string>;
+  /// `log` or `experiment` with the joint's name behind the first word; an order().
   auto rows(const std::string& command, const std::string& options) -> CsvLog;
   auto column(const CsvLog& log, const std::string& name) const -> Eigen::VectorXd;
   [[nodiscard]] auto count_rad() const -> double;
@@ -50,7 +65,8 @@ class JointConsole {
  private:
   void read_parameters();
   void tell_before() { keep_before_({before_.begin(), before_.end()}); }
-  auto latched() -> std::string;
+  /// "; latched encoder_motion: ...", or what would block arming; nothing: there is no fault.
+  auto fault() -> std::string;
 
   BoardShell& board_;
   int axis_;

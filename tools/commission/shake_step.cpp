@@ -57,7 +57,7 @@ auto CommissionSteps::shaken(const Shake& shake, int seconds) -> CsvLog {
   joint_.arm();
   const CsvLog log =
       joint_.rows("experiment", "multisine on=torque " + shake.band + " duration=" + std::to_string(seconds) +
-                                    " corridor=" + rounded(std::min(options_.corridor_rad, shake.way_rad)) +
+                                    " corridor=" + rounded(std::min(corridor_.half, shake.way_rad)) +
                                     " amplitude=" + rounded(shake.amplitude_nm, 6) + "Nm");
   joint_.disarm();
   return log;
@@ -186,6 +186,7 @@ auto CommissionSteps::would_leave(const Eigen::VectorXd& angle) const -> bool {
 void CommissionSteps::shake(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.let_go();
+  steps.all_.progress.home_rad = steps.stood_rad_;
   const auto answered = [&joint](const CsvLog& log, bool fast) {
     const double least = fast ? kFastAnswerCounts : kAnswerCounts;
     return rms_about_mean(joint.column(log, "q1_rad")) > least * joint.count_rad();

@@ -36,7 +36,14 @@ constexpr double kOneSided = 3.0;      // of the ways
 constexpr double kTurnShare = 0.1;     // of the whole way: less is no turn
 // Ways over which friction may go over to the other direction; on the elbows 1150 to 1159 they are 0.1 to 0.4 rad.
 constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
-constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
+constexpr double kLeastHalfRad = 0.05;  // of a corridor: less is no way for any step
+// limits.following_error: half of it without a count is `encoder_frozen`. A coarse encoder and friction leave elbows
+// 4000 to 4006 without a count for more than the half of 32 (0.05 rad), not of 60.
+constexpr double kFrozenRad = 0.05, kFrozenCounts = 100.0;
+constexpr double kOffForS = 3.0;     // a leg of `travel`, in which friction is not known yet
+constexpr double kHomeShare = 0.05;  // of the corridor
+constexpr int kMostWaits = 30;       // of a second, until it is at home
+constexpr double kBlocked = 0.25;    // rise of the torque over the last half of a leg, of that at its end
 // Of the continuous torque, for a motor whose answer to the board's own dither, half as large, is fewer counts than
 // that: of the 50 elbows 1300 to 1349 four with 1.2 and less did not show their inertia. They
 // travel a third further, too.
@@ -112,16 +119,50 @@ auto CommissionSteps::here() -> double {
   return joint_.column(joint_.rows("log", "20 10"), "q2_est_rad").mean();
 }
 
+auto CommissionSteps::corridor() const -> Corridor {
+  const double home = all_.progress.home_rad.value_or(stood_rad_);
+  const double low = std::max(home - options_.corridor_rad, joint_.value("limits.joint_min"));
+  const double high = std::min(home + options_.corridor_rad, joint_.value("limits.joint_max"));
+  return {.middle = 0.5 * (low + high), .half = 0.5 * (high - low)};
+}
+
 void CommissionSteps::keep_to_corridor() {
-  if (home_rad_ < joint_.value("limits.joint_min") || home_rad_ > joint_.value("limits.joint_max")) {
-    throw Refusal("the joint stands at " + rounded(home_rad_, 3) +
-                  " rad, outside limits.joint_min to limits.joint_max: turn it back by hand, set its angle with "
+  const std::string stands = "the joint stands at " + rounded(stood_rad_, 3) + " rad, ";
+  if (stood_rad_ < joint_.value("limits.joint_min") || stood_rad_ > joint_.value("limits.joint_max")) {
+    throw Refusal(stands +
+                  "outside limits.joint_min to limits.joint_max: turn it back by hand, set its angle with "
                   "'zero', or hook the tendon that came off");
   }
-  joint_.set("limits.joint_min",
-             rounded(std::max(home_rad_ - options_.corridor_rad, joint_.value("limits.joint_min")), 6) + " rad");
-  joint_.set("limits.joint_max",
-             rounded(std::min(home_rad_ + options_.corridor_rad, joint_.value("limits.joint_max")), 6) + " rad");
+  if (corridor_.half < kLeastHalfRad) {
+    throw Refusal(stands + "so limits.joint_min and limits.joint_max leave it a corridor of " +
+                  rounded(std::max(0.0, 2.0 * corridor_.half), 2) + " rad; turn it towards their middle");
+  }
+  if (std::fabs(stood_rad_ - corridor_.middle) > corridor_.half + kLeastHalfRad) {
+    throw Refusal(stands + "outside the corridor from " + rounded(corridor_.middle - corridor_.half, 3) + " to " +
+                  rounded(corridor_.middle + corridor_.half, 3) +
+                  " rad about where it stood at first: turn it back by hand, or start again with --again");
+  }
+  joint_.set("limits.joint_min", rounded(corridor_.middle - corridor_.half, 6) + " rad");
+  joint_.set("limits.joint_max", rounded(corridor_.middle + corridor_.half, 6) + " rad");
+}
+
+void CommissionSteps::go_home() {
+  joint_.ask("move " + joint_.name() + " " + rounded(corridor_.middle, 6) + " rad");
+  for (int i = 0; i < kMostWaits; ++i) {
+    const Eigen::VectorXd angle = joint_.column(joint_.rows("log", "20 50"), "q2_est_rad");
+    if (std::fabs(angle[angle.size() - 1] - corridor_.middle) < kHomeShare * corridor_.half) {
+      return;
+    }
+  }
+  throw Refusal("the joint does not go to the middle of its corridor, at " + rounded(corridor_.middle, 3) +
+                " rad, so it is blocked or presses against something; free it");
+}
+
+void CommissionSteps::watch_frozen() {
+  joint_.set("observer.inertia", "0");
+  const double still = std::max(kFrozenRad, kFrozenCounts * joint_.count_rad() * joint_.value("motor_angle.beta"));
+  joint_.set("limits.following_error", rounded(std::min(still, joint_.value("limits.following_error"))) + " rad");
+  joint_.set("limits.following_time", rounded(std::max(kOffForS, joint_.value("limits.following_time"))) + " s");
 }
 
 void CommissionSteps::calm() {
@@ -246,13 +287,13 @@ void CommissionSteps::travel(CommissionSteps& steps) {
   steps.keep_to_corridor();
   steps.calm();
   joint.set("limits.current", joint.text("limits.continuous_current"));
-  joint.set("observer.inertia", "0");
-  const double reach = 0.6 * steps.options_.corridor_rad;
+  steps.watch_frozen();
+  const double reach = 0.6 * steps.corridor_.half;
   joint.arm();
   CsvLog log = [&] {
     try {
       return joint.rows("experiment", "triangle every=5 cycles=3 repeats=1 amplitude=" + rounded(reach, 6) +
-                                          "rad offset=" + rounded(steps.home_rad_, 6) +
+                                          "rad offset=" + rounded(steps.corridor_.middle, 6) +
                                           "rad speeds=" + rounded(reach / 1.5, 6) + "rad/s");
     } catch (const Refusal& refusal) {
       throw Refusal(
@@ -308,7 +349,7 @@ void CommissionSteps::travel(CommissionSteps& steps) {
 auto CommissionSteps::commission_by_board(const std::string& order) -> bool {
   const std::string prefix = joint_.name() + ".";
   try {
-    for (const std::string& line : joint_.ask(order)) {
+    for (const std::string& line : joint_.order(order)) {
       if (line.starts_with(prefix + "observer.")) {
         const std::size_t blank = line.find(' ');
         decide(line.substr(prefix.size(), blank - prefix.size()), line.substr(blank + 1));
@@ -327,12 +368,13 @@ void CommissionSteps::motor(CommissionSteps& steps) {
   JointConsole& joint = steps.joint_;
   steps.keep_to_corridor();
   steps.calm();
-  joint.set("observer.inertia", "0");
+  steps.watch_frozen();
   joint.arm();
+  steps.go_home();
   const double softest = 0.5 * kLouderDither * steps.continuous_nm() /
                          (steps.all_.progress.inertia_kgm2 * std::pow(2.0 * std::numbers::pi * kDitherHz, 2));
   const bool louder = softest < kFewDitherCounts * joint.count_rad();
-  const double reach = std::min(louder ? 0.4 : 0.3, 0.8 * steps.options_.corridor_rad);
+  const double reach = std::min(louder ? 0.4 : 0.3, 0.8 * steps.corridor_.half);
   const std::string order = "commission " + joint.name() + " amplitude=" + rounded(reach) + "rad" +
                             (louder ? " dither=" + rounded(kLouderDither * steps.continuous_nm(), 4) + "Nm" : "");
   if (!steps.commission_by_board(order)) {

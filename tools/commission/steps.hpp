@@ -10,7 +10,7 @@ namespace capstan::tools {
 class CommissionSteps {
  public:
   CommissionSteps(JointConsole& joint, const Operator& person, const CommissionOptions& options, Commissioned& all)
-      : joint_(joint), person_(person), options_(options), all_(all), home_rad_(here()) {}
+      : joint_(joint), person_(person), options_(options), all_(all), stood_rad_(here()), corridor_(corridor()) {}
 
   static void look(CommissionSteps& steps);
   static void shake(CommissionSteps& steps);
@@ -31,8 +31,21 @@ class CommissionSteps {
   auto commission_by_board(const std::string& order) -> bool;
   /// By how much the motor answers a look, with the gains as they are.
   void find_answer();
-  /// Joint limits about where it stood at first.
+  /// Angles of the joint, rad.
+  struct Corridor {
+    double middle, half;
+  };
+  /// About where it stood at first, within the joint's limits.
+  [[nodiscard]] auto corridor() const -> Corridor;
+  /// Joint limits at its ends. Throws Refusal where the joint stands outside, or it is too narrow.
   void keep_to_corridor();
+  /// To its middle, under torque.
+  void go_home();
+  /// Without the motor observer, which knows no motor yet or would take the shaking for a sensor that lies: an encoder
+  /// that stands still while the joint is to move is found after less of its way.
+  void watch_frozen();
+  /// Torque that a motion takes one way more than the other has to be that of `travel`.
+  void require_same_friction(double backward_nm, double forward_nm) const;
   /// Gains that suit the motor's inertia alone, until there are better ones.
   void calm();
   /// Hardly any control, and no way of the motor beyond 2.9 deg.
@@ -69,14 +82,17 @@ class CommissionSteps {
   void judge_inertia(double inertia);
   /// Shakes the joint while it travels, louder or less until the response can be used and `take` takes it.
   void respond(const std::function<void(const Response&)>& take);
-  /// Rms of reference less estimate in a sine of that frequency, rad; nothing: a fault ended it.
-  [[nodiscard]] auto tracking(const char* frequency) -> std::optional<double>;
+  /// A sine of that frequency over the corridor, with torque off behind it.
+  [[nodiscard]] auto sine(const char* frequency) -> CsvLog;
+  /// Rms of reference less estimate, rad.
+  [[nodiscard]] auto tracking(const CsvLog& log) const -> double;
 
   JointConsole& joint_;
   const Operator& person_;
   const CommissionOptions& options_;
   Commissioned& all_;
-  double home_rad_;  ///< the middle of the corridor
+  double stood_rad_;  ///< where the joint stood when this run began
+  Corridor corridor_;
 };
 
 }  // namespace capstan::tools

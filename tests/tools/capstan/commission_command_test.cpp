@@ -10,7 +10,8 @@ class CommissionCommand : public Command {
   /// The program by itself, and what ends it as soon as it is in that step.
   auto ended(const std::string& step, const std::string& signal, const std::string& more = "",
              const std::string& whom = "$program") const -> std::string {
-    return ": > \"" + path("said") + "\"; \"" CAPSTAN_PROGRAM "\" commission $port --corridor 0.8 --yes --state \"" +
+    return ": > \"" + path("said") +
+           "\"; \"" CAPSTAN_PROGRAM "\" commission $port --corridor 0.8 --inertia 0.02 --yes --state \"" +
            path("state") + "\" --machine \"" + path("machine") + "\" " + more + " >> \"" + path("said") +
            "\" 2>&1 & program=$!; for i in $(seq 400); do grep -q '^" + step + ":' \"" + path("said") +
            "\" && break; sleep 0.02; done; sleep 0.2; kill -" + signal + " " + whom +
@@ -56,6 +57,31 @@ TEST_F(CommissionCommand, ABoardThatIsGoneIsSaid) {
   EXPECT_TRUE(said.find("the board closed the line") != std::string::npos ||
               said.find("the line broke while sending") != std::string::npos)
       << said;
+}
+
+TEST_F(CommissionCommand, WithoutTheInertiaAScriptHasToSaySoAndAPersonIsAsked) {
+  const Outcome script = run("commission --corridor 0.8 --yes");
+  EXPECT_EQ(script.status, 2);
+  EXPECT_NE(script.output.find("or say --without-inertia"), std::string::npos) << script.output;
+  const Outcome person = run("commission --corridor 0.8", "cd \"" + path("") + "\"; echo n | ");
+  EXPECT_EQ(person.status, 1);
+  EXPECT_NE(person.output.find("WARNING: without --inertia"), std::string::npos) << person.output;
+  EXPECT_FALSE(exists("commission.joint0.txt"));
+}
+
+TEST_F(CommissionCommand, EachJointHasAFileOfItsOwnAndOnlyItGoesOnFromThere) {
+  const std::string here = "cd \"" + path("") + "\"; echo n | ";
+  const std::string command = "commission --corridor 0.8 --inertia 0.02";
+  EXPECT_NE(run(command, here).output.find("shake: stopped as you wished"), std::string::npos);
+  ASSERT_TRUE(exists("commission.joint0.txt"));
+  EXPECT_NE(read_text_file(path("commission.joint0.txt")).find("\naxis 0\n"), std::string::npos);
+  EXPECT_NE(run(command, here).output.find("look: done before"), std::string::npos);
+  std::string text = read_text_file(path("commission.joint0.txt"));
+  text.replace(text.find("axis 0"), 6, "axis 1");
+  write_text_file(path("other.txt"), text);
+  const Outcome other = run(command + " --state other.txt", here);
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.output.find("is of joint1, and this is joint0"), std::string::npos) << other.output;
 }
 
 }  // namespace

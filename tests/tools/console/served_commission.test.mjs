@@ -23,6 +23,7 @@ async function commissioned(one, part) {
 }
 async function beginCommissioning(one) {
   await view(one, 'setup');
+  await one.page.fill('#commission-inertia', '0.02');
   await one.page.click('#commission-start');
   await until(one, () => !document.getElementById('commission-question').hidden);
   assert.equal(await one.page.textContent('#commission-asks'), 'may the joint move?');
@@ -124,6 +125,7 @@ test('a page that is gone, or loses focus, takes its commissioning and the torqu
 test('a commissioning that can not begin says why', async () => {
   const one = await open(await console_());
   await view(one, 'setup');
+  await one.page.fill('#commission-inertia', '0.02');
   await one.page.evaluate(() => (document.querySelector('#commission-joint option').value = 'joint3'));
   await one.page.click('#commission-start');
   await commissioned(one, 'the board has no joint3');

@@ -218,6 +218,7 @@ TEST(Commission, AfterAPowerCutInAnyStepTheBoardIsDisarmedWithTheOldOrTheNewSetA
   const Operator person{
       .tell = [&](const std::string& text) { step = text.front() == ' ' ? step : text.substr(0, text.find(':')); },
       .agrees = [&](const std::string&) { return last_step.empty() || !known.is_done(last_step); },
+      .assures = [](const std::string&) { return true; },
       .keep = [&](int, const Progress& now) { known = now; }};
   FileBanks whole_banks = FileBanks::temporary();
   SimShell whole(scenario, whole_banks);
@@ -377,7 +378,13 @@ TEST(Commission, ProgressIsReadBackAndForeignFilesAreRefused) {
   progress.set = {{"control.stiffness", "0.5 Nm/rad"}};
   progress.found = {"a = b"};
   progress.before = {{"limits.motor_min", "-6 rad"}};
+  progress.axis = 2;
+  progress.board = "board sim joints 1, 40960 counts, sign 1, 0.1 Nm/A";
+  progress.home_rad = -0.25;
   const Progress read = Progress::parse(progress.text(), "state");
+  EXPECT_EQ(read.axis, progress.axis);
+  EXPECT_EQ(read.board, progress.board);
+  EXPECT_EQ(read.home_rad, progress.home_rad);
   EXPECT_EQ(read.done, progress.done);
   EXPECT_EQ(read.set, progress.set);
   EXPECT_EQ(read.before, progress.before);
