@@ -133,6 +133,20 @@ void take_special_cases_of_effort(std::vector<CatalogueTerm>& terms) {
   });
 }
 
+/// What terms of the joint angle are taken for where they are parts of an effort: its own terms.
+void take_words_of_effort(std::vector<CatalogueTerm>& terms) {
+  static const std::map<std::string, const char*> kConfusableWith = {
+      {"gravity", "spring where the angle changes little, offset, angle_periodic of a low order"},
+      {"angle_periodic", "gravity where N is near 1, quantisation"},
+      {"thermal_drift", "offset"},
+      {"transport_delay", "inertia, viscous_friction"}};
+  for (auto& term : terms) {
+    if (const auto found = kConfusableWith.find(term.name); found != kConfusableWith.end()) {
+      term.confusable_with = found->second;
+    }
+  }
+}
+
 /// A linear axis: metres and newtons. Its weight does not turn with it, so that is part of the offset.
 void make_linear(std::vector<CatalogueTerm>& terms) {
   static const UnitTable kLinear = {{"rad", "m"},        {"rad/s", "m/s"}, {"Nm", "N"},   {"Nm/rad", "N/m"},
@@ -165,6 +179,7 @@ auto efforts(AxisKind axis) -> Catalogue {
   add_output_terms(terms);
   take_special_cases_of_effort<EffortTerms>(terms);
   take_special_cases_of_effort<SharedTerms>(terms);
+  take_words_of_effort(terms);
   if (axis == AxisKind::kLinear) {
     make_linear(terms);
     return {TargetKind::kEffort, "N", "m", std::move(terms)};

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <sstream>
 
 #include "capstan/model/terms/table.hpp"
 #include "capstan/tests/tools/synthetic_joint.hpp"
@@ -27,6 +29,19 @@ TEST(TermCatalogue, CountsAndOrderAreThoseOfTheParameters) {
   }
   EXPECT_EQ(coefficients, kCoefficientCount);
   EXPECT_EQ(shapes, kShapeCount);
+}
+
+// A report names them to whoever has an effort before them.
+TEST(TermCatalogue, TermsOfAnEffortAreTakenForNoneThatOnlyAnAngleHas) {
+  const Catalogue& efforts = effort_catalogue(AxisKind::kRotary);
+  for (const auto& term : efforts) {
+    std::string words = term.confusable_with;
+    std::replace(words.begin(), words.end(), ',', ' ');
+    std::istringstream stream(words);
+    for (std::string word; stream >> word;) {
+      EXPECT_TRUE(efforts.has(word) || !term_catalogue().has(word)) << term.name << " is easily taken for " << word;
+    }
+  }
 }
 
 TEST(TermCatalogue, ColumnsTimesCoefficientsAreTheLawItself) {
