@@ -52,7 +52,8 @@ auto size_json(const std::optional<EffectSize>& size) -> Json {
 }
 
 auto effect_json(const Diagnosis& d, const AddedEffect& effect) -> Json {
-  const JointFile& law = d.found ? *d.found : d.law;
+  const bool grown = d.effort_law && d.law.has(effect.name);  // the law that is delivered says how large it is
+  const JointFile& law = d.found && !grown ? *d.found : d.law;
   // Another pretension of the law's own tendons is no term of its own.
   const std::string term = law.has("tendon") && !law.has(effect.name) ? "tendon" : effect.name;
   return {{"name", effect.name},
@@ -157,6 +158,7 @@ auto diagnosis_json(const Diagnosis& d) -> std::string {
                  {"terms", d.law.terms},
                  {"file", d.law_file ? Json(*d.law_file) : Json(nullptr)}};
   json["verdict"] = verdict_word(d.verdict);
+  json["reason"] = d.reason;
   json["sizes"] = d.sizes;
   json["pretension"] = pretension_json(d);
   json["effects"] = Json::array();
