@@ -114,7 +114,8 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
     if (const std::string status = write_law(diagnosis, options.output); !status.empty()) {
       std::cerr << "wrote " << options.output << " (" << status << " law)\n";
     } else {
-      say_not_written(options.output, "these logs give no law");
+      say_not_written(options.output,
+                      diagnosis.law.terms.empty() ? "these logs give no law" : "no file holds this law");
     }
   }
   if (!options.json.empty()) {

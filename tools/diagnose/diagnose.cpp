@@ -6,9 +6,11 @@
 #include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/held_terms.hpp"
 #include "capstan/tools/diagnose/long_rests.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/one_law.hpp"
+#include "capstan/tools/diagnose/tested_log.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/diagnose/weight_in_torque.hpp"
 #include "capstan/tools/identify/force_catalogue.hpp"
@@ -95,25 +97,14 @@ auto found_law(const Preparation& p, const Search& search, const LawForm& base, 
   if (!is_refusal(d.verdict)) {
     d.effects = search.effects;
     const Interval ratio = ratio_interval(p, d.traces.before, estimates(p.logs, p.causal, found));
-    // What the torque shows need not be in the angle: tendons that are taut carry it.
-    if (!search.by_torque && (ratio[0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law))) {
+    // A running estimate of an angle is late at reversals, and no effect mends that. What the torque shows need not be
+    // in the angle: tendons that are taut carry it.
+    const bool of_torque = base.catalogue->target() == TargetKind::kForce;
+    if (!search.by_torque && (ratio[of_torque ? 1 : 0] >= 1.0 || !holds_on_unseen_rows(p, base, search.law))) {
       take_back(search, d);
     }
   }
   return found;
-}
-
-/// Errors on a log that took no part. It may have begun elsewhere: its zero is taken off.
-/// @param log  without its long rests, as those that were fitted
-void test_on(const AxisLog& log, const Diagnosis& d, std::vector<TestedLog>& tested) {
-  const auto error = [&](const JointFile& law) -> ErrorSummary {
-    const LawDesign design({log}, law.parameters.conditioner);
-    Eigen::VectorXd estimate = estimates({log}, design, law);
-    estimate.array() += (log.measured() - estimate).mean();
-    const double left = rms(log.measured() - estimate);
-    return {left, 100.0 * left / rms(log.measured()), goodness_of_fit_percent(log.measured(), estimate)};
-  };
-  tested.push_back({log.name, error(d.base), error(d.law)});
 }
 
 /// A law is nearer to the rows that it was fitted to than to others, the more so the more it was chosen from.
@@ -311,9 +302,6 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
     ask_the_log(p, search, base, d);
   }
   gauge_pretension(p, options, by_its_loop.has_value(), d);
-  for (const auto& log : options.test_logs) {
-    test_on(without_long_rests(log), d, d.tested);
-  }
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(
         "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as a hint, " +
@@ -387,8 +375,11 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
   }
   if (has_effort_law(logs, d)) {
     options.progress("choosing the law of the effort");
-    deliver_effort_law(logs, options, d);
+    deliver_effort_law(logs, d);
+  } else if (logs.front().motion_alone() && !d.law.terms.empty()) {
+    d.effort_law = runnable_law(d.law, logs);
   }
+  say_what_is_held(d);
   warn_of_uncertain_gain(d);
   if (d.traces.after.size() > 0) {
     const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
@@ -396,6 +387,9 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
     d.map_after = residual_map(signals, d.traces.measured - d.traces.after);
     const bool grown = d.effort_law && d.effort_law->joint.terms == d.law.terms;
     d.told = grown ? identifiability_of(logs, *d.effort_law) : identifiability_of(logs, d.law);
+    for (const auto& log : options.test_logs) {
+      d.tested.push_back(tested_log(without_long_rests(log), logs, d));
+    }
   }
   return d;
 }

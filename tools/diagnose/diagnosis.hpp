@@ -8,6 +8,7 @@
 
 #include "capstan/tools/diagnose/identifiability.hpp"
 #include "capstan/tools/diagnose/residual_map.hpp"
+#include "capstan/tools/identify/force_fit.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/identify/pretension.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
@@ -121,8 +122,10 @@ struct Diagnosis {
   std::optional<PretensionDrift> pretension = {};  ///< beside that of the healthy joint, where one was given
   JointFile base, law;                             ///< the law before, and with the effects; equal if none was added
   std::optional<EffortLaw> effort_law;             ///< of an effort: `law` with what it takes to run it
-  std::optional<JointFile> found;    ///< the law with the effects that were found; it need not be the one delivered
-  std::vector<AddedEffect> effects;  ///< in the order added
+  std::optional<PullPushFit> pull_push;  ///< base law of a joint torque, as a file holds it; delivered without another
+  std::optional<JointFile> found;        ///< the law with the effects that were found; it need not be the one delivered
+  std::vector<AddedEffect> effects;      ///< in the order added
+  std::string unlisted;                  ///< that the search could not add and what is missing is most like; or empty
   std::vector<std::string> undetermined;  ///< parameters of `law` that these logs can not determine
   std::vector<RoundSummary> rounds;
   ErrorSummary before, after;

@@ -6,6 +6,7 @@
 
 #include "capstan/tools/diagnose/delivered_law.hpp"
 #include "capstan/tools/diagnose/free_run.hpp"
+#include "capstan/tools/diagnose/pull_push_base.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
@@ -16,12 +17,6 @@
 
 namespace capstan::tools {
 namespace {
-
-auto summary_of(const Eigen::VectorXd& measured, const Eigen::VectorXd& estimate) -> ErrorSummary {
-  const double error = rms(measured - estimate);
-  const double size = rms(measured);
-  return {error, size > 0.0 ? 100.0 * error / size : 0.0, goodness_of_fit_percent(measured, estimate)};
-}
 
 /// The unseen rows in equal blocks, which are resampled whole.
 auto unseen_blocks(const EffortSelection& selection) -> Blocks {
@@ -117,52 +112,140 @@ auto unnamed_of(const EffortSelection& selection, const std::vector<std::string>
   return part;
 }
 
-void replace_traces(const std::vector<AxisLog>& logs, const EffortSelection& selection, Traces& traces) {
-  const Eigen::Index rows = selection.measured.size();
+void replace_traces(const std::vector<AxisLog>& logs, const Eigen::VectorXd& measured, const Eigen::VectorXd& before,
+                    const Eigen::VectorXd& after, Traces& traces) {
+  const Eigen::Index rows = measured.size();
+  const bool of_gear = !logs.front().motion_alone();
   traces.time_s.resize(rows);
   traces.q1.resize(rows);
-  traces.load.resize(selection.law.of_gear() ? rows : 0);
+  traces.load.resize(of_gear ? rows : 0);
   Eigen::Index row = 0;
   for (const auto& log : logs) {
     traces.time_s.segment(row, log.samples()) = log.time_s;
     traces.q1.segment(row, log.samples()) = log.q1_rad;
-    if (traces.load.size() > 0) {
+    if (of_gear) {
       traces.load.segment(row, log.samples()) = log.tau_nm;
     }
     row += log.samples();
   }
-  traces.measured = selection.measured;
-  traces.before = selection.by_start;
-  traces.after = selection.by_law;
+  traces.measured = measured;
+  traces.before = before;
+  traces.after = after;
 }
 
-auto tested(const AxisLog& log, const EffortSelection& selection) -> TestedLog {
-  const Eigen::VectorXd measured = EffortDesign({log}, selection.law.view).seen(log.effort);
-  return {log.name, summary_of(measured, run_effort_law({log}, selection.start)),
-          summary_of(measured, run_effort_law({log}, selection.law))};
+/// Names that the delivered law has no term for are taken back: it explains by others what they stood for.
+/// @param more_than_named  the delivered law certainly errs less than that with the names
+void keep_held_names(const EffortSelection& selection, bool more_than_named, Diagnosis& d) {
+  if (d.effects.empty()) {
+    return;
+  }
+  const auto& terms = selection.law.joint.terms;
+  const auto is_held = [&](const std::string& name) {
+    return std::any_of(terms.begin(), terms.end(), [&](const auto& term) { return effect_name(term) == name; });
+  };
+  std::vector<AddedEffect> held;
+  std::copy_if(d.effects.begin(), d.effects.end(), std::back_inserter(held), [&](const auto& effect) {
+    return is_held(effect.name) || std::any_of(effect.alternatives.begin(), effect.alternatives.end(), is_held);
+  });
+  if (held.empty()) {
+    say({Verdict::kUnknown,
+         "Something is missing from the law, and the law that is delivered explains it by other terms than " +
+             names_of(d.effects) + ", so it is not named.",
+         kEverything},
+        d);
+  } else if ((more_than_named && d.verdict != Verdict::kAmbiguous) || held.size() < d.effects.size()) {
+    d.verdict = Verdict::kEffectPlusUnlisted;
+    d.reason = what_the_law_lacks(held) + kMoreThanNamed;
+  }
+  d.effects = std::move(held);
 }
+
+/// Share of the energy that rounds to a percent.
+constexpr double kSaid = 0.005;
 
 /// Law, errors and traces of the selection in the place of what the search for names ended with.
-void take_selection(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, EffortSelection& selection,
-                    const Interval& ratio, Diagnosis& d) {
+void take_selection(const std::vector<AxisLog>& logs, EffortSelection& selection, const Interval& ratio, Diagnosis& d) {
   const std::vector<std::string> effects = beside_start(selection);
   set_status(effects.empty() ? LawStatus::kBase : LawStatus::kProvisional, selection.law);
   const Eigen::Index unseen = selection.measured.size() - selection.first_unseen;
   const Eigen::VectorXd measured = selection.measured.tail(unseen);
-  d.before = summary_of(measured, selection.by_start.tail(unseen));
-  d.after = summary_of(measured, selection.by_law.tail(unseen));
+  d.before = error_summary(measured, selection.by_start.tail(unseen));
+  d.after = error_summary(measured, selection.by_law.tail(unseen));
   d.ratio_ci95 = ratio;
   bound_floor(d);
   d.halves_agree = halves_won(selection);
   d.unnamed = effects.empty() ? std::nullopt : std::optional(unnamed_of(selection, effects, d));
+  if (d.unnamed && d.unnamed->share < kSaid) {
+    d.unnamed.reset();
+  }
   d.base = selection.start.joint;
   d.law = selection.law.joint;
   d.undetermined.clear();  // of the law that this one replaces
   d.effort_law = selection.law;
-  replace_traces(logs, selection, d.traces);
-  d.tested.clear();
-  std::transform(options.test_logs.begin(), options.test_logs.end(), std::back_inserter(d.tested),
-                 [&](const auto& log) { return tested(log, selection); });
+  replace_traces(logs, selection.measured, selection.by_start, selection.by_law, d.traces);
+}
+
+constexpr const char* kAnotherPredictsBetter =
+    "Something is missing from the law: another law certainly predicts unseen rows better, but this log does not show "
+    "which effect it is.";
+
+/// The base law in the place of what the search ended with, its errors those of a board that runs it.
+void take_base(const std::vector<AxisLog>& logs, const PullPushBase& base, Eigen::Index first_unseen, Diagnosis& d) {
+  const Eigen::VectorXd measured = stacked_target(logs);
+  const Eigen::Index unseen = measured.size() - first_unseen;
+  if (!d.effects.empty()) {
+    d.warnings.push_back("no file holds a pull-push law with " + names_of(d.effects) +
+                         ", so the law is delivered without; on rows set aside the search's law left " +
+                         rounded(d.before.rmse, 3) + " Nm without and " + rounded(d.after.rmse, 3) + " Nm with it");
+  }
+  d.base = d.law = base.joint;
+  d.pull_push = base.fit;
+  d.before = d.after = error_summary(measured.tail(unseen), base.estimate.tail(unseen));
+  d.ratio_ci95 = {1.0, 1.0};
+  bound_floor(d);
+  d.unnamed.reset();
+  d.candidates.clear();
+  d.undetermined.clear();
+  replace_traces(logs, measured, base.estimate, base.estimate, d.traces);
+}
+
+/// Of the torque behind a gear: what was asked for, unless a law that is grown errs clearly less on the rows that
+/// neither has seen. Where the logs do not determine what was asked for, no file holds it, and the grown one takes its
+/// place if it is not certain to err more.
+void deliver_gear_law(const std::vector<AxisLog>& logs, Diagnosis& d) {
+  EffortSelection selection = select_effort_law(logs);
+  const auto base = pull_push_base(logs, d.base, selection.first_unseen);
+  if (base) {
+    selection.start.joint = base->joint;
+    selection.by_start = EffortDesign(logs, selection.law.view).seen(base->estimate);
+  } else {
+    d.base_model = joined(selection.start.joint.terms, " + ");
+  }
+  const Interval ratio =
+      ratio_interval(selection.measured, unseen_blocks(selection), selection.by_start, selection.by_law);
+  const bool is_better = ratio[1] < kClearlyLess;
+  if (base && base->fit && !is_better) {
+    take_base(logs, *base, selection.first_unseen, d);
+    d.halves_agree = 2 - halves_won(selection);
+    return;
+  }
+  if (base && !is_better) {
+    const bool is_worse = ratio[0] > 1.0;
+    d.warnings.push_back(
+        (is_worse ? "no file holds the pull-push law of these logs: " : "the pull-push law is not delivered: ") +
+        base->undetermined);
+    if (is_worse) {  // the search's law stays, which is told and not written
+      return;
+    }
+  }
+  if (base) {
+    d.pull_push = base->fit;
+  }
+  if (d.verdict == Verdict::kNothingMissing && is_better) {
+    say({Verdict::kUnknown, kAnotherPredictsBetter, kEverything}, d);
+  }
+  keep_held_names(selection, is_better, d);
+  take_selection(logs, selection, ratio, d);
 }
 
 }  // namespace
@@ -171,41 +254,34 @@ auto has_effort_law(const std::vector<AxisLog>& logs, const Diagnosis& d) -> boo
   return logs.front().effort.size() > 0 && d.base_model != "preisach" && can_select_effort_law(logs);
 }
 
-void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
-  const bool of_effort = logs.front().motion_alone();
+void deliver_effort_law(const std::vector<AxisLog>& logs, Diagnosis& d) {
+  if (!logs.front().motion_alone()) {
+    deliver_gear_law(logs, d);
+    return;
+  }
   const bool leaves_much = d.after.rmse > kAboveFloor * d.noise_floor;
   // The search knows another axis's angle and torque, and its floor not even those. What the axis's speed and mass ask
   // of this motor only a law that is grown shows.
-  if (is_certain(d) && of_effort && !leaves_much && axes_beside(logs).empty()) {
+  if (is_certain(d) && !leaves_much && axes_beside(logs).empty()) {
     d.effort_law = runnable_law(d.law, logs);  // without growing another
     return;
   }
   EffortSelection selection = select_effort_law(logs, d.base_model == kInertiaModel);
-  const auto of_names = [&] {  // no file of this form holds a force law
-    return of_effort ? runnable_law(d.law, logs) : selection.law;
-  };
-  const bool more_than_named = is_certain(d) && of_effort && clearly_beats(selection, of_names(), logs);
-  if (!more_than_named && (is_certain(d) || (of_effort && names_do_as_well(d, selection)))) {
-    d.effort_law = of_names();
-    return;
-  }
+  const auto named = [&] { return runnable_law(d.law, logs); };
+  const bool more_than_named = is_certain(d) && clearly_beats(selection, named(), logs);
   const Interval ratio =
       ratio_interval(selection.measured, unseen_blocks(selection), selection.by_start, selection.by_law);
-  if (d.verdict == Verdict::kNothingMissing && (ratio[1] > kClearlyLess || !of_effort)) {
-    d.effort_law = of_names();
+  const bool names_stand = !more_than_named && (is_certain(d) || names_do_as_well(d, selection));
+  if (names_stand || (d.verdict == Verdict::kNothingMissing && ratio[1] > kClearlyLess)) {
+    d.effort_law = named();
     return;
-  }
-  if (more_than_named) {
-    d.verdict = Verdict::kEffectPlusUnlisted;
-    d.reason = what_the_law_lacks(d.effects) + kMoreThanNamed;
   }
   if (d.verdict == Verdict::kNothingMissing) {
     d.verdict = Verdict::kUnknown;
-    d.reason =
-        "Something is missing from the law: another law certainly predicts unseen rows better, but this log does not "
-        "show which effect it is.";
+    d.reason = kAnotherPredictsBetter;
   }
-  take_selection(logs, options, selection, ratio, d);
+  keep_held_names(selection, more_than_named, d);
+  take_selection(logs, selection, ratio, d);
 }
 
 }  // namespace capstan::tools

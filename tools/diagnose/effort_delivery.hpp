@@ -12,8 +12,9 @@ auto has_effort_law(const std::vector<AxisLog>& logs, const Diagnosis& d) -> boo
 /// Where the search for names ended with a law whose effects are certain, or that errs no more than the grown one, or
 /// with nothing missing and no law that errs clearly less, that law is delivered in a form that runs over logs. Else
 /// the law that predicts unseen rows best is chosen and takes its place: law, base, errors before and after on the rows
-/// that chose nothing, traces, and logs that took no part. A force law that is certain or complete stays in the
-/// diagnosis, and the file holds the law of the torque behind the gear. @pre has_effort_law()
-void deliver_effort_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d);
+/// that chose nothing, and traces; names that it has no term for are taken back. Of the torque behind a gear the
+/// pull-push law is delivered as identify writes it, unless a grown law errs clearly less. Where the logs do not
+/// determine all of it, the grown law is delivered if it is not certain to err more. @pre has_effort_law()
+void deliver_effort_law(const std::vector<AxisLog>& logs, Diagnosis& d);
 
 }  // namespace capstan::tools

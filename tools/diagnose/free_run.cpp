@@ -30,12 +30,15 @@ auto causal_law(const Preparation& p, const LawForm& form) -> JointFile {
   return joint;
 }
 
+auto error_summary(const Eigen::VectorXd& measured, const Eigen::VectorXd& estimate) -> ErrorSummary {
+  const double error = rms(measured - estimate);
+  const double size = rms(measured);
+  return {error, size > 0.0 ? 100.0 * error / size : 0.0, goodness_of_fit_percent(measured, estimate)};
+}
+
 auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary {
   const Blocks rows = refined(p.split, p.factor).of(Role::kReport);
-  const Eigen::VectorXd measured = stacked(p.target, rows);
-  const Eigen::VectorXd estimated = stacked(estimate, rows);
-  const double error = rms(measured - estimated);
-  return {error, 100.0 * error / rms(measured), goodness_of_fit_percent(measured, estimated)};
+  return error_summary(stacked(p.target, rows), stacked(estimate, rows));
 }
 
 namespace {

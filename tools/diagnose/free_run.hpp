@@ -10,6 +10,9 @@ namespace capstan::tools {
 /// the form.
 auto causal_law(const Preparation& p, const LawForm& form) -> JointFile;
 
+/// Error of an estimate, beside the size of what was measured.
+auto error_summary(const Eigen::VectorXd& measured, const Eigen::VectorXd& estimate) -> ErrorSummary;
+
 /// Free-running error of an estimate on the rows set aside.
 auto report_error(const Preparation& p, const Eigen::VectorXd& estimate) -> ErrorSummary;
 

@@ -45,9 +45,8 @@ auto next_motion(const Diagnosis& d, const std::string& name) -> std::string {
 /// The verdict where no effect was found.
 auto judge_empty(const Search& search, Diagnosis& d) -> Verdict {
   if (search.lacks_something) {
-    d.reason = "Something is missing from the law, and nothing in the catalogue explains it";
-    d.reason +=
-        search.unlisted.empty() ? "." : "; it is most like " + search.unlisted + ", which this version cannot add.";
+    d.unlisted = search.unlisted;
+    d.reason = reason_without_name(d.unlisted);
     d.next_experiment = kEverything;
     if (search.unlisted.rfind("axis", 0) == 0) {
       const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
@@ -256,11 +255,7 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
   if (search.effects.empty()) {
     return judge_empty(search, d);
   }
-  std::vector<std::string> names;
-  for (const auto& effect : search.effects) {
-    names.push_back(effect.name);
-  }
-  const std::string found = joined(names, " and ");
+  const std::string found = names_of(search.effects);
   if (search.share.lower < (search.lacks_something ? kNamedShareBesideUnlisted : kNamedShare)) {
     const long certain = std::lround(100.0 * std::max(0.0, search.share.lower));
     d.reason = "Something is missing from the law; " + found + " is only certain to explain " +
@@ -292,10 +287,23 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) 
   }
 }
 
-auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string {
+auto names_of(const std::vector<AddedEffect>& effects) -> std::string {
   std::vector<std::string> names;
   std::transform(effects.begin(), effects.end(), std::back_inserter(names), [](const auto& one) { return one.name; });
-  return "The law lacks " + joined(names, " and ");
+  return joined(names, " and ");
+}
+
+auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string {
+  return "The law lacks " + names_of(effects);
+}
+
+auto reason_without_name(const std::string& unlisted, const std::string& held_as) -> std::string {
+  const std::string reason = "Something is missing from the law, and nothing in the catalogue explains it";
+  if (unlisted.empty()) {
+    return reason + ".";
+  }
+  return reason + "; it is most like " + unlisted + ", which " +
+         (held_as.empty() ? "this version can not add." : "the delivered law holds as " + held_as + ".");
 }
 
 auto gains_nothing(const Preparation& p, const Diagnosis& d) -> bool {

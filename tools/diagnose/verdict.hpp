@@ -35,9 +35,16 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict;
 /// other by what has come to the joint make a high floor of it.
 void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d);
 
+/// "play and gravity"
+auto names_of(const std::vector<AddedEffect>& effects) -> std::string;
+
 /// "The law lacks play and gravity", and how it goes on where the delivered law has more than these. @pre effects
 auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string;
 inline constexpr const char* kMoreThanNamed = "; a law with more than that certainly predicts unseen rows better.";
+
+/// That something is missing which has no name, and what it is most like, where that is known.
+/// @param held_as  the term that the delivered law has for it, or nothing
+auto reason_without_name(const std::string& unlisted, const std::string& held_as = "") -> std::string;
 
 /// Whether the delivered law takes away no more of the base law's energy than an inexact form would where the running
 /// switch knows the direction: what it gains in the rows between a reversal and its notice shows no effect.

@@ -114,14 +114,6 @@ auto with_effects(CatalogueTerm law) -> Catalogue {
   return {TargetKind::kForce, "Nm", "rad", std::move(terms)};
 }
 
-auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog> {
-  std::vector<ForceLog> result;
-  for (const auto& log : logs) {
-    result.push_back({log.name, log.time_s, log.q1_rad, log.tau_nm, log.effort});
-  }
-  return result;
-}
-
 }  // namespace
 
 auto is_force_law(const std::string& model) -> bool {
@@ -152,6 +144,33 @@ auto force_form(const std::string& model, const std::vector<AxisLog>& logs) -> L
     form.set_shapes(term, {grid.front(), grid[kPreisachLevels - 1]});
   }
   return form;
+}
+
+auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog> {
+  std::vector<ForceLog> result;
+  for (const auto& log : logs) {
+    result.push_back({log.name, log.time_s, log.q1_rad, log.tau_nm, log.effort});
+  }
+  return result;
+}
+
+auto pull_push_joint(const PullPushFit& fit) -> JointFile {
+  JointFile joint(force_catalogue(kPullPush));
+  joint.terms = {kPullPush};
+  const CatalogueTerm& term = joint.catalogue->term(kPullPush);
+  const auto take = [&](const std::string& name, double& value, std::optional<Interval>& ci95) {
+    const auto& [own, unit, best, half] =
+        *std::find_if(fit.parameters.begin(), fit.parameters.end(), [&](const auto& one) { return one.name == name; });
+    value = best;
+    ci95 = Interval{best - half, best + half};
+  };
+  take("ratio", joint.parameters.coefficients[term.first_coefficient], joint.coefficient_ci95[term.first_coefficient]);
+  for (std::size_t i = 0; i < term.shapes.size(); ++i) {
+    const std::string name = term.shapes[i].name;
+    take(name == "input_offset" ? "offset" : name, joint.parameters.shapes[term.first_shape + i],
+         joint.shape_ci95[term.first_shape + i]);
+  }
+  return joint;
 }
 
 auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& fitted) -> Eigen::VectorXd {

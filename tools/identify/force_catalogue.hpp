@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "capstan/tools/identify/force_fit.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 
 namespace capstan::tools {
@@ -21,6 +22,12 @@ auto force_catalogue(const std::string& model) -> const Catalogue&;
 /// The base law of a force model, its shapes started where these logs say. Throws Refusal where they do not determine a
 /// start, with what to record. @pre every log has motor torque and joint torque
 auto force_form(const std::string& model, const std::vector<AxisLog>& logs) -> LawForm;
+
+/// A pull-push law as identify fits and writes it, as a law of the catalogue. @pre its kind is kPullPush
+auto pull_push_joint(const PullPushFit& fit) -> JointFile;
+
+/// Motor side and joint side of these logs.
+auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog>;
 
 /// What the steps of a Preisach grid may hide, by Richardson's rule from a grid twice as wide. Zero for laws without a
 /// grid.

@@ -52,6 +52,24 @@ auto with_turn(const std::vector<Errors>& all, double turn_nm) -> std::optional<
 
 }  // namespace
 
+auto force_law_of(const PullPushFit& fit) -> ForceLawParameters<double> {
+  return {.kind = fit.kind,
+          .pull_push = fit.law,
+          .friction_nm = std::max(fit.friction_nm, 0.0),
+          .offset_nm = fit.offset_nm};
+}
+
+auto joint_torque_by(const PullPushFit& fit, const Eigen::VectorXd& tau_nm) -> Eigen::VectorXd {
+  const PreisachTable none;
+  Law law;
+  law.become(force_law_of(fit), none);
+  Eigen::VectorXd torque(tau_nm.size());
+  for (Eigen::Index i = 0; i < torque.size(); ++i) {
+    torque[i] = law.update(tau_nm[i]).force;
+  }
+  return torque;
+}
+
 auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
                      const PreisachTable& table) -> std::optional<ForceErrorNumbers> {
   constexpr double kBeyond = 0.05;  // a board that goes where the logs went passes their ends by as much at times

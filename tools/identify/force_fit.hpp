@@ -68,6 +68,10 @@ struct PullPushFit : ForceFit {
 /// (2.22), (2.26) and I, as least squares over the branches on which both tendons move or one is slack. Only ratios of
 /// torques count, so the radii need not be known; stiffness is r1^2 Kn, pretension I r1.
 auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit;
+/// The law's parameters as a board takes them.
+auto force_law_of(const PullPushFit& fit) -> ForceLawParameters<double>;
+/// The joint's torque by that law as a board runs it, from the first row on.
+auto joint_torque_by(const PullPushFit& fit, const Eigen::VectorXd& tau_nm) -> Eigen::VectorXd;
 /// The same numbers, then the weights of (2.27) by least squares over every row on which both laws are known. A note
 /// says what blend and pull-push law leave of rows that the weights were not fitted to.
 auto fit_blend(const std::vector<ForceLog>& logs) -> PullPushFit;

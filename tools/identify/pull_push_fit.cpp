@@ -333,12 +333,7 @@ auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit {
   result.notes.push_back(std::to_string(rows.strokes.size()) + " strokes, " + std::to_string(rows.in.size()) +
                          " samples with the output following");
   judge_run(logs, result);
-  result.error_bar = force_error_bar(logs,
-                                     {.kind = ForceLawKind::kPullPush,
-                                      .pull_push = result.law,
-                                      .friction_nm = std::max(result.friction_nm, 0.0),
-                                      .offset_nm = result.offset_nm},
-                                     {});
+  result.error_bar = force_error_bar(logs, force_law_of(result), {});
   return result;
 }
 

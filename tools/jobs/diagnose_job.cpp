@@ -2,10 +2,12 @@
 #include "capstan/tools/jobs/diagnose_job.hpp"
 
 #include "capstan/tools/diagnose/compare.hpp"
+#include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 #include "capstan/tools/jobs/law_file.hpp"
 #include "capstan/tools/jobs/law_request.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 
@@ -21,7 +23,7 @@ auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   wanted.drawing = job.drawing;
   wanted.progress = job.progress;
   Diagnosis diagnosis = diagnose(axes, wanted);
-  make_runnable(axes, diagnosis);
+  warn_of_left_out(diagnosis);
   if (wanted.base_law && !wanted.base_law->has(kTendonModel)) {  // what tendons have come to is asked of their loop
     for (const MovedParameter& one : moved_between(*wanted.base_law, diagnosis.base)) {
       diagnosis.sizes.push_back(moved_sentence(one));
@@ -35,6 +37,9 @@ auto write_law(Diagnosis& diagnosis, const std::string& path) -> std::string {
   if (diagnosis.effort_law) {
     write_effort_file(path, *diagnosis.effort_law);
     status = diagnosis.effort_law->status;
+  } else if (diagnosis.pull_push) {
+    write_text_file(path, with_force_section("", force_section(*diagnosis.pull_push)));
+    status = word_of(diagnosis.law.status);
   } else if (is_reversal_table(diagnosis.law)) {
     status = write_reversal_table(diagnosis.law, path);
   } else if (!diagnosis.law.terms.empty() && diagnosis.law.catalogue->target() != TargetKind::kForce) {

@@ -15,13 +15,8 @@ constexpr const char* kReversalTable = "preisach";
 
 }  // namespace
 
-void make_runnable(const std::vector<AxisLog>& logs, Diagnosis& d) {
-  if (d.effort_law || d.law.terms.empty()) {
-    return;
-  }
-  if (logs.front().motion_alone()) {
-    d.effort_law = runnable_law(d.law, logs);
-  } else if (is_reversal_table(d.law) && d.law.terms.size() > 1) {
+void warn_of_left_out(Diagnosis& d) {
+  if (is_reversal_table(d.law) && d.law.terms.size() > 1) {
     d.warnings.emplace_back("a file holds the reversal table alone, without the effects that were added to it");
   }
 }

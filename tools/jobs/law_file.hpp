@@ -8,9 +8,8 @@
 
 namespace capstan::tools {
 
-/// What the file of an effort's law takes beside its numbers, where too few rows were there to choose a law by; and a
-/// warning where a file can not hold all of the law.
-void make_runnable(const std::vector<AxisLog>& logs, Diagnosis& d);
+/// A warning where a file can not hold all of the law.
+void warn_of_left_out(Diagnosis& d);
 
 /// Whether it is a law of the joint's torque by a reversal table, with or without effects.
 auto is_reversal_table(const JointFile& law) -> bool;

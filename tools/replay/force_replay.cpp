@@ -50,11 +50,7 @@ auto read_board_force_law(const std::string& joint_file, const std::string& name
   BoardForceLaw law;
   const std::string model = force_model(joint_file, name);
   if (is_of_tendons(model)) {
-    const PullPushFit fit = read_pull_push(joint_file, name);
-    law.parameters = {.kind = fit.kind,
-                      .pull_push = fit.law,
-                      .friction_nm = std::max(fit.friction_nm, 0.0),
-                      .offset_nm = fit.offset_nm};
+    law.parameters = force_law_of(read_pull_push(joint_file, name));
   } else if (model == "preisach") {
     law.parameters.kind = ForceLawKind::kPreisach;
     law.table = read_preisach(joint_file, name);

@@ -86,6 +86,18 @@ TEST_F(LawFileCommand, AReversalTableThatWasDiagnosedIsReadAgain) {
   EXPECT_NE(rms, std::string::npos) << outcome.output;
 }
 
+TEST_F(LawFileCommand, APullPushLawThatWasDiagnosedIsTheOneThatIdentifyWrites) {
+  ASSERT_EQ(run("run --scenario \"" CAPSTAN_SOURCE_DIR "/tools/scenarios/recipe_pull_push.toml\" --log \"" +
+                path("log.csv") + "\"")
+                .status,
+            0);
+  const std::string log = "\"" + path("log.csv") + "\"";
+  ASSERT_EQ(run("identify " + log + " --model pull_push -o \"" + path("identified.toml") + "\"").status, 0);
+  const Outcome diagnosed = run("diagnose " + log + " --base pull_push -o \"" + path("law.toml") + "\"");
+  ASSERT_TRUE(exists("law.toml")) << diagnosed.output;
+  EXPECT_EQ(read_text_file(path("law.toml")), read_text_file(path("identified.toml"))) << diagnosed.output;
+}
+
 TEST_F(LawFileCommand, TheAxisOfAMachineFileIsItsOwn) {
   write_text_file(path("machine.toml"), "schema = \"capstan.machine/1\"\n[joint0]\n\"control.kp\" = \"0.5\"\n");
   const Outcome other = run("apply \"" + path("machine.toml") + "\" --port tcp:1 --axis 1");

@@ -9,6 +9,8 @@
 #include "capstan/tests/tools/synthetic_effort.hpp"
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/diagnose/effort_delivery.hpp"
+#include "capstan/tools/diagnose/held_terms.hpp"
+#include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -256,6 +258,63 @@ TEST(DeliveredEffortLaw, OfNamedEffectsIsTheNamedLawInAFormThatRuns) {
   }
 }
 
+// An effect's law, a base law and one without names alike: what --test says is what a replay of the file leaves.
+TEST(DeliveredEffortLaw, IsJudgedOnAnotherLogAsItsFileRuns) {
+  for (const EffortTruth truth : {EffortTruth::kNone, EffortTruth::kGravity, EffortTruth::kHardSpring}) {
+    EffortRequest request;
+    request.truth = truth;
+    const AxisLog log = test::synthetic_effort_log(request);
+    request.seed = 2;
+    DiagnoseOptions options;
+    options.test_logs = {test::synthetic_effort_log(request)};
+    const Diagnosis d = diagnose({log}, options);
+    ASSERT_TRUE(d.effort_law.has_value());
+    ASSERT_EQ(d.tested.size(), 1U);
+    EXPECT_NEAR(d.tested[0].after.rmse, error_over(*d.effort_law, options.test_logs[0]), 1e-9) << d.reason;
+    EffortLaw base = runnable_law(d.base, {log});
+    base.view = d.effort_law->view;
+    EXPECT_NEAR(d.tested[0].before.rmse, error_over(base, options.test_logs[0]), 1e-9) << d.reason;
+  }
+}
+
+TEST(DeliveredEffortLaw, HoldsWhateverIsToldAsAName) {
+  EffortRequest request;
+  request.truth = EffortTruth::kGravity;
+  AxisLog log = test::synthetic_effort_log(request);
+  Diagnosis d = diagnose({log}, {});
+  ASSERT_EQ(names_of(d), (std::vector<std::string>{"gravity"}));
+  log.effort.array() += 0.2 * log.q1_rad.array().cube();
+  d.after.rmse = 2.0 * d.noise_floor;
+  d.effects.front().name = "thermal_drift";  // which the grown law explains by what it really is
+  deliver_effort_law({log}, d);
+  EXPECT_EQ(d.verdict, Verdict::kUnknown);
+  EXPECT_TRUE(d.effects.empty());
+  EXPECT_NE(d.reason.find("by other terms than thermal_drift, so it is not named"), std::string::npos) << d.reason;
+}
+
+TEST(DeliveredEffortLaw, IsNotSaidToLackWhatItHolds) {
+  const Diagnosis spring = diagnosis_of(EffortTruth::kHardSpring);
+  ASSERT_TRUE(spring.effort_law && spring.effort_law->joint.has("spring"));
+  Diagnosis d = spring;
+  const auto said = [&d](const std::string& unlisted) {
+    d.unlisted = unlisted;
+    d.reason = reason_without_name(unlisted);
+    d.next_experiment = "Ask again.";
+    say_what_is_held(d);
+    return d.reason;
+  };
+  EXPECT_NE(said("stiffness").find("most like stiffness, which the delivered law holds as spring."), std::string::npos);
+  EXPECT_NE(said("wear").find("most like wear, which this version can not add."), std::string::npos);
+  EXPECT_NE(said("axis1/q1_rad").find("can not add"), std::string::npos);
+  EXPECT_EQ(d.next_experiment, "Ask again.");
+  d.effort_law->joint.terms.emplace_back("axis_coupling_axis1");
+  EXPECT_NE(said("axis1/q1_rad").find("the delivered law holds as axis_coupling."), std::string::npos);
+  EXPECT_NE(d.next_experiment, "Ask again.") << "that axis is asked already";
+  d.reason = "Another reason.";
+  say_what_is_held(d);
+  EXPECT_EQ(d.reason, "Another reason.");
+}
+
 TEST(DeliveredEffortLaw, OfNamesThatLeaveMuchIsTheGrownLaw) {
   EffortRequest request;
   request.truth = EffortTruth::kGravity;
@@ -265,10 +324,10 @@ TEST(DeliveredEffortLaw, OfNamesThatLeaveMuchIsTheGrownLaw) {
   EXPECT_EQ(complete.effort_law->status, "confirmed");
   log.effort.array() += 0.2 * log.q1_rad.array().cube();  // the names stay as they were found, and leave this
   Diagnosis d = complete;
-  deliver_effort_law({log}, {}, d);
+  deliver_effort_law({log}, d);
   EXPECT_EQ(d.effort_law->status, "confirmed");  // what it left was noise, it said
   d.after.rmse = 2.0 * d.noise_floor;
-  deliver_effort_law({log}, {}, d);
+  deliver_effort_law({log}, d);
   EXPECT_EQ(d.verdict, Verdict::kEffectPlusUnlisted);
   EXPECT_EQ(names_of(d), (std::vector<std::string>{"gravity"}));
   EXPECT_NE(d.reason.find("The law lacks gravity; a law with more"), std::string::npos) << d.reason;

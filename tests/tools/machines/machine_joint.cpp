@@ -125,6 +125,9 @@ auto error_of(const JointFile& law, const Joint& joint, Eigen::Index rows, Eigen
 
 auto error_of(const Diagnosis& d, const Joint& joint, Eigen::Index rows, Eigen::Index end, double plainest) -> double {
   if (joint.kind != Kind::kAngle) {
+    if (!d.effort_law && d.pull_push) {
+      return error_on(joint_torque_by(*d.pull_push, joint.log.tau_nm), joint, rows, end);
+    }
     return d.effort_law ? error_on(run_effort_law({joint.log}, *d.effort_law), joint, rows, end) : plainest;
   }
   return d.law.terms.empty() ? plainest : error_of(d.law, joint, rows, end);
