@@ -6,6 +6,9 @@ namespace {
 
 // Of the healthy joint's, below which the tendons can not pull any more.
 constexpr Q24 kSlackShare = Q24::from_double(1.0 / 3.0);
+// Of it, a change that has to be there before the tendons are its cause: a weight, a bend that came or a warmer day
+// changes what the motor feels by less, and is none of theirs.
+constexpr Q24 kLeastChange = Q24::from_double(0.1);
 constexpr Q24 kMostShare = Q24::from_int(8);
 
 /// Of the tendons' friction; what rubs beside them, the motor and the joint, does not go with their tension.
@@ -29,7 +32,8 @@ auto TendonJudge::rt_cause(const MonitorConfig& config, const Stretch& stretch, 
   const Q24 less = stretch.healthy_nm - stretch.friction_nm;
   const Q24 shift = abs(stretch.shifted_rad);
   const bool moved = stretch.has_joint && config.joint_rms_rad > Q24{} && shift > allowed_rad;
-  const bool rubs_otherwise = (warnings & kFriction) != 0 && stretch.healthy_nm > Q24{};
+  const bool rubs_otherwise =
+      (warnings & kFriction) != 0 && stretch.healthy_nm > Q24{} && abs(tension_ - Q24::from_int(1)) > kLeastChange;
   if (rubs_otherwise && less > allowed_nm) {
     // Both tendons alike shift the zero by a part of what they take from the loop, one alone by as much as that.
     const bool one_alone = moved && (shift + shift) * stretch.healthy_nm > loop_rad_ * less;

@@ -61,6 +61,10 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"slack", 0.01, 0.0, -0.01, H::kSlack, H::kSlack},
                     Case{"broken", 0.005, 0.2, 0.5, H::kBroken, H::kSlack},
                     Case{"worn", 0.06, 0.0, 0.0, H::kWorn, H::kWorn},
+                    // A warning, and less than a tenth of the tendons' 50 mNm: anything else may have come.
+                    Case{"little_more", 0.058, 0.0, 0.0, H::kNothing, H::kNothing},
+                    Case{"little_less", 0.050, 0.0, 0.0, H::kNothing, H::kNothing},
+                    Case{"little_more_and_play", 0.058, 0.01, 0.001, H::kPlay, H::kNothing},
                     Case{"play", 0.054, 0.01, 0.001, H::kPlay, H::kNothing},
                     Case{"narrower", 0.054, -0.01, 0.0, H::kNothing, H::kNothing},
                     Case{"zero_moved", 0.054, 0.001, -0.03, H::kZeroMoved, H::kNothing},
