@@ -181,6 +181,9 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
   bound_floor(d);
   d.undetermined = choice.is_named ? undetermined(p, search.law) : std::vector<std::string>{};
   reconcile(p, search, choice, d);
+  if (healthy) {
+    bound_floor_by(*healthy, p, d);
+  }
   if (d.law.status == LawStatus::kProvisional) {
     d.candidates = candidate_shares(search);
     d.unnamed = unnamed_part(p, choice, d);

@@ -123,6 +123,9 @@ class LoopSearch {
   /// whichever leaves least.
   auto of_the_torque() -> Search {
     std::pair<double, LawForm> best = {left_by_found_, search_.law};
+    if (by_torque_->name.empty()) {
+      return nameless("contact at the tip");
+    }
     const auto offer = [&](LawForm law) {
       const double left = left_to_choose(p_, law);
       if (left < best.first) {

@@ -18,6 +18,36 @@ auto text_of(const EffectSize& size) -> std::string {
   return with_interval(size.value, (*size.ci95)[0], (*size.ci95)[1], 3) + " " + size.unit;
 }
 
+auto shows_spring(const TorqueChange& change) -> bool {
+  return change.spring_over_weight < kLoadTold;
+}
+
+/// A torque that hangs on the joint's angle: a weight has a name, a tip in contact has none.
+/// @param weight  its size, if it is one
+auto load_at_joint(const TorqueChange& change, const EffectSize& weight, double beta) -> TorqueFinding {
+  const double share = change.share_of(TorqueCause::kWeight);
+  const std::string cure = "; free the tip to see the joint itself";
+  if (shows_spring(change)) {
+    const double value = change.spring_nm_per_rad / beta;
+    const double half = std::abs(change.spring_95 / beta);
+    const EffectSize size{value, "Nm/rad", Interval{value - half, value + half}};
+    return {"", size, "a spring of " + text_of(size) + " at the joint and no weight, as a tip in contact has" + cure,
+            share};
+  }
+  if (0.5 * ((*weight.ci95)[1] - (*weight.ci95)[0]) > kWeightUnsure * std::abs(weight.value)) {
+    return {
+        "", weight,
+        "a load at the joint that is none that a weight of one size has, as where a tip touches now and then" + cure,
+        share};
+  }
+  const std::string also =
+      change.spring_over_weight * kLoadTold < 1.0
+          ? ", or of what a tip in contact pulls like a spring: this motion does not tell them apart, and one with the "
+            "tip free, or to larger angles, does"
+          : "";
+  return {"gravity", weight, "a weight of " + text_of(weight) + " times sin q2 at the joint" + also, share};
+}
+
 /// At the joint: its torque is the motor's over beta, its speed the motor's times beta.
 auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> TorqueFinding {
   const auto at = static_cast<std::size_t>(cause);
@@ -32,7 +62,7 @@ auto finding(TorqueCause cause, const TorqueChange& change, double beta) -> Torq
   };
   switch (cause) {
     case TorqueCause::kWeight:
-      return told("gravity", size_by(beta, "Nm"), "a weight of ", " times sin q2 at the joint");
+      return load_at_joint(change, size_by(beta, "Nm"), beta);
     case TorqueCause::kMass:
       return told("load_inertia", size_by(beta * beta, "kgm2", kMassKnown), "a mass of ", " at the joint");
     case TorqueCause::kDrag:
@@ -83,7 +113,7 @@ auto contradicted_by_torque(const std::string& name, const TorqueChange& change,
   const bool changed = torque_has_changed(change, friction_nm);
   const double more = change.size_of(TorqueCause::kFriction) / friction_nm;
   if (name == "gravity") {
-    return !changed || change.share_of(TorqueCause::kWeight) < kTorqueCauseShare;
+    return !changed || change.share_of(TorqueCause::kWeight) < kTorqueCauseShare || shows_spring(change);
   }
   if (name == "load_inertia") {
     return !changed || change.share_of(TorqueCause::kMass) < kTorqueCauseShare;

@@ -11,7 +11,7 @@ namespace capstan::tools {
 
 /// What has come to a joint, by its motor's torque alone: tendons carry it, so the joint's angle hardly shows it.
 struct TorqueFinding {
-  std::string name;      ///< of the catalogue
+  std::string name;      ///< of the catalogue; empty: a load at the joint that is no weight
   EffectSize size;       ///< at the joint; of drag at the motor
   std::string sentence;  ///< how large it is, for people
   double share;          ///< of the change's energy that it takes away

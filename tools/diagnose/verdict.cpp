@@ -287,6 +287,14 @@ void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) 
   }
 }
 
+void bound_floor_by(const JointFile& law, const Preparation& p, Diagnosis& d) {
+  const double known = noise_known(p, law);
+  if (known < d.noise_floor) {
+    d.noise_floor = known;
+    d.floor_from = "law";
+  }
+}
+
 auto names_of(const std::vector<AddedEffect>& effects) -> std::string {
   std::vector<std::string> names;
   std::transform(effects.begin(), effects.end(), std::back_inserter(names), [](const auto& one) { return one.name; });

@@ -35,6 +35,10 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict;
 /// other by what has come to the joint make a high floor of it.
 void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d);
 
+/// What repeats and a flexible model call noise is no more than a healthy law left of its own logs: what comes and goes
+/// in one cycle and not in the next, as a tip that touches, passes for noise with them.
+void bound_floor_by(const JointFile& law, const Preparation& p, Diagnosis& d);
+
 /// "play and gravity"
 auto names_of(const std::vector<AddedEffect>& effects) -> std::string;
 

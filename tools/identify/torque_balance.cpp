@@ -23,6 +23,7 @@ struct BalanceRows {
   Eigen::MatrixXd columns;
   Eigen::VectorXd torque;
   Eigen::VectorXd angle;          ///< of the motor, rad
+  Eigen::VectorXd joint_rad;      ///< angle of the joint
   Eigen::VectorXd way;            ///< of the motor since it was through the loop, rad
   Eigen::VectorXd joint_speedup;  ///< rad/s2
   Eigen::VectorXd torque_alike;   ///< the torque through what the joint's acceleration went through
@@ -30,8 +31,8 @@ struct BalanceRows {
   double speedup_noise = 0.0;     ///< of the joint's acceleration, by its sensor's noise, (rad/s2)^2
 };
 
-/// Columns, torque, angle, way, the joint's acceleration, the torque that goes with it, and the time.
-constexpr Eigen::Index kRowSize = kParts + 6;
+/// Columns, torque, both angles, way, the joint's acceleration, the torque that goes with it, and the time.
+constexpr Eigen::Index kRowSize = kParts + 7;
 using Row = std::array<double, kRowSize>;
 
 /// Rates and accelerations of a log, rad/s and rad/s2.
@@ -87,6 +88,7 @@ auto mean_row(const AxisLog& log, const Sample<double>& last, const SmoothMotion
           s * cosine,
           mean(log.tau_nm),
           q1,
+          q2,
           std::abs(q1 - last.q1_reversal) - through,
           mean(motion.joint_speedup),
           mean(motion.torque_alike),
@@ -147,9 +149,9 @@ auto rows_of(const TorqueLogs& from) -> std::optional<BalanceRows> {
   const auto count = static_cast<Eigen::Index>(all.size());
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
   const Matrix table = Eigen::Map<const Matrix>(all.front().data(), count, kRowSize);
-  return BalanceRows{
-      table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1), table.col(kParts + 2),
-      table.col(kParts + 3),  table.col(kParts + 4), table.col(kParts + 5), noise / static_cast<double>(count)};
+  return BalanceRows{table.leftCols(kParts), table.col(kParts),     table.col(kParts + 1),
+                     table.col(kParts + 2),  table.col(kParts + 3), table.col(kParts + 4),
+                     table.col(kParts + 5),  table.col(kParts + 6), noise / static_cast<double>(count)};
 }
 
 void take_size(TorqueCause cause, const LinearFit& fit, TorqueChange& all) {
@@ -252,6 +254,27 @@ void size_bristle(const BalanceRows& rows, const Eigen::VectorXd& change, Torque
   all.size_95[at] = std::hypot(half_interval(fit, 0), 2.0 * (fit.theta[0] - whole));
 }
 
+/// A load that goes with this function of the joint's angle, straight at 0, as tendons carry it while both are taut:
+/// its friction turns round with the motion.
+auto fitted_load(const Eigen::VectorXd& load, const Eigen::VectorXd& sense, const Eigen::VectorXd& change)
+    -> LinearFit {
+  Eigen::MatrixXd columns(load.size(), 3);
+  columns << load, load.cwiseProduct(sense), sense;
+  return fitted(with_offset(columns), change);
+}
+
+/// Both look alike near 0; the farther the joint goes, the less a weight pulls more.
+void ask_for_spring(const BalanceRows& rows, const Eigen::VectorXd& change, double half_width, TorqueChange& all) {
+  const auto far = loaded_rows(rows, half_width);
+  const Eigen::VectorXd sense = rows.columns.col(kSense)(far);
+  const Eigen::VectorXd torque = change(far);
+  const LinearFit weight = fitted_load(rows.columns.col(kSine)(far), sense, torque);
+  const LinearFit spring = fitted_load(rows.joint_rad(far), sense, torque);
+  all.spring_over_weight = weight.rmse > 0.0 ? spring.rmse / weight.rmse : 1.0;
+  all.spring_nm_per_rad = spring.theta[0];
+  all.spring_95 = half_interval(spring, 0);
+}
+
 /// Of the causes that may be it: loads, as the tendons carry them.
 /// @param alike  the change, through what the joint's acceleration went through
 void take_sizes(const BalanceRows& rows, const Eigen::VectorXd& change, const Eigen::VectorXd& alike,
@@ -261,6 +284,7 @@ void take_sizes(const BalanceRows& rows, const Eigen::VectorXd& change, const Ei
   const Eigen::VectorXd sense = rows.columns.col(kSense);
   const auto far = loaded_rows(rows, now.half_width_rad);
   if (may_be(TorqueCause::kWeight)) {
+    ask_for_spring(rows, change, now.half_width_rad, all);
     const Eigen::VectorXd cosine = 1.0 - rows.columns.col(kCosine)(far).array();
     take_load(TorqueCause::kWeight, {rows.columns.col(kSine)(far), sense(far), change(far), false, cosine}, friction,
               all);

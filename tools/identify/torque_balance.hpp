@@ -38,6 +38,11 @@ struct TorqueChange {
   std::array<double, kTorqueCauses> size{};     ///< Nm, but kgm2 of a mass and Nms/rad of drag; at the motor
   std::array<double, kTorqueCauses> size_95{};  ///< half width of its interval
   double bristle_way_rad = 0.0;                 ///< at the motor, until it slides
+  /// What a spring at the joint leaves of it, rms, over what a weight does, either beside friction that goes with its
+  /// load: a tip in contact pulls like a spring. 1: this motion does not tell them apart.
+  double spring_over_weight = 1.0;
+  double spring_nm_per_rad = 0.0;  ///< at the motor, per angle of the joint
+  double spring_95 = 0.0;
 
   [[nodiscard]] auto share_of(TorqueCause cause) const -> double { return share[static_cast<std::size_t>(cause)]; }
   [[nodiscard]] auto size_of(TorqueCause cause) const -> double { return size[static_cast<std::size_t>(cause)]; }

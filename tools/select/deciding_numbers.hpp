@@ -242,6 +242,13 @@ inline constexpr double kBendsShare = 0.6;
 inline constexpr double kBendsLeaves = 0.4;
 /// And this much of the change more: another pretension is all but friction alone, and its rest looks like anything.
 inline constexpr double kBendsBeyond = 0.03;
+/// A spring at the joint leaves this share of what a weight leaves, or less, where it is one, and the other way round:
+/// 0.29 of a spring of 0.15 Nm/rad, 0.19, 0.48 and 0.54 the other way; 0.95 to 1 where a tendon goes slack or the tip
+/// touches now and then (joints of a plant by itself that move by 0.5 to 0.9 rad, 29 November 2026).
+inline constexpr double kLoadTold = 0.7;
+/// And a weight whose interval reaches this share of itself to either side is none: 0.57 where the tip touched now and
+/// then.
+inline constexpr double kWeightUnsure = 0.5;
 /// A weight is taken to lean where the joint is at 0 if that leaves this share, or less, of the squares left otherwise.
 /// With 0.9 the upright weight of hal/sim's joint 765 was given a lean (24 November 2026).
 inline constexpr double kLeanLeaves = 0.5;

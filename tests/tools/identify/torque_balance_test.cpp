@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "capstan/tools/diagnose/torque_gauge.hpp"
+#include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/random.hpp"
 
 namespace capstan::tools {
@@ -26,7 +27,8 @@ struct Instant {
 using Load = std::function<double(const Instant&)>;  // Nm at the motor, beside the healthy joint's torque
 
 /// A minute of two swings at a time, the joint behind a gap, its torque f s + b q1' + m q1'' and the load.
-auto log_with(const Load& load, std::uint64_t seed = 1) -> AxisLog {
+/// @param reach  how far it goes, over 0.55 rad
+auto log_with(const Load& load, std::uint64_t seed = 1, double reach = 1.0) -> AxisLog {
   constexpr Eigen::Index kRows = 30000;
   AxisLog log;
   log.name = "made.csv";
@@ -42,9 +44,9 @@ auto log_with(const Load& load, std::uint64_t seed = 1) -> AxisLog {
     const double w[] = {2.0 * std::numbers::pi * 0.23, 2.0 * std::numbers::pi * 0.71};
     Instant now{};
     now.time = t;
-    now.q1 = 0.4 * std::sin(w[0] * t) + 0.15 * std::sin(w[1] * t);
-    now.dq1 = 0.4 * w[0] * std::cos(w[0] * t) + 0.15 * w[1] * std::cos(w[1] * t);
-    now.ddq1 = -0.4 * w[0] * w[0] * std::sin(w[0] * t) - 0.15 * w[1] * w[1] * std::sin(w[1] * t);
+    now.q1 = reach * (0.4 * std::sin(w[0] * t) + 0.15 * std::sin(w[1] * t));
+    now.dq1 = reach * (0.4 * w[0] * std::cos(w[0] * t) + 0.15 * w[1] * std::cos(w[1] * t));
+    now.ddq1 = -reach * (0.4 * w[0] * w[0] * std::sin(w[0] * t) + 0.15 * w[1] * w[1] * std::sin(w[1] * t));
     if ((now.dq1 > 0.0) != (s > 0.0)) {
       s = -s;
       turned = now.q1;
@@ -161,6 +163,45 @@ TEST(TorqueBalance, AWeightThatOneTendonCarriesAloneIsNotTakenForALargerOne) {
   ASSERT_TRUE(finding);
   EXPECT_EQ(finding->name, "gravity");
   EXPECT_NEAR(finding->size.value, weight, 0.06 * weight);
+}
+
+// A motion of 0.9 rad; friction goes with the load, as taut tendons have it.
+TEST(TorqueBalance, ATipInContactIsToldFromAWeight) {
+  constexpr double kFar = 1.8;
+  const double weight = 0.02;  // Nm at the joint
+  const auto hanging = change_in(
+      log_with([&](const Instant& now) { return kBeta * weight * (1.0 + 0.3 * now.s) * std::sin(now.q2); }, 2, kFar));
+  EXPECT_GT(hanging.spring_over_weight, 1.0 / kLoadTold);
+  const auto by_weight = found_in_torque(hanging, kFriction, kBeta);
+  ASSERT_TRUE(by_weight);
+  EXPECT_EQ(by_weight->name, "gravity");
+  EXPECT_EQ(by_weight->sentence.find("does not tell them apart"), std::string::npos);
+  const double stiffness = 0.03;  // Nm/rad at the joint
+  const auto touching = change_in(
+      log_with([&](const Instant& now) { return kBeta * stiffness * (1.0 + 0.3 * now.s) * now.q2; }, 2, kFar));
+  const auto by_spring = found_in_torque(touching, kFriction, kBeta);
+  ASSERT_TRUE(by_spring);
+  EXPECT_EQ(by_spring->name, "");
+  EXPECT_EQ(by_spring->size.unit, "Nm/rad");
+  EXPECT_NEAR(by_spring->size.value, stiffness, 0.03 * stiffness);
+  EXPECT_NE(by_spring->sentence.find("contact"), std::string::npos);
+  EXPECT_TRUE(contradicted_by_torque("gravity", touching, kFriction));
+}
+
+TEST(TorqueBalance, AWeightThatIsNotToldFromASpringSaysSo) {
+  TorqueChange change;
+  change.rms_nm = kFriction;
+  change.share[static_cast<std::size_t>(TorqueCause::kWeight)] = 0.9;
+  change.size[static_cast<std::size_t>(TorqueCause::kWeight)] = 0.02 * kBeta;
+  change.size_95[static_cast<std::size_t>(TorqueCause::kWeight)] = 0.002 * kBeta;
+  const auto either = found_in_torque(change, kFriction, kBeta);
+  ASSERT_TRUE(either);
+  EXPECT_EQ(either->name, "gravity");
+  EXPECT_NE(either->sentence.find("does not tell them apart"), std::string::npos);
+  change.size_95[static_cast<std::size_t>(TorqueCause::kWeight)] = 0.012 * kBeta;  // 60 % to either side
+  const auto unsure = found_in_torque(change, kFriction, kBeta);
+  ASSERT_TRUE(unsure);
+  EXPECT_EQ(unsure->name, "");
 }
 
 TEST(TorqueBalance, AMassAndDragAreTold) {
