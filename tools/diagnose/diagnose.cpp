@@ -10,6 +10,7 @@
 #include "capstan/tools/diagnose/long_rests.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
 #include "capstan/tools/diagnose/one_law.hpp"
+#include "capstan/tools/diagnose/pretension_gauge.hpp"
 #include "capstan/tools/diagnose/tested_log.hpp"
 #include "capstan/tools/diagnose/verdict.hpp"
 #include "capstan/tools/diagnose/weight_in_torque.hpp"
@@ -179,11 +180,11 @@ void report(const Preparation& p, const Search& search, const LawForm& base, con
     d.law.status = LawStatus::kProvisional;  // it predicts best, and what it is made of is not certain
   }
   bound_floor(d);
-  d.undetermined = choice.is_named ? undetermined(p, search.law) : std::vector<std::string>{};
-  reconcile(p, search, choice, d);
   if (healthy) {
     bound_floor_by(*healthy, p, d);
   }
+  d.undetermined = choice.is_named ? undetermined(p, search.law) : std::vector<std::string>{};
+  reconcile(p, search, choice, d);
   if (d.law.status == LawStatus::kProvisional) {
     d.candidates = candidate_shares(search);
     d.unnamed = unnamed_part(p, choice, d);
@@ -216,33 +217,6 @@ auto base_law(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, 
   }
   say(unfit("a diagnosis", why), d);
   return std::nullopt;
-}
-
-/// What the tendons' pretension is, or has become.
-/// @param is_loop  the joint moved as a free one
-void gauge_pretension(const Preparation& p, const DiagnoseOptions& options, bool is_loop, Diagnosis& d) {
-  JointFile healthy = options.base_law.value_or(d.law);
-  if (!healthy.fit || !healthy.fit->pretension) {
-    return;
-  }
-  if (healthy.fit->pretension->radius_m() == 0.0) {
-    put_into_newtons(options.drawing, healthy);
-  }
-  if (options.base_law && !is_loop) {
-    return;  // something beside the tendons holds the joint
-  }
-  if (!options.base_law) {
-    d.law.fit->pretension = healthy.fit->pretension;
-    d.sizes.push_back(pretension_sentence(*healthy.fit->pretension));
-    return;
-  }
-  d.pretension = pretension_drift(healthy, p.logs, p.causal, p.target, p.certain());
-  d.sizes.push_back(d.pretension ? drift_sentence(*d.pretension)
-                                 : "torque and width of the loop have not changed alike, as they do with the "
-                                   "pretension alone, so the pretension is not reported");
-  if (d.pretension && d.law.fit && d.law.has(kTendonModel)) {
-    d.law.fit->pretension = d.pretension->now;
-  }
 }
 
 /// What the log itself says against the law and its names: that no one law holds over all of it, or that its torque
@@ -304,7 +278,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
     options.progress("checking whether one law holds over the whole log");
     ask_the_log(p, search, base, d);
   }
-  gauge_pretension(p, options, by_its_loop.has_value(), d);
+  gauge_pretension(p, options, search.loop, d);
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(
         "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as a hint, " +

@@ -70,6 +70,7 @@ class LoopSearch {
         healthy.fit && healthy.fit->loop_torque ? loop_torque(p.noncausal, p.certain(), width_rad) : std::nullopt;
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
     force_ = now.torque_nm / before.torque_nm;
+    search_.loop = now;
     search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
                             " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
                             " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
@@ -122,10 +123,10 @@ class LoopSearch {
   /// Tendons carry what the torque shows, and in doing so show more of themselves than a free joint's did: the law is
   /// whichever leaves least.
   auto of_the_torque() -> Search {
-    std::pair<double, LawForm> best = {left_by_found_, search_.law};
     if (by_torque_->name.empty()) {
       return nameless("contact at the tip");
     }
+    std::pair<double, LawForm> best = {left_by_found_, search_.law};
     const auto offer = [&](LawForm law) {
       const double left = left_to_choose(p_, law);
       if (left < best.first) {
@@ -154,6 +155,7 @@ class LoopSearch {
 
   auto of_the_loop_alone() -> Search {
     size_.emplace(p_, healthy_, before_, loop_);
+    search_.loop->half_width_rad = size_->half_width_rad();
     const std::string name = name_of_change(size_->width(), force_);
     if (name.empty()) {
       search_.law = loop_;
@@ -165,10 +167,17 @@ class LoopSearch {
         return course.narrows() && course.early ? complete(loop_, left_by_loop_, {named("viscoelastic_creep")})
                                                 : nameless(course.widens() ? "wear" : "");
       }
+      if (const auto eta = friction_number_drift(healthy_, *search_.loop)) {
+        search_.law = loop_;
+        return nameless(eta->value > 1.0 ? "tendons that rub more at the same pretension, by wear or dirt"
+                                         : "tendons that rub less at the same pretension");
+      }
     }
     AddedEffect effect = named(name);
     effect.size = size_->of_change(name);
-    search_.sizes.push_back(change_sentence(name, *effect.size));
+    if (name != kPretensionTerm) {  // the gauge says it
+      search_.sizes.push_back(change_sentence(name, *effect.size));
+    }
     const LawForm moved = changed_tendons(tendons_, name, size_->width());
     const double left_by_moved = left_to_choose(p_, moved);
     const bool tendons_say_it = left_by_moved <= enough_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "capstan/tools/diagnose/round.hpp"
+#include "capstan/tools/identify/loop.hpp"
 
 namespace capstan::tools {
 
@@ -21,6 +22,7 @@ struct Search {
   double noise_floor = 0.0;
   double base_reducible = 0.0;               ///< share of the base law's residual energy that is no noise
   std::vector<std::string> sizes;            ///< sentences on how large what came is
+  std::optional<Loop> loop = {};             ///< of these logs, where it was compared with a healthy joint's
   std::vector<DetectableEffect> detectable;  ///< smallest effects that would have shown in the last round
 };
 

@@ -47,14 +47,34 @@ auto best_of(const PretensionNumbers& n) -> std::pair<Gauged, std::string> {
                              : std::pair<Gauged, std::string>{{1.0, 0.0}, "1"};
 }
 
-/// Whether width and torque changed as they do when the pretension alone does. With c the motor's own friction, F the
-/// tendons' and L the joint's, the torque is c + F + L and the width k (F + 2 L) (LoopSearch::pretension_of).
-auto goes_with_width(const JointFile& healthy, const Loop& before, const Loop& now, double friction_nm, double times)
+/// How far a tendon stretches, per torque and compliance, while it slides (2.16).
+auto stretch_by_friction(double eta) -> double {
+  return std::tanh(0.5 * eta) / eta;
+}
+
+/// Whether width and torque changed as they do when the tendons' friction F alone does: with c the motor's own friction
+/// and L the joint's, the torque is c + F + L and the width k (F + 2 L) (LoopSize::of_pretension). The pretension
+/// leaves k as it was, the friction number does not.
+/// @param stretch  k over the healthy joint's
+auto goes_with_width(const JointFile& healthy, const Loop& before, const Loop& now, double times, double stretch = 1.0)
     -> bool {
+  const double friction_nm = healthy.fit->pretension->friction_nm();
   const double joint_nm = std::max(0.0, before.torque_nm - motor_friction(healthy) - friction_nm);
-  const double wanted = 1.0 + friction_nm * (times - 1.0) / (friction_nm + 2.0 * joint_nm);
+  const double wanted = stretch * (1.0 + friction_nm * (times - 1.0) / (friction_nm + 2.0 * joint_nm));
   return std::abs(now.half_width_rad / before.half_width_rad - wanted) <
          kLoopTold + kWidthWithTorque * std::abs(wanted - 1.0);
+}
+
+/// The tendons' friction over the healthy joint's.
+auto friction_times(const JointFile& healthy, const Loop& before, const Loop& now) -> double {
+  return 1.0 + (now.torque_nm - before.torque_nm) / healthy.fit->pretension->friction_nm();
+}
+
+/// Half of its interval, by how well the torque of a loop comes again and the healthy joint's friction is known.
+auto friction_times_95(const JointFile& healthy, const Loop& before, double times) -> double {
+  const PretensionNumbers& known = *healthy.fit->pretension;
+  return std::hypot(std::abs(times - 1.0) * known.friction_95_nm() / known.friction_nm(),
+                    kTorqueAgain * before.torque_nm / known.friction_nm());
 }
 
 }  // namespace
@@ -147,8 +167,8 @@ auto pretension_drift(const JointFile& healthy, const Loop& now, const std::opti
   const PretensionNumbers& known = *healthy.fit->pretension;
   const double friction = known.friction_nm();
   const double more = now.torque_nm - before->torque_nm;
-  const double times = 1.0 + more / friction;
-  if (times <= 0.0 || !goes_with_width(healthy, *before, now, friction, times)) {
+  const double times = friction_times(healthy, *before, now);
+  if (times <= 0.0 || !goes_with_width(healthy, *before, now, times)) {
     return std::nullopt;
   }
   // The torque that turns round with the motion, taken apart from what speed and weight take: another way to measure
@@ -156,10 +176,8 @@ auto pretension_drift(const JointFile& healthy, const Loop& now, const std::opti
   const double otherwise = parts && healthy.fit->torque
                                ? std::abs(parts->friction() - healthy.fit->torque->friction() - more) / friction
                                : 0.0;
-  const double of_slope = std::abs(times - 1.0) * known.friction_95_nm() / friction;
-  const double again = kTorqueAgain * before->torque_nm / friction;
   PretensionDrift drift;
-  drift.times = {times, std::hypot(of_slope, otherwise, again)};
+  drift.times = {times, std::hypot(otherwise, friction_times_95(healthy, *before, times))};
   drift.now = known;
   for (const auto scaled : {PretensionNumbers::kFriction, PretensionNumbers::kTorque, PretensionNumbers::kForce}) {
     const double value = known.values[scaled];
@@ -189,6 +207,28 @@ auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs
   const double reach = std::max(before->half_width_rad, width);
   const Loop now{width, loop_torque(design, rows, reach).value_or(friction_of(*torque))};
   return pretension_drift(healthy, now, torque_parts({logs, design.samples(), reach}));
+}
+
+auto friction_number_drift(const JointFile& healthy, const Loop& now) -> std::optional<Gauged> {
+  const auto before = loop_of(healthy);
+  if (!before || !healthy.fit->pretension || healthy.fit->pretension->eta() == 0.0) {
+    return std::nullopt;
+  }
+  const double eta = healthy.fit->pretension->eta();
+  const double times = friction_times(healthy, *before, now);
+  if (times <= 0.0 || goes_with_width(healthy, *before, now, times) ||
+      !goes_with_width(healthy, *before, now, times, stretch_by_friction(times * eta) / stretch_by_friction(eta))) {
+    return std::nullopt;
+  }
+  return Gauged{times, friction_times_95(healthy, *before, times)};
+}
+
+auto friction_number_sentence(const PretensionNumbers& healthy, const Gauged& times) -> std::string {
+  const double now = times.value * healthy.eta();
+  return "the tendons' friction number is " +
+         range_text({now, std::hypot(times.value * healthy.eta_95(), times.half * healthy.eta())}, "1") + ", " +
+         range_text({100.0 * times.value, 100.0 * times.half}, "% of the healthy joint's") +
+         ", at the same pretension: more tension would have made the loop wider for the torque that it takes";
 }
 
 auto drift_sentence(const PretensionDrift& drift) -> std::string {

@@ -54,6 +54,11 @@ auto pretension_drift(const JointFile& healthy, const Loop& now, const std::opti
 auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs, const LawDesign& design,
                       const Eigen::VectorXd& target, const Blocks& rows) -> std::optional<PretensionDrift>;
 
+/// The tendons' friction number over the healthy joint's, where that is known and width and torque have changed as they
+/// do with it alone. Nothing where they have changed as with the pretension alone.
+auto friction_number_drift(const JointFile& healthy, const Loop& now) -> std::optional<Gauged>;
+auto friction_number_sentence(const PretensionNumbers& healthy, const Gauged& times) -> std::string;
+
 /// "pretension is 22.1 [21.3, 22.9] N, 5.6 [4.8, 6.4] N less than the healthy joint's"
 auto drift_sentence(const PretensionDrift& drift) -> std::string;
 

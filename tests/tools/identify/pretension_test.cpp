@@ -195,6 +195,44 @@ TEST(PretensionDrift, IsNoneWhereWidthAndTorqueDoNotGoTogether) {
   EXPECT_FALSE(pretension_drift(joint, {0.1, 0.01}, std::nullopt));  // less than nothing would be left
 }
 
+/// A joint whose tendons have friction numbers of 1.2: 60 mNm of 75, 5 of them the joint's own.
+auto rubbing(bool held) -> JointFile {
+  JointFile joint = tendons();
+  for (std::size_t tendon = 0; tendon < 2; ++tendon) {
+    joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + tendon] = 1.2;
+  }
+  joint.steady_torque = SteadyTorque{0.075, -0.075};
+  joint.fit->loop_half_width = 0.1;
+  joint.fit->loop_torque = 0.075;
+  joint.fit->pretension = pretension_of(joint, held);
+  return joint;
+}
+
+/// Its loop with 1.7 times the tendons' friction: by pretension, or by the friction number, whose stretch per torque is
+/// tanh(eta / 2) / eta.
+auto rubbing_loop(bool by_number) -> Loop {
+  const double stretch = by_number ? (std::tanh(0.6 * 1.7) / (1.2 * 1.7)) / (std::tanh(0.6) / 1.2) : 1.0;
+  return {0.1 * stretch * (0.06 * 1.7 + 2.0 * 0.005) / (0.06 + 2.0 * 0.005), 0.075 + 0.06 * 0.7};
+}
+
+TEST(FrictionNumberDrift, IsToldFromThePretensionByTheWidthThatItDoesNotBring) {
+  const JointFile joint = rubbing(true);
+  const auto eta = friction_number_drift(joint, rubbing_loop(true));
+  ASSERT_TRUE(eta);
+  EXPECT_NEAR(eta->value, 1.7, 1e-9);
+  EXPECT_GT(eta->half, 0.0);
+  EXPECT_FALSE(pretension_drift(joint, rubbing_loop(true), std::nullopt));
+  EXPECT_TRUE(has(friction_number_sentence(*joint.fit->pretension, *eta), "friction number is 2.04 ["));
+  EXPECT_FALSE(friction_number_drift(joint, rubbing_loop(false)));
+  EXPECT_TRUE(pretension_drift(joint, rubbing_loop(false), std::nullopt));
+}
+
+TEST(FrictionNumberDrift, IsNoneWhereTheTipWasFreeOrNothingRubsOtherwise) {
+  EXPECT_FALSE(friction_number_drift(rubbing(false), rubbing_loop(true)));
+  EXPECT_FALSE(friction_number_drift(rubbing(true), {0.1, 0.075}));
+  EXPECT_FALSE(friction_number_drift(rubbing(true), {0.15, 0.075})) << "a gap";
+}
+
 TEST(PretensionDrift, OfALawWithoutALoopIsNone) {
   JointFile joint = healthy(true);
   joint.steady_torque.reset();
