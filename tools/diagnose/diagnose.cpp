@@ -9,6 +9,7 @@
 #include "capstan/tools/diagnose/held_terms.hpp"
 #include "capstan/tools/diagnose/long_rests.hpp"
 #include "capstan/tools/diagnose/loop_gauge.hpp"
+#include "capstan/tools/diagnose/loop_without_torque.hpp"
 #include "capstan/tools/diagnose/one_law.hpp"
 #include "capstan/tools/diagnose/pretension_gauge.hpp"
 #include "capstan/tools/diagnose/tested_log.hpp"
@@ -279,6 +280,7 @@ void examine(Preparation p, LawForm base, const DiagnoseOptions& options, const 
     ask_the_log(p, search, base, d);
   }
   gauge_pretension(p, options, search.loop, d);
+  doubt_loop_without_torque(p, d);
   if (!d.effects.empty() && !p.repeats) {
     d.warnings.push_back(
         "the motion does not repeat, so the noise had to be judged from the residual: take the verdict as a hint, " +
