@@ -26,7 +26,9 @@ void print_comparison(const Comparison& comparison) {
     std::cout << "  " << moved_sentence(one) << "\n";
   }
   if (comparison.moved.empty()) {
-    std::cout << "  it is not certain that any parameter has moved\n";
+    std::cout << (comparison.now.changed_at
+                      ? "  the joint changed within the logs of now, so no one set of parameters is theirs\n"
+                      : "  it is not certain that any parameter has moved\n");
   }
   if (comparison.pretension && comparison.healthy.pretension) {  // else it is among the sizes below
     std::cout << "  " << drift_sentence(*comparison.pretension) << "\n";

@@ -26,6 +26,10 @@ using Json = nlohmann::ordered_json;
 /// to 80 s, 28 Nov 2026). The largest difference there was 3.0 standard deviations; six parameters are asked for 3.8.
 constexpr double kFalseMoves = 0.001;
 
+/// How well a ratio comes again beside another effect, as a share, two spreads: 0.02 % off at most by what tendons
+/// carry and by what changes the loop (joints of a plant by itself, 29 November 2026).
+constexpr double kRatioBeside = 5e-4;
+
 auto half_of(const Interval& ci95) -> double {
   return 0.5 * (ci95[1] - ci95[0]);
 }
@@ -126,6 +130,67 @@ auto with_effects(LawForm form, const std::vector<AddedEffect>& came, const Join
   return form;
 }
 
+auto loop_law(double half_width_rad) -> LawForm {
+  LawForm law;
+  law.terms = {"motor_angle", "joint_offset", kPlayTerm};
+  law.set_shapes(law.catalogue->term(kPlayTerm), {half_width_rad});
+  return law;
+}
+
+/// Widens the interval of a coefficient, where it has one.
+void widen(JointFile& law, const char* term, double by) {
+  if (auto& ci95 = law.coefficient_ci95[law.catalogue->term(term).first_coefficient]) {
+    (*ci95)[0] -= by;
+    (*ci95)[1] += by;
+  }
+}
+
+/// What tendons carry leaves them as they were; a pretension or stiffness of their own does not.
+auto tendons_carry_it(const Comparison& comparison) -> bool {
+  const auto& found = comparison.now.found;
+  return found && found->has(kTendonModel) &&
+         std::none_of(comparison.came.begin(), comparison.came.end(), [](const auto& effect) {
+           return effect.name == kPretensionTerm || effect.name == kHardeningTerm;
+         });
+}
+
+auto loop_of_healthy(const std::vector<AxisLog>& logs, const JointFile& healthy) -> std::optional<JointFile> {
+  const auto loop = loop_of(healthy);
+  const auto held = [&healthy](const AxisLog& log) { return is_held(log, beta_of(healthy)); };
+  return loop && std::none_of(logs.begin(), logs.end(), held)
+             ? std::optional(fitted_to(logs, loop_law(loop->half_width_rad)))
+             : std::nullopt;
+}
+
+/// Ratio and zero alone: how wide the loop is the diagnosis says.
+auto without_loop(JointFile law) -> JointFile {
+  std::erase(law.terms, kPlayTerm);
+  return law;
+}
+
+/// Ratio and zero, which have moved beside something else that changed: by the law that was found for it.
+auto moved_beside(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const Comparison& comparison)
+    -> std::vector<MovedParameter> {
+  const JointFile& found = comparison.now.found ? *comparison.now.found : comparison.now.law;
+  const double ratio_known = kRatioBeside * std::abs(beta_of(healthy.fitted));
+  if (tendons_carry_it(comparison)) {
+    LawForm form = base_of(found);
+    form.held.emplace_back(kTendonModel);
+    JointFile law = fitted_to(now, with_effects(std::move(form), comparison.came, found));
+    widen(law, "motor_angle", ratio_known);
+    return moved_between(healthy.fitted, law);
+  }
+  const JointFile& before = *healthy.by_loop;
+  const std::size_t width = before.catalogue->term(kPlayTerm).first_shape;
+  const double start = (found.has(kPlayTerm) ? found : before).parameters.shapes[width];
+  JointFile law = fitted_to(now, with_effects(loop_law(start), comparison.came, found));
+  widen(law, "motor_angle", ratio_known);
+  // Where the loop grows or shrinks, its middle goes with either side.
+  const double wider = law.parameters.shapes[width] - before.parameters.shapes[width];
+  widen(law, "joint_offset", 0.5 * std::abs(beta_of(healthy.fitted) * wider));
+  return moved_between(without_loop(before), law);
+}
+
 }  // namespace
 
 auto moved_between(const JointFile& healthy, const JointFile& now) -> std::vector<MovedParameter> {
@@ -164,6 +229,7 @@ auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   if (options.base_law) {
     healthy.law = *options.base_law;
     healthy.fitted = fitted_to(logs, form_of(healthy.law));
+    healthy.by_loop = loop_of_healthy(logs, healthy.fitted);
     return healthy;
   }
   // A law that was grown has no intervals; what has names has.
@@ -173,6 +239,7 @@ auto healthy_joint(const std::vector<AxisLog>& logs, const DiagnoseOptions& opti
   if (healthy.law.fit) {
     healthy.law.fit->pretension = healthy.fitted.fit->pretension;
   }
+  healthy.by_loop = loop_of_healthy(logs, healthy.fitted);
   return healthy;
 }
 
@@ -188,11 +255,15 @@ auto compare(const HealthyJoint& healthy, const std::vector<AxisLog>& now, const
   }
   result.now = diagnose(now, from_healthy);
   result.came = effects_that_came(healthy, result.now.effects);
-  LawForm form = law_of_now(healthy.fitted, now);
-  if (result.now.found) {
-    form = with_effects(std::move(form), result.came, *result.now.found);
+  if (healthy.by_loop && result.now.verdict != Verdict::kNothingMissing) {
+    result.moved = moved_beside(healthy, now, result);
+  } else {
+    LawForm form = law_of_now(healthy.fitted, now);
+    if (result.now.found) {
+      form = with_effects(std::move(form), result.came, *result.now.found);
+    }
+    result.moved = moved_between(healthy.fitted, fitted_to(now, form));
   }
-  result.moved = moved_between(healthy.fitted, fitted_to(now, form));
   result.pretension = pretension_between(result);
   return result;
 }

@@ -31,6 +31,9 @@ struct HealthyJoint {
   Diagnosis diagnosis;
   JointFile law;     ///< as far as it has names
   JointFile fitted;  ///< the same fitted to all of the logs, with intervals
+  /// Ratio and zero beside a loop in place of tendons, which are the healthy joint's and bend both where they have
+  /// changed.
+  std::optional<JointFile> by_loop = {};
 };
 
 /// A law of the options is the joint's, of whatever time: both times are then measured by it.

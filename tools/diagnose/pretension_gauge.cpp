@@ -36,7 +36,7 @@ auto sentence_without_drift(const JointFile& healthy, const Loop& now, const Add
   const auto before = loop_of(healthy);
   return before && has_changed(*before, now)
              ? "torque and width of the loop have not changed alike, as they do with the pretension alone, so the "
-               "pretension is not told"
+               "pretension is not reported"
              : "neither torque nor width of the loop has changed, so the pretension is what it was";
 }
 
