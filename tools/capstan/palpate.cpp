@@ -18,6 +18,7 @@ struct PalpateOptions {
   LogOptions logs;
   std::string model;
   double period_s = 0.0;
+  double stiff_factor = kStiffFactor;
   int against = -1;  ///< the other jaw's axis
   std::string against_model;
   std::string output, svg;
@@ -41,17 +42,22 @@ auto run_palpate(const PalpateOptions& options) -> int {
     for (const auto& warning : log.warnings()) {
       std::cerr << "warning: " << warning << "\n";
     }
+    if (options.period_s == 0.0 && !log.has("site")) {
+      warn(file +
+           ": without a column 'site' and without --period the whole log is one site; where the tip touched "
+           "several, give the seconds at each with --period");
+    }
     const auto more = other ? map_grip(log, jaw, *other, options.period_s)
                             : map_sites(log, jaw.axis, options.period_s, jaw.parameters);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  std::cout << map_text(rows);
+  std::cout << map_text(rows, options.stiff_factor);
   if (!options.output.empty()) {
     write_text_file(options.output, map_csv(rows));
     std::cerr << "wrote " << options.output << "\n";
   }
   if (!options.svg.empty()) {
-    write_text_file(options.svg, svg_of(palpation_map(rows)));
+    write_text_file(options.svg, svg_of(palpation_map(rows, options.stiff_factor)));
     std::cerr << "wrote " << options.svg << "\n";
   }
   if (std::none_of(rows.begin(), rows.end(), [](const MapRow& row) { return row.stiffness.combined.has_value(); })) {
@@ -73,6 +79,10 @@ void add_palpate(CLI::App& app, int& exit_status) {
       ->required();
   command->add_option("--period", options->period_s, "seconds at each site, in a log without a column 'site'")
       ->check(CLI::Range(0.1, 1e4));
+  command
+      ->add_option("--factor", options->stiff_factor,
+                   "times the median from which on a site stands out, its whole interval (1.2)")
+      ->check(CLI::Range(1.0, 100.0));
   auto* against = command
                       ->add_option("--against", options->against,
                                    "axis of the other jaw, for what both hold between them while both motors close "
@@ -84,10 +94,8 @@ void add_palpate(CLI::App& app, int& exit_status) {
   command->add_option("-o,--output", options->output, "CSV of the map to write");
   command->add_option("--svg", options->svg, "picture of the map to write: a bar for each site with its interval");
   command->footer(
-      "A site is marked ('*', another colour) if its whole 95 % interval exceeds 1.5 times the median. What that "
-      "finds, by "
-      "the\n"
-      "depth and stiffness of an inclusion, and what a lower factor would: capstan thesis --table detection.");
+      "A site is marked ('*', another colour) if its whole 95 % interval exceeds --factor times the median. What that\n"
+      "finds, by the depth and stiffness of an inclusion, and at which false alarms: capstan thesis --table detection.");
   command->callback([options, &exit_status] { exit_status = run_palpate(*options); });
 }
 

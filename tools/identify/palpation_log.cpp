@@ -131,7 +131,7 @@ auto map_grip(const CsvLog& csv, const PalpatingAxis& first, const PalpatingAxis
   return rows;
 }
 
-auto map_text(const std::vector<MapRow>& rows) -> std::string {
+auto map_text(const std::vector<MapRow>& rows, double stiff_factor) -> std::string {
   std::vector<SiteStiffness> sites;
   double largest = 0.0;
   for (const MapRow& row : rows) {
@@ -140,7 +140,7 @@ auto map_text(const std::vector<MapRow>& rows) -> std::string {
       largest = std::max(largest, all->value + all->half_interval);
     }
   }
-  const auto stiff = stiff_sites(sites);
+  const auto stiff = stiff_sites(sites, stiff_factor);
   std::string text = "  site  Nm/rad, 95 %         both tendons         one tendon slack\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const SiteStiffness& site = rows[i].stiffness;

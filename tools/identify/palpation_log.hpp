@@ -41,7 +41,7 @@ auto map_grip(const CsvLog& log, const PalpatingAxis& first, const PalpatingAxis
     -> std::vector<MapRow>;
 
 /// Table and picture for people: stiffness with its 95 % interval, and '*' where a site is stiffer than the rest.
-auto map_text(const std::vector<MapRow>& rows) -> std::string;
+auto map_text(const std::vector<MapRow>& rows, double stiff_factor = kStiffFactor) -> std::string;
 /// The same as CSV; empty cells where nothing can be said.
 auto map_csv(const std::vector<MapRow>& rows) -> std::string;
 

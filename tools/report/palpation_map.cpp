@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -52,7 +53,7 @@ auto numbers_rise(const std::vector<MapRow>& rows) -> bool {
 
 }  // namespace
 
-auto palpation_map(const std::vector<MapRow>& rows) -> Plot {
+auto palpation_map(const std::vector<MapRow>& rows, double stiff_factor) -> Plot {
   std::vector<SiteStiffness> sites;
   std::vector<double> values;
   for (const MapRow& row : rows) {
@@ -61,7 +62,7 @@ auto palpation_map(const std::vector<MapRow>& rows) -> Plot {
       values.push_back(row.stiffness.combined->value);
     }
   }
-  const auto stiff = stiff_sites(sites);
+  const auto stiff = stiff_sites(sites, stiff_factor);
   const bool by_number = numbers_rise(rows);
   Plot plot;
   plot.title = "Stiffness that was felt, with its 95 % interval";
@@ -85,9 +86,10 @@ auto palpation_map(const std::vector<MapRow>& rows) -> Plot {
     plot.series.push_back(bar(at, *rows[i].stiffness.combined, label, stands_out ? kStiffColour : kPlain));
   }
   if (!values.empty()) {
-    const double limit = kStiffFactor * median(Eigen::Map<const Eigen::VectorXd>(
+    const double limit = stiff_factor * median(Eigen::Map<const Eigen::VectorXd>(
                                             values.data(), static_cast<Eigen::Index>(values.size())));
-    plot.series.push_back(line("1.5 times the median", kLimit, {{first - 0.5, limit}, {last + 0.5, limit}}));
+    plot.series.push_back(
+        line(rounded(stiff_factor, 3) + " times the median", kLimit, {{first - 0.5, limit}, {last + 0.5, limit}}));
   }
   return plot;
 }

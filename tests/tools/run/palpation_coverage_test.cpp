@@ -127,7 +127,8 @@ TEST(PalpationCoverage, TrianglesOfTorqueAsTheBoardPressesThem) {
   EXPECT_GE(pressed.board.percent(), 93.0);
 }
 
-const std::vector<double> kFactors = {1.05, 1.1, 1.2, 1.5};
+const std::vector<double> kFactors = {1.05, 1.1, kStiffFactor, 1.5};
+constexpr std::size_t kOfCommand = 2;
 
 TEST(PalpationDetection, HitsOverFalseAlarmsByDepthAndStiffness) {
   const auto parameters = calibrated(900000);
@@ -147,11 +148,14 @@ TEST(PalpationDetection, HitsOverFalseAlarmsByDepthAndStiffness) {
         std::printf("  %d/%d", f.hits[i], f.alarms[i]);
       }
       std::printf("\n");
-      EXPECT_EQ(f.alarms[3], 0) << "the factor that the command uses";
+      EXPECT_EQ(f.alarms[kOfCommand], 0) << "the factor that the command uses";
       EXPECT_GE(f.hits[0], f.hits[3]) << "a lower factor never finds less";
     }
   }
   EXPECT_GE(found[2][0].hits[3], maps - 1) << "stiff and shallow";
+  for (const std::size_t depth : {0U, 1U}) {
+    EXPECT_GE(found[0][depth].hits[kOfCommand], maps - 1) << "a third more than the rest, where the tip reaches";
+  }
   EXPECT_LE(found[0][0].hits[3], 1) << "a third more than the rest is below the factor of 1.5";
   EXPECT_LE(found[2][2].hits[3], 1) << "the tip does not press so deep";
 }

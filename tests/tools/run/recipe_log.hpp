@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -10,13 +12,18 @@
 
 namespace capstan::tools::test {
 
-/// What `capstan run` records of a scenario in tools/scenarios.
-inline auto record(const std::string& scenario) -> ForceLog {
+/// The log that `capstan run` writes of a scenario in tools/scenarios. @param seed  in place of the scenario's
+inline auto log_of(const std::string& scenario, std::optional<std::uint64_t> seed = {}) -> CsvLog {
   std::ostringstream text;
   FileBanks banks = FileBanks::temporary();
-  const std::string path = CAPSTAN_SOURCE_DIR "/tools/scenarios/" + scenario;
-  static_cast<void>(run_scenario(sim::load_scenario(path), {}, banks, &text));
-  return read_force_log(CsvLog::parse(text.str(), scenario), 0);
+  sim::Scenario run = sim::load_scenario(CAPSTAN_SOURCE_DIR "/tools/scenarios/" + scenario);
+  run.seed = seed.value_or(run.seed);
+  static_cast<void>(run_scenario(run, {}, banks, &text));
+  return CsvLog::parse(text.str(), scenario);
+}
+
+inline auto record(const std::string& scenario) -> ForceLog {
+  return read_force_log(log_of(scenario), 0);
 }
 
 }  // namespace capstan::tools::test
