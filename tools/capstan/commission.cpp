@@ -179,6 +179,10 @@ auto run_commission(const CommissionCommand& options) -> int {
   require_inertia(options);
   std::vector<Progress> progress;
   for (const CommissionOptions& joint : joints) {
+    if (same_file(state_of(options, joint.axis), machine_of(options))) {
+      throw BadInput("--state and --machine would write the same file " + machine_of(options) +
+                     "; give each its own name");
+    }
     progress.push_back(progress_of(options, joint.axis));
   }
   std::unique_ptr<BoardShell> line;

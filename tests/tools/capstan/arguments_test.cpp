@@ -83,6 +83,8 @@ TEST_F(Arguments, NoFileIsWrittenTwice) {
   expect_refused(run("diagnose " + log + " -o " + one + " --json " + one), "give each its own name");
   expect_refused(run("diagnose " + log + " --report " + one + " --json " + one), "would write the same file");
   expect_refused(run("commission --corridor 0.5 --yes --machine commission.txt"), "--state and --machine would write");
+  expect_refused(run("commission --corridor 0.5 --yes --inertia 0.02 --machine commission.joint0.txt"),
+                 "--state and --machine would write");
   EXPECT_FALSE(exists("one"));
 }
 
