@@ -66,11 +66,13 @@ constexpr std::array<ShellCommand, 31> kCommands = {
                  "values, then takes the torque away and sets observer.* (in maintenance only); 'looks' finds "
                  "observer.answer again, which every change of gains requires",
                  commands::commission, true},
-    ShellCommand{"palpate", "jointN [site=N] [amplitude=TORQUE] [rates=R] [cycles=N] [every=MS] | map | clear",
-                 kAnyNumber,
-                 "presses with torque triangles at the joint's position and prints the log of that site and its "
-                 "stiffness; 'map' shows the sites so far",
-                 commands::palpate, true},
+    ShellCommand{
+        "palpate",
+        "jointN [site=N] [amplitude=TORQUE] [offset=TORQUE] [rates=R] [cycles=N] [every=MS] | map [FACTOR] | clear",
+        kAnyNumber,
+        "presses with torque triangles about the offset at the joint's position and prints the log of that site and "
+        "its stiffness; 'map' shows the sites so far and marks those above FACTOR (1.2) times the median",
+        commands::palpate, true},
     ShellCommand{"watch", "[EVERY] SIGNAL...", 1 + ScopeSetup::kMostChannels,
                  "prints signals every EVERY ms (200) until the next line or Ctrl-C", commands::watch},
     ShellCommand{"frames", "[[EVERY] SIGNAL...|off]", 1 + kMostSignals,

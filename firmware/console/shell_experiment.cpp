@@ -23,6 +23,7 @@ struct RecipeInfo {
 };
 
 constexpr std::int32_t kMostEvery = 1000;
+constexpr Q24 kOne = Q24::from_int(1);
 
 constexpr auto q(double value) -> Q24 {
   return Q24::from_double(value);
@@ -108,7 +109,7 @@ auto parse_option(std::string_view word, const RecipeInfo& recipe, ExperimentSet
     return quantity(torque ? "Nm" : "rad", setup.amplitude);
   }
   if (name == "offset") {
-    return !torque && quantity("rad", setup.offset_rad);
+    return torque ? quantity("Nm", setup.offset_nm) : quantity("rad", setup.offset_rad);
   }
   if (name == "decay") {
     return recipe.recipe == Recipe::kDecayingSine && quantity("1/s", setup.decay_per_s);
@@ -145,7 +146,7 @@ auto begin_experiment(Session& session, const RecipeInfo& recipe, std::size_t ax
                     << ", and nothing moved; write 'amplitude=" << recipe.amplitude
                     << (recipe.recipe == Recipe::kTorqueTriangle ? "Nm " : "rad ") << recipe.rungs << '='
                     << recipe.usual_rungs[0] << recipe.rungs_unit
-                    << "', numbers in their range; 'help experiment' shows all\r\n";
+                    << "', numbers in their range (every: 1 to 1000 ms); 'help experiment' shows all\r\n";
       session.refused();
       return nullptr;
     }
@@ -286,13 +287,18 @@ void commands::palpate(Session& session, std::string_view arguments) {
   std::string_view joint = next_word(arguments);
   std::size_t axis = 0;
   if (joint == "map" || joint == "clear") {
+    Q24 factor = Palpation::kStiffFactor;
+    std::string_view rest = arguments;
+    if (joint == "map" && parse_quantity(next_word(rest), "1", factor) == ValueError::kNone && factor >= kOne) {
+      arguments = rest;
+    }
     if (refuses_more(session, arguments)) {
       return;
     }
     if (joint == "clear") {
       session.machine().palpation().clear();
     }
-    print_palpation_map(session);
+    print_palpation_map(session, factor);
     return;
   }
   if (!session.parse_axis(joint, axis) || !joint.empty()) {
@@ -305,8 +311,9 @@ void commands::palpate(Session& session, std::string_view arguments) {
     }
     ExperimentStream* const stream = begin_experiment(session, kPalpation, axis, arguments, problem == nullptr);
     if (stream != nullptr && stream->palpating) {
-      session.machine().palpation().begin(
-          force, {.site = std::max<std::int32_t>(stream->recording.site, 0), .amplitude_nm = stream->setup.amplitude});
+      session.machine().palpation().begin(force,
+                                          {.site = std::max<std::int32_t>(stream->recording.site, 0),
+                                           .largest_nm = abs(stream->setup.offset_nm) + stream->setup.amplitude});
     }
   }
 }

@@ -38,6 +38,7 @@ inline constexpr std::string_view kResponseMark = "excitation";
 
 /// What was palpated last, and the map of all sites.
 void print_stiffness(Session& session);
-void print_palpation_map(Session& session);
+/// @param factor  times the median from which on a site is marked
+void print_palpation_map(Session& session, Q24 factor);
 
 }  // namespace capstan

@@ -137,7 +137,7 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
   }
   const LimitConfig& limits = config.limits;
   if (setup.recipe == Recipe::kTorqueTriangle) {
-    return setup.amplitude > limits.current_a * config.motor.torque_per_current_nm_per_a
+    return abs(setup.offset_nm) + setup.amplitude > limits.current_a * config.motor.torque_per_current_nm_per_a
                ? "the torque needs more than limits.current; lower it"
                : nullptr;
   }
@@ -301,7 +301,7 @@ auto Experiment::rt_run_torque(const Axis& axis) -> Request {
     torque_ = axis.telemetry().drive_nm.raw() * std::int64_t{kCycleRateHz};
   }
   const std::int64_t step = std::max<std::int64_t>(setup_.rungs[0].raw(), 1);
-  const std::int64_t target = std::int64_t{rt_corner().raw()} * kCycleRateHz;
+  const std::int64_t target = std::int64_t{(setup_.offset_nm + rt_corner()).raw()} * kCycleRateHz;
   torque_ += std::clamp(target - torque_, -step, step);
   if (torque_ == target && ++corner_ == rt_corners() && !rt_next_rung()) {
     return rt_finish();

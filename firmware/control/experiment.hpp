@@ -15,7 +15,7 @@ enum class Recipe : std::uint8_t {
   kTriangle,        ///< to and fro at constant speed; rungs are speeds, rad/s
   kSpeedLadder,     ///< the same at one speed after the other
   kReversals,       ///< first-order reversals: from the lower end to higher and higher levels; one speed
-  kTorqueTriangle,  ///< to and fro in torque; one rate, N m/s. The joint goes where the torque takes it.
+  kTorqueTriangle,  ///< to and fro in torque about offset_nm; one rate, N m/s. The joint goes where that takes it.
   kDither,          ///< as kSpeedLadder, and two tones of torque on top, by which the motor's inertia shows
   kResponse,        ///< shaken by the setup's excitation where it stands, or while it goes to and fro
 };
@@ -27,6 +27,7 @@ struct ExperimentSetup {
   std::uint8_t axis = 0;
   Q24 amplitude{};  ///< rad, or N m
   Q24 offset_rad{};
+  Q24 offset_nm{};  ///< torque triangle: what it goes to and fro about
   std::array<Q24, kMostRungs> rungs{};
   std::size_t rung_count = 0;
   Q24 decay_per_s{};

@@ -125,8 +125,8 @@ void Palpation::begin(const ForceConfig& force, const Pressing& pressing) {
   const TensionStateParameters<Q24> parameters = parameters_of(force);
   // One pull to either end shows what reaches the joint there.
   state_ = TensionState<Q24>(parameters);
-  largest_ = abs(state_.update(Q24{}, pressing.amplitude_nm, true).joint_torque);
-  largest_ = std::max(largest_, abs(state_.update(Q24{}, -pressing.amplitude_nm, false).joint_torque));
+  largest_ = abs(state_.update(Q24{}, pressing.largest_nm, true).joint_torque);
+  largest_ = std::max(largest_, abs(state_.update(Q24{}, -pressing.largest_nm, false).joint_torque));
   state_ = TensionState<Q24>(parameters);
   moved_forward_ = true;
   extreme_ = Q24::lowest();
@@ -309,6 +309,17 @@ auto Palpation::fit() const -> std::optional<SiteStiffness> {
     strokes += group.stretches;
   }
   return SiteStiffness{site_, site->value, hypotenuse(site->half, site->value * kModelShare), strokes};
+}
+
+auto Palpation::stiff_from(Q24 factor) const -> std::optional<Q24> {
+  if (count_ < 3) {
+    return std::nullopt;  // no rest to compare with
+  }
+  std::array<Q24, kMostSites> values{};
+  std::transform(sites_.begin(), sites_.begin() + static_cast<std::ptrdiff_t>(count_), values.begin(),
+                 [](const SiteStiffness& site) { return site.value_nm_per_rad; });
+  std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count_));
+  return factor * values[count_ / 2];
 }
 
 auto Palpation::end() -> std::optional<SiteStiffness> {

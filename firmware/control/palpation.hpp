@@ -21,7 +21,7 @@ struct SiteStiffness {
 /// How a site is pressed.
 struct Pressing {
   std::int32_t site = 0;
-  Q24 amplitude_nm{};  ///< the largest torque of the motor
+  Q24 largest_nm{};  ///< the largest torque of the motor, either way
 };
 
 /// Stiffness from motor torque and angle alone (thesis ch. 3): the tension state says the joint's torque and angle
@@ -48,6 +48,11 @@ class Palpation {
 
   /// In the order they were pressed; the oldest go when there are more than kMostSites.
   [[nodiscard]] auto map() const -> std::span<const SiteStiffness> { return {sites_.data(), count_}; }
+  /// From this many times the median on a site is stiffer than the rest, its whole interval; `capstan palpate` has the
+  /// same (tools/identify/palpation.hpp).
+  static constexpr Q24 kStiffFactor = Q24::from_double(1.2);
+  /// The stiffness that the whole interval of a site has to be above to stand out; none with fewer than three sites.
+  [[nodiscard]] auto stiff_from(Q24 factor) const -> std::optional<Q24>;
   void clear() { count_ = 0; }
 
  private:
@@ -102,7 +107,7 @@ class Palpation {
   Q24 extreme_;  // of the motor's angle in the present direction
   std::int64_t q1_sum_ = 0, tau_sum_ = 0;
   std::int32_t averaged_ = 0;
-  Q24 largest_;  // torque of the joint at the amplitude
+  Q24 largest_;  // torque of the joint at that of the motor
   std::int32_t time_ = 0;
   Row origin_;
   std::array<Row, kHeld> held_{};  // the last of the stretch, each at its number's remainder

@@ -333,6 +333,33 @@ TEST(ShellPalpate, PressesWithTorqueTrianglesAndNamesTheSite) {
   EXPECT_EQ(bench.state(), State::kHolding);
 }
 
+TEST(ShellPalpate, PressesBetweenAPreloadAndAPeakWhereAnOffsetIsGiven) {
+  Bench bench;
+  bench.io.blocked = true;
+  bench.say("arm");
+  type(bench, "palpate joint0 offset=40mNm amplitude=0.06Nm rates=0.2 cycles=2 every=1");
+  const auto lines = lines_of(answer(bench));
+  EXPECT_EQ(lines.back(), "ok");
+  double largest = -1.0;
+  double smallest = 1.0;
+  double last = 0.0;
+  for (const std::string& line : lines) {
+    double time = 0.0, q1 = 0.0, tau = 0.0;
+    if (std::sscanf(line.c_str(), "%lf,%lf,%lf", &time, &q1, &tau) == 3) {
+      largest = std::max(largest, tau);
+      smallest = std::min(smallest, tau);
+      last = tau;
+    }
+  }
+  EXPECT_NEAR(largest, 0.1, 1e-4);
+  EXPECT_NEAR(smallest, -0.02, 1e-4);
+  EXPECT_NEAR(last, 0.04, 1e-3) << "it ends where it goes to and fro about";
+  type(bench, "palpate joint0 offset=-100Nm amplitude=0.06Nm");
+  EXPECT_EQ(verdict(answer(bench)).rfind("error range: nothing moved, because the torque needs more", 0), 0U);
+  type(bench, "palpate joint0 offset=0.1rad");
+  EXPECT_EQ(verdict(answer(bench)).rfind("error option: ", 0), 0U) << "of a torque";
+}
+
 TEST(ShellPalpate, AFreeJointThatRunsAwayIsHeldAndTheAnswerSaysSo) {
   Bench bench;
   bench.io.drag_nms = 1e-4;

@@ -2,6 +2,7 @@
 // The board's own palpation where nothing can be said, and over all that it may be given.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "capstan/tests/tools/run/tissues.hpp"
@@ -55,7 +56,7 @@ TEST_F(PalpationOfBoard, ASiteBeginsWithoutAnythingOfTheLastOne) {
   const Q24 amplitude = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff());
   Palpation palpation;
   for (int site = 1; site <= 2; ++site) {
-    palpation.begin(on_board(parameters_), {.site = site, .amplitude_nm = amplitude});
+    palpation.begin(on_board(parameters_), {.site = site, .largest_nm = amplitude});
     for (Eigen::Index i = 0; i < log.samples(); ++i) {
       palpation.add(Q24::from_double(log.q1_rad[i]), Q24::from_double(log.tau_nm[i]));
     }
@@ -65,9 +66,42 @@ TEST_F(PalpationOfBoard, ASiteBeginsWithoutAnythingOfTheLastOne) {
   EXPECT_EQ(palpation.map()[0].value_nm_per_rad, palpation.map()[1].value_nm_per_rad);
   EXPECT_EQ(palpation.map()[0].half_interval, palpation.map()[1].half_interval);
   EXPECT_EQ(palpation.map()[1].site, 2);
-  palpation.begin(on_board(parameters_), {.site = 3, .amplitude_nm = amplitude});
+  palpation.begin(on_board(parameters_), {.site = 3, .largest_nm = amplitude});
   EXPECT_FALSE(palpation.end().has_value()) << "nothing was pressed";
   EXPECT_EQ(palpation.map().size(), 2U);
+}
+
+TEST_F(PalpationOfBoard, TheMapMarksTheSitesThatTheHostMarks) {
+  Palpation palpation;
+  std::vector<SiteStiffness> felt;  // of the host, from the board's own figures
+  int site = 0;
+  for (const double stiffness : {0.05, 0.08, 0.055, 0.052}) {
+    EXPECT_EQ(palpation.stiff_from(Palpation::kStiffFactor).has_value(), site >= 3) << "fewer have no rest";
+    sim::PlantParameters p;
+    p.environment = test::tissue(760010);
+    p.environment.deep_stiffness = stiffness;
+    const ForceLog log = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760010 + static_cast<std::uint64_t>(site));
+    palpation.begin(on_board(parameters_),
+                    {.site = ++site, .largest_nm = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff())});
+    for (Eigen::Index i = 0; i < log.samples(); ++i) {
+      palpation.add(Q24::from_double(log.q1_rad[i]), Q24::from_double(log.tau_nm[i]));
+    }
+    const auto one = palpation.end();
+    ASSERT_TRUE(one.has_value());
+    felt.emplace_back().combined = Stiffness{one->value_nm_per_rad.to_double(), one->half_interval.to_double()};
+  }
+  for (const double factor : {1.02, 1.2, 1.4, 2.0}) {
+    const auto marked = stiff_sites(felt, factor);
+    const auto from = palpation.stiff_from(Q24::from_double(factor));
+    ASSERT_TRUE(from.has_value());
+    for (std::size_t i = 0; i < felt.size(); ++i) {
+      const auto& board = palpation.map()[i];
+      EXPECT_EQ(board.value_nm_per_rad - board.half_interval > *from,
+                std::find(marked.begin(), marked.end(), i) != marked.end())
+          << factor << ", site " << i + 1;
+    }
+  }
+  EXPECT_EQ(stiff_sites(felt), std::vector<std::size_t>{1});
 }
 
 TEST_F(PalpationOfBoard, RowsAtTheEndsOfTheNumbersEndInAnAnswerOrNone) {
@@ -75,7 +109,7 @@ TEST_F(PalpationOfBoard, RowsAtTheEndsOfTheNumbersEndInAnAnswerOrNone) {
   Random random(760005);
   for (const double most : {0.1, 5.0, 40.0, 127.0}) {
     Palpation palpation;
-    palpation.begin(on_board(parameters_), {.site = 0, .amplitude_nm = Q24::from_double(most)});
+    palpation.begin(on_board(parameters_), {.site = 0, .largest_nm = Q24::from_double(most)});
     for (int i = 0; i < 60000; ++i) {
       const double ramp = std::asin(std::sin(1e-3 * i)) * 2.0 / std::numbers::pi;
       palpation.add(Q24::from_double(most * ramp + 1e-4 * random.normal()), Q24::from_double(0.7 * most * ramp));

@@ -5,11 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/boards/sim/sim_board.hpp"
 #include "capstan/tests/tools/run/by_hand.hpp"
+#include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -44,7 +46,8 @@ auto log_of(const sim::PlantParameters& plant, const std::vector<std::string>& l
     for (const char c : line + "\n") {
       board.shell().receive(c);
     }
-    for (int i = 0; i < 200'000 && board.shell().busy(); ++i) {
+    const int rests = line.starts_with("move") ? 3000 : 0;  // until it stands
+    for (int i = 0; i < 200'000 && (i < rests || board.shell().busy()); ++i) {
       board.tick();
       board.shell().poll();
     }
@@ -80,6 +83,42 @@ TEST(PalpationLog, TheBoardsTorqueTrianglesGiveTheStiffnessThatTheTipTouched) {
     std::printf("K_env %.3f N m/rad: %.4f +- %.4f\n", stiffness, rows[0].stiffness.combined->value,
                 rows[0].stiffness.combined->half_interval);
     EXPECT_NEAR(rows[0].stiffness.combined->value, stiffness, 0.1 * stiffness);
+  }
+}
+
+// What tissue does: it holds one way only, so triangles of torque have to stay on the side on which the tip presses.
+// The lower end is below zero because the tendons' friction holds the tip in long after the motor has let go.
+TEST(PalpationLog, TheBoardTellsTheStiffnessOfTissueThatHoldsOneWayOnly) {
+  sim::PlantParameters locked = plant_on(0.0);
+  locked.environment = {.kind = sim::EnvironmentKind::kLocked};
+  const PullPushFit fit = fit_pull_push({test::turn_by_hand(locked, 60.0, test::triangle(0.25, 0.05))});
+  const std::vector<std::string> law = force_lines(with_force_section("", force_section(fit)), "joint.toml", 0);
+  for (const double deep : {0.06, 0.1, 0.2}) {
+    sim::PlantParameters plant = plant_on(0.0);
+    plant.environment = {.kind = sim::EnvironmentKind::kLayered,
+                         .stiffness = 0.03,
+                         .damping = 0.05,
+                         .angle_rad = 0.05,
+                         .layer_depth_rad = 0.08,
+                         .deep_stiffness = deep};
+    auto lines = nameplate(plant);
+    lines.insert(lines.end(), law.begin(), law.end());
+    lines.insert(lines.end(), {"arm", "move joint0 0.25",
+                               "palpate joint0 site=2 offset=0.04Nm amplitude=0.11Nm rates=0.05 cycles=2 every=10"});
+    const std::string log = log_of(plant, lines);
+    const auto line = log.find("# site 2 stiffness ");
+    ASSERT_NE(line, std::string::npos) << deep << ": " << log.substr(log.size() > 300 ? log.size() - 300 : 0);
+    double value = 0.0;
+    double half = 0.0;
+    ASSERT_EQ(std::sscanf(log.c_str() + line, "# site 2 stiffness %lf +- %lf", &value, &half), 2);
+    const auto rows = map_sites(CsvLog::parse(log, "board"), 0, 0.0, tension_state_of(fit));
+    ASSERT_TRUE(rows.at(0).stiffness.combined.has_value());
+    const Stiffness& host = *rows[0].stiffness.combined;
+    std::printf("deep %.3f N m/rad: board %.4f +- %.4f, host %.4f +- %.4f\n", deep, value, half, host.value,
+                host.half_interval);
+    EXPECT_NEAR(value, deep, std::max(half, 0.03 * deep));
+    EXPECT_LT(half, 0.03 * deep);
+    EXPECT_NEAR(host.value, deep, 0.1 * deep) << "from every tenth row alone, with its noise";
   }
 }
 
@@ -124,6 +163,8 @@ TEST(PalpationLog, TheMapShowsValuesIntervalsAndWhatStandsOut) {
   const std::string text = map_text(rows);
   EXPECT_NE(text.find("*    3   0.1500 +- 0.0020"), std::string::npos) << text;
   EXPECT_NE(text.find("     1   0.0500 +- 0.0020"), std::string::npos) << text;
+  EXPECT_NE(map_text(rows, 2.4).find("*    3"), std::string::npos) << "0.148 is more than 2.4 times 0.06";
+  EXPECT_EQ(map_text(rows, 2.5).find('*'), std::string::npos) << "the whole interval counts";
   EXPECT_NE(text.find("not pressed far enough"), std::string::npos) << text;
   EXPECT_EQ(map_csv(rows).substr(0, map_csv(rows).find('\n')), "site,stiffness_Nm_per_rad,ci95_half_Nm_per_rad");
   EXPECT_TRUE(map_csv(rows).ends_with("5,,\n"));
@@ -145,7 +186,11 @@ TEST(PalpationLog, ThePictureOfTheMapHasABarForEachSiteAndMarksWhatStandsOut) {
   EXPECT_EQ(plot.series[0].colour, plot.series[3].colour);
   EXPECT_NE(plot.series[0].colour, plot.series[2].colour);
   EXPECT_EQ(plot.series[2].label, "stiffer than the rest");
-  EXPECT_NEAR(plot.series[5].y[0], 1.5 * 0.055, 1e-12);
+  EXPECT_NEAR(plot.series[5].y[0], 1.2 * 0.055, 1e-12);
+  const Plot by_more = palpation_map(rows, 3.0);
+  EXPECT_NEAR(by_more.series[5].y[0], 3.0 * 0.055, 1e-12);
+  EXPECT_EQ(by_more.series[5].label, "3 times the median");
+  EXPECT_EQ(by_more.series[2].colour, by_more.series[0].colour) << "0.15 is less than three times 0.055";
   EXPECT_NE(svg_of(plot).find("<svg"), std::string::npos);
   rows[1].site = 1;
   plot = palpation_map(rows);

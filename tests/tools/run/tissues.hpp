@@ -63,8 +63,7 @@ inline auto on_board(const TensionStateParameters<double>& p) -> ForceConfig {
 inline auto felt_by_board(const ForceLog& log, const TensionStateParameters<double>& parameters)
     -> std::optional<Stiffness> {
   Palpation palpation;
-  palpation.begin(on_board(parameters),
-                  {.site = 1, .amplitude_nm = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff())});
+  palpation.begin(on_board(parameters), {.site = 1, .largest_nm = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff())});
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     palpation.add(Q24::from_double(log.q1_rad[i]), Q24::from_double(log.tau_nm[i]));
   }
