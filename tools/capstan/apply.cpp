@@ -33,6 +33,20 @@ void verify(ShellClient& shell, const std::string& set_line) {
                 " as it was set; nothing was saved, so restart it and apply again");
 }
 
+/// Of a table with more levels than the board was built for the board knows its range, not what sets that.
+void tell_board(ShellClient& shell, const std::string& line) {
+  try {
+    static_cast<void>(shell.ask(line));
+  } catch (const Refusal& refusal) {
+    const std::string levels = ".preisach.levels ";
+    if (const auto at = line.find(levels); at != std::string::npos) {
+      throw Refusal(std::string(refusal.what()) + ". Build its firmware with -DCAPSTAN_PREISACH_LEVELS=" +
+                    line.substr(at + levels.size()) + ", or identify with as many --levels as it has");
+    }
+    throw;
+  }
+}
+
 auto apply(const ApplyOptions& options) -> int {
   const std::vector<std::string> lines = law_lines(options.model, options.axis, options.force);
   if (options.axis_given) {
@@ -42,7 +56,7 @@ auto apply(const ApplyOptions& options) -> int {
   const auto version = shell.ask("version");
   expect_joints(lines, version);
   for (const std::string& line : lines) {
-    shell.ask(line == "maintenance open" && !options.key.empty() ? line + " " + options.key : line);
+    tell_board(shell, line == "maintenance open" && !options.key.empty() ? line + " " + options.key : line);
   }
   int verified = 0;
   for (const std::string& line : lines) {

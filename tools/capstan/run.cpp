@@ -10,7 +10,7 @@
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/boards/common/retained_memory.hpp"
 #include "capstan/boards/common/shell_feed.hpp"
-#include "capstan/tools/apply/model_lines.hpp"
+#include "capstan/tools/apply/law_lines.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -136,7 +136,8 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
   }
   std::vector<std::string> model;
   for (std::size_t axis = 0; axis < options.models.size(); ++axis) {
-    const auto lines = model_lines(read_joint_file(options.models[axis]), static_cast<int>(axis));
+    // Also an implausible law: what it does is seen here without harm.
+    const auto lines = law_lines(options.models[axis], static_cast<int>(axis), true);
     model.insert(model.end(), lines.begin(), lines.end());
   }
   std::ofstream log;
@@ -191,7 +192,8 @@ void add_run(CLI::App& app, int& exit_status) {
   command->add_option("--scenario", options->scenario, "plant, effects, faults and motion, a TOML file");
   const CLI::Option* model = command->add_option(
       "--model", options->models,
-      "law to load before the motion, a joint.toml (repeatable: for the first axis, the next, ...)");
+      "laws to load before the motion, of motion and of force, a joint.toml (repeatable: for the first axis, the "
+      "next, ...)");
   command->add_option("--for", options->seconds, "seconds to run instead of the scenario's")
       ->check(CLI::Range(0.001, 1e6));
   const CLI::Option* log = command->add_option("--log", options->log, "CSV log to write");

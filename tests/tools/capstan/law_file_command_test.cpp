@@ -57,6 +57,61 @@ TEST_F(LawFileCommand, ATorquesLawRunsOverLogsOfSeveralRates) {
   EXPECT_EQ(rows_replayed(), 3U);
 }
 
+TEST_F(LawFileCommand, TheSimulatorRunsAFileOfAForceLawAloneAndLogsItsTorque) {
+  write_text_file(path("force.toml"),
+                  "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [-0.1, 0, 0.1]\n"
+                  "forces = [[-0.05], [-0.05, 0.01], [-0.05, 0.03, 0.06]]\n");
+  write_text_file(path("scenario.toml"),
+                  "instrument = \"micro_forceps\"\n[environment]\nkind = \"locked\"\n[motion]\n"
+                  "[[motion.segments]]\nkind = \"triangle\"\nduration_s = 4.0\namplitude_rad = 0.2\n"
+                  "frequency_hz = 0.25\ncorner_s = 0.2\n");
+  const auto most = [&](const std::string& options) {
+    const Outcome outcome =
+        run("run --scenario \"" + path("scenario.toml") + "\" --log \"" + path("log.csv") + "\"" + options);
+    EXPECT_EQ(outcome.status, 0) << outcome.output;
+    return CsvLog::read(path("log.csv")).column("axis0/tau_out_est_Nm").cwiseAbs().maxCoeff();
+  };
+  EXPECT_EQ(most(""), 0.0) << "no law, no torque";
+  EXPECT_GT(most(" --model \"" + path("force.toml") + "\""), 0.03);
+}
+
+TEST_F(LawFileCommand, ATableOfMoreLevelsThanTheBoardHasSaysWhichBuildHasThem) {
+  std::vector<std::string> inputs, rows;
+  for (int i = 0; i < 21; ++i) {
+    inputs.push_back(exact(0.01 * (i - 10)));
+    std::vector<std::string> row;
+    for (int k = 0; k <= i; ++k) {
+      row.push_back(exact(0.005 * (k - 10)));
+    }
+    rows.push_back("[" + joined(row) + "]");
+  }
+  write_text_file(path("force.toml"), "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [" +
+                                          joined(inputs) + "]\nforces = [" + joined(rows) + "]\n");
+  const Outcome outcome =
+      run("apply \"" + path("force.toml") + "\" --port $port", beside_a_board(path("board"), "--fast"));
+  EXPECT_EQ(outcome.status, 1) << outcome.output;
+  EXPECT_NE(outcome.output.find("-DCAPSTAN_PREISACH_LEVELS=21"), std::string::npos) << outcome.output;
+}
+
+TEST_F(LawFileCommand, AMapWithoutSitesSaysThatItTakesTheLogForOne) {
+  const auto quantity = [](const std::string& name, double value, const std::string& unit) {
+    return name + " = { value = " + exact(value) + ", unit = \"" + unit + "\" }\n";
+  };
+  write_text_file(path("force.toml"),
+                  "schema = \"capstan.joint/1\"\n[force]\nmodel = \"pull_push\"\n" + quantity("eta_top", 1.14, "1") +
+                      quantity("eta_bottom", 1.14, "1") + quantity("pretension", 0.072, "Nm") +
+                      quantity("ratio", 0.92, "1") + quantity("friction", 0.003, "Nm") + quantity("offset", 0, "Nm") +
+                      quantity("stiffness_top", 0.34, "Nm/rad") + quantity("stiffness_bottom", 0.34, "Nm/rad"));
+  const std::string rest = " --model \"" + path("force.toml") + "\"";
+  const std::string log = write_log(short_log(200.0));
+  const std::string note = "log.csv: without a column 'site' and without --period the whole log is one site";
+  const Outcome alone = run("palpate " + log + rest);
+  EXPECT_NE(alone.output.find(note), std::string::npos) << alone.output;
+  const Outcome told = run("palpate " + log + rest + " --period 3 --factor 1.5");
+  EXPECT_EQ(told.output.find(note), std::string::npos) << told.output;
+  EXPECT_EQ(run("palpate " + log + rest + " --factor 0.5").status, 2);
+}
+
 TEST_F(LawFileCommand, TheLawOfAnEffortsShortLogIsReadAgain) {
   const std::string log = write_effort("log.csv", 1);
   std::string text = read_text_file(path("log.csv"));
