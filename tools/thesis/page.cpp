@@ -36,13 +36,18 @@ auto summary(const std::vector<ThesisTable>& tables) -> std::string {
             "</td><td class=\"n\">" + count([](const auto& d) { return d.fitted; }) + "</td><td class=\"n\">" +
             count([](const auto& d) { return !d.fitted && !d.large(); }) + "</td><td class=\"n\">" +
             count([](const auto& d) { return d.large() && d.cause() != nullptr; }) + "</td><td class=\"n\">" +
-            count([](const auto& d) { return d.large() && d.cause() == nullptr && d.nearest() != nullptr; }) +
-            "</td><td class=\"n\">" + count([](const auto& d) { return d.large() && d.nearest() == nullptr; }) +
+            count([](const auto& d) { return d.large() && d.fit() != nullptr; }) + "</td><td class=\"n\">" +
+            count([](const auto& d) {
+              return d.large() && d.cause() == nullptr && d.fit() == nullptr && d.nearest() != nullptr;
+            }) +
+            "</td><td class=\"n\">" +
+            count([](const auto& d) { return d.large() && d.fit() == nullptr && d.nearest() == nullptr; }) +
             "</td></tr>\n";
   }
   return "<table><thead><tr><th>table</th><th class=\"n\">values</th><th class=\"n\">fitted</th>"
          "<th class=\"n\">predicted within 10 %</th><th class=\"n\">beyond, explained</th>"
-         "<th class=\"n\">explained in part</th><th class=\"n\">not explained</th></tr></thead><tbody>\n" +
+         "<th class=\"n\">by a change fitted to it</th><th class=\"n\">explained in part</th><th class=\"n\">not "
+         "explained</th></tr></thead><tbody>\n" +
          rows + "</tbody></table>\n";
 }
 
@@ -64,8 +69,9 @@ auto thesis_page(const std::vector<ThesisTable>& tables, const std::vector<Thesi
       "<p>F. Anooshahpour, 2017: tables and figures of the thesis beside the same experiments on the simulated "
       "instruments. KM is q2 = &beta; q1; PM is the thesis's law; <i>law</i> is PM with two more effects of the "
       "catalogue. An <b>f</b> marks a value that is fitted to the print; all others are predicted. A difference over "
-      "10 % is explained where a changed experiment comes within 10 % of the print, in part where it comes "
-      "nearer, and otherwise is not.</p>\n";
+      "10 % is explained where a changed experiment that is not fitted to it comes within 10 % of the print, in part "
+      "where it comes nearer, and otherwise is not. What only a change comes to that was fitted to the value is "
+      "counted apart.</p>\n";
   html += summary(tables);
   for (const ThesisTable& table : tables) {
     html += table_html(table);

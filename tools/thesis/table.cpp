@@ -19,6 +19,11 @@ auto is_fitted(const ThesisTable::Row& row, const std::string& key) -> bool {
   return std::find(row.fitted.begin(), row.fitted.end(), key) != row.fitted.end();
 }
 
+auto is_fitted(const ThesisTable::Trial& trial, std::size_t row, const std::string& key) -> bool {
+  return std::any_of(trial.fitted.begin(), trial.fitted.end(),
+                     [&](const auto& place) { return place.row == row && place.key == key; });
+}
+
 auto padded(const std::string& text, std::size_t width) -> std::string {
   return text.size() < width ? std::string(width - text.size(), ' ') + text : " " + text;
 }
@@ -67,7 +72,7 @@ auto in_percent(double value) -> std::string {
 /// "with X instead of Y: value, difference".
 auto tested_text(const ThesisDifference& d, const ThesisDifference::Tested& tested) -> std::string {
   return "with " + tested.trial->with + " instead of " + tested.trial->instead_of + ": " +
-         number(tested.value, d.decimals) + ", " + in_percent(tested.percent);
+         number(tested.value, d.decimals) + (tested.fitted ? "f" : "") + ", " + in_percent(tested.percent);
 }
 
 auto difference_text(const ThesisDifference& d) -> std::string {
@@ -176,19 +181,36 @@ auto ThesisDifference::large() const -> bool {
   return std::fabs(percent) > kExplainedFromPercent;
 }
 
-auto ThesisDifference::nearest() const -> const Tested* {
-  const Tested* best = nullptr;
-  for (const auto& t : tested) {
-    if (t.helps && std::fabs(t.percent) < std::fabs(best == nullptr ? percent : best->percent)) {
+namespace {
+
+/// Of the trials that help the table, and are fitted to the value or not, the nearest to the print.
+auto nearest_of(const ThesisDifference& d, bool fitted) -> const ThesisDifference::Tested* {
+  const ThesisDifference::Tested* best = nullptr;
+  for (const auto& t : d.tested) {
+    if (t.helps && t.fitted == fitted &&
+        std::fabs(t.percent) < std::fabs(best == nullptr ? d.percent : best->percent)) {
       best = &t;
     }
   }
   return best;
 }
 
+auto if_close(const ThesisDifference::Tested* tested) -> const ThesisDifference::Tested* {
+  return tested != nullptr && std::fabs(tested->percent) <= kExplainedFromPercent ? tested : nullptr;
+}
+
+}  // namespace
+
+auto ThesisDifference::nearest() const -> const Tested* {
+  return nearest_of(*this, false);
+}
+
 auto ThesisDifference::cause() const -> const Tested* {
-  const Tested* best = nearest();
-  return best != nullptr && std::fabs(best->percent) <= kExplainedFromPercent ? best : nullptr;
+  return if_close(nearest());
+}
+
+auto ThesisDifference::fit() const -> const Tested* {
+  return cause() == nullptr ? if_close(nearest_of(*this, true)) : nullptr;
 }
 
 auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
@@ -214,7 +236,7 @@ auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
       for (const auto& trial : table.trials) {
         const double value = table.value(r, trial.group, column.key);
         if (!std::isnan(value)) {
-          d.tested.push_back({&trial, value, percent(value), false, 0, 0, 0});
+          d.tested.push_back({&trial, value, percent(value), is_fitted(trial, r, column.key), false, 0, 0, 0});
         }
       }
       all.push_back(std::move(d));
@@ -227,14 +249,17 @@ auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
     int within_before = 0;
     int values = 0;
     visit_tested(all, trial, [&](const ThesisDifference& d, const ThesisDifference::Tested& t) {
-      before += d.fitted ? 0.0 : std::fabs(d.percent);
-      after += d.fitted ? 0.0 : std::fabs(t.percent);
+      if (d.fitted || t.fitted) {
+        return;
+      }
+      before += std::fabs(d.percent);
+      after += std::fabs(t.percent);
       within += std::fabs(t.percent) <= kExplainedFromPercent ? 1 : 0;
       within_before += d.large() ? 0 : 1;
       ++values;
     });
     visit_tested(all, trial, [&](const ThesisDifference&, ThesisDifference::Tested& t) {
-      t.helps = after < before;
+      t.helps = values == 0 || after < before;
       t.within = within;
       t.within_before = within_before;
       t.values = values;
@@ -246,14 +271,18 @@ auto differences_of(const ThesisTable& table) -> std::vector<ThesisDifference> {
 /// What a change makes of the whole table: a cause of one value may spoil others, and each value has the one that comes
 /// nearest to it.
 auto over_the_table(const ThesisDifference::Tested& tested) -> std::string {
-  return " With this change alone " + std::to_string(tested.within) + " of the table's " +
-         std::to_string(tested.values) + " values are within 10 %, without it " + std::to_string(tested.within_before) +
-         ".";
+  return " Values that it is tried on and nothing is fitted to: " + std::to_string(tested.values) +
+         "; within 10 % with this change alone " + std::to_string(tested.within) + ", without it " +
+         std::to_string(tested.within_before) + ".";
 }
 
 auto reason_of(const ThesisDifference& d) -> std::string {
   if (const auto* cause = d.cause()) {
     return "explained: " + cause->trial->because + over_the_table(*cause);
+  }
+  if (const auto* fit = d.fit()) {
+    return "fitted: a number of this change was chosen by this value. It is blamed because " + fit->trial->because +
+           over_the_table(*fit);
   }
   if (const auto* part = d.nearest()) {
     return "in part: " + part->trial->because + " The rest is not explained." + over_the_table(*part);
@@ -318,6 +347,7 @@ auto table_json(const ThesisTable& table) -> nlohmann::json {
         tested.push_back({{"with", t.trial->with},
                           {"instead_of", t.trial->instead_of},
                           {"value", t.value},
+                          {"fitted", t.fitted},
                           {"difference_percent", t.percent}});
       }
       large.push_back({{"row", d.row},

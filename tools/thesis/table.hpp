@@ -22,11 +22,17 @@ struct ThesisTable {
     std::vector<double> values;            ///< one per column; NaN: there is none
     std::vector<std::string> fitted = {};  ///< keys of the simulated values that are fitted to this table
   };
+  /// A value by its row and the key of its column.
+  struct Place {
+    std::size_t row;
+    std::string key;
+  };
   /// What a difference is blamed for, changed, and the experiment repeated: the column group of that name.
   struct Trial {
     std::string group;
     std::string with, instead_of;
-    std::string because;  ///< one sentence: why this may be the cause
+    std::string because;             ///< one sentence: why this may be the cause
+    std::vector<Place> fitted = {};  ///< printed values that a number of the change was chosen by
   };
   std::string number;
   std::string title;
@@ -47,9 +53,9 @@ struct ThesisDifference {
   struct Tested {
     const ThesisTable::Trial* trial;
     double value, percent;
-    bool helps;  ///< over the whole table the trial comes nearer to the print
-    int within, within_before,
-        values;  ///< how many values of the table are within 10 % with it and without, of how many
+    bool fitted;  ///< a number of the trial was chosen by this value
+    bool helps;   ///< over the values that nothing is fitted to the trial comes nearer to the print, or there are none
+    int within, within_before, values;  ///< how many of those are within 10 % with it and without, of how many
   };
   std::string row, key, heading, unit;
   int decimals = 3;
@@ -60,9 +66,12 @@ struct ThesisDifference {
   [[nodiscard]] auto large() const -> bool;
   /// The same as nearest(), if it brings the value within kExplainedFromPercent; else nullptr.
   [[nodiscard]] auto cause() const -> const Tested*;
-  /// Of the trials that help the whole table, the one that comes nearest to the print, if nearer than the value itself;
-  /// else nullptr. One that helps a value and harms the table is chance, not a cause.
+  /// Of the trials that help the whole table and are not fitted to this value, the one that comes nearest to the print,
+  /// if nearer than the value itself; else nullptr. One that helps a value and harms the table is chance, not a cause.
   [[nodiscard]] auto nearest() const -> const Tested*;
+  /// Where there is no cause: the nearest of the trials that help the table and are fitted to this value, if it brings
+  /// it within kExplainedFromPercent; else nullptr. That it can be met so is no proof.
+  [[nodiscard]] auto fit() const -> const Tested*;
 };
 
 /// Every printed value that the simulator has too. The result points into the table.

@@ -9,7 +9,6 @@
 #include "capstan/tools/thesis/chapter4.hpp"
 #include "capstan/tools/thesis/figures.hpp"
 #include "capstan/tools/thesis/laws.hpp"
-#include "capstan/tools/thesis/page.hpp"
 #include "capstan/tools/thesis/study.hpp"
 
 namespace capstan::tools {
@@ -274,61 +273,6 @@ TEST(ThesisStudy, TheJointGoesAsFarAsThePrintedRowSays) {
   const SignalErrors e = run_study(study, {signal}).signals[0];
   EXPECT_NEAR(implied_rms_deg(e.km), implied_rms_deg(km), 0.01 * implied_rms_deg(km));
   EXPECT_NEAR(implied_rms_deg(e.pm), implied_rms_deg(km), 0.01 * implied_rms_deg(km));
-}
-
-auto small_table() -> ThesisTable {
-  return {"9.9",
-          "a title",
-          {"a condition"},
-          {{"printed", "km", "KM", "deg", 2},
-           {"printed", "pm", "PM", "deg", 2},
-           {"simulated", "km", "KM", "deg", 2},
-           {"simulated", "pm", "PM", "deg", 2},
-           {"good", "km", "KM", "deg", 2},
-           {"good", "pm", "PM", "deg", 2},
-           {"chance", "km", "KM", "deg", 2},
-           {"chance", "pm", "PM", "deg", 2}},
-          {{"x", {1.0, 1.0, 1.5, 1.05, 1.08, 1.0, 1.0, 3.0}, {"pm"}}, {"y", {1.0, 1.0, 1.2, 1.0, 1.11, 1.0, 3.0, 1.0}}},
-          {{"good", "A", "B", "because so."}, {"chance", "C", "B", "by chance."}}};
-}
-
-TEST(ThesisTableText, LargeDifferencesNameTheExperimentThatExplainsThemAndNoLuckyOne) {
-  const ThesisTable table = small_table();
-  const auto all = differences_of(table);
-  ASSERT_EQ(all.size(), 4U);
-  EXPECT_TRUE(all[0].large());
-  EXPECT_FALSE(all[1].large());
-  EXPECT_TRUE(all[1].fitted);
-  ASSERT_NE(all[0].cause(), nullptr);
-  EXPECT_EQ(all[0].cause()->trial->group, "good") << "`chance` is nearer here and worse over the table";
-  EXPECT_NEAR(all[0].cause()->percent, 8.0, 1e-9);
-  // x: KM 8 % off for 50, PM 0 for 5; y: KM just beyond 10 % for 20, PM as it was.
-  EXPECT_EQ(reason_of(all[0]),
-            "explained: because so. With this change alone 3 of the table's 4 values are within "
-            "10 %, without it 2.");
-  const std::string text = table_text(table);
-  for (const char* part : {"Table 9.9  a title", "printed", "1.50", "1.05f", "a condition", "with A instead of B: 1.08",
-                           "explained: because so."}) {
-    EXPECT_NE(text.find(part), std::string::npos) << part;
-  }
-}
-
-TEST(ThesisTableText, JsonAndPageHoldTheSameTable) {
-  const ThesisTable table = small_table();
-  const nlohmann::json json = table_json(table);
-  EXPECT_EQ(json["rows"][0]["printed"]["km"], 1.0);
-  EXPECT_EQ(json["units"]["km"], "deg");
-  EXPECT_EQ(json["large_differences"].size(), 2U);
-  EXPECT_EQ(json["large_differences"][0]["tested"][0]["with"], "A");
-  Plot plot;
-  plot.title = "a <picture>";
-  plot.series = {{"s", "#000", Eigen::VectorXd::LinSpaced(5, 0.0, 1.0), Eigen::VectorXd::LinSpaced(5, 0.0, 2.0)}};
-  const std::string page = thesis_page({table}, {{"1.1", "a figure", "a caption", {plot}}});
-  for (const char* part : {"<h2>Table 9.9</h2>", "1.05 f", "because so.", "<h2>Figure 1.1</h2>", "<svg",
-                           "&lt;picture&gt;", "a caption", "</html>"}) {
-    EXPECT_NE(page.find(part), std::string::npos) << part;
-  }
-  EXPECT_EQ(page.find("src="), std::string::npos) << "self-contained";
 }
 
 TEST(ThesisFigures, EveryFigureIsThereAndShowsWhatThePrintShows) {
