@@ -242,9 +242,10 @@ void add_commission(CLI::App& app, int& exit_status) {
   command->add_option("--report", options->report, "folder for the report page");
   const CLI::Option* machine =
       command
-          ->add_option("--machine", options->machine,
-                       "file with the settings found, to set up another board; without it the name of a single joint is "
-                       "put into the name")
+          ->add_option(
+              "--machine", options->machine,
+              "file with the settings found, to set up another board; without it the name of a single joint is "
+              "put into the name")
           ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of the simulated forceps");
   command->add_flag("--yes", options->yes, "for scripts: answer yes to every question");

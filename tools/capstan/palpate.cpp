@@ -95,7 +95,8 @@ void add_palpate(CLI::App& app, int& exit_status) {
   command->add_option("--svg", options->svg, "picture of the map to write: a bar for each site with its interval");
   command->footer(
       "A site is marked ('*', another colour) if its whole 95 % interval exceeds --factor times the median. What that\n"
-      "finds, by the depth and stiffness of an inclusion, and at which false alarms: capstan thesis --table detection.");
+      "finds, by the depth and stiffness of an inclusion, and at which false alarms: capstan thesis --table "
+      "detection.");
   command->callback([options, &exit_status] { exit_status = run_palpate(*options); });
 }
 

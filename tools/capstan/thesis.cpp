@@ -29,8 +29,10 @@ struct Maker {
 
 auto makers() -> std::vector<Maker> {
   return {{{"2.1", "2.2"}, table_2_1_and_2_2},
+          {{"2.27"}, table_2_27},
           {{"4.1"}, table_4_1},
           {{"4.1 laws"}, table_4_1_laws},
+          {{"5.1"}, table_5_1},
           {{"5.2"}, table_5_2},
           {{"5.3"}, table_5_3},
           {{"6.1"}, table_6_1},
@@ -86,8 +88,8 @@ void add_thesis(CLI::App& app, int& exit_status) {
   CLI::App* command = app.add_subcommand(
       "thesis", "reproduce the reference thesis's tables on simulated instruments, beside the printed values");
   command->add_option("--table", options->tables, "only this one (repeatable)")
-      ->check(CLI::IsMember({"2.1", "2.2", "4.1", "4.1 laws", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2", "8.2.3",
-                             "palpation", "detection"}));
+      ->check(CLI::IsMember({"2.1", "2.2", "2.27", "4.1", "4.1 laws", "5.1", "5.2", "5.3", "6.1", "6.2", "7.1", "7.2",
+                             "8.2.3", "palpation", "detection"}));
   command->add_option("--json", options->json, "write the tables as JSON (schema capstan.thesis/2)");
   command->add_option("--html", options->html, "write the tables and figures as an HTML page");
   command->footer(

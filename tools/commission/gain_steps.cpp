@@ -225,8 +225,9 @@ void CommissionSteps::check(CommissionSteps& steps) {
     try {
       return steps.sine(frequency);
     } catch (const Refusal& refusal) {
-      throw Refusal(std::string("with the new gains the joint does not follow a slow sine; the old ones were restored (") +
-                    refusal.what() + ")");
+      throw Refusal(
+          std::string("with the new gains the joint does not follow a slow sine; the old ones were restored (") +
+          refusal.what() + ")");
     }
   };
   const double after = steps.tracking(followed(kFrequency));

@@ -281,9 +281,10 @@ auto judge(const Search& search, Diagnosis& d) -> Verdict {
 void hold_to_own_logs(const Preparation& p, const JointFile& law, Diagnosis& d) {
   const double known = noise_known(p, law);
   if (d.verdict == Verdict::kNothingMissing && d.before.rmse > kAboveFloor * known) {
-    refuse_completeness("The law leaves " + rounded(d.before.rmse / known, 2) +
-                            " times the error on its own logs: an effect has appeared, and this log does not show which.",
-                        d);
+    refuse_completeness(
+        "The law leaves " + rounded(d.before.rmse / known, 2) +
+            " times the error on its own logs: an effect has appeared, and this log does not show which.",
+        d);
   }
 }
 

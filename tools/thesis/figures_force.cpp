@@ -8,6 +8,7 @@
 #include "capstan/model/stiffness.hpp"
 #include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
+#include "capstan/tools/thesis/blend.hpp"
 #include "capstan/tools/thesis/chapter4.hpp"
 
 namespace capstan::tools {
@@ -15,82 +16,10 @@ namespace {
 
 // ---- Chapter 2: force, tip locked -------------------------------------------------------------------------------
 
-struct TorqueRun {
-  Eigen::VectorXd time_s, in_nm, out_nm;
-};
-
-template <typename Torque>
-auto torque_run(double seconds, Torque&& torque_nm) -> TorqueRun {
-  sim::PlantParameters p;
-  p.environment.kind = sim::EnvironmentKind::kLocked;
-  sim::Plant plant(p, 600);
-  const auto rows = static_cast<Eigen::Index>(seconds * 100.0);
-  TorqueRun run{Eigen::VectorXd(rows), Eigen::VectorXd(rows), Eigen::VectorXd(rows)};
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    run.time_s[i] = 0.01 * static_cast<double>(i);
-    run.in_nm[i] = run.out_nm[i] = 0.0;
-    for (int k = 0; k < 10; ++k) {
-      plant.step(torque_nm(run.time_s[i] + 0.001 * k) / p.torque_constant_nm_per_a, true);
-      run.in_nm[i] += 0.1 * p.torque_constant_nm_per_a * plant.readings().current_a;
-      run.out_nm[i] += 0.1 * plant.truth().tip_torque_nm;
-    }
-  }
-  return run;
-}
-
-struct ForceModels {
-  Eigen::VectorXd pull, pull_push;
-};
-
-/// (2.17) to (2.21) with the numbers of chapter 2, each holding its last value as the thesis says.
-auto force_models(const TorqueRun& run) -> ForceModels {
-  const sim::PlantParameters p;
-  const double r1 = p.input_radius_m;
-  const double r2 = p.output_radius_m;
-  ForceModels m{Eigen::VectorXd::Zero(run.in_nm.size()), Eigen::VectorXd::Zero(run.in_nm.size())};
-  double pull = 0.0;
-  double both = 0.0;
-  for (Eigen::Index i = 10; i < run.in_nm.size(); ++i) {
-    // Direction by a tenth of a second: the noise of a current turns more often than the motion.
-    const double s = run.in_nm[i] > run.in_nm[i - 10] ? 1.0 : -1.0;
-    const double eta = s > 0.0 ? p.eta_top : p.eta_bottom;
-    if (s * run.in_nm[i] > 0.0) {
-      pull = run.in_nm[i] * r2 / r1 * std::exp(-eta);
-    }
-    // With the pulling end P and the pushed end Q = P - s tau / r1: P (1 - e^-eta) / eta + Q (e^eta - 1) / eta = I.
-    const double a = (1.0 - std::exp(-eta)) / eta;
-    const double b = (std::exp(eta) - 1.0) / eta;
-    const double force = s * run.in_nm[i] / r1;
-    const double pulling = (p.pretension_n + b * force) / (a + b);
-    const double pushed = pulling - force;
-    const double at_output = std::exp(-eta) * pulling - std::exp(eta) * std::max(pushed, 0.0);
-    if (pushed > 0.0 && at_output > 0.0) {
-      both = s * r2 * at_output;
-    } else if (pushed <= 0.0) {
-      both = pull;
-    }
-    m.pull[i] = pull;
-    m.pull_push[i] = both;
-  }
-  return m;
-}
-
-struct Weights {
-  double pull, pull_push;
-};
-
-auto blend_weights(const TorqueRun& run, const ForceModels& m) -> Weights {
-  Eigen::MatrixXd columns(run.out_nm.size(), 2);
-  columns << m.pull, m.pull_push;
-  const Eigen::Vector2d w = columns.colPivHouseholderQr().solve(run.out_nm);
-  return {w[0], w[1]};
-}
-
 auto chapter_2() -> std::vector<ThesisFigure> {
-  const auto triangle = [](double t) { return 0.155 * 2.0 / std::numbers::pi * std::asin(std::sin(kTurn * t / 40.0)); };
-  const TorqueRun run = torque_run(95.0, triangle);
+  const TorqueRun run = triangle_of_chapter_2(sim::PlantParameters{});
   const ForceModels models = force_models(run);
-  const Weights w = blend_weights(run, models);
+  const BlendWeights w = blend_weights(run, models);
   Plot both = plot_of("Triangle of torque, tip locked", "time [s]", "joint torque [N m]");
   both.series = {{"simulated", kColours[7], run.time_s, run.out_nm},
                  {"pull", kColours[1], run.time_s, models.pull},
@@ -99,14 +28,14 @@ auto chapter_2() -> std::vector<ThesisFigure> {
                              "Estimates of the pull and the pull-push model and the torque at the joint",
                              "Printed: the measured torque lies between the two. Weights of (2.27) by least squares: "
                              "printed 0.5904 and 0.4686, here " +
-                                 rounded(w.pull, 3) + " and " + rounded(w.pull_push, 3) +
-                                 ": the simulated tendons are held by I alone, and the pull-push model knows I.",
+                                 rounded(w.pull, 3) + " and " + rounded(w.pull_push, 3) + "; table 2.27 has why.",
                              {both}};
   ThesisFigure blend{"2.10", "Joint torque and the blend (2.27) on three other torques", "", {}};
   constexpr std::array<std::array<double, 2>, 3> kTones = {{{0.05, 0.025}, {0.02, 0.014}, {0.1, 0.03}}};
   for (const auto& tones : kTones) {
-    const TorqueRun other = torque_run(
-        80.0, [&](double t) { return 0.06228 * (std::sin(kTurn * tones[0] * t) + std::sin(kTurn * tones[1] * t)); });
+    const TorqueRun other = torque_run(sim::PlantParameters{}, 80.0, [&](double t) {
+      return 0.06228 * (std::sin(kTurn * tones[0] * t) + std::sin(kTurn * tones[1] * t));
+    });
     const ForceModels m = force_models(other);
     const Eigen::VectorXd estimate = w.pull * m.pull + w.pull_push * m.pull_push;
     Plot plot = plot_of(hertz(tones[0]) + " and " + hertz(tones[1]), "time [s]", "joint torque [N m]");

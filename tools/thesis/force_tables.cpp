@@ -7,6 +7,7 @@
 #include "capstan/hal/sim/plant.hpp"
 #include "capstan/model/tendon.hpp"
 #include "capstan/tools/support/statistics.hpp"
+#include "capstan/tools/thesis/blend.hpp"
 #include "capstan/tools/thesis/thesis.hpp"
 
 namespace capstan::tools {
@@ -63,6 +64,15 @@ auto without_motor_friction() -> sim::PlantParameters {
   return p;
 }
 
+// With the tendons alone, by the weight of the pull model, 29 Nov 2026: that of the pull-push model is predicted.
+constexpr double kBlendPretensionN = 19.5;
+
+auto with_less_pretension() -> sim::PlantParameters {
+  sim::PlantParameters p = without_motor_friction();
+  p.pretension_n = kBlendPretensionN;
+  return p;
+}
+
 /// Five flanks: up from rest to the first peak, then from peak to peak.
 auto record(const sim::PlantParameters& p) -> std::vector<Flank> {
   sim::Plant plant(p, 500);
@@ -102,6 +112,15 @@ auto slack_instant(const Flank& flank, double input_radius_m, double settled) ->
   return {tau, flank.eta[instant], pretension_from_slack_torque(plateau, tau, input_radius_m)};
 }
 
+/// What a number was chosen by, if by a whole column.
+auto in_every_row(const std::string& key) -> std::vector<ThesisTable::Place> {
+  std::vector<ThesisTable::Place> places;
+  for (std::size_t row = 0; row < 5; ++row) {
+    places.push_back({row, key});
+  }
+  return places;
+}
+
 }  // namespace
 
 auto table_2_1_and_2_2() -> ThesisTable {
@@ -136,12 +155,14 @@ auto table_2_1_and_2_2() -> ThesisTable {
                                 "chapter 2 identified from the torque at the motor, so the simulated motor's friction "
                                 "counts twice in an instrument of the printed numbers."},
                                {"offset", "a torque of 7 mN m that does not turn round with the motion", "none",
-                                "the printed I is lower backward, and pretension cannot depend on the direction."},
+                                "the printed I is lower backward, and pretension cannot depend on the direction.",
+                                in_every_row("tau_in")},
                                {"settled", "eta called settled within 5 % of its plateau", "2 %",
                                 "the thesis does not say when eta has settled, and reads it off a noisy line."},
                                {"unequal", "a top tendon 11.8 % stiffer than the bottom one", "equal ones",
                                 "tension is shared by compliance, so I forward over I backward is the stiffness of the "
-                                "top tendon over that of the bottom, and eta stays as it is."}}};
+                                "top tendon over that of the bottom, and eta stays as it is.",
+                                in_every_row("I")}}};
   for (const Case& c : cases) {
     table.columns.push_back({c.group, "tau_in", "tau_in", "N m", 4});
     table.columns.push_back({c.group, "eta", "eta", "1", 4});
@@ -165,6 +186,45 @@ auto table_2_1_and_2_2() -> ThesisTable {
       "give the backward rows, but then eta has not settled forward when the torque turns, and the printed stiffnesses "
       "are equal within 0.3 %, while tendons that stretch in proportion go slack at torques in the ratio of (2.26), "
       "however their friction is spread. What is left of it is within 10 % of every value."};
+  return table;
+}
+
+auto table_2_27() -> ThesisTable {
+  struct Case {
+    const char* group;
+    sim::PlantParameters plant;
+  };
+  const std::vector<Case> cases = {{"simulated", grasper()},
+                                   {"tendons alone", without_motor_friction()},
+                                   {"less pretension", with_less_pretension()}};
+  ThesisTable table{
+      "2.27", "EndoWrist grasper (ch. 2), tip locked: weights of the blend (2.27), figure 2.9", {}, {}, {}};
+  table.trials = {{"tendons alone", "eta and I of the tendons less what the motor's own friction adds to them",
+                   "the printed ones, which hold it",
+                   "chapter 2 identified from the torque at the motor, so the simulated motor's friction counts twice "
+                   "in an instrument of the printed numbers."},
+                  {"less pretension",
+                   "the same, and a pretension of 19.5 N",
+                   "27.7 N, which the models know",
+                   "the pull model describes low pretension and the pull-push model high, as chapter 2 says, so the "
+                   "more the drive has lost of the pretension that was identified, the more the former counts.",
+                   {{0, "pull"}}}};
+  ThesisTable::Row row{"triangle of 0.155 N m", {0.5904, 0.4686}};
+  const auto add_columns = [&table](const char* group) {
+    table.columns.push_back({group, "pull", "pull", "1", 4});
+    table.columns.push_back({group, "pull_push", "pull-push", "1", 4});
+  };
+  add_columns("printed");
+  for (const Case& c : cases) {
+    add_columns(c.group);
+    const TorqueRun run = triangle_of_chapter_2(c.plant);
+    const BlendWeights w = blend_weights(run, force_models(run));
+    row.values.insert(row.values.end(), {w.pull, w.pull_push});
+  }
+  table.rows.push_back(std::move(row));
+  table.conditions = {
+      "Both models take the printed I and eta. The simulated tendons have them too, so the pull-push "
+      "model is nearer to them than to the thesis's instrument."};
   return table;
 }
 

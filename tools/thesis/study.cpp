@@ -97,7 +97,10 @@ auto run_study(const Study& study, const std::vector<Signal>& signals) -> StudyE
     logs.push_back(log_of_signal(signal, axes));
   }
   StudyErrors errors{{}, {}, fit_laws(logs, study.drag, study.extra_terms)};
-  const auto judged = [&](const AxisLog& log) {
+  double stood_off_rad = study.stood_off_deg / kDegreesPerRadian;
+  const auto judged = [&](AxisLog log) {
+    log.q2_rad.array() += stood_off_rad;
+    stood_off_rad = -stood_off_rad;
     const auto estimate = [&](const JointFile& law) { return simulate({log}, motion_parameters(law)); };
     const Eigen::VectorXd kinematic = study.rigid_ratio
                                           ? Eigen::VectorXd(plant.input_radius_m / plant.output_radius_m * log.q1_rad)
@@ -206,6 +209,20 @@ auto multisine_signal(std::string name, const std::vector<double>& frequencies_h
   const double motor_rms = motor_deg(implied_rms_deg(km), plant);
   const auto scaled = [=](double factor) { return multisine(factor * motor_rms, frequencies_hz, duration_s); };
   return {std::move(name), scaled(1.0), km, pm, scaled};
+}
+
+auto fitted_keys(const std::string& law) -> std::vector<std::string> {
+  return {law, "gof_" + law, "r2_" + law};
+}
+
+auto fitted_places(const std::string& law, const std::vector<std::size_t>& rows) -> std::vector<ThesisTable::Place> {
+  std::vector<ThesisTable::Place> places;
+  for (const std::size_t row : rows) {
+    for (const std::string& key : fitted_keys(law)) {
+      places.push_back({row, key});
+    }
+  }
+  return places;
 }
 
 auto thesis_parameters(const JointFile& law) -> std::array<double, 3> {

@@ -58,6 +58,9 @@ struct Study {
   bool rigid_ratio = false;            ///< KM with r1 / r2 instead of a ratio fitted to the logs
   double pretension_of_signals = 1.0;  ///< over that under which the laws are identified
   bool gravity_out = false;            ///< the plant's gravity is taken out of the torque before laws see it
+  /// How far off its zero the tip stood where a run began that is judged, one way and the other in turn: its angle
+  /// counts from there. Over the runs of an identification that averages out.
+  double stood_off_deg = 0.0;
 };
 
 struct SignalErrors {
@@ -97,6 +100,12 @@ auto sine_signal(std::string name, double frequency_hz, double duration_s, const
                  const sim::PlantParameters& plant) -> Signal;
 auto multisine_signal(std::string name, const std::vector<double>& frequencies_hz, double duration_s,
                       const FitQuality& km, const FitQuality& pm, const sim::PlantParameters& plant) -> Signal;
+
+/// Places of a study's table whose error of a law a number was chosen by: "km" or "pm" of these rows. The goodness of
+/// fit and R-squared go with it, for the measurement's spread is the printed one.
+auto fitted_places(const std::string& law, const std::vector<std::size_t>& rows) -> std::vector<ThesisTable::Place>;
+/// The same keys for a row of the simulator's own.
+auto fitted_keys(const std::string& law) -> std::vector<std::string>;
 
 /// alpha_t, alpha_b, beta.
 auto thesis_parameters(const JointFile& law) -> std::array<double, 3>;

@@ -12,10 +12,14 @@ namespace capstan::tools {
 
 /// Slack instants: torque, eta and the constant I, of a locked tip under a triangle of torque.
 auto table_2_1_and_2_2() -> ThesisTable;
+/// Grasper: weights of the blend of both force models.
+auto table_2_27() -> ThesisTable;
 /// Forceps, tip locked: the classical Preisach model on three motions.
 auto table_4_1() -> ThesisTable;
 /// The same motions by other laws, and by other grids, all from one run.
 auto table_4_1_laws() -> ThesisTable;
+/// Micro-forceps: what identification returns.
+auto table_5_1() -> ThesisTable;
 /// Micro-forceps: estimation of the joint angle.
 auto table_5_2() -> ThesisTable;
 /// Micro-forceps: control through the estimate.

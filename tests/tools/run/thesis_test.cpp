@@ -39,6 +39,19 @@ TEST(Thesis, SlackInstantsOfTable21And22AreAsPrinted) {
   }
 }
 
+TEST(Thesis, WeightsOfTheBlendAreThoseOfADriveThatHasLostPretension) {
+  const ThesisTable table = table_2_27();
+  expect_near_share(value(table, 0, "less pretension", "pull"), 0.5904, 0.03, "fitted");
+  expect_near_share(value(table, 0, "less pretension", "pull_push"), 0.4686, 0.10, "predicted");
+  EXPECT_LT(value(table, 0, "simulated", "pull"), 0.7 * 0.5904);
+  EXPECT_GT(value(table, 0, "simulated", "pull_push"), 1.2 * 0.4686);
+  const auto all = differences_of(table);
+  EXPECT_EQ(all[0].cause(), nullptr) << "fitted to it";
+  ASSERT_NE(all[0].fit(), nullptr);
+  ASSERT_NE(all[1].cause(), nullptr);
+  EXPECT_EQ(all[1].cause()->trial->group, "less pretension");
+}
+
 TEST(Thesis, PreisachModelOfTable41IsBelowThePrintOnItsGridForU1AndOnAFinerOneForAll) {
   const ThesisTable table = table_4_1();
   ASSERT_EQ(table.rows.size(), 3U);
@@ -80,6 +93,24 @@ TEST(Thesis, ElevenLevelsThatTheLogChoseAreBelowThePrintAndTwentyOneAsGoodAsFort
   }
 }
 
+TEST(Thesis, Table51ComesBackFromFittedNumbersAlone) {
+  const ThesisTable table = table_5_1();
+  for (const auto& [key, printed] :
+       {std::pair{"alpha_t", -1.626}, std::pair{"alpha_b", -1.213}, std::pair{"beta", 1.142}}) {
+    expect_near_share(value(table, 0, "own ratio", key), printed, 0.05, key);
+    EXPECT_GT(std::fabs(value(table, 0, "simulated", key) - printed), 0.1 * std::fabs(printed)) << key;
+  }
+  expect_near_share(value(table, 0, "own tendons", "alpha_t"), -1.626, 0.02, "fitted");
+  expect_near_share(value(table, 0, "slack", "alpha_b"), -1.213, 0.05, "no number fitted");
+  EXPECT_GT(value(table, 0, "slack", "alpha_t"), 0.8 * -1.626) << "a slack drive does not give both";
+  for (const auto& d : differences_of(table)) {
+    for (const auto& t : d.tested) {
+      EXPECT_EQ(t.fitted, t.trial->group == "own ratio" || (t.trial->group == "own tendons" && d.key != "beta"))
+          << t.trial->group << " " << d.key;
+    }
+  }
+}
+
 TEST(Thesis, Table52IsReachedByTheInstrumentsOwnTendonsAndLatePictures) {
   const ThesisTable table = table_5_2();
   ASSERT_EQ(table.rows.size(), 4U);
@@ -96,6 +127,38 @@ TEST(Thesis, Table52IsReachedByTheInstrumentsOwnTendonsAndLatePictures) {
     EXPECT_GT(value(table, i, "simulated", "less"), 50.0);
     EXPECT_LT(value(table, i, "simulated", "law"), value(table, i, "simulated", "pm"));
   }
+  // One number by PM of the three sines, and the late pictures of `both`: what is left is KM at 0.1 Hz.
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const char* key : {"km", "pm"}) {
+      expect_near_share(value(table, i, "stood off", key), value(table, i, "printed", key), 0.10, table.rows[i].name);
+    }
+  }
+  EXPECT_TRUE(std::isnan(table.value(3, "stood off", "pm"))) << "the multisine's PM has no room for an offset";
+  for (const auto& d : differences_of(table)) {
+    for (const auto& t : d.tested) {
+      const bool by_delay = d.key.ends_with("km") && (d.row == "sine 0.05 Hz" || d.row == "sine 0.2 Hz");
+      const bool by_pm = d.key.ends_with("pm") && (t.trial->group == "stood off" || t.trial->group == "bent");
+      if (t.trial->group != "own tendons" && t.trial->group != "slack") {
+        EXPECT_EQ(t.fitted, by_delay || (by_pm && d.row != "multisine 0.01-0.1 Hz")) << t.trial->group << " " << d.row;
+      } else {
+        EXPECT_FALSE(t.fitted) << t.trial->group;
+      }
+    }
+    if (d.row == "sine 0.1 Hz" && d.key == "km") {
+      ASSERT_NE(d.cause(), nullptr) << "predicted";
+      EXPECT_EQ(d.cause()->trial->group, "stood off");
+    }
+  }
+}
+
+TEST(ThesisStudy, AJointStopsFartherOffItsLineThanTheRunsOfChapter5Began) {
+  const Instrument axes = built_in("micro_forceps");
+  const AxisLog log = run_experiment(axes, 0, sine(15.0, 0.1, 10.0), stiff_gains(), 1).log;
+  const double beta = run_study({axes, 0, {sine(15.0, 0.1, 20.0)}}, {}).laws.kinematic.parameters.coefficients[0];
+  const auto last = [](const Eigen::VectorXd& values) { return values.tail(20).mean(); };
+  const double off_deg = kDegreesPerRadian * std::fabs(last(log.q2_rad) - beta * last(log.q1_rad));
+  EXPECT_GT(off_deg, 1.2);
+  EXPECT_LT(off_deg, 5.0);
 }
 
 TEST(Thesis, Table53HasOneFittedRowAndTheFirmwareTracksFortyPercentAndMoreBelowThePrint) {
@@ -118,6 +181,10 @@ TEST(Thesis, Table53HasOneFittedRowAndTheFirmwareTracksFortyPercentAndMoreBelowT
     expect_near_share(value(table, i, "later camera", "km"), value(table, i, "printed", "km"), 0.10,
                       table.rows[i].name);
   }
+  // An offset where the run began, fitted to PM of the first row too.
+  expect_near_share(value(table, 0, "stood off", "pm"), 1.2761, 0.05, "fitted");
+  expect_near_share(value(table, 0, "stood off", "km"), 3.1330, 0.10, "predicted");
+  EXPECT_TRUE(std::isnan(table.value(4, "stood off", "pm")));
   for (const std::size_t i : {2U, 3U}) {
     expect_near_share(value(table, i, "later camera", "pm"), value(table, i, "printed", "pm"), 0.10,
                       table.rows[i].name);
@@ -147,6 +214,8 @@ TEST(Thesis, Table61ComesBackFromTheFittedTendonsAndNotFromTheFormulaForAnEndLoa
     expect_near_share(value(table, i, "simulated", "gof_mean"), kPrinted[i][3], 0.05, "goodness of fit");
   }
   expect_near_share(value(table, 2, "as written", "gof_deviation"), kPrinted[2][4], 0.10, "by the formula of 6.4");
+  expect_near_share(value(table, 1, "stood off", "gof_deviation"), kPrinted[1][4], 0.10, "fitted");
+  EXPECT_GT(value(table, 0, "stood off", "gof_deviation"), 1.2 * kPrinted[0][4]) << "the other jaw has no room for it";
   EXPECT_GT(value(table, 0, "(5.29)", "alpha_1"), 0.5 * -1.907) << "the question was why this is far too small";
 }
 
