@@ -71,10 +71,6 @@ class LoopSearch {
     const Loop now{width_rad, sliding.value_or(friction_of(torque))};
     force_ = now.torque_nm / before.torque_nm;
     search_.loop = now;
-    search_.sizes.push_back("the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
-                            " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
-                            " Nm; the healthy joint's: " + rounded(before.half_width_rad, 3) + " rad and " +
-                            rounded(before.torque_nm, 3) + " Nm");
     change_ = change_of_torque(p, healthy, before);
     if (change_ && !torque_has_changed(*change_, friction_nm())) {
       force_ = 1.0;  // row by row it is the healthy joint's; its mean over the loop hangs on where the motion turned
@@ -86,16 +82,16 @@ class LoopSearch {
   }
 
   auto answer() -> std::optional<Search> {
-    if (by_torque_) {
-      return of_the_torque();
-    }
-    auto told = by_angle();
+    std::optional<Search> told = by_torque_ ? of_the_torque() : by_angle();
     const auto is_contradicted = [&](const AddedEffect& effect) {
       return change_ && (contradicted_by_torque(effect.name, *change_, friction_nm()) ||
                          (effect.name == kPeriodic && size_->is_torque_periodic()));
     };
-    if (told && std::any_of(told->effects.begin(), told->effects.end(), is_contradicted)) {
-      return nameless("");
+    if (told && !by_torque_ && std::any_of(told->effects.begin(), told->effects.end(), is_contradicted)) {
+      told = nameless("");
+    }
+    if (told) {
+      told->sizes.insert(told->sizes.begin(), loop_sentence(*told->loop));
     }
     return told;
   }
@@ -103,6 +99,18 @@ class LoopSearch {
  private:
   /// Of the healthy joint.
   [[nodiscard]] auto friction_nm() const -> double { return healthy_.fit->torque->friction(); }
+
+  /// Takes the loop's numbers from this law.
+  void measure(const LawForm& law) {
+    size_.emplace(p_, healthy_, before_, law);
+    search_.loop->half_width_rad = size_->half_width_rad();
+  }
+  [[nodiscard]] auto loop_sentence(const Loop& now) const -> std::string {
+    return "the loop between motor and joint is " + rounded(now.half_width_rad, 3) +
+           " rad to either side, at the motor, and takes " + rounded(now.torque_nm, 3) +
+           " Nm; the healthy joint's: " + rounded(before_.half_width_rad, 3) + " rad and " +
+           rounded(before_.torque_nm, 3) + " Nm";
+  }
 
   auto by_angle() -> std::optional<Search> {
     if (left_ <= enough_ || is_as_before()) {
@@ -154,8 +162,7 @@ class LoopSearch {
   }
 
   auto of_the_loop_alone() -> Search {
-    size_.emplace(p_, healthy_, before_, loop_);
-    search_.loop->half_width_rad = size_->half_width_rad();
+    measure(loop_);
     const std::string name = name_of_change(size_->width(), force_);
     if (name.empty()) {
       search_.law = loop_;
@@ -208,7 +215,7 @@ class LoopSearch {
     for (const std::string& term : {name, std::string(name == kDelayTerm ? kDragTerm : kDelayTerm)}) {
       const LawForm late = late_loop(term);
       if (const double left_by_it = left_to_choose(p_, late); left_by_it <= enough_) {
-        size_.emplace(p_, healthy_, before_, late);
+        measure(late);
         AddedEffect effect = named(name);
         effect.size = size_->of_delay(name);
         return complete(late, left_by_it, {effect});
