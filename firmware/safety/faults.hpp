@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -115,8 +116,11 @@ constexpr auto info(Fault fault) -> const FaultInfo& {
 using FaultSet = std::uint32_t;
 static_assert(kFaultTable.size() <= 32);
 constexpr auto bit(Fault fault) -> FaultSet {
-  return fault == Fault::kNone ? 0U : 1U << static_cast<unsigned>(fault);
+  return 1U << static_cast<unsigned>(fault) & ~1U;  // kNone is number 0, and has none
 }
+static_assert(std::all_of(kFaultTable.begin(), kFaultTable.end(), [](const FaultInfo& row) {
+  return bit(row.code) == (row.code == Fault::kNone ? 0U : FaultSet{1} << static_cast<unsigned>(row.code));
+}));
 /// The one of a set with the lowest number; kNone of an empty set, of which 32 zeros are counted.
 constexpr auto lowest(FaultSet faults) -> Fault {
   return static_cast<Fault>(std::countr_zero(faults) % 32);
