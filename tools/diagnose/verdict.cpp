@@ -176,10 +176,6 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
   return choice.term == "thermal_drift" ? Dependence{"time", "drift"} : Dependence{axis + "/tau", choice.term};
 }
 
-}  // namespace
-
-namespace {
-
 /// Calls `look(term, i, column)` for the coefficients of a law, `i` counted from the first of the term.
 void for_each_column(const Preparation& p, const LawForm& law,
                      const std::function<void(const CatalogueTerm&, std::size_t, const Eigen::VectorXd&)>& look) {
