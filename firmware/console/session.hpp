@@ -116,7 +116,7 @@ class Session {
   std::span<AxisConfig> staged_;  ///< the machine's room for it, while this console has it
   bool staging_ = false;
   ScopeSetup scope_;
-  StreamRoom<(MotorCommissioning::kAvailable ? 1024 : 408)> room_;  // of the largest; make() tells
+  StreamRoom<(MotorCommissioning::kAvailable ? 1024 : 412)> room_;  // of the largest; make() tells
   StreamRoom<sizeof(RecorderSetup) + 3 * sizeof(void*)> room_beside_;
 };
 

@@ -88,7 +88,7 @@ TEST(DrivePeculiarity, AStoredTorqueOffsetIsWrittenOrRefused) {
   ASSERT_TRUE(bench.done()) << bench.setup.problem();
   EXPECT_EQ(bench.drive.objects().get(0x60B2), 0U);
   EXPECT_TRUE(bench.said("60B2:00, torque offset"));
-  EXPECT_TRUE(Bench({kOffsetForGood}).refused("60B2:00, torque offset; it would push"));
+  EXPECT_TRUE(Bench({kOffsetForGood}).refused("60B2:00, torque offset; it would give torque without a command"));
 }
 
 TEST(DrivePeculiarity, AStoredLimitOfTorqueIsKeptAndOneOfZeroRefused) {

@@ -43,7 +43,7 @@ TEST_F(CommissionCommand, AfterItWasKilledTheNextRunGivesBackWhatItHadSetForAWhi
     const Outcome status = run("shell $port", board() + dump("before") + ended("shake", "KILL") + dump("killed") +
                                                   ended("shake", "INT", again) + dump("after") + "echo status | ");
     EXPECT_TRUE(read_text_file(path("killed")) != read_text_file(path("before"))) << again;
-    EXPECT_NE(read_text_file(path("said")).find(": stopped as you wished, torque is off"), std::string::npos) << again;
+    EXPECT_NE(read_text_file(path("said")).find(": stopped on request, torque is off"), std::string::npos) << again;
     EXPECT_EQ(read_text_file(path("after")), read_text_file(path("before"))) << again;
     EXPECT_NE(status.output.find("state disarmed"), std::string::npos) << again << status.output;
     std::filesystem::remove(path("state"));
@@ -72,7 +72,7 @@ TEST_F(CommissionCommand, WithoutTheInertiaAScriptHasToSaySoAndAPersonIsAsked) {
 TEST_F(CommissionCommand, EachJointHasAFileOfItsOwnAndOnlyItGoesOnFromThere) {
   const std::string here = "cd \"" + path("") + "\"; echo n | ";
   const std::string command = "commission --corridor 0.8 --inertia 0.02";
-  EXPECT_NE(run(command, here).output.find("shake: stopped as you wished"), std::string::npos);
+  EXPECT_NE(run(command, here).output.find("shake: stopped on request"), std::string::npos);
   ASSERT_TRUE(exists("commission.joint0.txt"));
   EXPECT_NE(read_text_file(path("commission.joint0.txt")).find("\naxis 0\n"), std::string::npos);
   EXPECT_NE(run(command, here).output.find("look: done before"), std::string::npos);

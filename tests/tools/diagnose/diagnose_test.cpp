@@ -9,6 +9,7 @@
 #include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/term_catalogue.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {

@@ -242,8 +242,8 @@ TEST_F(FlashCommand, ABitThatIsNotAsItWasSealedIsRefusedInEveryFormatAndNothingI
       write_text_file(path("bad"), file);
       EXPECT_EQ(run("stm32f405 " + path("bad")), 2) << at;
       EXPECT_TRUE(
-          says("bad: the image is damaged, its bytes do not agree with its seal; copy the file again or build "
-               "it anew"))
+          says("bad: the image is damaged, its bytes do not agree with its seal; copy the file again or "
+               "rebuild it"))
           << at << output_;
     }
   }
@@ -257,7 +257,7 @@ TEST_F(FlashCommand, AnImageWithoutASealIsSaidToHaveNone) {
   for (const std::string& file : {older, hex_image(older), elf_image(older)}) {
     write_text_file(path("older"), file);
     EXPECT_EQ(run("stm32f405 " + path("older")), 2);
-    EXPECT_TRUE(says("older: the image has no seal to check it by, as older ones have not; build it anew")) << output_;
+    EXPECT_TRUE(says("older: the image has no seal to check it by, as older ones have not; rebuild it")) << output_;
   }
   EXPECT_EQ(calls(), "");
 }
