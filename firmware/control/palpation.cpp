@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/firmware/control/palpation.hpp"
-#include "capstan/firmware/loop/expect.hpp"
 
 #include <algorithm>
+
+#include "capstan/firmware/loop/expect.hpp"
 
 namespace capstan {
 namespace {
@@ -315,11 +316,19 @@ auto Palpation::stiff_from(Q24 factor) const -> std::optional<Q24> {
   if (count_ < 3) {
     return std::nullopt;  // no rest to compare with
   }
-  std::array<Q24, kMostSites> values{};
-  std::transform(sites_.begin(), sites_.begin() + static_cast<std::ptrdiff_t>(count_), values.begin(),
-                 [](const SiteStiffness& site) { return site.value_nm_per_rad; });
-  std::sort(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(count_));
-  return factor * values[count_ / 2];
+  // Not std::sort, which calls itself: the stack has to be bounded.
+  const std::span sites(sites_.data(), count_);
+  const auto median = std::find_if(sites.begin(), sites.end(), [&](const SiteStiffness& site) {
+    const auto softer = std::count_if(sites.begin(), sites.end(), [&](const SiteStiffness& other) {
+      return other.value_nm_per_rad < site.value_nm_per_rad;
+    });
+    const auto as_stiff = std::count_if(sites.begin(), sites.end(), [&](const SiteStiffness& other) {
+      return other.value_nm_per_rad == site.value_nm_per_rad;
+    });
+    const auto middle = static_cast<std::ptrdiff_t>(count_ / 2);
+    return softer <= middle && middle < softer + as_stiff;
+  });
+  return factor * median->value_nm_per_rad;
 }
 
 auto Palpation::end() -> std::optional<SiteStiffness> {

@@ -133,7 +133,7 @@ TEST(Commissioning, AFaultWhileTheObserverLooksEndsItAndNothingIsChanged) {
   application.set_board_faults(bit(Fault::kBoardClock));
   ticks(20);
   EXPECT_FALSE(shell.busy());
-  EXPECT_NE(words.text.find("error aborted: torque went"), std::string::npos) << words.text;
+  EXPECT_NE(words.text.find("error aborted: the torque was lost"), std::string::npos) << words.text;
   EXPECT_EQ(application.config()[0].observer.answer_rad_per_a, Q24{});
 }
 
