@@ -34,7 +34,7 @@ constexpr double kWristPicturesHz = 30.0;
 constexpr double kPretensionOfIv = 1.72;
 // How far off its zero a jaw stood where a run began, by the standard deviation of the left jaw's goodness of fit in
 // table 6.1, 29 Nov 2026.
-constexpr double kStoodOffDeg = 0.48;
+constexpr double kJawStoodOffDeg = 0.48;
 // Rows of table 6.2: I and V of both jaws, by whose KM stiffness, pretension and delay were chosen, and V and IV.
 const std::vector<std::size_t> kRowsOfIAndV = {0, 4, 5, 9};
 const std::vector<std::size_t> kRowsOfV = {4, 9};
@@ -146,7 +146,7 @@ auto table_6_1() -> ThesisTable {
     Study noisy = fitted;
     noisy.instrument[a.axis].plant.camera_noise_rad = 0.007;
     Study stood_off = fitted;
-    stood_off.stood_off_deg = kStoodOffDeg;
+    stood_off.stood_off_deg = kJawStoodOffDeg;
     const auto append = [&](const Study& study, double FitQuality::*goodness) {
       const Summary s = summary_of(study, goodness);
       row.values.insert(row.values.end(), s.parameters.begin(), s.parameters.end());
