@@ -17,13 +17,13 @@ using Rows = std::vector<Index>;
 
 /// Set for the reasons beside them. Of 160 clean logs of tools/channel_benchmark (seeds 116000 on, 118000 on) and of
 /// the measured machines none was accused then (29 November 2026).
-constexpr double kClipShare = 0.004;    // of the rows
-constexpr double kMostClipped = 0.5;    // of the rows: more of them at its ends, and it is a switch between two levels
-constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a channel with noise or fine steps
-constexpr double kAbrupt = 0.5;         // of the usual change, on the way into the end of the range
-constexpr Index kWaysIn[] = {1, 3};     // rows: noise hides the longer way, a slow signal the shorter one
-constexpr double kMoreThanStep = 1.5;   // steps of the resolution: by single ones a channel comes to rest, too
-constexpr Index kLifted = 3;            // rows that noise lifts off the end
+constexpr double kClipShare = 0.004;   // of the rows
+constexpr double kMostClipped = 0.5;   // of the rows: more of them at its ends, and it is a switch between two levels
+constexpr double kMostRepeats = 0.2;   // rows that repeat the one before in a channel with noise or fine steps
+constexpr double kAbrupt = 0.5;        // of the usual change, on the way into the end of the range
+constexpr Index kWaysIn[] = {1, 3};    // rows: noise hides the longer way, a slow signal the shorter one
+constexpr double kMoreThanStep = 1.5;  // steps of the resolution: by single ones a channel comes to rest, too
+constexpr Index kLifted = 3;           // rows that noise lifts off the end
 /// A smooth turn stays in the last step of its range at most 1 / (sqrt(2) - 1) = 2.4 times as long as in the step
 /// before; what is cut off stays there for all that lies beyond.
 constexpr double kPilesUp = 4.0;
@@ -91,7 +91,7 @@ auto clipped_rows(const Eigen::VectorXd& x) -> Rows {
   }
   const auto repeats = static_cast<double>(std::count(changes.begin(), changes.end(), 0.0));
   const auto moving = static_cast<double>(changes.size());
-  if (moving < (1.0 - kMostClipped) * static_cast<double>(x.size()) || repeats > kRarelyRepeats * moving) {
+  if (moving < (1.0 - kMostClipped) * static_cast<double>(x.size()) || repeats > kMostRepeats * moving) {
     return {};  // coarse or held: the ends of its range are flat anyway
   }
   const double usual = median(Eigen::Map<const Eigen::VectorXd>(changes.data(), std::ssize(changes)));
