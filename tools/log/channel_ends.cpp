@@ -34,7 +34,7 @@ constexpr double kWrapAlike = 0.15;   // by which the jumps may differ
 constexpr double kTurnShare = 0.02;   // by which a jump may miss a turn: the step of a fast joint from row to row
 constexpr double kQuietBeside = 0.1;  // of the jump: all other changes
 constexpr double kMostWraps = 0.02;   // of the rows
-constexpr Index kLongestSpike = 3;    // rows, as in wild_values.cpp
+constexpr Index kSpikeRows = 3;       // rows, as in wild_values.cpp
 
 constexpr int kFewestBits = 8;         // of a word
 constexpr double kNearEnd = 0.375;     // of the word's range: all values; half of it is left for each sign
@@ -124,8 +124,8 @@ auto jump_rows(const Eigen::VectorXd& x) -> Rows {
   const bool alike = largest - smallest <= kWrapAlike * largest && other < kQuietBeside * largest;
   Index lasting = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const bool after = k > 0 && rows[k] - rows[k - 1] <= kLongestSpike;
-    const bool before = k + 1 < rows.size() && rows[k + 1] - rows[k] <= kLongestSpike;
+    const bool after = k > 0 && rows[k] - rows[k - 1] <= kSpikeRows;
+    const bool before = k + 1 < rows.size() && rows[k + 1] - rows[k] <= kSpikeRows;
     lasting += after || before ? 0 : 1;
   }
   const bool few = static_cast<double>(lasting) < kMostWraps * static_cast<double>(x.size());
