@@ -185,10 +185,6 @@ void take_selection(const std::vector<AxisLog>& logs, EffortSelection& selection
   replace_traces(logs, selection.measured, selection.by_start, selection.by_law, d.traces);
 }
 
-constexpr const char* kAnotherPredictsBetter =
-    "Something is missing from the law: another law certainly predicts unseen rows better, but this log does not show "
-    "which effect it is.";
-
 /// The base law in the place of what the search ended with, its errors those of a board that runs it.
 void take_base(const std::vector<AxisLog>& logs, const PullPushBase& base, Eigen::Index first_unseen, Diagnosis& d) {
   const Eigen::VectorXd measured = stacked_target(logs);

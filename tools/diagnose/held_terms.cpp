@@ -17,20 +17,14 @@ constexpr std::pair<const char*, const char*> kTermsOfProbes[] = {
     {"load_dependent_friction", "load_friction"}, {"angle_dependent_friction", "load_friction"},
     {"coulomb_friction", "coulomb_friction"},     {"stribeck_friction", "stribeck_friction"}};
 
-/// Number of the axis whose column a probe is called by; -1 for other probes.
-auto axis_of_probe(const std::string& probe) -> int {
-  const auto slash = probe.find('/');
-  return probe.rfind("axis", 0) == 0 && slash != std::string::npos ? std::stoi(probe.substr(4, slash - 4)) : -1;
-}
-
 /// The law's term that says what a probe does; empty where there is none.
 auto term_that_holds(const JointFile& law, const std::string& probe) -> std::string {
-  const int axis = axis_of_probe(probe);
+  const auto axis = axis_of_probe(probe);
   for (const std::string& term : law.terms) {
     const bool of_probe = std::any_of(std::begin(kTermsOfProbes), std::end(kTermsOfProbes), [&](const auto& pair) {
       return probe == pair.first && effect_name(term) == pair.second;
     });
-    if (of_probe || (axis >= 0 && law.catalogue->term(term).of_axis == axis)) {
+    if (of_probe || (axis && law.catalogue->term(term).of_axis == axis)) {
       return effect_name(term);
     }
   }
@@ -48,7 +42,7 @@ void say_what_is_held(Diagnosis& d) {
     return;
   }
   d.reason = reason_without_name(d.unlisted, term);
-  if (axis_of_probe(d.unlisted) >= 0) {
+  if (axis_of_probe(d.unlisted)) {
     d.next_experiment = kEverything;  // that axis is asked already
   }
 }

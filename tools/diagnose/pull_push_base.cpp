@@ -2,7 +2,6 @@
 #include "capstan/tools/diagnose/pull_push_base.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -15,14 +14,11 @@ namespace {
 auto head_of(const std::vector<AxisLog>& logs, Eigen::Index rows) -> std::vector<AxisLog> {
   std::vector<AxisLog> head;
   for (const auto& log : logs) {
-    if (rows >= log.samples()) {
-      head.push_back(log);
-    } else if (rows > 0) {
-      std::vector<Eigen::Index> kept(static_cast<std::size_t>(rows));
-      std::iota(kept.begin(), kept.end(), Eigen::Index{0});
-      head.push_back(only_rows(log, kept));
+    const Eigen::Index own = std::min(rows, log.samples());
+    if (own > 0) {
+      head.push_back(first_rows(log, own));
     }
-    rows -= std::min(rows, log.samples());
+    rows -= own;
   }
   return head;
 }

@@ -48,9 +48,9 @@ auto judge_empty(const Search& search, Diagnosis& d) -> Verdict {
     d.unlisted = search.unlisted;
     d.reason = reason_without_name(d.unlisted);
     d.next_experiment = kEverything;
-    if (search.unlisted.rfind("axis", 0) == 0) {
-      const std::string axis = search.unlisted.substr(4, search.unlisted.find('/') - 4);
-      d.next_experiment = "Repeat the diagnosis with --coupled-to " + axis + ": that axis may pull at this one.";
+    if (const auto axis = axis_of_probe(search.unlisted)) {
+      d.next_experiment =
+          "Repeat the diagnosis with --coupled-to " + std::to_string(*axis) + ": that axis may pull at this one.";
     }
     return Verdict::kUnknown;
   }
@@ -177,9 +177,9 @@ auto dependence_of(const TermChoice& choice, const Preparation& p, const std::st
 }
 
 /// Calls `look(term, i, column)` for the coefficients of a law, `i` counted from the first of the term.
-void for_each_column(const Preparation& p, const LawForm& law,
+/// @param columns  law_columns()
+void for_each_column(const Eigen::MatrixXd& columns, const LawForm& law,
                      const std::function<void(const CatalogueTerm&, std::size_t, const Eigen::VectorXd&)>& look) {
-  const Eigen::MatrixXd columns = law_columns(p.causal, law);
   Eigen::Index column = 0;
   for (const CatalogueTerm* term : ordered_terms(law)) {
     for (std::size_t i = 0; i < term->coefficients.size(); ++i) {
@@ -207,7 +207,7 @@ auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::
   auto names =
       undetermined_coefficients(fit_columns(columns, p.target, blocks, law_signs(asked)), asked, columns, p.target);
   // Nor is a part of an effect asked for whose signal the log lacks, as a drift's temperature without a thermometer.
-  for_each_column(p, asked, [&names](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
+  for_each_column(columns, asked, [&names](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
     if (!is_usual(term.name) && term.coefficients.size() > 1 && column.isZero(0.0)) {
       std::erase(names, term.name + "." + term.coefficients[i].name);
     }
@@ -216,13 +216,15 @@ auto undetermined(const Preparation& p, const LawForm& law) -> std::vector<std::
 }
 
 void keep_what_is_not_asked(const Preparation& p, const JointFile& given, JointFile& law) {
-  for_each_column(p, form_of(law), [&](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
-    const std::size_t at = term.first_coefficient + i;
-    if (given.has(term.name) && column.isZero(0.0)) {
-      law.parameters.coefficients[at] = given.parameters.coefficients[at];
-      law.coefficient_ci95[at] = given.coefficient_ci95[at];
-    }
-  });
+  const LawForm form = form_of(law);
+  for_each_column(law_columns(p.causal, form), form,
+                  [&](const CatalogueTerm& term, std::size_t i, const Eigen::VectorXd& column) {
+                    const std::size_t at = term.first_coefficient + i;
+                    if (given.has(term.name) && column.isZero(0.0)) {
+                      law.parameters.coefficients[at] = given.parameters.coefficients[at];
+                      law.coefficient_ci95[at] = given.coefficient_ci95[at];
+                    }
+                  });
 }
 
 auto unfit(const std::string& what_for, const std::string& reason) -> Nameless {
@@ -302,6 +304,12 @@ auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string 
   return "The law lacks " + names_of(effects);
 }
 
+auto axis_of_probe(const std::string& probe) -> std::optional<int> {
+  const auto slash = probe.find('/');
+  const bool is_column = probe.starts_with("axis") && slash != std::string::npos;
+  return is_column ? std::optional(std::stoi(probe.substr(4, slash - 4))) : std::nullopt;
+}
+
 auto reason_without_name(const std::string& unlisted, const std::string& held_as) -> std::string {
   const std::string reason = "Something is missing from the law, and nothing in the catalogue explains it";
   if (unlisted.empty()) {
@@ -330,10 +338,7 @@ void reconcile(const Preparation& p, const Search& search, const LawChoice& choi
       d.reason += "; no effect of the catalogue lowers the error further.";
     }
   } else if (d.verdict == Verdict::kNothingMissing && more_than_named) {
-    refuse_completeness(
-        "Something is missing from the law: another law certainly predicts unseen rows better, but "
-        "this log does not show which effect it is.",
-        d);
+    refuse_completeness(kAnotherPredictsBetter, d);
   } else if (d.verdict == Verdict::kNothingMissing) {
     check_completeness(p, d);
   }

@@ -45,6 +45,12 @@ auto names_of(const std::vector<AddedEffect>& effects) -> std::string;
 /// "The law lacks play and gravity", and how it goes on where the delivered law has more than these. @pre effects
 auto what_the_law_lacks(const std::vector<AddedEffect>& effects) -> std::string;
 inline constexpr const char* kMoreThanNamed = "; a law with more than that certainly predicts unseen rows better.";
+inline constexpr const char* kAnotherPredictsBetter =
+    "Something is missing from the law: another law certainly predicts unseen rows better, but this log does not show "
+    "which effect it is.";
+
+/// Number of the axis whose column a probe of the search is called by; nothing for other probes.
+auto axis_of_probe(const std::string& probe) -> std::optional<int>;
 
 /// That something is missing which has no name, and what it is most like, where that is known.
 /// @param held_as  the term that the delivered law has for it, or nothing

@@ -8,12 +8,13 @@
 namespace capstan::tools {
 namespace {
 
-/// Mean square that the law leaves as the board runs it, taught by the rows of another design.
-auto running_error(const LawDesign& running, const LawDesign& taught_by, const LawForm& form,
+/// Squares that the law leaves as the board runs it, taught by the rows of a design.
+/// @param columns, target  as the board sees them
+auto running_error(const LawDesign& taught_by, const LawForm& form, const Eigen::MatrixXd& columns,
                    const Eigen::VectorXd& target) -> double {
-  const LinearFit fit = fit_columns(law_columns(taught_by, form), taught_by.lined(target),
-                                    even_blocks(running.log_rows(), 2), law_signs(form));
-  return (target - law_columns(running, form) * fit.theta).squaredNorm() / static_cast<double>(target.size());
+  const LinearFit fit = fit_columns(taught_by.lined(columns), taught_by.lined(target),
+                                    even_blocks(taught_by.log_rows(), 2), law_signs(form));
+  return (target - columns * fit.theta).squaredNorm();
 }
 
 auto in_doubt(const std::vector<AxisLog>& logs, const LawDesign& running, const ConditionerShape<double>& conditioner)
@@ -48,8 +49,9 @@ auto of_known_direction(const std::vector<AxisLog>& logs, const LawDesign& runni
   // smaller by f, and errs by f (1 - f) J^2. Who loses more than that has lost what these rows alone tell: a term that
   // acts behind a turn, as slip_propagation, against elongation.
   const Eigen::VectorXd target = running.smoothed(stacked_target(logs));
+  const Eigen::MatrixXd columns = law_columns(running, form);
   const bool only_late =
-      running_error(running, known, form, target) * (1.0 - share) <= running_error(running, running, form, target);
+      running_error(known, form, columns, target) * (1.0 - share) <= running_error(running, form, columns, target);
   return only_late ? known : running;
 }
 

@@ -192,23 +192,6 @@ auto pretension_drift(const JointFile& healthy, const Loop& now, const std::opti
   return drift;
 }
 
-auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs, const LawDesign& design,
-                      const Eigen::VectorXd& target, const Blocks& rows) -> std::optional<PretensionDrift> {
-  const auto before = loop_of(healthy);
-  const auto torque = steady_torque(logs, design);
-  if (!before || !torque) {
-    return std::nullopt;
-  }
-  LawForm gauge = fit_loop(design, target, rows, *before);
-  if (before->late_s) {
-    gauge = with_lateness(design, target, rows, gauge);
-  }
-  const double width = half_width_of(gauge);
-  const double reach = std::max(before->half_width_rad, width);
-  const Loop now{width, loop_torque(design, rows, reach).value_or(friction_of(*torque))};
-  return pretension_drift(healthy, now, torque_parts({logs, design.samples(), reach}));
-}
-
 auto friction_number_drift(const JointFile& healthy, const Loop& now) -> std::optional<Gauged> {
   const auto before = loop_of(healthy);
   if (!before || !healthy.fit->pretension || healthy.fit->pretension->eta() == 0.0) {

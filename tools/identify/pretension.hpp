@@ -50,9 +50,6 @@ struct PretensionDrift {
 /// @param now  the loop of the later time, @param parts what its torque is made of, if known
 auto pretension_drift(const JointFile& healthy, const Loop& now, const std::optional<TorqueParts>& parts)
     -> std::optional<PretensionDrift>;
-/// The same from a motion with a free tip.
-auto pretension_drift(const JointFile& healthy, const std::vector<AxisLog>& logs, const LawDesign& design,
-                      const Eigen::VectorXd& target, const Blocks& rows) -> std::optional<PretensionDrift>;
 
 /// The tendons' friction number over the healthy joint's, where that is known and width and torque have changed as they
 /// do with it alone. Nothing where they have changed as with the pretension alone.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "capstan/tools/log/channel_shape.hpp"
+#include "capstan/tools/log/wild_values.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
@@ -19,7 +20,6 @@ using Rows = std::vector<Index>;
 /// the measured machines none was accused then (29 November 2026).
 constexpr double kClipShare = 0.004;   // of the rows
 constexpr double kMostClipped = 0.5;   // of the rows: more of them at its ends, and it is a switch between two levels
-constexpr double kMostRepeats = 0.2;   // rows that repeat the one before in a channel with noise or fine steps
 constexpr double kAbrupt = 0.5;        // of the usual change, on the way into the end of the range
 constexpr Index kWaysIn[] = {1, 3};    // rows: noise hides the longer way, a slow signal the shorter one
 constexpr double kMoreThanStep = 1.5;  // steps of the resolution: by single ones a channel comes to rest, too
@@ -34,7 +34,6 @@ constexpr double kWrapAlike = 0.15;   // by which the jumps may differ
 constexpr double kTurnShare = 0.02;   // by which a jump may miss a turn: the step of a fast joint from row to row
 constexpr double kQuietBeside = 0.1;  // of the jump: all other changes
 constexpr double kMostWraps = 0.02;   // of the rows
-constexpr Index kSpikeRows = 3;       // rows, as in wild_values.cpp
 
 constexpr int kFewestBits = 8;         // of a word
 constexpr double kNearEnd = 0.375;     // of the word's range: all values; half of it is left for each sign
@@ -91,7 +90,7 @@ auto clipped_rows(const Eigen::VectorXd& x) -> Rows {
   }
   const auto repeats = static_cast<double>(std::count(changes.begin(), changes.end(), 0.0));
   const auto moving = static_cast<double>(changes.size());
-  if (moving < (1.0 - kMostClipped) * static_cast<double>(x.size()) || repeats > kMostRepeats * moving) {
+  if (moving < (1.0 - kMostClipped) * static_cast<double>(x.size()) || repeats > kRarelyRepeats * moving) {
     return {};  // coarse or held: the ends of its range are flat anyway
   }
   const double usual = median(Eigen::Map<const Eigen::VectorXd>(changes.data(), std::ssize(changes)));
@@ -124,8 +123,8 @@ auto jump_rows(const Eigen::VectorXd& x) -> Rows {
   const bool alike = largest - smallest <= kWrapAlike * largest && other < kQuietBeside * largest;
   Index lasting = 0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const bool after = k > 0 && rows[k] - rows[k - 1] <= kSpikeRows;
-    const bool before = k + 1 < rows.size() && rows[k + 1] - rows[k] <= kSpikeRows;
+    const bool after = k > 0 && rows[k] - rows[k - 1] <= kLongestSpike;
+    const bool before = k + 1 < rows.size() && rows[k + 1] - rows[k] <= kLongestSpike;
     lasting += after || before ? 0 : 1;
   }
   const bool few = static_cast<double>(lasting) < kMostWraps * static_cast<double>(x.size());

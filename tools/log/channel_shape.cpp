@@ -32,7 +32,6 @@ constexpr double kEdge = 0.01;          // of the largest value: the smallest
 constexpr double kFewestAtEdge = 12.0;  // rows near zero
 constexpr double kEvenDensity = 0.25;   // of neighbouring bands
 constexpr double kSharpTurns = 0.6;     // share of the turns near zero that are sharp
-constexpr double kRarelyRepeats = 0.2;  // rows that repeat the one before in a channel with noise or fine steps
 
 auto repeated_share(const Eigen::VectorXd& x) -> double {
   return static_cast<double>((changes_of(x).array() == 0.0).count()) / static_cast<double>(x.size() - 1);

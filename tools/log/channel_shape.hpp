@@ -7,6 +7,9 @@
 
 namespace capstan::tools {
 
+/// Rows that repeat the one before, as a share, in a channel with noise or fine steps: not more.
+inline constexpr double kRarelyRepeats = 0.2;
+
 /// Robust range: between the quantiles of 0.5 and 99.5 %, so that wild values do not count.
 auto robust_range(const Eigen::VectorXd& values) -> double;
 

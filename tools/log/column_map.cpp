@@ -18,10 +18,6 @@ constexpr std::array kOfAxis = {"q1_rad",     "q1_m",       "tau_Nm",     "tau_N
                                 "tau_out_Nm", "q2_est_rad", "q2_ref_rad", "tau_cmd_Nm", "tau_exc_Nm"};
 constexpr std::array kOfJaw = {"qw", "qx", "qy", "qz"};
 
-auto is_one_of(const auto& names, std::string_view name) -> bool {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 /// "axis" for "axis12".
 auto without_number(std::string_view stem) -> std::string_view {
   const auto last = stem.find_last_not_of("0123456789");

@@ -18,14 +18,10 @@ auto lower_case(std::string_view text) -> std::string {
   return lower;
 }
 
-auto is_among(const auto& words, std::string_view word) -> bool {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 /// What numpy, pandas, MATLAB and databases write where nothing was measured.
 auto is_missing(std::string_view cell) -> bool {
   constexpr std::array kWords = {"", "nan", "-nan", "na", "n/a", "<na>", "null", "none"};
-  return is_among(kWords, lower_case(trimmed(cell)));
+  return is_one_of(kWords, lower_case(trimmed(cell)));
 }
 
 auto has_digit(std::string_view cell) -> bool {
@@ -137,7 +133,7 @@ auto is_unit_word(std::string_view word) -> bool {
   if (word.size() > 2 && ((word.front() == '[' && word.back() == ']') || (word.front() == '(' && word.back() == ')'))) {
     return true;
   }
-  return std::find(kUnits.begin(), kUnits.end(), word) != kUnits.end();
+  return is_one_of(kUnits, word);
 }
 
 auto is_units_row(const std::vector<std::string>& cells) -> bool {
@@ -150,7 +146,7 @@ auto is_types_row(const std::vector<std::string>& cells) -> bool {
   constexpr std::array kTypes = {"float",   "double",  "single", "int",     "integer", "number", "numeric", "real",
                                  "float32", "float64", "int8",   "int16",   "int32",   "int64",  "uint8",   "uint16",
                                  "uint32",  "uint64",  "bool",   "boolean", "string",  "str",    "datetime"};
-  return std::all_of(cells.begin(), cells.end(), [&](const auto& cell) { return is_among(kTypes, lower_case(cell)); });
+  return std::all_of(cells.begin(), cells.end(), [&](const auto& cell) { return is_one_of(kTypes, lower_case(cell)); });
 }
 
 auto no_number(std::string_view cell, bool may_be_empty, const std::string& log) -> std::string {

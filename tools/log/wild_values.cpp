@@ -20,7 +20,6 @@ constexpr double kSpikeShare = 0.1;
 /// ... and by so many times what nearly all (99.5 %) rows stand out.
 constexpr double kSpikeNoises = 6.0;
 constexpr double kUsualShare = 0.995;
-constexpr Index kLongestSpike = 3;
 /// More are no single values any more, but how the channel is.
 constexpr double kMostSpikes = 0.01;
 /// Usual even in a channel with so many, each with a change to it and one back.

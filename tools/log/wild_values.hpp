@@ -6,6 +6,9 @@
 
 namespace capstan::tools {
 
+/// Rows of a wild value; what stands out for longer is none.
+inline constexpr Eigen::Index kLongestSpike = 3;
+
 /// The signal with a straight line through these rows, from the row before to the row after; as it is where that is
 /// beyond an end. @param rows  in order
 auto without(Eigen::VectorXd x, const std::vector<Eigen::Index>& rows) -> Eigen::VectorXd;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +27,10 @@ auto with_interval(double value, double low, double high, int digits = 4) -> std
 auto joined(const std::vector<std::string>& words, std::string_view separator = ", ") -> std::string;
 
 auto trimmed(std::string_view text) -> std::string_view;
+
+auto is_one_of(const auto& words, std::string_view word) -> bool {
+  return std::find(std::begin(words), std::end(words), word) != std::end(words);
+}
 
 /// Whether both names are of one file, links followed; also of one that is not there yet. No device or folder is one.
 auto same_file(const std::string& a, const std::string& b) -> bool;

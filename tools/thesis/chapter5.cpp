@@ -156,14 +156,9 @@ auto table_5_1() -> ThesisTable {
                    {{0, "alpha_t"}, {0, "alpha_b"}, {0, "beta"}}},
                   slack_trial()};
   ThesisTable::Row row{"micro-forceps", {-1.626, -1.213, 1.142}};
-  const auto add_columns = [&table](const char* group) {
-    table.columns.push_back({group, "alpha_t", "alpha_t", "rad/(N m)", 3});
-    table.columns.push_back({group, "alpha_b", "alpha_b", "rad/(N m)", 3});
-    table.columns.push_back({group, "beta", "beta", "1", 3});
-  };
-  add_columns("printed");
+  add_parameter_columns("printed", table);
   for (const Case& c : cases) {
-    add_columns(c.group);
+    add_parameter_columns(c.group, table);
     const auto values = thesis_parameters(run_study(c.study, {}).laws.thesis);
     row.values.insert(row.values.end(), values.begin(), values.end());
   }

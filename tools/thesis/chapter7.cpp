@@ -102,9 +102,7 @@ auto table_7_1() -> ThesisTable {
   }
   ThesisTable::Row row{"elbow", {}, {"alpha_t", "alpha_b"}};
   for (std::size_t g = 0; g < groups.size(); ++g) {
-    table.columns.push_back({groups[g], "alpha_t", "alpha_t", "rad/(N m)", 3});
-    table.columns.push_back({groups[g], "alpha_b", "alpha_b", "rad/(N m)", 3});
-    table.columns.push_back({groups[g], "beta", "beta", "1", 3});
+    add_parameter_columns(groups[g], table);
     row.values.insert(row.values.end(), values[g].begin(), values[g].end());
   }
   table.rows.push_back(std::move(row));

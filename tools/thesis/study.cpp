@@ -231,4 +231,10 @@ auto thesis_parameters(const JointFile& law) -> std::array<double, 3> {
   return {theta[first], theta[first + 1], theta[0]};
 }
 
+void add_parameter_columns(const std::string& group, ThesisTable& table) {
+  table.columns.push_back({group, "alpha_t", "alpha_t", "rad/(N m)", 3});
+  table.columns.push_back({group, "alpha_b", "alpha_b", "rad/(N m)", 3});
+  table.columns.push_back({group, "beta", "beta", "1", 3});
+}
+
 }  // namespace capstan::tools

@@ -109,5 +109,7 @@ auto fitted_keys(const std::string& law) -> std::vector<std::string>;
 
 /// alpha_t, alpha_b, beta.
 auto thesis_parameters(const JointFile& law) -> std::array<double, 3>;
+/// Columns of a table for these three.
+void add_parameter_columns(const std::string& group, ThesisTable& table);
 
 }  // namespace capstan::tools

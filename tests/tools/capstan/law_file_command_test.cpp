@@ -24,6 +24,14 @@ class LawFileCommand : public Command {
     write_text_file(path(name), text);
     return "\"" + path(name) + "\"";
   }
+  /// The log of a recipe's motion, in quotes.
+  auto recipe_log(const std::string& model) const -> std::string {
+    const std::string log = "\"" + path("log.csv") + "\"";
+    const Outcome ran =
+        run("run --scenario \"" CAPSTAN_SOURCE_DIR "/tools/scenarios/recipe_" + model + ".toml\" --log " + log);
+    EXPECT_EQ(ran.status, 0) << ran.output;
+    return log;
+  }
   auto replayed(const std::string& log, const std::string& law) const -> Outcome {
     return run("replay " + log + " --model \"" + path(law) + "\" --arithmetic double -o \"" + path("replayed.csv") +
                "\"");
@@ -128,11 +136,7 @@ TEST_F(LawFileCommand, TheLawOfAnEffortsShortLogIsReadAgain) {
 }
 
 TEST_F(LawFileCommand, AReversalTableThatWasDiagnosedIsReadAgain) {
-  ASSERT_EQ(run("run --scenario \"" CAPSTAN_SOURCE_DIR "/tools/scenarios/recipe_preisach.toml\" --log \"" +
-                path("log.csv") + "\"")
-                .status,
-            0);
-  const std::string log = "\"" + path("log.csv") + "\"";
+  const std::string log = recipe_log("preisach");
   const Outcome diagnosed = run("diagnose " + log + " --base preisach -o \"" + path("law.toml") + "\"");
   ASSERT_TRUE(exists("law.toml")) << diagnosed.output;
   const Outcome outcome = replayed(log, "law.toml");
@@ -142,11 +146,7 @@ TEST_F(LawFileCommand, AReversalTableThatWasDiagnosedIsReadAgain) {
 }
 
 TEST_F(LawFileCommand, APullPushLawThatWasDiagnosedIsTheOneThatIdentifyWrites) {
-  ASSERT_EQ(run("run --scenario \"" CAPSTAN_SOURCE_DIR "/tools/scenarios/recipe_pull_push.toml\" --log \"" +
-                path("log.csv") + "\"")
-                .status,
-            0);
-  const std::string log = "\"" + path("log.csv") + "\"";
+  const std::string log = recipe_log("pull_push");
   ASSERT_EQ(run("identify " + log + " --model pull_push -o \"" + path("identified.toml") + "\"").status, 0);
   const Outcome diagnosed = run("diagnose " + log + " --base pull_push -o \"" + path("law.toml") + "\"");
   ASSERT_TRUE(exists("law.toml")) << diagnosed.output;

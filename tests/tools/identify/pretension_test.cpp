@@ -140,15 +140,18 @@ TEST(PretensionSentence, SaysWhatIsLacking) {
   EXPECT_TRUE(has(pretension_sentence(*pretension_of(joint, true)), "--stiffness N/m)"));
 }
 
-/// The healthy joint with its loop: 0.1 rad to either side and 0.04 Nm, of which 0.025 are the tendons' and 0.005 the
-/// joint's own.
-auto healthy(bool held) -> JointFile {
-  JointFile joint = tendons();
-  joint.steady_torque = SteadyTorque{0.04, -0.04};
+/// The joint with its loop, 0.1 rad to either side.
+auto with_loop(JointFile joint, double torque_nm, bool held) -> JointFile {
+  joint.steady_torque = SteadyTorque{torque_nm, -torque_nm};
   joint.fit->loop_half_width = 0.1;
-  joint.fit->loop_torque = 0.04;
+  joint.fit->loop_torque = torque_nm;
   joint.fit->pretension = pretension_of(joint, held);
   return joint;
+}
+
+/// The healthy joint: 0.04 Nm, of which 0.025 are the tendons' and 0.005 the joint's own.
+auto healthy(bool held) -> JointFile {
+  return with_loop(tendons(), 0.04, held);
 }
 
 /// The loop of another pretension: torque c + F + L, width k (F + 2 L).
@@ -201,11 +204,7 @@ auto rubbing(bool held) -> JointFile {
   for (std::size_t tendon = 0; tendon < 2; ++tendon) {
     joint.parameters.shapes[joint.catalogue->term(kTendonModel).first_shape + tendon] = 1.2;
   }
-  joint.steady_torque = SteadyTorque{0.075, -0.075};
-  joint.fit->loop_half_width = 0.1;
-  joint.fit->loop_torque = 0.075;
-  joint.fit->pretension = pretension_of(joint, held);
-  return joint;
+  return with_loop(joint, 0.075, held);
 }
 
 /// Its loop with 1.7 times the tendons' friction: by pretension, or by the friction number, whose stretch per torque is

@@ -7,6 +7,7 @@
 
 #include "capstan/tests/tools/plant/plant_health.hpp"
 #include "capstan/tests/tools/plant/plant_joint.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/identify.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
 
@@ -90,9 +91,9 @@ TEST(PretensionGauge, SaysNothingWhereTorqueAloneChanged) {
   const std::vector<AxisLog> both = free_and_held(plant, kSeed);
   const JointFile joint = identify(both, form_of_model(kTendonModel, both)).joint;
   const auto drift_of = [&](const sim::PlantParameters& now) {
-    const std::vector<AxisLog> logs = {log_of(now, PlantMotion::kIdentify, kSeed + 5)};
-    const LawDesign design(logs, joint.parameters.conditioner);
-    return pretension_drift(joint, logs, design, stacked_target(logs), even_blocks(design.log_rows(), 2));
+    DiagnoseOptions options;
+    options.base_law = joint;
+    return diagnose({log_of(now, PlantMotion::kIdentify, kSeed + 5)}, options).pretension;
   };
   const auto same = drift_of(plant);
   ASSERT_TRUE(same);
