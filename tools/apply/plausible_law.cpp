@@ -52,6 +52,13 @@ auto stroke_of(MotionLaw<double>& law, Interval motor, double torque, double los
   return stroke;
 }
 
+/// A crossed transmission is one, but then its logs said so: a sign that was changed afterwards has an interval on the
+/// other side of zero.
+auto is_turned_round(const JointFile& joint) -> bool {
+  const auto& ci95 = joint.coefficient_ci95[joint.catalogue->term("motor_angle").first_coefficient];
+  return ci95 && (beta_of(joint) < 0.0 ? (*ci95)[0] > 0.0 : (*ci95)[1] < 0.0);
+}
+
 }  // namespace
 
 auto implausible(const JointFile& joint) -> std::string {
@@ -61,6 +68,10 @@ auto implausible(const JointFile& joint) -> std::string {
   const SteadyTorque torque = joint.steady_torque.value_or(SteadyTorque{});
   if (torque.forward_nm < torque.backward_nm) {
     return "its steady torque is less forward than backward, so friction would push the joint on";
+  }
+  if (is_turned_round(joint)) {
+    return "its joint would move in the other direction than in the logs: beta is " + rounded(beta_of(joint), 3) +
+           ", and its own interval lies on the other side of zero";
   }
   MotionLaw<double> law(SamplePeriod<double>(0.001), parameters);
   const double lost_rad = law.lost_motion(torque.backward_nm, torque.forward_nm);

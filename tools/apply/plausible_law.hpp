@@ -11,7 +11,7 @@ namespace capstan::tools {
 /// itself is swept slowly over the motor's range of the logs it was fitted to, under its steady torque: a joint that
 /// runs against its motor for more than a tenth of its way (behind the law's lost motion), or ten times as far as it
 /// went in the logs, or is as far away from its zero, is none. A file without [fit] is swept over a radian either way,
-/// and only asked for the direction.
+/// and only asked for the direction. A ratio whose own interval lies on the other side of zero was turned round.
 auto implausible(const JointFile& joint) -> std::string;
 
 }  // namespace capstan::tools

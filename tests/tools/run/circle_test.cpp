@@ -182,6 +182,20 @@ TEST(PlausibleLaw, IsNoneThatRunsAgainstItsMotor) {
   EXPECT_EQ(implausible(joint), "");
 }
 
+// A joint that is turned round as a whole has strokes like any other.
+TEST(PlausibleLaw, IsNoneWhoseRatioWasTurnedRoundAfterItsFit) {
+  JointFile joint = law_with_ranges();
+  auto& ci95 = joint.coefficient_ci95[catalogue_term("motor_angle").first_coefficient];
+  for (const double ratio : {1.0, -1.0}) {
+    ci95 = Interval{ratio - 0.01, ratio + 0.01};
+    coefficient(joint, "motor_angle") = ratio;
+    EXPECT_EQ(implausible(joint), "");
+    coefficient(joint, "motor_angle") = -ratio;
+    EXPECT_NE(implausible(joint).find("would move in the other direction than in the logs"), std::string::npos)
+        << implausible(joint);
+  }
+}
+
 TEST(ModelLines, SetEveryParameterOfTheLawInOneTransaction) {
   JointFile joint;
   joint.steady_torque = SteadyTorque{0.08, -0.08};
