@@ -24,6 +24,7 @@ constexpr std::int32_t kUnloadShare8 = 1;
 // further than 0.83 of it; with 3/16 and 2.75 counts nine more cases are found, and one of those joints stops.
 constexpr std::int32_t kWindingShare16 = 5;
 constexpr std::int32_t kLately = 2;
+constexpr std::uint32_t kExplainsCycles = 5;
 // After a look, in which a healthy motor springs back from it.
 constexpr std::int32_t kLookFades = 20;
 // Of `frozen`, eighths, that the torque may have gone on by between the last count and a look: the look alone is at 8
@@ -143,6 +144,24 @@ auto MotorObserver::rt_slows_while_winding(std::int32_t moved, std::int32_t want
   return begun > 0 && rise > 0 && rise_before >= 0 && rise >= rise_before - rise;
 }
 
+/// Twice the torque's range of the last six cycles, the time that current and motor take to follow it, explains what
+/// two cycles gain.
+auto MotorObserver::rt_is_let_go(std::int32_t moved, std::int32_t wanted) -> bool {
+  const std::int32_t before = moved >= 0 ? before_[1] : -before_[1];
+  const std::int32_t gained = (std::abs(moved) - std::max<std::int32_t>(before, 0)) * 256;
+  const std::int32_t last = moved >= 0 ? before_[0] : -before_[0];
+  if (gained <= scales_.gained || last <= before || std::abs(moved) <= last) {
+    return false;  // a blow gives its speed in one cycle
+  }
+  std::int32_t least = wanted;
+  std::int32_t most = wanted;
+  for (std::uint32_t cycle = 1; cycle <= kExplainsCycles; ++cycle) {
+    least = std::min(least, past(cycle).wanted);
+    most = std::max(most, past(cycle).wanted);
+  }
+  return gained > (std::int64_t{scales_.gain} * (most - least) >> 22) + scales_.gained;
+}
+
 auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet {
   const std::int32_t gained = moved_ >= 0 ? moved - moved_ : moved_ - moved;  // in the direction of motion
   const std::int32_t beyond = std::abs(gained) * 256 - scales_.slack;
@@ -150,7 +169,8 @@ auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> F
   const bool slows = unexplained && gained < 0 && moved_ != 0;
   const bool suddenly = rt_slows_suddenly(moved, wanted);
   const bool winding = rt_slows_while_winding(moved, wanted);
-  if (!slows && !suddenly && !winding) {
+  const bool let_go = rt_is_let_go(moved, wanted);
+  if (!slows && !suddenly && !winding && !let_go) {
     return 0;
   }
   return bit(moved == 0 ? Fault::kEncoderFrozen : Fault::kEncoderMotion);

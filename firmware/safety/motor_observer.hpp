@@ -11,7 +11,7 @@ namespace capstan {
 /// Whether encoder and current agree with what torque does to the motor: the motor observer of one joint.
 ///
 /// The load is not known (a tendon's friction is ten times the torque that accelerates the motor), so no test asks what
-/// the load is. Four tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
+/// the load is. These tests ask what no load can do, each of a motor of inertia J whose own friction holds up to
 /// `coulomb`:
 /// - **Motion without torque.** A motor slows down by no more counts in a cycle than the range of its torque within the
 ///   last kTrailCycles explains, gain * range + kQuantisation. Two cycles are judged against the two before
@@ -20,6 +20,9 @@ namespace capstan {
 ///   not, for its tendons are soft (K v a ms, not J v / 1 ms). A motor that winds its tendons up takes ever more torque
 ///   at a steady speed, so its range says nothing; there three cycles are judged against three by how much the speed
 ///   has changed of late.
+/// - **Speed without torque.** A load that lets go gives the motor speed no faster than its tendons, which are soft,
+/// let
+///   it. What gains more within two cycles than the torque's range explains has lost a tendon, or its tension.
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
@@ -96,6 +99,7 @@ class MotorObserver {
     std::int32_t turn = 0;        // A, twice the motor's own friction
     std::int32_t excess = 0;      // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;      // counts/256, two cycles against the two before
+    std::int32_t gained = 0;      // counts/256 in a cycle, that a load gives within two
     std::int32_t answer = 0;      // counts/256, for each A of a look at least; 0: not judged
     std::int32_t winding = 0;     // counts/256, three cycles against the three before
     // Counts in a cycle, that a motor against its torque gains at most: with little of it, in all, and lately.
@@ -108,6 +112,7 @@ class MotorObserver {
   [[gnu::always_inline]] inline auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) -> bool;
+  [[gnu::always_inline]] inline auto rt_is_let_go(std::int32_t moved, std::int32_t wanted) -> bool;
   [[gnu::always_inline]] inline auto rt_slows_while_winding(std::int32_t moved, std::int32_t wanted) -> bool;
   [[gnu::always_inline]] inline auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;

@@ -21,6 +21,13 @@ constexpr std::int32_t kSlack8 = 14;
 // 200000 to 200011, 201000 to 201023 and 202000 to 202025: no healthy motion came further than 1.91 counts.
 constexpr std::int32_t kSudden = 11 * 256 / 4;
 constexpr std::int32_t kSuddenSlack8 = 9;
+// Speed that a load gives the motor within two cycles: of limits.joint_speed, eighths, and counts that a coarse encoder
+// shows. Chosen in November 2026 on drawn forceps, fingers, elbows and wrists (seeds 930000 to 930023, 931000 to
+// 931009, tuned 931500 to 931503) and the campaign's joints: no healthy motion came further than 0.73 of the one (a
+// wrist with twice the usual friction) and 2.7 counts of the other. A torn or loose tendon gives 1.1 to 5 times as
+// much.
+constexpr std::int32_t kGainedShare8 = 5;
+constexpr std::int32_t kGainedCounts = 17 * 256 / 4;
 // Of observer.excess, eighths. Chosen in November 2026 on some 87 drawn joints, five minutes each (of seeds 210000 to
 // 210041 and 220000 to 220047): at most 1.06 times what commissioning saw, without the looks, is 0.85 of this. Half of
 // the counts make 1.3 to 2.1 times of it, so this finds it on most joints and not on all.
@@ -121,13 +128,14 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
                : limited((per_turn * 1000 >> 24) * own.answer_rad_per_a.raw() / 100 * LookAnswer::kLeastPercent >> 24);
   // counts/256 = 256 cpr / (2 pi) v / 1000
   const std::int64_t fast = limited((per_turn >> 24) * config.limits.joint_speed_rad_s.raw() >> 24);
-  const auto gained = [fast](std::int64_t share) {
+  gained = std::max(kGainedCounts, limited(fast * kGainedShare8 / 8));
+  const auto faster = [fast](std::int64_t share) {
     return std::max<std::int32_t>(kRunawayCounts - 1, limited(fast * share / 2560));
   };
-  wild = gained(kWildShare);
-  runaway_most = gained(kRunawayMostShare);
-  runaway = gained(kRunawayShare);
-  runaway_lately = gained(kSuddenShare);
+  wild = faster(kWildShare);
+  runaway_most = faster(kRunawayMostShare);
+  runaway = faster(kRunawayShare);
+  runaway_lately = faster(kSuddenShare);
   for (std::int32_t* current :
        {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &turn, &slew, &excess}) {
     *current >>= 1;

@@ -24,15 +24,24 @@ auto count_of(const std::vector<CampaignRow>& rows, Outcome outcome) -> long {
 void print_counts(std::ostream& out, const char* what, const std::vector<CampaignRow>& rows) {
   long cases = 0;
   long unsafe = 0;
+  long unavoidable = 0;
+  long mechanical = 0;
   for (const CampaignRow& row : rows) {
     cases += row.cases;
     unsafe += row.unsafe;
+    unavoidable += row.unavoidable;
+    mechanical += row.mechanical;
   }
   put(out,
       "%s: %zu rows of %ld cases: %ld faulted, %ld blocked, %ld tolerated, %ld mechanical, %ld unsafe (%ld cases)\n",
       what, rows.size(), cases, count_of(rows, Outcome::kFaulted), count_of(rows, Outcome::kBlocked),
       count_of(rows, Outcome::kTolerated), count_of(rows, Outcome::kMechanical), count_of(rows, Outcome::kUnsafe),
       unsafe);
+  put(out,
+      "  beyond a limit: %ld cases; %ld unsafe by the rule, %ld of them beyond a limit with torque cut at the onset "
+      "too; "
+      "%ld mechanical, within limits.fault_travel of that cut\n",
+      unsafe + mechanical, unsafe, unavoidable, mechanical);
 }
 
 /// Unsafe cases by what the machine needs beside the firmware; they stay unsafe.
@@ -79,6 +88,8 @@ auto worst_of_each(const std::vector<CampaignRow>& rows) -> std::vector<Campaign
     }
     place->cases = old.cases + row.cases;
     place->unsafe = old.unsafe + row.unsafe;
+    place->unavoidable = old.unavoidable + row.unavoidable;
+    place->mechanical = old.mechanical + row.mechanical;
     place->hazard = old.hazard;
     place->hazard.widen(row.hazard);
     place->unavoidable_rad = std::max(old.unavoidable_rad, row.unavoidable_rad);
@@ -98,16 +109,16 @@ void print_hazards(std::ostream& out, const std::vector<CampaignRow>& rows) {
 }
 
 void print_fmea(std::ostream& out, const std::vector<CampaignRow>& rows) {
-  out << "| failure | worst case | found by | ms | travel, rad | speed, rad/s | torque, N m | beyond the limits |\n"
-         "|---|---|---|---|---|---|---|---|\n";
+  out << "| failure | worst case | found by | ms | travel, rad | speed, rad/s | torque, N m | unsafe | mechanical |\n"
+         "|---|---|---|---|---|---|---|---|---|\n";
   for (const CampaignRow& row : worst_of_each(rows)) {
     const std::string by = row.fault == Fault::kNone ? "-" : info(row.fault).name;
     const std::string ms = row.detected_ms < 0 ? "-" : std::to_string(row.detected_ms);
     const std::string cut =
         row.unavoidable_rad > 0.0 ? " (" + rounded(row.unavoidable_rad, 3) + " if cut at once)" : "";
-    put(out, "| %s | %s, %s: %s | %s | %s | %.3f%s | %.2f | %.3f | %d of %d |\n", name(row.trouble).c_str(),
+    put(out, "| %s | %s, %s: %s | %s | %s | %.3f%s | %.2f | %.3f | %d of %d | %d |\n", name(row.trouble).c_str(),
         name(row.joint), name(row.situation), name(row.outcome), by.c_str(), ms.c_str(), row.hazard.travel_rad,
-        cut.c_str(), row.hazard.speed_rad_s, row.hazard.torque_nm, row.unsafe, row.cases);
+        cut.c_str(), row.hazard.speed_rad_s, row.hazard.torque_nm, row.unsafe, row.cases, row.mechanical);
   }
 }
 

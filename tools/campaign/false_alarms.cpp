@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "capstan/boards/common/file_banks.hpp"
 #include "capstan/firmware/loop/application.hpp"
@@ -18,12 +19,28 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kRunS = 300.0;
+// The largest drawn pretension leaves the elbow as much of its current as its own one: friction takes 2.4 of 3 A.
+constexpr double kElbowPretension = 1.0 / 1.4;
+
+auto instrument_of(Drawn drawn, double place) -> Joint {
+  switch (drawn) {
+    case Drawn::kElbow:
+      return Joint::kElbow;
+    case Drawn::kWrist:
+      return place < 0.4 ? Joint::kWristPitch : Joint::kWristJaw;
+    default:
+      return place < 0.7 ? Joint::kForceps : Joint::kFinger;
+  }
+}
 
 /// A joint with everything that may differ between two of them drawn.
-auto drawn_setup(Random& random) -> JointSetup {
+auto drawn_setup(Random& random, Drawn drawn) -> JointSetup {
   const auto between = [&](double low, double high) { return low * std::pow(high / low, random.uniform()); };
-  JointSetup setup = setup_of(random.uniform() < 0.7 ? Joint::kForceps : Joint::kFinger);
+  JointSetup setup = plain_setup(instrument_of(drawn, random.uniform()));
   sim::PlantParameters& plant = setup.plant;
+  if (drawn == Drawn::kElbow) {
+    plant.pretension_n *= kElbowPretension;
+  }
   plant.motor_inertia_kgm2 *= between(0.6, 2.0);
   plant.motor_coulomb_nm *= between(0.5, 2.0);
   plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
@@ -46,6 +63,10 @@ auto drawn_setup(Random& random) -> JointSetup {
   ControlConfig& control = setup.config.control;
   control.stiffness_nm_per_rad = Q24::from_double(between(0.6, 1.5));
   control.damping_nms_per_rad = Q24::from_double(between(0.005, 0.01));
+  if (drawn == Drawn::kWrist) {  // its jaws' tendons pass the pitch joint, which swings
+    plant.effects.axis_coupling_rad = 0.5 * random.uniform();
+    plant.effects.axis_coupling_hz = between(0.05, 1.0);
+  }
   return setup;
 }
 
@@ -143,19 +164,23 @@ class Session {
 
 }  // namespace
 
-auto run_false_alarms(double hours, std::uint64_t seed, int threads, Gains gains) -> FalseAlarms {
+auto run_false_alarms(double hours, std::uint64_t seed, int threads, Gains gains, Drawn drawn) -> FalseAlarms {
   const auto runs = static_cast<std::size_t>(std::ceil(hours * 3600.0 / kRunS));
   std::vector<Stop> stops(runs);
   std::vector<double> lasted_s(runs);
   side_by_side(threads, runs, [&](std::size_t i) {
     const std::uint64_t own = seed + i;
     Random random(own * 7919);
-    JointSetup setup = drawn_setup(random);
+    JointSetup setup = drawn_setup(random, drawn);
     if (gains == Gains::kTuned) {
       take_tuned_gains(setup);
     }
     setup.config.limits.supply_min_v = Q24{};
-    setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
+    try {
+      setup.config.observer = commissioned(setup.plant, setup.config, own + 1'000'000);
+    } catch (const std::runtime_error&) {
+      return;  // a board gives such a joint torque in maintenance only
+    }
     Session session(setup, own);
     if (!session.run(kRunS)) {
       stops[i] = {own, session.time_s(), session.telemetry().first_fault, session.speed_share(),
@@ -165,6 +190,7 @@ auto run_false_alarms(double hours, std::uint64_t seed, int threads, Gains gains
   });
   FalseAlarms alarms;
   alarms.plants = static_cast<int>(runs);
+  alarms.not_commissioned = static_cast<int>(std::count(lasted_s.begin(), lasted_s.end(), 0.0));
   for (std::size_t i = 0; i < runs; ++i) {
     alarms.hours += lasted_s[i] / 3600.0;
     if (stops[i].fault != Fault::kNone) {
@@ -191,6 +217,9 @@ void print_false_alarms(std::ostream& out, const FalseAlarms& alarms) {
   out << alarms.false_stops() << " false stops, and " << std::ssize(alarms.stops) - alarms.false_stops()
       << " of joints that ran or were held beyond their limits, in " << alarms.hours << " simulated hours of "
       << alarms.plants << (alarms.plants == 1 ? " drawn joint" : " drawn joints") << ", five minutes each at most\n";
+  if (alarms.not_commissioned > 0) {
+    out << alarms.not_commissioned << " of them could not be commissioned and did not run\n";
+  }
 }
 
 }  // namespace capstan::tools

@@ -28,6 +28,7 @@ struct Stop {
 struct FalseAlarms {
   double hours = 0.0;  ///< simulated, under torque
   int plants = 0;
+  int not_commissioned = 0;  ///< of them: they did not run
   std::vector<Stop> stops;
 
   [[nodiscard]] auto false_stops() const -> int;
@@ -36,12 +37,15 @@ struct FalseAlarms {
 /// Gains of the drawn joints: drawn as well, so that some swing, or as `tune` finds them for the motor's inertia.
 enum class Gains { kDrawn, kTuned };
 
+/// Instruments that the joints are drawn about.
+enum class Drawn { kForcepsAndFinger, kElbow, kWrist };
+
 /// Healthy joints drawn at random (inertia, friction, stiffness, pretension, gains, load, contact with tissue, tremor
 /// of the hand, blows to the tip), each for five minutes of random moves and streams. Every joint is commissioned
 /// first: its observer's values come from the shell's own `commission`. On `threads` threads; the result does not
 /// depend on their number.
-[[nodiscard]] auto run_false_alarms(double hours, std::uint64_t seed, int threads = 2, Gains gains = Gains::kDrawn)
-    -> FalseAlarms;
+[[nodiscard]] auto run_false_alarms(double hours, std::uint64_t seed, int threads = 2, Gains gains = Gains::kDrawn,
+                                    Drawn drawn = Drawn::kForcepsAndFinger) -> FalseAlarms;
 void print_false_alarms(std::ostream& out, const FalseAlarms& alarms);
 
 }  // namespace capstan::tools

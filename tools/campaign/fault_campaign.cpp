@@ -60,7 +60,9 @@ auto jobs_of(Extent extent) -> std::vector<Job> {
       if (!all && situation != Situation::kMoving && situation != Situation::kHolding) {
         continue;
       }
-      jobs.push_back({joint, situation, !moves ? 1 : all ? kPhases : 4, false});
+      // A stuck encoder takes RAVEN's elbow furthest in few of its phases.
+      const bool every = all || (joint == Joint::kElbow && moves);
+      jobs.push_back({joint, situation, !moves ? 1 : every ? kPhases : 4, false});
       if (moves && all) {
         jobs.push_back({joint, situation, extent == Extent::kLong ? kPhases : 5, true});
       }
@@ -83,6 +85,7 @@ class Judge {
     const bool worse = row.cases == 0 || outcome > row.outcome || (outcome == row.outcome && severity > row.severity);
     ++row.cases;
     row.unsafe += outcome == Outcome::kUnsafe ? 1 : 0;
+    row.mechanical += outcome == Outcome::kMechanical ? 1 : 0;
     row.hazard.widen(hazard);
     row.severity = std::max(row.severity, severity);
     row.detected_ms = std::max(row.detected_ms, run.detected_ms);
@@ -109,14 +112,15 @@ class Judge {
   }
   /// What the firmware adds to it is held to its limit all the same.
   [[nodiscard]] auto by_mechanics(CampaignRow& row, const Hazard& hazard, const HazardLimits& limits) const -> bool {
-    if (row.trouble.first.input != Input::kTransmission) {
-      return false;
-    }
     Trouble cut = row.trouble;
-    cut.cut_at_onset = true;
+    cut.cut_after_ms = 0;
     const Hazard least = hazard_beyond(healthy_, run_scene(scene_, cut).course);
     row.unavoidable_rad = std::max(row.unavoidable_rad, least.travel_rad);
-    return least.severity(limits) > 1.0 && hazard.travel_rad <= least.travel_rad + limits.travel_rad;
+    const bool beyond = least.severity(limits) > 1.0;
+    const bool mechanical = row.trouble.first.input == Input::kTransmission && beyond &&
+                            hazard.travel_rad <= least.travel_rad + limits.travel_rad;
+    row.unavoidable += beyond && !mechanical ? 1 : 0;
+    return mechanical;
   }
 
   Scene scene_;

@@ -27,10 +27,12 @@ struct CampaignRow {
   Outcome outcome = Outcome::kUnsafe;
   int cases = 0;
   int unsafe = 0;
+  int unavoidable = 0;  ///< of the unsafe: with the torque cut at the onset the joint goes beyond a limit too
+  int mechanical = 0;
   int worst_phase = 0;
   Hazard hazard;                 ///< largest of each over the phases
   double severity = 0.0;         ///< largest over the phases
-  double unavoidable_rad = 0.0;  ///< of the transmission: travel with the torque cut at the onset
+  double unavoidable_rad = 0.0;  ///< where a limit was passed: travel with the torque cut at the onset
   Fault fault = Fault::kNone;    ///< in the worst phase
   State end = State::kDisarmed;
   int detected_ms = -1;  ///< longest

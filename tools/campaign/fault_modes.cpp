@@ -92,7 +92,8 @@ auto name(Situation situation) -> const char* {
   return kNames[static_cast<std::size_t>(situation)];
 }
 auto name(Joint joint) -> const char* {
-  static constexpr std::array kNames = {"forceps", "stiff gains", "contact", "finger", "elbow"};
+  static constexpr std::array kNames = {"forceps", "stiff gains", "contact",  "finger",
+                                        "elbow",   "wrist pitch", "wrist jaw"};
   return kNames[static_cast<std::size_t>(joint)];
 }
 

@@ -65,8 +65,8 @@ inline constexpr std::array kSituations = {
 /// The phases of a motion at which a fault may begin.
 inline constexpr int kPhases = 20;
 
-/// Joints that the campaign runs on.
-enum class Joint : std::uint8_t { kForceps, kStiff, kContact, kFinger, kElbow };
+/// Simulated joints. The campaign runs on kJoints; healthy ones are drawn about the others too.
+enum class Joint : std::uint8_t { kForceps, kStiff, kContact, kFinger, kElbow, kWristPitch, kWristJaw };
 inline constexpr std::array kJoints = {Joint::kForceps, Joint::kStiff, Joint::kContact, Joint::kFinger, Joint::kElbow};
 
 struct OneFault {

@@ -67,6 +67,9 @@ class Rig {
         begin(*trouble_->second);
       }
       operate();
+      if (trouble_ && trouble_->cut_after_ms == since - 1) {
+        post({.kind = Request::Kind::kDisarm});
+      }
       const bool had_torque = energised(telemetry().state);
       const bool arming = since == kArmCycle + 1;
       step();
@@ -108,9 +111,6 @@ class Rig {
     }
     if (!trouble_) {
       return;
-    }
-    if (trouble_->cut_at_onset) {
-      post({.kind = Request::Kind::kDisarm});
     }
     begin(trouble_->first);
   }
@@ -242,9 +242,6 @@ class Rig {
 
 }  // namespace
 
-namespace {
-
-/// All but what commissioning finds.
 auto plain_setup(Joint joint) -> JointSetup {
   JointSetup setup;
   switch (joint) {
@@ -267,6 +264,12 @@ auto plain_setup(Joint joint) -> JointSetup {
       setup.config.limits.continuous_current_a =
           Q24::from_double(3.0);  // its friction takes 2.4 A for as long as it moves
       break;
+    case Joint::kWristPitch:
+      setup.plant = instrument_axis("da_vinci_wrist", 0);
+      break;
+    case Joint::kWristJaw:
+      setup.plant = instrument_axis("da_vinci_wrist", 1);
+      break;
   }
   setup.plant.stop_low_rad = -2.2;
   setup.plant.stop_high_rad = 2.2;
@@ -282,6 +285,8 @@ auto plain_setup(Joint joint) -> JointSetup {
   config.limits.continuous_current_a = std::min(config.limits.continuous_current_a, config.limits.current_a);
   return setup;
 }
+
+namespace {
 
 /// The supply is the rig's own input; while a joint is commissioned nobody measures it.
 auto commissioned_setup(Joint joint) -> JointSetup {

@@ -16,7 +16,9 @@ struct JointSetup {
   AxisConfig config;
   double amplitude_rad = 0.3;  ///< of its motions
 };
-/// Commissioned when it is first asked for.
+/// Without what commissioning finds.
+[[nodiscard]] auto plain_setup(Joint joint) -> JointSetup;
+/// Of kJoints: commissioned when it is first asked for.
 [[nodiscard]] auto setup_of(Joint joint) -> const JointSetup&;
 
 /// One run from rest to some time after an onset.
@@ -27,8 +29,8 @@ struct Scene {
 };
 struct Trouble {
   OneFault first;
-  std::optional<OneFault> second = {};  ///< 50 ms later
-  bool cut_at_onset = false;            ///< torque off by hand at the onset: what no firmware can better
+  std::optional<OneFault> second = {};   ///< 50 ms later
+  std::optional<int> cut_after_ms = {};  ///< torque off by hand so long after the onset; 0: no firmware can better it
 };
 
 /// What became of the firmware and of the true joint.

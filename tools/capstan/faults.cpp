@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "capstan/tools/campaign/campaign_report.hpp"
 #include "capstan/tools/campaign/false_alarms.hpp"
@@ -18,12 +20,13 @@ struct FaultOptions {
   bool tuned = false;
   std::optional<double> hours;
   std::uint64_t seed = 1;
+  Drawn drawn = Drawn::kForcepsAndFinger;
 };
 
 auto run_faults(const FaultOptions& options) -> int {
   if (options.hours) {
     const FalseAlarms alarms =
-        run_false_alarms(*options.hours, options.seed, 2, options.tuned ? Gains::kTuned : Gains::kDrawn);
+        run_false_alarms(*options.hours, options.seed, 2, options.tuned ? Gains::kTuned : Gains::kDrawn, options.drawn);
     print_false_alarms(std::cout, alarms);
     return alarms.false_stops() == 0 ? kExitDone : kExitRefused;
   }
@@ -62,6 +65,14 @@ void add_faults(CLI::App& app, int& exit_status) {
   command->add_option("--seed", options->seed, "with --hours: seed of the first random joint")->needs(hours);
   command
       ->add_flag("--tuned", options->tuned, "with --hours: gains as 'capstan tune' finds them instead of random ones")
+      ->needs(hours);
+  command
+      ->add_option("--joints", options->drawn,
+                   "with --hours: what they are drawn about: small (forceps and finger, the default), elbow or wrist")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Drawn>{
+              {"small", Drawn::kForcepsAndFinger}, {"elbow", Drawn::kElbow}, {"wrist", Drawn::kWrist}},
+          CLI::ignore_case))
       ->needs(hours);
   command->callback([options, &exit_status] { exit_status = run_faults(*options); });
 }
