@@ -160,8 +160,10 @@ void CommissionSteps::tune_gains(CommissionSteps& steps) {
   const Margins& margins = steps.all_.tuning->whole_nominal;
   steps.find("gains: crossover " + rounded(margins.crossover_hz, 3) + " Hz, " + rounded(margins.phase_deg, 3) +
              " deg, " + rounded(margins.gain_db, 3) + " dB; limited by " + steps.all_.tuning->limited_by);
-  if (!steps.all_.tuning->swings.empty()) {
-    steps.find(steps.all_.tuning->swings);
+  for (const std::string& sentence : {steps.all_.tuning->ways, steps.all_.tuning->swings}) {
+    if (!sentence.empty()) {
+      steps.find(sentence);
+    }
   }
   if (!steps.all_.tuning->warning.empty()) {
     steps.find("warning: " + steps.all_.tuning->warning);
@@ -273,7 +275,7 @@ void CommissionSteps::find_answer() {
 
 void CommissionSteps::together(CommissionSteps& steps) {
   std::optional<Margins> margins;
-  steps.respond([&](const Response& response) { margins = margins_of(measured_loop(response), false); });
+  steps.respond([&](const Response& response) { margins = measured_margins(response, false); });
   const std::string measured = rounded(margins->phase_deg, 3) + " deg, " + rounded(margins->gain_db, 3) +
                                " dB and a modulus of " + rounded(margins->modulus, 2);
   const Wanted wanted;

@@ -115,7 +115,12 @@ class InTime {
 }  // namespace
 
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
-  return predict_limit_cycle(dense(response), gains);
+  std::optional<LimitCycle> first;
+  for (const Response* view : views_of(response)) {
+    const auto cycle = predict_limit_cycle(dense(*view), gains);
+    first = cycle && (!first || cycle->onset < first->onset) ? cycle : first;
+  }
+  return first;
 }
 
 auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle> {

@@ -200,6 +200,33 @@ auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle) -> Margins
   return margins;
 }
 
+auto worse(const Margins& a, const Margins& b) -> Margins {
+  Margins least = a;
+  if (b.phase_deg < a.phase_deg) {
+    least.phase_deg = b.phase_deg;
+    least.phase_hz = b.phase_hz;
+  }
+  if (b.gain_db < a.gain_db) {
+    least.gain_db = b.gain_db;
+    least.gain_hz = b.gain_hz;
+  }
+  if (b.modulus < a.modulus) {
+    least.modulus = b.modulus;
+    least.modulus_hz = b.modulus_hz;
+  }
+  least.crossover_hz = std::min(a.crossover_hz, b.crossover_hz);
+  return least;
+}
+
+auto measured_margins(const Response& response, bool with_circle) -> Margins {
+  std::optional<Margins> least;
+  for (const Response* view : views_of(response)) {
+    const Margins margins = margins_of(measured_loop(*view), with_circle);
+    least = least ? worse(*least, margins) : margins;
+  }
+  return *least;
+}
+
 auto as_stable_as(const std::vector<LoopPoint>& loop, const std::vector<LoopPoint>& known) -> bool {
   double turned = 0.0;
   Complex before = (1.0 + loop.front().value) / (1.0 + known.front().value);

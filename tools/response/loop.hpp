@@ -8,9 +8,6 @@ namespace capstan::tools {
 /// Period of the control that is tuned: a torque is held for so long.
 inline constexpr double kCycleS = 1e-3;
 
-/// The mean square of what is within a circle of 95 %, of its radius's square; less where it is of few windows.
-inline constexpr double kNoiseShare = 1.0 / 3.0;
-
 /// What control makes of an angle at one frequency.
 struct Law {
   Complex servo;  // Nm per rad of the motor
@@ -74,6 +71,8 @@ auto points_above_noise(const Response& response, const MotorModel& model) -> st
 auto sense_of(const Dense& all) -> double;
 /// Torque per motor angle by way of the joint loop, Nm/rad. @param joint  joint angle per motor angle
 auto through_joint(const LoopGains& gains, const Law& law, double sense, Complex joint) -> Complex;
+/// Margins of the worse of two loops, each by itself; the lower of the crossovers.
+auto worse(const Margins& a, const Margins& b) -> Margins;
 /// The loop of these gains, broken at the torque.
 auto loop_of(const Dense& all, const LoopGains& gains) -> std::vector<LoopPoint>;
 /// Of the joint loop alone, broken where it corrects the motor's reference.

@@ -7,26 +7,21 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "capstan/tools/response/periods.hpp"
+
 namespace capstan::tools {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr Eigen::Index kRampMs = 256;  // the board's, at either end
 
 // Numbers that decide, chosen in November 2026 on logs of the simulated forceps, seeds 1 to 3, 11 to 15 and 33; what
 // response_on_plant_test and docs/tuning.md report of margins is of seeds 31 and 32.
 constexpr std::size_t kLeastWindows = 4;  // for a spread that means anything
-constexpr int kSettleMs = 500;            // after a turn of a joint that travels
-constexpr double kTurnRadS = 2e-3;        // change of the reference's rate in a row that is a turn, not rounding
 constexpr double kExcited = 0.1;          // of the strongest line, or of a chirp's strongest octave
 constexpr std::size_t kLeastBins = 8;     // of a chirp in one point
 constexpr double kOctaveShare = 1.0 / 6.0;
 
-enum Signal : std::size_t { kShaken, kTorque, kMotor, kJoint, kSignals };
-/// One window, or one bin: the spectra of all signals at one frequency.
-using Spectra = std::array<Complex, kSignals>;
-
-auto signals_of(const ResponseLog& log, bool on_torque) -> std::array<const Eigen::VectorXd*, kSignals> {
+auto signals_of(const ResponseLog& log, bool on_torque) -> Signals {
   return {on_torque ? &log.excitation_nm : &log.reference_rad, &log.torque_nm, &log.q1_rad, &log.q2_rad};
 }
 
@@ -81,143 +76,6 @@ auto point_of(double hz, const std::vector<Spectra>& all, bool on_torque) -> Res
   return point;
 }
 
-/// Mean of a period of x[i] exp(-j w tick[i]), each times its weight, twice.
-auto spectrum_at(const Eigen::VectorXd& x, Eigen::Index from, const Eigen::VectorXd& weights,
-                 const std::vector<int>& phases, const std::vector<Complex>& table, std::size_t harmonic) -> Complex {
-  Complex sum{};
-  for (Eigen::Index i = 0; i < kMultisinePeriodMs; ++i) {
-    const std::size_t place = harmonic * static_cast<std::size_t>(phases[static_cast<std::size_t>(from + i)]);
-    sum += weights[i] * x[from + i] * table[place % kMultisinePeriodMs];
-  }
-  return sum * (2.0 / kMultisinePeriodMs);
-}
-
-/// What a turn leaves dies away slowly, so it differs at both ends of a window, and that leaks into all lines as 1 / f:
-/// of a RAVEN elbow, twice what was shaken at 15 Hz. Under von Hann's window it leaks as 1 / f3, and a line mixes with
-/// its two neighbours alone, which are even and empty.
-auto von_hann() -> Eigen::VectorXd {
-  return 1.0 -
-         (Eigen::ArrayXd::LinSpaced(kMultisinePeriodMs, 0, kMultisinePeriodMs - 1) * (kTwoPi / kMultisinePeriodMs))
-             .cos();
-}
-
-/// Windows of one period each, in which the joint goes one way or stands.
-class Periods {
- public:
-  explicit Periods(const ResponseLog& log, bool on_torque) : log_(log) {
-    for (int i = 0; i < kMultisinePeriodMs; ++i) {
-      table_.push_back(std::polar(1.0, -kTwoPi * i / kMultisinePeriodMs));
-    }
-    for (Eigen::Index i = 0; i < log.time_s.size(); ++i) {
-      phases_.push_back(static_cast<int>(std::llround((log.time_s[i] - log.time_s[0]) * 1e3) % kMultisinePeriodMs));
-    }
-    step_ms_ = static_cast<int>(std::llround((log.time_s[1] - log.time_s[0]) * 1e3));
-    find(on_torque);
-  }
-  [[nodiscard]] auto count() const -> std::size_t { return starts_.size(); }
-  [[nodiscard]] auto travels() const -> bool { return travels_; }
-
-  /// Spectra of each window at one harmonic, less the ramps that find_slopes found. @param is_line  it is one that
-  /// shakes
-  [[nodiscard]] auto at(std::size_t harmonic, const std::array<const Eigen::VectorXd*, kSignals>& signals,
-                        bool is_line = false) const -> std::vector<Spectra> {
-    std::vector<Spectra> all(starts_.size());
-    for (std::size_t w = 0; w < starts_.size(); ++w) {
-      const auto of = [&](const Eigen::VectorXd& x) {
-        return spectrum_at(x, starts_[w], is_line && travels_ ? von_hann_ : flat_, phases_, table_, harmonic);
-      };
-      const Complex ramp = of(ramp_);
-      for (std::size_t s = 0; s < kSignals; ++s) {
-        all[w][s] = of(*signals[s]) - (slopes_.empty() ? 0.0 : slopes_[w][s]) * ramp;
-      }
-    }
-    return all;
-  }
-
-  /// Of the first window alone: what shakes has no noise.
-  [[nodiscard]] auto shaken_power(std::size_t harmonic, const Eigen::VectorXd& shaken) const -> double {
-    return std::norm(spectrum_at(shaken, starts_.front(), flat_, phases_, table_, harmonic));
-  }
-
-  /// Over the windows in which the motor goes that way.
-  [[nodiscard]] auto mean_torque(bool forward) const -> double {
-    double sum = 0.0;
-    int count = 0;
-    for (const Eigen::Index from : starts_) {
-      const double way = log_.q1_rad[from + kMultisinePeriodMs - 1] - log_.q1_rad[from];
-      if ((way > 0.0) == forward) {
-        sum += log_.torque_nm.segment(from, kMultisinePeriodMs).mean();
-        ++count;
-      }
-    }
-    return count > 0 ? sum / count : 0.0;
-  }
-
-  [[nodiscard]] auto mean_speed() const -> double {
-    double sum = 0.0;
-    for (const Eigen::Index from : starts_) {
-      sum += std::fabs(log_.q1_rad[from + kMultisinePeriodMs - 1] - log_.q1_rad[from]) /
-             (log_.time_s[from + kMultisinePeriodMs - 1] - log_.time_s[from]);
-    }
-    return sum / static_cast<double>(starts_.size());
-  }
-
-  /// A joint that travels adds a ramp: its slope beside the lines that shake, by least squares. A period of rows has
-  /// every phase once, so lines are orthogonal to each other and to a constant, and only the ramp is not.
-  void find_slopes(const std::vector<std::size_t>& lines, const std::array<const Eigen::VectorXd*, kSignals>& signals) {
-    std::vector<std::array<double, kSignals>> slopes(starts_.size());
-    for (std::size_t w = 0; w < starts_.size(); ++w) {
-      Eigen::VectorXd rest = ramp_.segment(starts_[w], kMultisinePeriodMs);
-      rest.array() -= rest.mean();
-      for (const std::size_t line : lines) {
-        const Complex own = spectrum_at(ramp_, starts_[w], flat_, phases_, table_, line);
-        for (Eigen::Index i = 0; i < kMultisinePeriodMs; ++i) {
-          const std::size_t place = line * static_cast<std::size_t>(phases_[static_cast<std::size_t>(starts_[w] + i)]);
-          rest[i] -= (own * std::conj(table_[place % kMultisinePeriodMs])).real();
-        }
-      }
-      for (std::size_t s = 0; s < kSignals; ++s) {
-        slopes[w][s] = rest.dot(signals[s]->segment(starts_[w], kMultisinePeriodMs)) / rest.squaredNorm();
-      }
-    }
-    slopes_ = std::move(slopes);
-  }
-
- private:
-  /// As many as there is room for, as late as can be: what a turn left has died away most then.
-  void fill(Eigen::Index from, Eigen::Index end) {
-    for (Eigen::Index start = end - kMultisinePeriodMs; start >= from; start -= kMultisinePeriodMs) {
-      starts_.push_back(start);
-    }
-  }
-
-  void find(bool on_torque) {
-    const Eigen::VectorXd& reference = log_.reference_rad;
-    ramp_ = log_.time_s.array() - log_.time_s[0];
-    const Eigen::Index rows = reference.size();
-    Eigen::Index from = static_cast<Eigen::Index>(kMultisinePeriodMs);  // the first period settles
-    for (Eigen::Index i = 2; i < rows; ++i) {
-      const double turn = (reference[i] - 2.0 * reference[i - 1] + reference[i - 2]) * 1e3 / step_ms_;
-      if (on_torque && std::fabs(turn) > kTurnRadS) {
-        travels_ = true;
-        fill(from, i - 1);
-        from = i + kSettleMs / step_ms_;
-      }
-    }
-    fill(from, rows - kRampMs / step_ms_);
-  }
-
-  const ResponseLog& log_;
-  std::vector<Complex> table_;
-  std::vector<int> phases_;
-  std::vector<Eigen::Index> starts_;
-  std::vector<std::array<double, kSignals>> slopes_;
-  Eigen::VectorXd ramp_;
-  const Eigen::VectorXd flat_ = Eigen::VectorXd::Ones(kMultisinePeriodMs), von_hann_ = von_hann();
-  int step_ms_ = 1;
-  bool travels_ = false;
-};
-
 auto mean_power(const std::vector<Spectra>& all, Signal signal) -> double {
   double sum = 0.0;
   for (const Spectra& one : all) {
@@ -238,8 +96,8 @@ auto repeating_power(const std::vector<Spectra>& all, Signal signal) -> std::arr
   return {std::norm(mean) - scatter, scatter};
 }
 
-auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines,
-                   const std::array<const Eigen::VectorXd*, kSignals>& signals) -> Distortion {
+auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines, const Signals& signals)
+    -> Distortion {
   std::vector<double> power;
   for (const std::size_t line : lines) {
     power.push_back(mean_power(periods.at(line, signals), kMotor));
@@ -266,8 +124,7 @@ auto distortion_of(const Periods& periods, const std::vector<std::size_t>& lines
 }
 
 /// Rms rate of the motor at the lines that shake, rad/s.
-auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
-                const std::array<const Eigen::VectorXd*, kSignals>& signals) -> double {
+auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines, const Signals& signals) -> double {
   double power = 0.0;
   for (const std::size_t line : lines) {
     const double way = std::max(0.0, repeating_power(periods.at(line, signals), kMotor)[0]);
@@ -276,8 +133,7 @@ auto shake_rate(const Periods& periods, const std::vector<std::size_t>& lines,
   return std::sqrt(power);
 }
 
-auto lines_of(const Periods& periods, const std::array<const Eigen::VectorXd*, kSignals>& signals)
-    -> std::vector<std::size_t> {
+auto lines_of(const Periods& periods, const Signals& signals) -> std::vector<std::size_t> {
   std::vector<double> power(kMultisinePeriodMs / 2);
   for (std::size_t h = 1; h < power.size(); ++h) {
     power[h] = periods.shaken_power(h, *signals[kShaken]);
@@ -311,12 +167,29 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     response.motor_speed_rad_s = periods.mean_speed();
     response.motor_shake_rad_s = shake_rate(periods, lines, signals);
   }
-  for (const std::size_t line : lines) {
-    response.points.push_back(point_of(1e3 * static_cast<double>(line) / kMultisinePeriodMs,
-                                       periods.at(line, signals, true), response.on_torque));
-  }
   response.distortion = distortion_of(periods, lines, signals);
-  return response;
+  const auto over = [&](const Periods& some, Response one) {
+    one.windows = some.count();
+    for (const std::size_t line : lines) {
+      one.points.push_back(
+          point_of(1e3 * static_cast<double>(line) / kMultisinePeriodMs, some.at(line, signals, true), one.on_torque));
+    }
+    return one;
+  };
+  if (response.travels) {
+    const Periods backward = periods.going(false);
+    const Periods forward = periods.going(true);
+    if (std::min(backward.count(), forward.count()) >= kLeastWindows) {
+      Response one = response;
+      one.name += ", backward";
+      std::vector<Response> ways = {over(backward, std::move(one))};
+      one = response;
+      one.name += ", forward";
+      ways.push_back(over(forward, std::move(one)));
+      response.ways = std::move(ways);
+    }
+  }
+  return over(periods, std::move(response));
 }
 
 /// The next length that a fast transform likes; a few rows of zeros more.

@@ -35,6 +35,9 @@ struct Estimate {
   double radius95 = 0.0;  ///< the true value lies in this circle in 95 of 100 estimates
 };
 
+/// The mean square of what is within a circle of 95 %, of its radius's square; less where it is of few windows.
+inline constexpr double kNoiseShare = 1.0 / 3.0;
+
 struct ResponsePoint {
   double hz = 0.0;
   Estimate motor{};  ///< motor angle per torque, rad/Nm
@@ -74,6 +77,7 @@ struct Response {
   double backward_nm = 0.0, forward_nm = 0.0;  ///< then: mean torque either way
   double motor_speed_rad_s = 0.0;              ///< and how fast the motor went
   double motor_shake_rad_s = 0.0;              ///< rms of what the shake added to that
+  std::vector<Response> ways{};  ///< of a joint that travelled long enough: backward and forward by themselves
 };
 
 /// The period of the board's multisine; a test compares it with the firmware's.
@@ -84,6 +88,10 @@ inline constexpr int kMultisinePeriodMs = 2048;
 /// few.
 auto estimate_response(const ResponseLog& log) -> Response;
 
+/// What gains have to suit: backward and forward by themselves where they differ by more than noise explains, as of
+/// tendons that are not alike; else the joint as one. They live as long as `response`.
+auto views_of(const Response& response) -> std::vector<const Response*>;
+
 /// Of one joint under the same gains, shaken twice: the lines of `high` from its first on, below it those of `low`. A
 /// shake of high frequencies alone may be louder, for it moves the motor less.
 auto spliced(Response low, const Response& high) -> Response;
@@ -93,7 +101,7 @@ auto spliced(Response low, const Response& high) -> Response;
 inline constexpr double kLeastCoherence = 0.8;
 
 /// Throws Refusal where the coherence is below that in the band that matters, where the loop's gain is 1/3 to 3
-/// (without a loop: everywhere), or distortion rules; the sentence says what to change.
+/// (without a loop: everywhere), of each of its views, or distortion rules; the sentence says what to change.
 void require_usable(const Response& response);
 
 }  // namespace capstan::tools

@@ -98,7 +98,9 @@ auto nyquist(const Response& response, const std::optional<Tuning>& tuning) -> P
     circle.y[i] = 0.5 * std::sin(static_cast<double>(i) / 36.0 * std::numbers::pi);
   }
   plot.series.push_back(circle);
-  add(measured_loop(response), "measured", kMeasuredColour);
+  for (const Response* view : views_of(response)) {
+    add(measured_loop(*view), "measured", kMeasuredColour);
+  }
   if (tuning) {
     add(tuning->loop, "with the new gains", kTunedColour);
   }
@@ -170,9 +172,8 @@ auto response_text(const Response& response) -> std::string {
             " %\n";
   }
   if (response.on_torque) {
-    const std::vector<LoopPoint> loop = measured_loop(response);
-    text += "the loop as it was: " + margins_text(margins_of(loop, false)) + "\n";
-    text += "worst within the circles: " + margins_text(margins_of(loop)) + "\n";
+    text += "the loop as it was: " + margins_text(measured_margins(response, false)) + "\n";
+    text += "worst within the circles: " + margins_text(measured_margins(response, true)) + "\n";
   }
   return text;
 }
@@ -202,6 +203,7 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
   text += "joint loop up to " + rounded(tuning.joint_bandwidth_hz, 2) + " Hz\n";
   text += "limited by " + tuning.limited_by + "\n";
   text += tuning.swings.empty() ? "" : tuning.swings + "\n";
+  text += tuning.ways.empty() ? "" : tuning.ways + "\n";
   text += tuning.warning.empty() ? "" : "warning: " + tuning.warning + "\n";
   return text;
 }

@@ -30,15 +30,46 @@ constexpr double kStepUp = 1.12;          // how much more gain is tried to see 
 constexpr std::array<double, 3> kRateTimes = {1e-3, 5e-4, 2e-4};
 constexpr double kMostStiffness = 100.0, kMostDamping = 10.0, kMostKi = 100.0;  // of the parameters
 
+/// One view of a response.
+struct Plant {
+  Dense all;
+  std::vector<LoopPoint> known;  ///< the loop that was measured
+};
+using Plants = std::vector<Plant>;
+
+using LoopOf = std::vector<LoopPoint> (*)(const Dense& all, const LoopGains& gains);
+
+/// Of the worst of them.
+auto margins_over(const Plants& plants, const LoopGains& gains, LoopOf loop = loop_of, bool with_circle = true)
+    -> Margins {
+  Margins least = margins_of(loop(plants.front().all, gains), with_circle);
+  for (std::size_t i = 1; i < plants.size(); ++i) {
+    least = worse(least, margins_of(loop(plants[i].all, gains), with_circle));
+  }
+  return least;
+}
+
+/// The one that begins to swing first.
+auto first_cycle(const Plants& plants, const LoopGains& gains) -> std::optional<LimitCycle> {
+  std::optional<LimitCycle> first;
+  for (const Plant& plant : plants) {
+    const auto cycle = predict_limit_cycle(plant.all, gains);
+    first = cycle && (!first || cycle->onset < first->onset) ? cycle : first;
+  }
+  return first;
+}
+
 auto keeps(const Margins& margins, const Wanted& wanted, double reserve_deg = 0.0) -> bool {
   return margins.phase_deg >= wanted.phase_deg + reserve_deg && margins.gain_db >= wanted.gain_db &&
          margins.modulus >= wanted.modulus;
 }
 
-/// A moving joint does not begin to swing sooner. No margin of the loop says that: between two lines near a resonance
-/// the factor bends.
-auto calm(const Dense& all, const LoopGains& gains, const Wanted& wanted) -> bool {
-  return !swings_by(all, gains, wanted.onset);
+/// All of them are stable, and moving the joint does not begin to swing sooner than wanted. No margin of the loop says
+/// that: between two lines near a resonance the factor bends.
+auto calm(const Plants& plants, const LoopGains& gains, const Wanted& wanted) -> bool {
+  return std::all_of(plants.begin(), plants.end(), [&](const Plant& plant) {
+    return as_stable_as(loop_of(plant.all, gains), plant.known) && !swings_by(plant.all, gains, wanted.onset);
+  });
 }
 
 /// Rms torque that the encoder's steps make, N m: white noise of a step's twelfth through the servo.
@@ -67,8 +98,8 @@ struct Found {
 /// The servo with the rate's filter as it is, by a grid: 5 % from one stiffness to the next, and damping from a fifth
 /// of a millisecond's to a tenth of a second's share of it. The stiffest that keeps the margins, at the bandwidth that
 /// was asked for, and stiffer than `best`.
-void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present, const Wanted& wanted,
-                std::optional<Found>& best) {
+void tune_servo(const Plants& plants, const LoopGains& present, const Wanted& wanted, std::optional<Found>& best) {
+  const double first_hz = std::max(plants.front().all.hz.front(), plants.back().all.hz.front());
   for (double share_s = 2e-4; share_s < 0.1; share_s *= 1.12) {
     for (double stiffness = 0.01 * present.stiffness; stiffness < 100.0 * present.stiffness; stiffness *= 1.05) {
       if (best && stiffness <= best->gains.stiffness) {
@@ -80,14 +111,13 @@ void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const Loo
       if (gains.stiffness > kMostStiffness || gains.damping > kMostDamping || too_coarse(gains)) {
         break;
       }
-      const std::vector<LoopPoint> loop = loop_of(all, gains);
-      const Margins margins = margins_of(loop);
-      if (margins.crossover_hz < kAboveFirst * all.hz.front() || !keeps(margins, wanted, kServoReserveDeg) ||
+      const Margins margins = margins_over(plants, gains);
+      if (margins.crossover_hz < kAboveFirst * first_hz || !keeps(margins, wanted, kServoReserveDeg) ||
           (wanted.bandwidth_hz && (margins.crossover_hz < *wanted.bandwidth_hz ||
                                    margins.crossover_hz > kAboveAsked * *wanted.bandwidth_hz))) {
         continue;
       }
-      if (as_stable_as(loop, known) && calm(all, gains, wanted)) {
+      if (calm(plants, gains, wanted)) {
         best = Found{gains, margins};
       }
     }
@@ -95,15 +125,14 @@ void tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const Loo
 }
 
 /// The stiffest over the filters of the rate.
-auto tune_servo(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present, const Wanted& wanted)
-    -> std::optional<Found> {
+auto tune_servo(const Plants& plants, const LoopGains& present, const Wanted& wanted) -> std::optional<Found> {
   std::optional<Found> best;
-  tune_servo(all, known, present, wanted, best);
+  tune_servo(plants, present, wanted, best);
   for (const double time_s : kRateTimes) {
     LoopGains quicker = present;
     quicker.rate_time_constant_s = time_s;
     if (time_s < present.rate_time_constant_s) {
-      tune_servo(all, known, quicker, wanted, best);
+      tune_servo(plants, quicker, wanted, best);
     }
   }
   return best;
@@ -121,8 +150,8 @@ auto joint_bandwidth(const Dense& all, const LoopGains& gains) -> double {
 }
 
 /// The joint loop's integral as fast as the margins and a tenth of the servo's crossover allow; kp as it was, or less.
-auto tune_joint(const Dense& all, const std::vector<LoopPoint>& known, const Found& servo, const LoopGains& present,
-                const Wanted& wanted) -> std::optional<Found> {
+auto tune_joint(const Plants& plants, const Found& servo, const LoopGains& present, const Wanted& wanted)
+    -> std::optional<Found> {
   const double most = std::min(kMostKi, 2.0 * std::numbers::pi * kCascade * servo.margins.crossover_hz);
   for (const double part : {1.0, 0.5, 0.25, 0.0}) {
     for (double ki = most; ki > 0.1; ki *= 0.9) {
@@ -130,10 +159,9 @@ auto tune_joint(const Dense& all, const std::vector<LoopPoint>& known, const Fou
       gains.kp = part * present.kp;
       gains.ki_per_s = ki;
       gains.kd_s = part * present.kd_s;
-      const std::vector<LoopPoint> loop = loop_of(all, gains);
-      const Margins margins = margins_of(loop);
-      if (keeps(margins, wanted) && keeps(margins_of(outer_loop(all, gains)), wanted) && as_stable_as(loop, known) &&
-          calm(all, gains, wanted)) {
+      const Margins margins = margins_over(plants, gains);
+      if (keeps(margins, wanted) && keeps(margins_over(plants, gains, outer_loop), wanted) &&
+          calm(plants, gains, wanted)) {
         return Found{gains, margins};
       }
     }
@@ -155,7 +183,7 @@ auto sentence_of(const char* what, double hz, const MotorModel& motor, double fi
          rounded(kDegreesPerTurn * hz * filter_s, 2) + " deg";
 }
 
-auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, double last_hz) -> std::string {
+auto limit_of(const Plants& plants, const Tuning& tuning, const Wanted& wanted, double last_hz) -> std::string {
   LoopGains more = servo_only(tuning.gains);
   more.stiffness *= kStepUp;
   more.damping *= kStepUp;
@@ -163,10 +191,10 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
     return "encoder: its steps of " + rounded(2e3 * std::numbers::pi / more.counts_per_turn, 2) +
            " mrad would shake the torque by more than 2 % of the continuous one; a finer encoder allows more";
   }
-  if (const auto cycle = predict_limit_cycle(all, more); cycle && cycle->onset < wanted.onset) {
+  if (const auto cycle = first_cycle(plants, more); cycle && cycle->onset < wanted.onset) {
     return sentence_of("gain margin", cycle->hz, tuning.motor, more.rate_time_constant_s);
   }
-  const Margins margins = margins_of(loop_of(all, more));
+  const Margins margins = margins_over(plants, more);
   if (margins.gain_db < wanted.gain_db) {
     return sentence_of("gain margin", margins.gain_hz, tuning.motor, more.rate_time_constant_s);
   }
@@ -180,8 +208,8 @@ auto limit_of(const Dense& all, const Tuning& tuning, const Wanted& wanted, doub
 }
 
 /// Gains at which the joint would begin to swing soon are refused with that sentence.
-void require_calm(const Response& response, const Dense& all, const LoopGains& gains, const Wanted& wanted) {
-  const auto cycle = predict_limit_cycle(all, gains);
+void require_calm(const Response& response, const Plants& plants, const LoopGains& gains, const Wanted& wanted) {
+  const auto cycle = first_cycle(plants, gains);
   if (cycle && cycle->onset < wanted.onset) {
     throw Refusal(response.name + ": stiffness " + rounded(gains.stiffness, 3) + " and damping " +
                   rounded(gains.damping, 3) +
@@ -191,8 +219,7 @@ void require_calm(const Response& response, const Dense& all, const LoopGains& g
 }
 
 /// What was asked for has no margins; where that is because the joint would swing, says so.
-void refuse_swinging(const Response& response, const Dense& all, const std::vector<LoopPoint>& known,
-                     const LoopGains& present, const Wanted& wanted) {
+void refuse_swinging(const Response& response, const Plants& plants, const LoopGains& present, const Wanted& wanted) {
   if (!wanted.bandwidth_hz) {
     return;
   }
@@ -201,18 +228,17 @@ void refuse_swinging(const Response& response, const Dense& all, const std::vect
                       .modulus = 0.0,
                       .onset = 1.0,
                       .bandwidth_hz = wanted.bandwidth_hz};
-  if (const auto servo = tune_servo(all, known, present, barely)) {
-    require_calm(response, all, servo->gains, wanted);
+  if (const auto servo = tune_servo(plants, present, barely)) {
+    require_calm(response, plants, servo->gains, wanted);
   }
 }
 
 /// What to ask for in place of a bandwidth that no gains have: less than the most that others have, or more.
 /// @pre one was asked for
-auto other_bandwidth(const Dense& all, const std::vector<LoopPoint>& known, const LoopGains& present,
-                     const Wanted& wanted) -> std::string {
+auto other_bandwidth(const Plants& plants, const LoopGains& present, const Wanted& wanted) -> std::string {
   Wanted any = wanted;
   any.bandwidth_hz.reset();
-  const auto most = tune_servo(all, known, present, any);
+  const auto most = tune_servo(plants, present, any);
   return " at " + rounded(*wanted.bandwidth_hz, 3) + " Hz; " +
          (most && most->margins.crossover_hz > *wanted.bandwidth_hz
               ? "gains up to " + rounded(most->margins.crossover_hz, 2) +
@@ -270,6 +296,32 @@ void require_same_gains(const Response& response, const Dense& all, const LoopGa
   }
 }
 
+auto plants_of(const Response& response, const LoopGains& present) -> Plants {
+  Plants plants;
+  for (const Response* view : views_of(response)) {
+    Dense all = dense(*view);
+    require_same_gains(*view, all, present);
+    std::vector<LoopPoint> known = measured_loop(all);
+    plants.push_back({std::move(all), std::move(known)});
+  }
+  return plants;
+}
+
+auto worst_of(const Plants& plants, const LoopGains& gains) -> const Plant& {
+  const auto modulus = [&](const Plant& plant) { return margins_of(loop_of(plant.all, gains)).modulus; };
+  return modulus(plants.back()) < modulus(plants.front()) ? plants.back() : plants.front();
+}
+
+auto ways_sentence(const Response& response, bool backward_is_worse) -> std::string {
+  if (views_of(response).size() == 1) {
+    return {};
+  }
+  return std::string(
+             "the motor answers otherwise backward than forward, as of tendons that are not alike: margins are "
+             "the lower ones of both, mostly those ") +
+         (backward_is_worse ? "backward" : "forward");
+}
+
 }  // namespace
 
 auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning {
@@ -284,40 +336,40 @@ auto tune(const Response& response, const LoopGains& present, const Wanted& want
                   "are far too high for one that moves; record 'experiment joint0 multisine on=torque "
                   "travel=0.4 speed=0.2'");
   }
-  const Dense all = dense(response);
-  require_same_gains(response, all, present);
-  const std::vector<LoopPoint> known = measured_loop(all);
-  const auto servo = tune_servo(all, known, present, wanted);
+  const Plants plants = plants_of(response, present);
+  const auto servo = tune_servo(plants, present, wanted);
   if (!servo) {
-    refuse_swinging(response, all, known, present, wanted);
+    refuse_swinging(response, plants, present, wanted);
     throw Refusal(response.name + ": no gains of the motor servo keep " + rounded(wanted.phase_deg, 3) + " deg, " +
                   rounded(wanted.gain_db, 3) + " dB and a modulus of " + rounded(wanted.modulus, 2) +
-                  (wanted.bandwidth_hz ? other_bandwidth(all, known, present, wanted) : std::string("; ")) +
+                  (wanted.bandwidth_hz ? other_bandwidth(plants, present, wanted) : std::string("; ")) +
                   "shake for longer, for the circles of 95 % count against the margins");
   }
-  const auto joint = tune_joint(all, known, *servo, present, wanted);
+  const auto joint = tune_joint(plants, *servo, present, wanted);
   if (!joint) {
     throw Refusal(response.name + ": beside the motor servo no joint loop keeps the margins; ask for less bandwidth");
   }
+  const Plant& worst = worst_of(plants, joint->gains);
   Tuning tuning{.gains = joint->gains,
-                .motor = all.model,
+                .motor = worst.all.model,
                 .servo = servo->margins,
                 .whole = joint->margins,
                 .whole_nominal = {},
                 .limited_by = {},
                 .swings = {},
+                .ways = ways_sentence(response, &worst == &plants.front()),
                 .warning = turned_about(response),
-                .loop = loop_of(all, joint->gains)};
-  if (const auto cycle = predict_limit_cycle(all, tuning.gains)) {
+                .loop = loop_of(worst.all, joint->gains)};
+  if (const auto cycle = first_cycle(plants, tuning.gains)) {
     tuning.swings = sentence_of(*cycle, response.motor_speed_rad_s);
   }
   if (response.travels) {
     tuning.gains.friction_nm = {{response.backward_nm, response.forward_nm}};
   }
-  tuning.whole_nominal = margins_of(tuning.loop, false);
-  tuning.joint_bandwidth_hz = joint_bandwidth(all, joint->gains);
+  tuning.whole_nominal = margins_over(plants, tuning.gains, loop_of, false);
+  tuning.joint_bandwidth_hz = joint_bandwidth(worst.all, joint->gains);
   tuning.limited_by = wanted.bandwidth_hz ? "the bandwidth that was asked for"
-                                          : limit_of(all, tuning, wanted, response.points.back().hz);
+                                          : limit_of(plants, tuning, wanted, response.points.back().hz);
   return tuning;
 }
 

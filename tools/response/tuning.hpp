@@ -71,6 +71,8 @@ auto predicted_loop(const Response& response, const LoopGains& gains) -> std::ve
 auto measured_loop(const Response& response) -> std::vector<LoopPoint>;
 /// @param with_circle  false: of the values alone
 auto margins_of(const std::vector<LoopPoint>& loop, bool with_circle = true) -> Margins;
+/// Of the measured loop; the worse of backward and forward where they differ.
+auto measured_margins(const Response& response, bool with_circle) -> Margins;
 /// Whether `loop` is as stable as `known`, which is: neither 1 + L turns round zero against the other.
 auto as_stable_as(const std::vector<LoopPoint>& loop, const std::vector<LoopPoint>& known) -> bool;
 
@@ -82,12 +84,14 @@ struct Tuning {
   double joint_bandwidth_hz = 0.0;  ///< where the joint loop's gain is 1
   std::string limited_by;           ///< a sentence
   std::string swings;               ///< at which multiple of the gains the joint would swing, a sentence; or nothing
+  std::string ways;                 ///< that the joint answers otherwise backward than forward, a sentence; or nothing
   std::string warning;              ///< of a log that makes that come too late; or nothing
-  std::vector<LoopPoint> loop;
+  std::vector<LoopPoint> loop;      ///< of the way that has the lower modulus, as is `motor`
 };
 
-/// Gains for the wanted margins over the circles. Throws Refusal where the response is not smooth between its lines, no
-/// gains keep the margins, none as fast as asked, or the joint would begin to swing at less than twice the gains.
+/// Gains for the wanted margins over the circles, of each view of the response. Throws Refusal where the response is
+/// not smooth between its lines, no gains keep the margins, none as fast as asked, or the joint would begin to swing at
+/// less than twice the gains.
 /// @param present  those the log was made with: their kd, filter and bounds are kept
 auto tune(const Response& response, const LoopGains& present, const Wanted& wanted) -> Tuning;
 

@@ -57,9 +57,9 @@ inline auto draw(std::uint64_t seed, const sim::PlantParameters& joint = instrum
   plant.motor_coulomb_nm *= between(0.5, 2.0);
   plant.motor_viscous_nms_per_rad *= between(0.5, 3.0);
   plant.pretension_n *= between(0.6, 1.3);
-  // Alike on both sides: tuning does not serve tendons as different as those of the RAVEN's file (docs/tuning.md).
-  plant.stiffness_top_n_per_m *= between(0.6, 1.6);
-  plant.stiffness_bottom_n_per_m = plant.stiffness_top_n_per_m * between(0.9, 1.1);
+  const double stiffer = between(0.6, 1.6);
+  plant.stiffness_top_n_per_m *= stiffer;
+  plant.stiffness_bottom_n_per_m *= stiffer * between(0.9, 1.1);
   plant.current_noise_a *= between(0.5, 2.0);
   plant.current_offset_a = 0.01 * (random.uniform() - 0.5);
   plant.effects.play_half_width_rad = random.uniform() < 0.7 ? 0.0 : between(0.005, 0.02);
