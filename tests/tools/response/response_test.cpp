@@ -47,6 +47,69 @@ TEST(Response, WithoutNoiseItIsThePlantTheJointAndTheLoop) {
   EXPECT_LT(response.distortion.even, 1e-3);
 }
 
+/// A joint that goes to and fro by legs of 3.2 s, and is one loop forward and another backward.
+auto travelling(const KnownLoop& backward, const KnownLoop& forward) -> ResponseLog {
+  constexpr long kLeg = 3200;
+  constexpr long kLong = 24 * kLeg;
+  constexpr double kSpeed = 0.5e-3;  // rad a row
+  const auto shaken = random_multisine(3, 0.01, kLong);
+  ResponseLog log = forward.run(shaken, kLong, 1);
+  const ResponseLog other = backward.run(shaken, kLong, 2);
+  for (long i = 0; i < kLong; ++i) {
+    if (i / kLeg % 2 == 1) {
+      log.q1_rad[i] = other.q1_rad[i];
+      log.q2_rad[i] = other.q2_rad[i];
+      log.torque_nm[i] = other.torque_nm[i];
+    }
+    const long back = i / kLeg % 2 == 1 ? kLeg - i % kLeg : i % kLeg;
+    log.reference_rad[i] = kSpeed * static_cast<double>(back);
+    log.q1_rad[i] += log.reference_rad[i];
+    log.q2_rad[i] += log.reference_rad[i];
+  }
+  return log;
+}
+
+// Of both ways together a good part of the power repeats with nothing, however loud the shake is.
+TEST(Response, OfAJointThatDiffersBackwardAndForwardItIsEachWaysPlant) {
+  KnownLoop backward;
+  backward.noise_nm = 2e-4;
+  backward.pole2 = 0.95;  // of another phase, too
+  backward.gain = 1e-3;
+  KnownLoop forward;
+  forward.noise_nm = backward.noise_nm;
+  const Response response = estimate_response(travelling(backward, forward));
+  const std::vector<const Response*> views = views_of(response);
+  ASSERT_EQ(views.size(), 2U);
+  for (std::size_t i = 0; i < response.points.size(); ++i) {
+    const double hz = response.points[i].hz;
+    const Estimate& back = views[0]->points[i].motor;
+    const Estimate& on = views[1]->points[i].motor;
+    EXPECT_LT(std::abs(back.value - backward.plant(hz)), 2.0 * back.radius95 + 1e-3 * std::abs(back.value)) << hz;
+    EXPECT_LT(std::abs(on.value - forward.plant(hz)), 2.0 * on.radius95 + 1e-3 * std::abs(on.value)) << hz;
+  }
+  const auto least_coherence = [](const Response& some) {
+    double least = 1.0;
+    for (const ResponsePoint& point : some.points) {
+      least = std::min(least, point.hz < 60.0 ? point.coherence : 1.0);  // above, noise is what is left
+    }
+    return least;
+  };
+  EXPECT_LT(least_coherence(response), kLeastCoherence) << "as one it is of no use";
+  EXPECT_GT(least_coherence(*views[0]), 0.99);
+  EXPECT_GT(least_coherence(*views[1]), 0.99);
+  EXPECT_EQ(refusal_of(response), "");
+}
+
+TEST(Response, OfAJointThatIsTheSameBothWaysItIsOne) {
+  KnownLoop known;
+  known.noise_nm = 2e-4;
+  const Response response = estimate_response(travelling(known, known));
+  ASSERT_EQ(response.ways.size(), 2U);
+  const std::vector<const Response*> views = views_of(response);
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views.front(), &response) << "of all periods, so with the smaller circles";
+}
+
 // Feedback carries the load's noise into the torque, which biases a plain H1; what shakes as the instrument does not.
 TEST(Response, InClosedLoopWithNoiseTheTruthLiesInTheCircleInNinetyFiveOfAHundred) {
   KnownLoop known;

@@ -137,6 +137,42 @@ TEST(Tuning, MarginsPromisedAreTheTrueOnesOfManyMotors) {
   }
 }
 
+// Gains that suit the mean of both ways have less than 45 deg one way.
+TEST(Tuning, MarginsOfAMotorThatDiffersBackwardAndForwardAreTheLowerOnes) {
+  const Motor heavy{.inertia = 4e-5};
+  const Motor light{.inertia = 1.2e-5};
+  const LoopGains present = gentle();
+  const auto least = [&](const LoopGains& gains) {
+    const Margins a = true_margins(heavy, gains);
+    const Margins b = true_margins(light, gains);
+    return Margins{.phase_deg = std::min(a.phase_deg, b.phase_deg),
+                   .gain_db = std::min(a.gain_db, b.gain_db),
+                   .modulus = std::min(a.modulus, b.modulus)};
+  };
+  Response response = heavy.response(present);
+  response.ways = {heavy.response(present), light.response(present)};
+  for (std::size_t i = 0; i < response.points.size(); ++i) {
+    ResponsePoint& both = response.points[i];
+    both.motor.value = 0.5 * (both.motor.value + response.ways[1].points[i].motor.value);
+    both.loop.value = 0.5 * (both.loop.value + response.ways[1].points[i].loop.value);
+  }
+  const Tuning tuning = tune(response, present, {});
+  const Margins truth = least(tuning.gains);
+  EXPECT_GE(truth.phase_deg, 45.0);
+  EXPECT_GE(truth.gain_db, 6.0);
+  EXPECT_GE(truth.modulus, 0.5);
+  EXPECT_NEAR(tuning.whole_nominal.phase_deg, truth.phase_deg, 1.0);
+  EXPECT_NEAR(tuning.whole_nominal.gain_db, truth.gain_db, 0.3);
+  EXPECT_NEAR(tuning.whole_nominal.modulus, truth.modulus, 0.01);
+  EXPECT_NE(tuning.ways.find("otherwise backward than forward"), std::string::npos);
+  const auto both = predict_limit_cycle(response, tuning.gains);
+  const auto first = predict_limit_cycle(response.ways[1], tuning.gains);
+  ASSERT_TRUE(both && first);
+  EXPECT_DOUBLE_EQ(both->onset, first->onset) << "the lighter swings first";
+  response.ways.clear();
+  EXPECT_LT(least(tune(response, present, {}).gains).phase_deg, 44.0);
+}
+
 TEST(LimitCycle, OnsetIsTheFactorAtWhichTheMotorInTimeBeginsToGrow) {
   for (const int delay : {1, 3}) {
     const Motor motor{.delay = delay};
