@@ -207,8 +207,8 @@ void CommissionSteps::shake(CommissionSteps& steps) {
       continue;
     }
     // A motor that can not be seen is not shaken harder, and lines nearer to the sampling rate tell less of its
-    // inertia. (Faster and harder, dead encoders let wrist 1553 go by 12.7 deg.)
-    if ((one.fast && (!ever_answered || is_sure())) || (!counts && one.amplitude_nm > steps.unseen_nm())) {
+    // inertia. (Faster and harder, dead encoders let wrist 1553 go by 12.7 deg.) A coarse encoder that counts is seen.
+    if ((one.fast && ((!ever_answered && !counts) || is_sure())) || (!counts && one.amplitude_nm > steps.unseen_nm())) {
       break;
     }
     std::optional<CsvLog> shaken;
@@ -222,7 +222,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
         answers = answered(*shaken, one.fast);
       }
     } catch (const Refusal& refusal) {
-      if (!ever_answered) {
+      if (!ever_answered && !counts) {
         joint.disarm();
         throw Refusal("shaken with " + rounded(one.amplitude_nm, 2) +
                       " Nm the motor runs further than 2.9 deg: nothing holds it, so hook both tendons; or "
@@ -258,7 +258,7 @@ void CommissionSteps::shake(CommissionSteps& steps) {
   if (last == 0.0 && lighter > 0.0) {  // and faster it said nothing
     steps.refuse_scale(lighter);
   }
-  if (ever_answered) {
+  if (ever_answered || counts) {
     throw Refusal(std::string(too_far.empty() ? ""
                                               : "shaken harder the motor would run further than 2.9 deg, so check "
                                                 "first that both tendons are hooked; if they are, ") +
