@@ -64,7 +64,7 @@ auto keeps(const Margins& margins, const Wanted& wanted, double reserve_deg = 0.
          margins.modulus >= wanted.modulus;
 }
 
-/// All of them are stable, and moving the joint does not begin to swing sooner than wanted. No margin of the loop says
+/// Every plant is stable, and none begins to swing at less than the wanted factor on its gain. The margins do not tell
 /// that: between two lines near a resonance the factor bends.
 auto calm(const Plants& plants, const LoopGains& gains, const Wanted& wanted) -> bool {
   return std::all_of(plants.begin(), plants.end(), [&](const Plant& plant) {
