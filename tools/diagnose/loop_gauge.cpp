@@ -230,7 +230,7 @@ class LoopSearch {
     const auto& found = search_.effects;
     const bool about_tendons = may_be_tendons(search_);  // beside a loop that is no name
     if (!found.empty() && !about_tendons && !late_otherwise && left_by_found_ <= enough_) {
-      return complete(search_.law, left_by_found_, found);
+      return on_tendons(found);
     }
     if (auto late = is_as_late ? std::nullopt : of_lateness_alone()) {
       return *late;
@@ -249,7 +249,7 @@ class LoopSearch {
       return complete(search_.law, left_by_found_, {drift});
     }
     if (course.narrows() && course.early) {
-      return complete(search_.law, left_by_found_, {named("viscoelastic_creep")});
+      return on_tendons({named("viscoelastic_creep")});
     }
     if (about_tendons || course.widens()) {
       return nameless(course.widens() ? "wear" : "");
@@ -284,6 +284,33 @@ class LoopSearch {
     return effect;
   }
   [[nodiscard]] auto explained_by(double left) const -> double { return 1.0 - left * left / (left_ * left_); }
+
+  /// The healthy joint's tendons with these effects, whose shapes begin where the search left them; with another
+  /// pretension where theirs leaves more than noise.
+  [[nodiscard]] auto tendons_with(const std::vector<AddedEffect>& effects) const -> LawForm {
+    LawForm law = tendons_;
+    for (const AddedEffect& effect : effects) {
+      const CatalogueTerm& term = law.catalogue->term(effect.name);
+      if (!law.has(effect.name)) {
+        law.terms.push_back(effect.name);
+        law.set_shapes(term, search_.law.shapes_of(term));
+      }
+    }
+    law = refine_shapes(p_.causal, p_.target, p_.certain(), std::move(law));
+    if (left_to_choose(p_, law) > enough_) {
+      law = with_other_pretension(p_.causal, p_.target, refined(p_.split, p_.factor).learned(), std::move(law));
+      law = refine_shapes(p_.causal, p_.target, p_.certain(), std::move(law));
+    }
+    return law;
+  }
+  /// In the law of the healthy tendons, unless these leave more than noise and more than the loop that stood in for
+  /// them: the loop's law has no torque in it or what the log made of that, and holds for motions like this one.
+  auto on_tendons(const std::vector<AddedEffect>& effects) -> Search {
+    const LawForm law = tendons_with(effects);
+    const double left = left_to_choose(p_, law);
+    return left <= std::max(enough_, left_by_found_) ? complete(law, left, effects)
+                                                     : complete(search_.law, left_by_found_, effects);
+  }
 
   /// @param effects  that leave nothing but noise, in this law
   auto complete(const LawForm& law, double left, std::vector<AddedEffect> effects) -> Search {
