@@ -39,7 +39,7 @@ class Session {
   [[nodiscard]] auto scope_setup() -> ScopeSetup& { return scope_; }
   [[nodiscard]] auto characters_dropped() const -> std::uint32_t { return lines_.dropped(); }
   /// A `disarm` overtook and is under way to the cycle.
-  [[nodiscard]] auto disarming() const -> bool { return urgent_ != Urgent::kNone; }
+  [[nodiscard]] auto disarming() const -> bool { return disarming_; }
 
   void ok();
   void error(const char* name, const char* sentence, const char* cure);
@@ -96,8 +96,6 @@ class Session {
   [[nodiscard]] auto staging() const -> bool { return staging_; }
 
  protected:
-  enum class Urgent : std::uint8_t { kNone, kWanted, kPosted };
-
   Session(Machine& machine, TextSink& sink, Board& board, bool echo)
       : machine_(machine), lines_(sink), out_(lines_), board_(board), editor_(out_, echo) {}
   ~Session() = default;
@@ -110,7 +108,7 @@ class Session {
   Stream* stream_ = nullptr;
   Stream* beside_ = nullptr;
   Maintenance maintenance_;
-  Urgent urgent_ = Urgent::kNone;  ///< disarm_now() until the cycle has carried it out
+  bool disarming_ = false;  ///< disarm_now() until the cycle has carried it out
 
  private:
   std::span<AxisConfig> staged_;  ///< the machine's room for it, while this console has it

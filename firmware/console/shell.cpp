@@ -121,16 +121,13 @@ void Shell::cancel_stream() {
 
 void Shell::disarm_now() {
   cancel_stream();
-  urgent_ = Urgent::kWanted;
+  static_cast<void>(machine_.post({.kind = Request::Kind::kDisarm}));  // never refused
+  disarming_ = true;
   poll();
 }
 
 void Shell::poll() {
-  if (urgent_ == Urgent::kWanted && machine_.post({.kind = Request::Kind::kDisarm})) {
-    urgent_ = Urgent::kPosted;
-  } else if (urgent_ == Urgent::kPosted && machine_.requests_taken()) {
-    urgent_ = Urgent::kNone;
-  }
+  disarming_ = disarming_ && !machine_.requests_taken();
   if (beside_ != nullptr) {
     beside_->step(*this);
   }

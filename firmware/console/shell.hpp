@@ -22,9 +22,12 @@ class Shell final : public Session {
   [[nodiscard]] auto busy() const -> bool {
     return (stream_ != nullptr && !streams(Stream::Manner::kYields)) || disarming();
   }
-  /// True while an answer goes on and a joint has torque: who stops it must be heard, whatever waits before him.
+  /// True while an answer goes on and a joint has torque, or an arming waits for its drives: who stops it must be
+  /// heard, whatever waits before him.
   [[nodiscard]] auto must_listen() const -> bool {
-    return streams(Stream::Manner::kGoesOn) && energised(machine_.telemetry().state);
+    const State state = machine_.telemetry().state;
+    return streams(Stream::Manner::kGoesOn) ? energised(state)
+                                            : streams(Stream::Manner::kWaits) && state == State::kArmed;
   }
   /// The operator wants torque off although an answer is under way: takes it away at once and ends what streams. The
   /// `disarm` itself is still to be received and answered in its turn.

@@ -40,7 +40,10 @@ constexpr std::array<ShellCommand, 31> kCommands = {
         "commissioned joint its scale (motor.encoder_counts, motor.encoder_sign, motor.torque_per_current); "
         "if no key is set, 'maintenance open' is enough",
         commands::maintenance},
-    ShellCommand{"arm", "", 0, "gives torque, holding the joints where they are", commands::arm, true},
+    ShellCommand{
+        "arm", "", 0,
+        "gives torque, holding the joints where they are; a stream that runs already counts after a pause of 0.1 s",
+        commands::arm, true},
     ShellCommand{"disarm", "", kAnyNumber, "takes torque away and acknowledges a fault", commands::disarm},
     ShellCommand{
         "move", "jointN ANGLE [rad|deg] | jointN motor=ANGLE [rad|deg] | jointN force=TORQUE [rate=R] [corridor=ANGLE]",

@@ -76,11 +76,8 @@ void commands::arm(Session& session, std::string_view /*arguments*/) {
 }
 
 void commands::disarm(Session& session, std::string_view /*arguments*/) {
-  if (session.machine().post({.kind = Request::Kind::kDisarm})) {
-    session.answer_when_taken();
-  } else {
-    session.busy_cycle();
-  }
+  static_cast<void>(session.machine().post({.kind = Request::Kind::kDisarm}));  // never refused
+  session.answer_when_taken();
 }
 
 }  // namespace capstan

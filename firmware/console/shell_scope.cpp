@@ -43,7 +43,7 @@ class DumpStream final : public Stream {
 void DumpStream::step(Session& session) {
   constexpr std::size_t kLinesAtOnce = 4;
   const StepTime time(session.machine());
-  const Scope& scope = session.machine().scope();
+  Scope& scope = session.machine().scope();
   Print& out = session.out();
   const std::size_t end = std::min(scope.size(), next_ + kLinesAtOnce);
   for (; next_ < end && time.left(); ++next_) {
@@ -56,7 +56,8 @@ void DumpStream::step(Session& session) {
     }
     out << "\r\n";
   }
-  if (next_ == scope.size()) {
+  if (next_ >= scope.size()) {
+    scope.end_reading();
     session.ok();
   }
 }
@@ -154,6 +155,19 @@ void scope_trigger(Session& session, std::string_view arguments) {
   session.ok();
 }
 
+/// Begins or ends a capture.
+void hand_over_setup(Session& session, const ScopeSetup& setup) {
+  Scope& scope = session.machine().scope();
+  if (scope.start(setup)) {
+    session.answer_when_taken();
+  } else if (scope.reading()) {
+    session.error("busy", "another console is reading the last capture, and nothing was changed",
+                  "send the line again when its dump has ended");
+  } else {
+    session.busy_cycle();
+  }
+}
+
 void scope_start(Session& session, std::string_view arguments) {
   if (session.scope_setup().channel_count == 0) {
     session.error("no_channels", "the scope has no channels to record", "'scope channels joint0.q2' first");
@@ -175,16 +189,12 @@ void scope_start(Session& session, std::string_view arguments) {
   session.scope_setup().samples = static_cast<std::size_t>(samples);
   session.scope_setup().before = static_cast<std::size_t>(before);
   session.scope_setup().every = static_cast<std::uint32_t>(every);
-  if (session.machine().scope().start(session.scope_setup())) {
-    session.answer_when_taken();
-  } else {
-    session.busy_cycle();
-  }
+  hand_over_setup(session, session.scope_setup());
 }
 
 void scope_dump(Session& session) {
-  const Scope& scope = session.machine().scope();
-  if (scope.phase() != Scope::Phase::kDone) {
+  Scope& scope = session.machine().scope();
+  if (!scope.begin_reading()) {
     session.error("nothing_captured", "there is no finished capture",
                   "'scope start', then look at 'scope' until it is done");
     return;
@@ -218,11 +228,7 @@ void commands::scope(Session& session, std::string_view arguments) {
   } else if (word == "start") {
     scope_start(session, arguments);
   } else if (word == "stop") {
-    if (session.machine().scope().start({})) {
-      session.answer_when_taken();
-    } else {
-      session.busy_cycle();
-    }
+    hand_over_setup(session, {});
   } else if (word == "dump") {
     scope_dump(session);
   } else {

@@ -53,7 +53,7 @@ class Application final : public Machine {
 
   /// The console is gone: whatever moves must not go on. Takes torque away within a cycle, and leaves a latched fault
   /// for the operator to see. Callable from the background at any time.
-  void link_lost() { link_lost_.store(true, std::memory_order_relaxed); }
+  void link_lost() { static_cast<void>(post({.kind = Request::Kind::kRest})); }
 
   /// What the board itself found wrong since it started. Callable from the background at any time.
   void set_board_faults(FaultSet faults) { board_faults_.store(faults, std::memory_order_relaxed); }
@@ -91,9 +91,16 @@ class Application final : public Machine {
     config_waits_.store(true, std::memory_order_release);
     return {};
   }
-  auto post(const Request& request) -> bool override { return request.axis < kAxes && request_box_.offer(request); }
+  auto post(const Request& request) -> bool override {
+    if (request.kind == Request::Kind::kDisarm || request.kind == Request::Kind::kRest) {
+      off_.fetch_or(request.kind == Request::Kind::kDisarm ? kOffDisarm : kOffRest, std::memory_order_release);
+      return true;
+    }
+    return request.axis < kAxes && request_box_.offer(request);
+  }
   auto requests_taken() const -> bool override {
-    return request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.requests_taken() &&
+    return off_.load(std::memory_order_acquire) == 0 && !off_under_way_.load(std::memory_order_acquire) &&
+           request_box_.empty() && !config_waits_.load(std::memory_order_acquire) && scope_.requests_taken() &&
            recorder_.requests_taken() && experiment_box_.empty();
   }
   auto save() -> bool override {
@@ -166,6 +173,7 @@ class Application final : public Machine {
       experiment_.rt_end();
     }
     if (experiment_.active()) {
+      rt_leave_if_streamed(command, experiment_.axis());  // or it would take the joint when the experiment ends
       command.axis[experiment_.axis()] = experiment_.rt_step(state_.axis[experiment_.axis()]);
       command.experiment = experiment_.active();
     }
@@ -199,6 +207,13 @@ class Application final : public Machine {
     }
   }
 
+  /// A stream that runs while somebody else has the joint, or nobody.
+  void rt_leave_if_streamed(const Command<kAxes>& command, std::size_t axis) {
+    if (command.axis[axis].kind != Request::Kind::kNone) {
+      left_streams_ |= 1U << axis;
+    }
+  }
+
   /// Until the sender has paused.
   void rt_ignore_streams(Command<kAxes>& command) {
     for (std::size_t axis = 0; axis < kAxes; ++axis) {
@@ -211,26 +226,38 @@ class Application final : public Machine {
     }
   }
 
+  /// What takes torque away, which needs no room and outranks all else of the cycle. Looked at before the mailbox, so
+  /// that of an arm and what followed it the latter is never carried out first.
+  [[nodiscard]] auto rt_take_off() -> std::uint32_t {
+    if (off_.load(std::memory_order_relaxed) == 0) {
+      return 0;
+    }
+    off_under_way_.store(true, std::memory_order_relaxed);
+    return off_.exchange(0, std::memory_order_acq_rel);
+  }
+
   /// Streamed references, over them an experiment's, and over them what the shell asked for.
   auto rt_command(const Streamed& streamed) -> Command<kAxes> {
     Command<kAxes> command{.axis = streamed};
+    const State state = state_.supervisor.state();
+    if (!energised(state)) {  // torque would come with the motion that a stream asks for
+      for (std::size_t axis = 0; axis < kAxes; ++axis) {
+        rt_leave_if_streamed(command, axis);
+      }
+    }
     if (left_streams_ != 0) {
       rt_ignore_streams(command);
     }
     rt_experiment(command);
     // What is asked for before the first cycle waits for the second, which can carry it out.
-    const Request* request = state_.supervisor.state() == State::kBoot ? nullptr : request_box_.rt_peek();
+    const bool first = state == State::kBoot;
+    const std::uint32_t off = first ? 0 : rt_take_off();
+    const Request* request = first ? nullptr : request_box_.rt_peek();
     if (request != nullptr) {
       switch (request->kind) {
         case Request::Kind::kArm:
           command.arm = true;
           command.cautious = request->cautious;
-          break;
-        case Request::Kind::kDisarm:
-          command.disarm = true;
-          break;
-        case Request::Kind::kRest:
-          command.rest = true;
           break;
         case Request::Kind::kZero:
           command.axis[request->axis] = *request;
@@ -243,10 +270,9 @@ class Application final : public Machine {
       }
       acknowledge_ = true;
     }
-    if (link_lost_.exchange(false, std::memory_order_relaxed)) {
-      command.arm = false;
-      command.rest = true;
-    }
+    command.arm = command.arm && off == 0;
+    command.disarm = (off & kOffDisarm) != 0;
+    command.rest = off != 0;
     return command;
   }
 
@@ -269,6 +295,7 @@ class Application final : public Machine {
       acknowledge_ = false;
       request_box_.rt_taken();
     }
+    off_under_way_.store(false, std::memory_order_release);
     if (experiment_taken_) {
       experiment_taken_ = false;
       experiment_box_.rt_taken();
@@ -297,7 +324,10 @@ class Application final : public Machine {
   Scope scope_;
   FaultLog fault_log_;
   Palpation palpation_;
-  std::atomic<bool> link_lost_ = false;
+  static constexpr std::uint32_t kOffRest = 1;
+  static constexpr std::uint32_t kOffDisarm = 2;
+  std::atomic<std::uint32_t> off_ = 0;       // kOff... that the cycle is to carry out,
+  std::atomic<bool> off_under_way_ = false;  // and is carrying out
   std::atomic<FaultSet> board_faults_ = 0;
   std::atomic<FaultSet> parameter_faults_ = 0;
 };

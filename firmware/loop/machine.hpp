@@ -30,6 +30,8 @@ class Machine {
   /// one place where a set is judged, whoever brings it.
   virtual auto configure(std::span<const AxisConfig> axes, Rights rights) -> SetAnswer = 0;
   /// Hands a request to the cycle, one at a time. False: the last one is still under way, or there is no such joint.
+  /// What takes torque away (kDisarm, kRest) waits for no other and is never refused; the request that the cycle takes
+  /// with it gives no torque.
   virtual auto post(const Request& request) -> bool = 0;
   /// True once the cycle has carried out or refused the last request and taken the last parameters.
   [[nodiscard]] virtual auto requests_taken() const -> bool = 0;

@@ -8,7 +8,13 @@ auto Scope::start(const ScopeSetup& setup) -> bool {
   CAPSTAN_EXPECT(setup.samples == 0 ||
                  (setup.channel_count >= 1 && setup.channel_count <= ScopeSetup::kMostChannels &&
                   setup.samples * setup.channel_count <= kWords && setup.before < setup.samples && setup.every >= 1));
-  return box_.offer(setup);
+  return readers_ == 0 && box_.offer(setup);
+}
+
+auto Scope::begin_reading() -> bool {
+  const bool there = box_.empty() && phase() == Phase::kDone;
+  readers_ += there ? 1 : 0;
+  return there;
 }
 
 auto Scope::cycles_from_trigger(std::size_t sample) const -> std::int32_t {
@@ -17,6 +23,7 @@ auto Scope::cycles_from_trigger(std::size_t sample) const -> std::int32_t {
 }
 
 auto Scope::raw(std::size_t sample, std::size_t channel) const -> std::int32_t {
+  CAPSTAN_EXPECT(sample < stored_ && channel < setup_.channel_count);
   const std::size_t oldest = stored_ < setup_.samples ? 0 : next_;
   const std::size_t place = oldest + sample;
   return words_[(place < setup_.samples ? place : place - setup_.samples) * setup_.channel_count + channel];

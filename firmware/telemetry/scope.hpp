@@ -33,23 +33,30 @@ struct ScopeSetup {
 
 /// Records signals in every cycle around a moment that a trigger chooses. One side belongs to the cycle, the other to
 /// the background; neither waits for the other. While a capture runs the cycle alone writes the memory, and from
-/// kDone until the next start() the background alone reads it.
+/// kDone until the next start() the background alone reads it. A board may have two consoles, so who reads says so.
 class Scope {
  public:
   static constexpr std::size_t kWords = 8 * 1000;  ///< samples times channels
   enum class Phase : std::uint8_t { kIdle, kWaiting, kFilling, kDone };
 
-  /// Begins a capture, or ends one. False: the cycle has not taken the last setup yet, and nothing changed.
+  /// Begins a capture, or ends one. False: the cycle has not taken the last setup yet, or the last capture is being
+  /// read, and nothing changed.
   /// @pre 1 to 8 channels, samples * channels <= kWords, before < samples, every >= 1; or samples = 0
   auto start(const ScopeSetup& setup) -> bool;
   [[nodiscard]] auto requests_taken() const -> bool { return box_.empty(); }
   [[nodiscard]] auto phase() const -> Phase { return phase_.load(std::memory_order_acquire); }
 
-  // In kDone only:
+  /// Takes a finished capture for reading: until end_reading() no start() succeeds. False: there is none.
+  auto begin_reading() -> bool;
+  void end_reading() { --readers_; }
+  [[nodiscard]] auto reading() const -> bool { return readers_ > 0; }
+
+  // Of who reads:
   [[nodiscard]] auto setup() const -> const ScopeSetup& { return setup_; }
   [[nodiscard]] auto size() const -> std::size_t { return stored_; }
   /// Cycles from the trigger to a sample; the trigger's own sample has 0.
   [[nodiscard]] auto cycles_from_trigger(std::size_t sample) const -> std::int32_t;
+  /// @pre sample < size(), channel < setup().channel_count
   [[nodiscard]] auto raw(std::size_t sample, std::size_t channel) const -> std::int32_t;
   [[nodiscard]] auto trigger_tick() const -> std::uint32_t { return trigger_tick_; }
   /// Cycles that the board skipped while the capture ran: samples that are missing.
@@ -64,6 +71,7 @@ class Scope {
   [[nodiscard]] auto rt_triggered(const MachineTelemetry& machine, std::span<const AxisTelemetry> axes) -> bool;
 
   Mailbox<ScopeSetup> box_;
+  std::uint32_t readers_ = 0;  // the background's
   std::atomic<Phase> phase_ = Phase::kIdle;
   ScopeSetup setup_;
   std::array<std::int32_t, kWords> words_{};

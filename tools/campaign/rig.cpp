@@ -198,7 +198,8 @@ class Rig {
     std::optional<double> sent;
     if (stream_) {
       sent = (*stream_)(reference);
-    } else if (scene_.situation == Situation::kFollowing) {
+    } else if (scene_.situation == Situation::kFollowing &&
+               cycle_ > kRestCycles) {  // one from before arming is ignored
       sent = reference;
     }
     if (sent) {

@@ -154,5 +154,22 @@ TEST(ShellInput, ALineOfDisarmEndsAWatchToo) {
   EXPECT_EQ(fed.state(), State::kDisarmed);
 }
 
+TEST(ShellInput, ADisarmIsHeardWithoutRoomWhileAnArmingWaitsForItsDrives) {
+  Fed fed;
+  fed.io.cycles_to_follow = 200;
+  fed.send("arm\n");
+  fed.background(5);
+  ASSERT_EQ(fed.state(), State::kArmed);
+  while (fed.input.room() > 0) {
+    fed.input.take("version\n"[(256 - fed.input.room()) % 8]);
+  }
+  ASSERT_GT(fed.input.wants(), 0U);
+  for (const char c : std::string("disarm\n")) {
+    fed.input.take(c);
+  }
+  fed.background(2);
+  EXPECT_EQ(fed.state(), State::kDisarmed);
+}
+
 }  // namespace
 }  // namespace capstan

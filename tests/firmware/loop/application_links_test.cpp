@@ -130,5 +130,98 @@ TEST(Application, AnOperatorsMoveEndsAStreamToo) {
   EXPECT_NEAR(rig.application.axis_telemetry(0).q2_reference_rad.to_double(), -0.3, 1e-3);
 }
 
+/// Follows 1.5 rad in every cycle, from before there is torque.
+struct StreamedRig : Rig {
+  void stream(int cycles, double position_rad = 1.5) {
+    for (int i = 0; i < cycles; ++i) {
+      application.rt_tick({{{.kind = Request::Kind::kFollow, .position_rad = Q24::from_double(position_rad)}}});
+    }
+  }
+};
+
+TEST(Application, AStreamThatRanBeforeTheArmingMovesNothingUntilItsSenderPauses) {
+  StreamedRig rig;
+  rig.stream(200);
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  rig.stream(2000);
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.0, 0.01) << "arming holds the joint where it is";
+  rig.ticks(100);
+  rig.stream(3000);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 1.5, 0.1) << "a stream that begins anew is meant";
+}
+
+TEST(Application, AStreamOfFewFramesASecondIsNotTakenForOneThatBegins) {
+  StreamedRig rig;
+  const auto slowly = [&rig](int frames) {
+    for (int i = 0; i < frames; ++i) {
+      rig.stream(1);
+      rig.ticks(90);
+    }
+  };
+  slowly(3);
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  slowly(20);
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.0, 0.01);
+}
+
+TEST(Application, AStreamThatGoesOnThroughAFaultMovesNothingWhenTheJointIsArmedAgain) {
+  StreamedRig rig;
+  rig.arm();
+  rig.stream(500, 0.2);
+  ASSERT_NEAR(rig.io.motors[0].angle_rad, 0.2, 0.05);
+  rig.io.estop = true;
+  rig.stream(1, 0.2);
+  rig.io.estop = false;
+  rig.stream(20, -1.5);
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kDisarm}));
+  rig.stream(1, -1.5);
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+  rig.stream(500, -1.5);
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.2, 0.1);
+}
+
+TEST(Application, AStreamUnderAnExperimentDoesNotTakeTheJointAtItsEnd) {
+  StreamedRig rig;
+  rig.arm();
+  const ExperimentSetup setup{
+      .recipe = Recipe::kSpeedLadder, .amplitude = Q24::from_double(0.1), .rungs = {Q24::from_int(1)}, .rung_count = 1};
+  ASSERT_EQ(rig.application.begin_experiment(setup), nullptr);
+  rig.ticks(2);
+  rig.stream(20'000);
+  EXPECT_EQ(rig.application.telemetry().experiment, ExperimentPhase::kDone);
+  EXPECT_EQ(rig.state(), State::kHolding);
+  EXPECT_NEAR(rig.io.motors[0].angle_rad, 0.0, 0.2);
+}
+
+TEST(Application, WhatTakesTorqueAwayNeedsNoRoomAndOutranksWhatLiesThere) {
+  for (const Request::Kind off : {Request::Kind::kDisarm, Request::Kind::kRest}) {
+    Rig rig;
+    ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
+    EXPECT_TRUE(rig.application.post({.kind = off}));
+    EXPECT_FALSE(rig.application.requests_taken());
+    rig.ticks(3);
+    EXPECT_TRUE(rig.application.requests_taken());
+    EXPECT_EQ(rig.state(), State::kDisarmed);
+    EXPECT_FALSE(rig.io.has_torque());
+    rig.arm();
+    EXPECT_TRUE(rig.io.has_torque()) << "it is carried out once";
+  }
+}
+
+TEST(Application, ARestDoesNotWeakenTheDisarmOfItsCycle) {
+  Rig rig;
+  rig.arm();
+  rig.io.estop = true;
+  rig.ticks(1);
+  rig.io.estop = false;
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kDisarm}));
+  ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kRest}));
+  rig.ticks(1);
+  EXPECT_EQ(rig.state(), State::kDisarmed);
+}
+
 }  // namespace
 }  // namespace capstan

@@ -280,7 +280,7 @@ TEST(Application, IsSettledOnlyWhenTheAnswerCanBeSeen) {
   EXPECT_TRUE(rig.application.requests_taken());
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kArm}));
   EXPECT_FALSE(rig.application.requests_taken());
-  EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kDisarm})) << "one at a time";
+  EXPECT_FALSE(rig.application.post({.kind = Request::Kind::kMove})) << "one at a time";
   rig.ticks(1);
   EXPECT_TRUE(rig.application.requests_taken());
   EXPECT_EQ(rig.state(), State::kArmed);
