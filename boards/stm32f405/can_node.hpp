@@ -49,11 +49,15 @@ class CanNode {
     note_port_errors();
   }
 
-  /// True once for each time the bus, or everybody else on it, was lost while somebody was on it.
+  /// True once for each time the bus, or everybody else on it, was lost while somebody was on it: the shell then
+  /// forgets what the peer had opened, begun and taken.
   [[nodiscard]] auto take_bus_loss() -> bool {
     const std::uint32_t losses = port_.errors().bus_off + port_.errors().alone;
     const bool lost = losses != seen_losses_ && (heard_ || troubles_.count(CanTrouble::kSetpointAlone) != 0);
     seen_losses_ = losses;
+    if (lost) {
+      input_.peer_left();
+    }
     return lost;
   }
 

@@ -263,6 +263,21 @@ TEST_F(Node, PulledCableTakesTheTorqueOfWhoeverCameOverTheBus) {
   EXPECT_FALSE(io.has_torque()) << "the next one does";
 }
 
+TEST_F(Node, PulledCableClosesWhatItsHostHadOpenedBegunAndTaken) {
+  ASSERT_NE(ask("maintenance open").find("ok"), std::string::npos);
+  ASSERT_NE(ask("begin").find("ok"), std::string::npos);
+  ASSERT_NE(ask("frames 50 joint0.q2").find("ok"), std::string::npos);
+  bus_works = false;
+  steps(300);
+  const int someone = 0;
+  EXPECT_FALSE(application.staging(&someone).empty()) << "the other console may set parameters";
+  EXPECT_TRUE(application.recorder().start(&someone, {.signals = {find_signal("joint0.q1", 4)}, .count = 1}))
+      << "and record";
+  bus_works = true;
+  steps(200);
+  EXPECT_EQ(ask("maintenance").find("open for"), std::string::npos) << "the next host has to open it itself";
+}
+
 TEST_F(Node, BusThatIsBusyForAWhileIsNotTakenForAPulledCable) {
   ASSERT_NE(ask("arm").find("ok"), std::string::npos);
   for (int i = 0; i < 20; ++i) {
