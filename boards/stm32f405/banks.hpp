@@ -33,11 +33,9 @@ class FlashBanks final : public Banks {
   static constexpr std::uint32_t kFirstSector = 1;
 
   auto do_erase(int bank) -> bool override {
-    if (!watchdog_.change(stm32f4::kEraseWatchdog)) {
-      return false;
-    }
-    const bool erased = sectors_.erase(kFirstSector + static_cast<std::uint32_t>(bank));
-    return watchdog_.change(stm32f4::kCycleWatchdog) && erased;
+    const bool erased =
+        watchdog_.change(stm32f4::kEraseWatchdog) && sectors_.erase(kFirstSector + static_cast<std::uint32_t>(bank));
+    return watchdog_.change(stm32f4::kCycleWatchdog) && erased;  // also where the other was not taken over, or is late
   }
 
   auto do_write(int bank, std::size_t offset, std::span<const std::uint8_t> bytes) -> bool override {

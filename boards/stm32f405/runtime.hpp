@@ -127,6 +127,9 @@ class Runtime final : public Board {
     shell_.print_banner();
     bool timing_printed = false;
     for (;;) {
+      if (!watchdog_.taken()) {  // a save left a setting of which nobody knows how long it is
+        application_.set_board_faults(faults_at_start(report) | bit(Fault::kWatchdog));
+      }
       feed_.poll();
       can_node_.poll();
       if (can_node_.take_bus_loss()) {

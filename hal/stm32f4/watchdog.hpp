@@ -81,10 +81,13 @@ class Watchdog {
     registers_.pr.write(setting.code);
     registers_.rlr.write(setting.reload);
     hold_refresh(false);
-    const bool taken = wait_for(registers_.sr, watchdog::kSrBusy, 0, kPolls);
+    taken_ = wait_for(registers_.sr, watchdog::kSrBusy, 0, kPolls);
     registers_.kr.write(watchdog::kKeyReload);
-    return taken;
+    return taken_;
   }
+
+  /// What the last start() or change() returned: with false nobody knows how long a dead board would drive its motor.
+  [[nodiscard]] auto taken() const noexcept -> bool { return taken_; }
 
   /// May interrupt change(), which refreshes by itself at its end.
   void rt_refresh() noexcept {
@@ -103,6 +106,7 @@ class Watchdog {
 
   static constexpr std::uint32_t kPolls = 50'000;
   WatchdogRegisters<Cell>& registers_;
+  bool taken_ = true;
   std::atomic<bool> held_ = false;  // between the key and the last register it unlocks
 };
 

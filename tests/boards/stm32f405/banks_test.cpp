@@ -148,5 +148,15 @@ TEST(Board, SetValueIsPreciseOnEveryClockOfTheBoard) {
   }
 }
 
+TEST_F(BoardFlash, AWatchdogThatTakesNothingOverIsGivenTheShortSettingAgainAndSaysSo) {
+  ASSERT_TRUE(watchdog.start(stm32f4::kCycleWatchdog));
+  EXPECT_TRUE(watchdog.taken());
+  dog.sr.on_read = [](std::uint32_t) { return watchdog_bits::kSrBusy; };
+  EXPECT_FALSE(banks.erase(0));
+  EXPECT_EQ(dog.rlr.value, stm32f4::kCycleWatchdog.reload);
+  EXPECT_EQ(dog.pr.value, stm32f4::kCycleWatchdog.code);
+  EXPECT_FALSE(watchdog.taken());
+}
+
 }  // namespace
 }  // namespace capstan::stm32f405
