@@ -69,6 +69,9 @@ FaultLog::FaultLog(std::span<std::uint32_t> memory, std::size_t axes)
   if (!whole) {
     std::fill(memory_.begin(), memory_.end(), 0U);
     memory_[kMagic] = magic;
+    for (std::size_t axis = 0; axis < axes; ++axis) {
+      memory_[heat_word(axis, axes)] = kHeatOf1;  // nobody knows how hot they were when power went
+    }
   }
   const std::uint32_t last_start = memory_[kStarts]++;
   if (phase() == kRunning) {  // nobody took the torque away: the run ended by itself

@@ -52,7 +52,7 @@ class FaultLog {
   /// The kept second may be written over from the next arming on.
   void release();
   /// Heat of a joint's winding (Gate) when the last run ended, rounded up to a sixteenth; at least 1 where that was
-  /// under torque. A restart cools nothing.
+  /// under torque, and 1 where nothing whole was kept (power was off). A restart cools nothing.
   [[nodiscard]] auto heat(std::size_t axis) const -> Q24;
 
   /// Called by the cycle with what it publishes.

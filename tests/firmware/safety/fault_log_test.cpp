@@ -317,5 +317,33 @@ TEST(FaultLog, WithoutMemoryThereIsNoLogAndNothingElseChanges) {
   EXPECT_EQ(log.kept_entry().fault, Fault::kNone);
 }
 
+TEST(FaultLog, AfterPowerOnAWindingCountsAsHotAndTheJointMayBeArmed) {
+  for (const std::uint32_t left : {0U, 0x5A5A'5A5AU}) {
+    Board board;
+    std::fill(board.memory.begin(), board.memory.end(), left);
+    board.start();
+    EXPECT_EQ(board.log().heat(0), Q24::from_int(1));
+    EXPECT_EQ(board.log().heat(1), Q24::from_int(1));
+    EXPECT_EQ(board.application->telemetry().conditions, 0U);
+    board.ticks(60'000);
+    board.start();
+    EXPECT_EQ(board.log().heat(0), Q24{}) << "it has cooled";
+  }
+}
+
+TEST(FaultLog, ASecondThatAnotherConsoleReleasesEndsTheAnswer) {
+  Board board;
+  board.fault_after(700);
+  for (const char c : std::string("faults second\n")) {
+    board.shell->receive(c);
+  }
+  board.shell->poll();
+  ASSERT_TRUE(board.shell->busy());
+  board.log().release();
+  board.shell->poll();
+  EXPECT_FALSE(board.shell->busy());
+  EXPECT_EQ(verdict(board.sink.take()), "ok");
+}
+
 }  // namespace
 }  // namespace capstan
