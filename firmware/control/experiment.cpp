@@ -144,6 +144,11 @@ auto check_experiment(const ExperimentSetup& setup, const AxisConfig& config) ->
   if (!within_joint(setup, limits)) {
     return "the motion leaves limits.joint_min to limits.joint_max; lower the amplitude or move the offset";
   }
+  constexpr Q24 kHalf = Q24::from_double(0.5);  // for there are two tones, whose peaks may meet
+  if (setup.recipe == Recipe::kDither &&
+      setup.dither_nm > kHalf * (limits.continuous_current_a * config.motor.torque_per_current_nm_per_a)) {
+    return "the two tones of the dither need more than limits.continuous_current; lower it";
+  }
   return is_tonal(setup.recipe) ? check_tones(setup, limits) : check_moves(setup, limits);
 }
 

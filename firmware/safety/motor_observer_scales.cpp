@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The motor observer's thresholds, from the commissioned values.
 #include <algorithm>
+#include <limits>
 
 #include "capstan/firmware/safety/motor_observer.hpp"
 
@@ -97,8 +98,9 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   // counts/256 = 256 cpr / (2 pi) * kt / J * (1 ms)^2, with J in g m2: 256 / (2 pi) / 1000 = 0.040744
   constexpr std::int64_t kPerTurn32 = 174'993'000;  // 0.0407437 * 2^32
   const std::int64_t per_turn = std::int64_t{config.motor.encoder_counts_per_turn} * kPerTurn32 >> 8;
-  gain = std::max<std::int32_t>(
-      1, limited((per_turn / std::max<std::int32_t>(own.inertia_gm2.raw(), 1)) * constant.raw() >> 24));
+  const std::int64_t fits = std::numeric_limits<std::int64_t>::max() / constant.raw();  // what is more is limited
+  const std::int64_t per_inertia = std::min(per_turn / std::max<std::int32_t>(own.inertia_gm2.raw(), 1), fits);
+  gain = std::max<std::int32_t>(1, limited(per_inertia * constant.raw() >> 24));
   slack = std::max(kQuantisation, limited(std::int64_t{own.slack_counts.raw()} * kSlack8 >> (24 - 8 + 3)));
   const std::int64_t friction = scaled(own.coulomb_nm, std::int64_t{1} << 24, constant);
   const std::int64_t noise = own.noise_a.raw();

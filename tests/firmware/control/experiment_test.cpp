@@ -141,5 +141,19 @@ TEST(Experiment, WhatAJointCanNotDoIsRefusedWithSentenceAndCure) {
       refused(with([](auto& s) { s.recipe = Recipe::kTorqueTriangle, s.amplitude = q(0.31); }), "limits.current"));
 }
 
+TEST(Experiment, ADitherBeyondTheContinuousCurrentIsRefused) {
+  const AxisConfig config;
+  const double most =
+      config.limits.continuous_current_a.to_double() * config.motor.torque_per_current_nm_per_a.to_double() / 2.0;
+  ExperimentSetup setup{
+      .recipe = Recipe::kDither, .amplitude = q(0.3), .rungs = {q(0.4)}, .rung_count = 1, .dither_nm = q(0.99 * most)};
+  EXPECT_EQ(check_experiment(setup, config), nullptr);
+  for (const double dither_nm : {1.01 * most, 100.0}) {
+    setup.dither_nm = q(dither_nm);
+    ASSERT_NE(check_experiment(setup, config), nullptr) << dither_nm;
+    EXPECT_NE(std::string(check_experiment(setup, config)).find("limits.continuous_current"), std::string::npos);
+  }
+}
+
 }  // namespace
 }  // namespace capstan

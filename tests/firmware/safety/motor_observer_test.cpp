@@ -343,5 +343,17 @@ TEST(MotorObserver, ExtremeValuesSaturate) {
   }
 }
 
+/// As large a gain as a set may lead to; the sanitizers see what overflows.
+TEST(MotorObserver, TheLargestGainOfASoundSetSaturates) {
+  AxisConfig config;
+  config.motor.encoder_counts_per_turn = 1 << 24;
+  config.motor.torque_per_current_nm_per_a = Q24::from_int(100);
+  config.observer.inertia_gm2 = Q24::from_raw(1);
+  config.observer.coulomb_nm = config.observer.against_nm = config.observer.noise_a = Q24::from_double(0.01);
+  ASSERT_EQ(check(config), nullptr);
+  Rig rig(config);
+  EXPECT_EQ(rig.steps(100, 1000, 0.0), 0U) << "no torque explains nothing, however large the gain";
+}
+
 }  // namespace
 }  // namespace capstan
