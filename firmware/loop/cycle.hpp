@@ -88,8 +88,8 @@ struct CycleState {
 /// What the law of axis `i` is given: its own motor and those that pull at the joint beside it, by its parameters; none
 /// in most machines.
 template <std::size_t Axes>
-auto law_input(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i,
-               Q24 temperature_c) -> LawInput {
+auto rt_law_input(const std::array<Axis, Axes>& axes, const std::array<const MotorState*, Axes>& motors, std::size_t i,
+                  Q24 temperature_c) -> LawInput {
   FaultSet faults = motors[i]->faults;
   const auto pulls_at = [&](std::int32_t coupled_to) -> OtherMotor<Q24> {
     const auto other = static_cast<std::size_t>(coupled_to);
@@ -110,7 +110,7 @@ auto law_input(const std::array<Axis, Axes>& axes, const std::array<const MotorS
 
 /// The joint that axis `i` turns on as a wrist's jaw; nullptr if it is none.
 template <std::size_t Axes>
-auto pitch_of(const AxisConfig& jaw, const std::array<const JointEstimate*, Axes>& joints, std::size_t i)
+auto rt_pitch_of(const AxisConfig& jaw, const std::array<const JointEstimate*, Axes>& joints, std::size_t i)
     -> const JointEstimate* {
   const auto pitch = static_cast<std::size_t>(jaw.tip.pitch);
   return pitch < Axes && pitch != i ? joints[pitch] : nullptr;
@@ -128,6 +128,7 @@ inline void rt_update_temperature(MachineTelemetry& machine, Quality quality, Q2
 /// One cycle: estimate, supervise, control, limit; reading and writing are the caller's first and last step. What the
 /// sensors say becomes a state, the state a reference, the reference a drive, each handed on to the next stage. A pure
 /// function of its arguments: no clock, no I/O, no globals, so a recorded run replays bit for bit on every target.
+/// Longer than a function else is: the loop is to be read as one, and it fits on a screen.
 template <std::size_t Axes>
 auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Axes>& command) -> Drive<Axes> {
   const bool had_torque = energised(state.supervisor.state());
@@ -159,7 +160,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
   bool stops = false;
   for (std::size_t i = 0; i < Axes; ++i) {
     Axis& axis = state.axis[i];
-    joint[i] = &axis.rt_estimate(*motor[i], law_input(state.axis, motor, i, state.telemetry.temperature_c));
+    joint[i] = &axis.rt_estimate(*motor[i], rt_law_input(state.axis, motor, i, state.telemetry.temperature_c));
     if (listens) {
       static_cast<void>(axis.rt_command(*motor[i], *joint[i], command.axis[i]));
     }
@@ -183,7 +184,7 @@ auto cycle(CycleState<Axes>& state, const Sensed<Axes>& sensed, const Command<Ax
     }
     const JointReference& reference = axis.rt_reference(*motor[i], *joint[i], energised(now));
     drive.axis[i] = axis.rt_drive(*motor[i], reference.torque_nm, energised(now));
-    axis.rt_report(*motor[i], *joint[i], pitch_of(axis.config(), joint, i), joint_faults[i]);
+    axis.rt_report(*motor[i], *joint[i], rt_pitch_of(axis.config(), joint, i), joint_faults[i]);
   }
 
   ++state.telemetry.tick;

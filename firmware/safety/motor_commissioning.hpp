@@ -25,7 +25,8 @@ namespace capstan {
 ///   is the amplifier's, the sensor's, and what follows later than a cycle.
 class MotorCommissioning {
  public:
-  /// It computes in floating point, which the motor board's program must not have.
+  /// It computes in floating point, which a program for a core without it must not have. That is the compiler's own
+  /// word, not a board's name: the type of the stream that uses it, and so the session's room, hang on it.
 #ifdef __SOFTFP__
   static constexpr bool kAvailable = false;
 #else

@@ -8,7 +8,7 @@
 namespace capstan {
 
 /// One joint's numbers of the last cycle, for shell, log and telemetry. Written at the end of a cycle from the values
-/// that went down it; nothing in the cycle reads them.
+/// that went down it. No stage of the cycle reads them; an experiment does, to choose what it asks in the next cycle.
 struct AxisTelemetry {
   Q24 q1_rad;
   Q24 tau_nm;

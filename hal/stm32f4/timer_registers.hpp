@@ -38,8 +38,9 @@ inline constexpr std::uint32_t kCcerInvert1 = 1U << 1;
 inline constexpr std::uint32_t kCcerOutputs = (1U << 0) | (1U << 4) | (1U << 8) | (1U << 12);  // all four channels
 /// One output channel's byte of CCMR: PWM mode 1 (high while the counter is below the compare value), preloaded.
 inline constexpr std::uint32_t kCcmrPwm = (6U << 4) | (1U << 3);
-inline constexpr std::uint32_t kBdtrIdleDriven = 1U
-                                                 << 10;  // OSSI: an output that is off is driven low, not left floating
+/// OSSI: while the main output is off, enabled channels are driven low. A channel that is not enabled either, as after
+/// a release, is not driven: the pin's pull-down holds it (RM0090, output control bits of complementary channels).
+inline constexpr std::uint32_t kBdtrIdleDriven = 1U << 10;
 inline constexpr std::uint32_t kBdtrBreakEnable = 1U << 12;
 inline constexpr std::uint32_t kBdtrBreakHigh = 1U << 13;
 inline constexpr std::uint32_t kBdtrMainOutput = 1U << 15;
