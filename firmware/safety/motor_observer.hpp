@@ -20,9 +20,8 @@ namespace capstan {
 ///   not, for its tendons are soft (K v a ms, not J v / 1 ms). A motor that winds its tendons up takes ever more torque
 ///   at a steady speed, so its range says nothing; there three cycles are judged against three by how much the speed
 ///   has changed of late.
-/// - **Speed without torque.** A load that lets go gives the motor speed no faster than its tendons, which are soft,
-/// let
-///   it. What gains more within two cycles than the torque's range explains has lost a tendon, or its tension.
+/// - **Speed without torque.** A load that lets go gives the motor speed no faster than its tendons let it, which are
+///   soft. What gains more within two cycles than the torque's range explains has lost a tendon, or its tension.
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
