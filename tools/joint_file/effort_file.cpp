@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capstan/tools/joint_file/effort_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 
+#include "capstan/tools/joint_file/section_reader.hpp"
 #include "capstan/tools/select/effort_catalogue.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -15,115 +15,49 @@ namespace {
 constexpr const char* kEffortFamily = "effort";
 constexpr const char* kGearFamily = "gear";
 
-/// How a value is written.
-auto form_of(const std::string& key, const std::string& unit) -> std::string {
-  std::string form = key;
-  form += " = { value = ..., unit = \"";
-  form += unit;
-  form += "\" }";
-  return form;
+auto needed(const SectionReader& reader, const toml::table& root, const char* key) -> const toml::table& {
+  const toml::table* table = reader.table(root, key);
+  if (table == nullptr) {
+    reader.fail(root, "[" + std::string(key) + "] is missing; write the file again with capstan diagnose -o");
+  }
+  return *table;
 }
 
-/// Reads tables and turns every surprise into a sentence with file and line.
-class EffortReader {
- public:
-  explicit EffortReader(const std::string& name) : name_(name) {}
-
-  [[noreturn]] void fail(const toml::node& node, const std::string& sentence) const {
-    throw BadInput(place(name_, static_cast<std::size_t>(node.source().begin.line)) + sentence);
+auto word(const SectionReader& reader, const toml::table& law, const char* key) -> std::string {
+  const auto text = law[key].value<std::string>();
+  if (!text) {
+    reader.fail(law, std::string(key) + " is missing; write it as text in quotes");
   }
-
-  [[nodiscard]] auto table(const toml::table& parent, const std::string& key) const -> const toml::table& {
-    const toml::node* node = parent.get(key);
-    if (node == nullptr || node->as_table() == nullptr) {
-      fail(node == nullptr ? static_cast<const toml::node&>(parent) : *node,
-           "[" + key + "] is missing; write the file again with capstan diagnose -o");
-    }
-    return *node->as_table();
-  }
-
-  /// The value of key = { value = ..., unit = "..." }.
-  [[nodiscard]] auto value(const toml::table& parent, const std::string& key, const std::string& unit) const -> double {
-    const toml::node* node = parent.get(key);
-    const std::string form = form_of(key, unit);
-    const toml::table* entry = node == nullptr ? nullptr : node->as_table();
-    if (entry == nullptr) {
-      fail(node == nullptr ? static_cast<const toml::node&>(parent) : *node, key + " is missing; write " + form);
-    }
-    if ((*entry)["unit"].value<std::string>() != unit) {
-      fail(*entry, key + " must be given in \"" + unit + "\"; convert the value and write " + form);
-    }
-    const auto number = (*entry)["value"].value<double>();
-    if (!number || !std::isfinite(*number)) {
-      fail(*entry, key + " has no finite value; write " + form);
-    }
-    return *number;
-  }
-
-  [[nodiscard]] auto word(const toml::table& parent, const std::string& key) const -> std::string {
-    const auto text = parent[key].value<std::string>();
-    if (!text) {
-      std::string sentence = key;
-      sentence += " is missing; write it as text in quotes";
-      fail(parent, sentence);
-    }
-    return as_written(*text);
-  }
-
- private:
-  const std::string& name_;
-};
-
-void read_terms(const EffortReader& reader, const toml::table& root, JointFile& joint) {
-  const toml::table& all = reader.table(root, "terms");
-  for (const auto& [key, node] : all) {
-    if (!joint.catalogue->has(std::string(key.str()))) {
-      reader.fail(node, "there is no term " + std::string(key.str()) + " of an effort; take it out, or check its name");
-    }
-  }
-  for (const auto& term : *joint.catalogue) {
-    if (!all.contains(term.name)) {
-      continue;
-    }
-    const toml::table& entry = reader.table(all, term.name);
-    joint.terms.push_back(term.name);
-    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
-      joint.parameters.coefficients[term.first_coefficient + i] =
-          reader.value(entry, term.coefficients[i].name, term.coefficients[i].unit);
-    }
-    for (std::size_t i = 0; i < term.shapes.size(); ++i) {
-      joint.parameters.shapes[term.first_shape + i] = reader.value(entry, term.shapes[i].name, term.shapes[i].unit);
-    }
-  }
+  return as_written(*text);
 }
 
-auto catalogue_for(const EffortReader& reader, const toml::table& law) -> const Catalogue& {
-  const std::string family = reader.word(law, "family");
+auto catalogue_for(const SectionReader& reader, const toml::table& law) -> const Catalogue& {
+  const std::string family = word(reader, law, "family");
   if (family != kEffortFamily && family != kGearFamily) {
     reader.fail(law, family + " is no family of laws; write effort or gear");
   }
   const auto speed = law["standstill"]["unit"].value<std::string>();  // the target may be a mapped column of any name
-  const bool linear = reader.word(law, "target").ends_with("_N") || speed == "m/s";
+  const bool linear = word(reader, law, "target").ends_with("_N") || speed == "m/s";
   return family == kGearFamily ? gear_law_catalogue()
                                : effort_law_catalogue(linear ? AxisKind::kLinear : AxisKind::kRotary);
 }
 
 auto parse_table(const toml::table& root, const std::string& name) -> EffortLaw {
-  const EffortReader reader(name);
+  const SectionReader reader(name);
   if (root["schema"].value<std::string>() != kEffortSchema) {
     throw BadInput(place(name, 1) + "the schema is not capstan.effort/1; write schema = \"capstan.effort/1\" or make " +
                    "the file with capstan diagnose -o");
   }
-  const toml::table& table = reader.table(root, "law");
+  const toml::table& table = needed(reader, root, "law");
   EffortLaw law;
   law.joint = JointFile(catalogue_for(reader, table));
-  law.target = reader.word(table, "target");
-  law.status = reader.word(table, "status");
+  law.target = word(reader, table, "target");
+  law.status = word(reader, table, "status");
   const std::string motion = law.joint.catalogue->motion_unit();
-  law.view.window_s = reader.value(table, "window", "s");
-  law.view.standstill = reader.value(table, "standstill", motion + "/s");
-  law.view.skew_s = reader.value(table, "skew", "s");
-  law.view.letting_go_s = table.contains("letting_go") ? reader.value(table, "letting_go", "s") : 0.0;
+  law.view.window_s = reader.quantity(table, "window", "s", kAnyNumber);
+  law.view.standstill = reader.quantity(table, "standstill", motion + "/s", kAnyNumber);
+  law.view.skew_s = reader.quantity(table, "skew", "s", kAnyNumber);
+  law.view.letting_go_s = table.contains("letting_go") ? reader.quantity(table, "letting_go", "s", kAnyNumber) : 0.0;
   law.view.averaged = !law.of_gear();
   constexpr double kLongestS = 1.0;
   if (law.view.window_s <= 0.0 || law.view.window_s > kLongestS || std::abs(law.view.skew_s) > kLongestS ||
@@ -132,7 +66,7 @@ auto parse_table(const toml::table& root, const std::string& name) -> EffortLaw 
                 "window, skew and letting_go must be within a second, the window above nothing and letting_go not "
                 "below; check their units");
   }
-  read_terms(reader, root, law.joint);
+  reader.terms(needed(reader, root, "terms"), law.joint);
   return law;
 }
 

@@ -29,6 +29,19 @@ void read_conditioner(const SectionReader& reader, const toml::table& root, Join
   conditioner.rate_time_constant_s = reader.quantity(*table, "rate_time_constant", "s", {0.0, 1.0});
 }
 
+void read_terms(const SectionReader& reader, const toml::table& root, JointFile& joint) {
+  const toml::table* all = reader.table(root, "terms");
+  if (all == nullptr || !all->contains("motor_angle")) {
+    reader.fail(all == nullptr ? root : *all,
+                "the law has no ratio; write [terms.motor_angle] with beta = { value = ..., unit = \"1\" }");
+  }
+  reader.terms(*all, joint);
+  if (const double beta = beta_of(joint); std::abs(beta) < kSmallestBeta) {
+    reader.fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be inverted; " +
+                                              "check the fit, the joint hardly moved");
+  }
+}
+
 void read_steady_torque(const SectionReader& reader, const toml::table& root, JointFile& joint) {
   if (const toml::table* table = reader.table(root, "feedforward")) {
     reader.only(*table, {"torque_forward", "torque_backward"}, "[feedforward]");
@@ -171,7 +184,7 @@ auto read_table(const toml::table& root, const std::string& name) -> JointFile {
               "the file");
   JointFile joint;
   read_conditioner(reader, root, joint);
-  reader.terms(root, joint);
+  read_terms(reader, root, joint);
   read_steady_torque(reader, root, joint);
   read_coupling(reader, root, joint);
   check_coupling(reader, root, joint);

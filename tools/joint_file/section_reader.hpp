@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/joint_file/table_section.hpp"
@@ -16,6 +17,8 @@ struct NumberLimits {
   double low = -kLargestNumber;
   double high = kLargestNumber;
 };
+inline constexpr NumberLimits kAnyNumber{-std::numeric_limits<double>::infinity(),
+                                         std::numeric_limits<double>::infinity()};
 
 /// Walks the file and turns every surprise into a sentence with file and line.
 class SectionReader {
@@ -84,27 +87,18 @@ class SectionReader {
     return value;
   }
 
-  void terms(const toml::table& root, JointFile& joint) const {
+  /// [terms], those of the joint's catalogue. Numbers of an angle's law have to fit into a board and the terms' ranges.
+  void terms(const toml::table& all, JointFile& joint) const {
     std::vector<std::string> known;
-    for (const auto& term : term_catalogue()) {
+    for (const auto& term : *joint.catalogue) {
       known.push_back(term.name);
     }
-    const toml::table* all = table(root, "terms");
-    if (all == nullptr || all->get("motor_angle") == nullptr) {
-      fail(all == nullptr ? static_cast<const toml::node&>(root) : *all,
-           "the law has no ratio; write [terms.motor_angle] with beta = { value = ..., unit = \"1\" }");
-    }
-    only(*all, known, "[terms]");
-    for (const auto& term : term_catalogue()) {
-      if (const toml::table* entry = table(*all, term.name, "terms.")) {
+    only(all, known, "[terms]");
+    for (const auto& term : *joint.catalogue) {
+      if (const toml::table* entry = table(all, term.name, "terms.")) {
         joint.terms.push_back(term.name);
         read_term(*entry, term, joint);
       }
-    }
-    const double beta = beta_of(joint);
-    if (std::abs(beta) < kSmallestBeta) {
-      fail(*all->get("motor_angle"), "beta = " + rounded(beta) + " is too near zero for the law to be inverted; " +
-                                         "check the fit, the joint hardly moved");
     }
   }
 
@@ -167,6 +161,7 @@ class SectionReader {
     if (term.name == kTableTerm) {
       return read_table(entry, joint);
     }
+    const bool bounded = joint.catalogue->target() == TargetKind::kAngle;
     std::vector<std::string> known;
     for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
       const auto& info = term.coefficients[i];
@@ -174,7 +169,8 @@ class SectionReader {
       const NumberLimits limits{info.sign == Sign::kNonNegative ? 0.0 : -kLargestNumber,
                                 info.sign == Sign::kNonPositive ? 0.0 : kLargestNumber};
       const std::size_t at = term.first_coefficient + i;
-      joint.parameters.coefficients[at] = quantity(entry, info.name, info.unit, limits, &joint.coefficient_ci95[at]);
+      joint.parameters.coefficients[at] =
+          quantity(entry, info.name, info.unit, bounded ? limits : kAnyNumber, &joint.coefficient_ci95[at]);
     }
     for (std::size_t i = 0; i < term.shapes.size(); ++i) {
       const auto& info = term.shapes[i];
@@ -183,8 +179,9 @@ class SectionReader {
       if (info.idle_without >= 0 && entry.get(info.name) == nullptr) {
         continue;  // one of several alike, of which the law has fewer
       }
+      const NumberLimits limits{info.minimum, info.maximum};
       joint.parameters.shapes[at] =
-          quantity(entry, info.name, info.unit, {info.minimum, info.maximum}, &joint.shape_ci95[at]);
+          quantity(entry, info.name, info.unit, bounded ? limits : kAnyNumber, &joint.shape_ci95[at]);
     }
     only(entry, known, "[terms." + term.name + "]");
   }

@@ -339,6 +339,8 @@ TEST(EffortFile, ReadsBackWhatItWrote) {
   const EffortLaw back = parse_effort_file(effort_file_text(law), "law.toml");
   EXPECT_EQ(back.joint.terms, law.joint.terms);
   EXPECT_EQ(back.status, law.status);
+  ASSERT_TRUE(law.joint.coefficient_ci95[law.joint.catalogue->term("inertia").first_coefficient].has_value());
+  EXPECT_EQ(back.joint.coefficient_ci95, law.joint.coefficient_ci95);
   EXPECT_EQ(run_effort_law({log}, back), run_effort_law({log}, law));
 }
 
@@ -360,6 +362,7 @@ TEST(EffortFile, RefusesWhatCanNotBeMeant) {
   EXPECT_THROW(parse_effort_file(with("capstan.effort/1", "capstan.joint/1"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("[terms.inertia]", "[terms.mass]"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("\"kgm2\"", "\"kg\""), "law.toml"), BadInput);
+  EXPECT_THROW(parse_effort_file(with("[terms.inertia]", "[terms.inertia]\nmas = 1"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("[law]", "[rule]"), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("family = \"effort\"", "family = \"force\""), "law.toml"), BadInput);
   EXPECT_THROW(parse_effort_file(with("window = { value = 0.12", "window = { value = 120"), "law.toml"), BadInput);
