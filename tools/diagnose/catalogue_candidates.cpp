@@ -67,18 +67,7 @@ auto grid_of(const ShapeInfo& info, std::size_t points, const SignalReach& reach
 /// Every combination of the shapes' grids; a term without shapes has one, empty.
 auto shape_grid(const CatalogueTerm& term, const SignalReach& reach) -> std::vector<Shapes> {
   const std::size_t points = term.shapes.size() > 1 ? 6 : kGridPoints;
-  std::vector<Shapes> grid = {{}};
-  for (const auto& info : term.shapes) {
-    std::vector<Shapes> next;
-    for (const auto& start : grid) {
-      for (const double value : grid_of(info, points, reach)) {
-        next.push_back(start);
-        next.back().push_back(value);
-      }
-    }
-    grid = std::move(next);
-  }
-  return grid;
+  return combinations(term.shapes, [&](const auto& info) { return grid_of(info, points, reach); });
 }
 
 /// A few settings around the best, closer than the grid.

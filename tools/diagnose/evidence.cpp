@@ -11,10 +11,6 @@
 namespace capstan::tools {
 namespace {
 
-auto sign_allows(double value, Sign sign) -> bool {
-  return sign == Sign::kAny || (sign == Sign::kNonNegative ? value >= 0.0 : value <= 0.0);
-}
-
 /// Lays the columns of all parts side by side; the candidates' variants learn where theirs begin.
 auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Candidate>& candidates,
              Layout& layout) -> Eigen::MatrixXd {
@@ -191,7 +187,7 @@ auto fit_variant(const Projected& projected, const Layout& layout, const Candida
   }
   if (n == 1) {
     const double theta = gram(first, first) > 0.0 ? gram(first, 0) / gram(first, first) : 0.0;
-    if (sign_allows(theta, candidate.signs[0])) {
+    if (has_sign(theta, candidate.signs[0])) {
       fit.theta[0] = theta;
       fit.gain = theta * gram(first, 0);
     }

@@ -15,10 +15,6 @@ constexpr Eigen::Index kNullDraws = 299;
 constexpr Eigen::Index kEnoughToSieve = 2500;
 constexpr Eigen::Index kBurnIn = 500;
 
-auto sign_holds(double value, Sign sign) -> bool {
-  return sign == Sign::kAny || (sign == Sign::kNonNegative ? value >= 0.0 : value <= 0.0);
-}
-
 /// Residuals of pure noise: resampled innovations through the autoregression. One column per draw.
 auto noise_draws(const Evidence& evidence, Eigen::Index rows) -> Eigen::MatrixXd {
   Random random(0x51E7E);
@@ -87,7 +83,7 @@ class CrossFit {
       const Eigen::VectorXd theta = inverse_[h] * products[h];
       const auto law = theta.size() - static_cast<Eigen::Index>(signs_.size());
       for (std::size_t i = 0; i < signs_.size(); ++i) {
-        if (!sign_holds(theta[law + static_cast<Eigen::Index>(i)], signs_[i])) {
+        if (!has_sign(theta[law + static_cast<Eigen::Index>(i)], signs_[i])) {
           return -1.0;
         }
       }

@@ -10,13 +10,6 @@
 namespace capstan::tools {
 namespace {
 
-auto one_by_one(const std::vector<double>& values) -> std::vector<Shapes> {
-  std::vector<Shapes> settings;
-  std::transform(values.begin(), values.end(), std::back_inserter(settings),
-                 [](double value) { return Shapes{value}; });
-  return settings;
-}
-
 /// Seconds in the unit of a time.
 auto seconds_in(const std::string& unit) -> double {
   constexpr double kMinute = 60.0;
@@ -52,18 +45,7 @@ auto values_of(const ShapeInfo& shape, const SignalRanges& ranges, const Decidin
 /// Every combination of the values of a term's shapes; none where the log has nothing that one is a share of.
 auto settings_of(const CatalogueTerm& term, const SignalRanges& ranges, const DecidingNumbers& numbers)
     -> std::vector<Shapes> {
-  std::vector<Shapes> settings = {{}};
-  for (const auto& shape : term.shapes) {
-    std::vector<Shapes> next;
-    for (const auto& start : settings) {
-      for (const double value : values_of(shape, ranges, numbers)) {
-        next.push_back(start);
-        next.back().push_back(value);
-      }
-    }
-    settings = std::move(next);
-  }
-  return settings;
+  return combinations(term.shapes, [&](const auto& shape) { return values_of(shape, ranges, numbers); });
 }
 
 void add_couplings(const SignalRanges& ranges, const DecidingNumbers& numbers, std::vector<TermGrid>& terms) {

@@ -7,19 +7,11 @@
 
 #include "capstan/tools/identify/shape_range.hpp"
 #include "capstan/tools/select/arm_terms.hpp"
+#include "capstan/tools/support/geometric_grid.hpp"
 #include "capstan/tools/support/statistics.hpp"
 
 namespace capstan::tools {
 namespace {
-
-/// `count` values in equal ratios.
-auto in_ratios(double from, double to, int count) -> std::vector<double> {
-  std::vector<double> values;
-  for (int i = 0; i < count; ++i) {
-    values.push_back(from * std::pow(to / from, static_cast<double>(i) / (count - 1)));
-  }
-  return values;
-}
 
 /// `count` values in equal steps.
 auto in_steps(double from, double to, int count) -> std::vector<double> {
@@ -28,14 +20,6 @@ auto in_steps(double from, double to, int count) -> std::vector<double> {
     values.push_back(from + (to - from) * static_cast<double>(i) / (count - 1));
   }
   return values;
-}
-
-auto of_one(const std::vector<double>& values) -> std::vector<Shapes> {
-  std::vector<Shapes> settings;
-  for (const double value : values) {
-    settings.push_back({value});
-  }
-  return settings;
 }
 
 const std::vector<Shapes> kNoShape = {Shapes{}};
@@ -54,7 +38,7 @@ void add_friction(const MotionRanges& ranges, std::vector<LawPart>& parts) {
     speeds.push_back({share * ranges.speed});
   }
   // From the finest that an encoder shows to a fifth of the range, beyond which it is a spring.
-  const auto widths = of_one(in_ratios(ranges.half() / 500.0, 0.4 * ranges.half(), 20));
+  const auto widths = one_by_one(geometric_grid(ranges.half() / 500.0, 0.4 * ranges.half(), 20));
   parts.push_back({"friction_asymmetry", {0, 1}, kNoShape});
   parts.push_back({"friction_asymmetry", {0}, kNoShape});
   parts.push_back({"power_law_friction", {0}, powers});
@@ -73,7 +57,7 @@ auto periodic_orders(const MotionRanges& ranges) -> std::vector<Shapes> {
   constexpr double kFewest = 2.0;
   constexpr double kMost = 60.0;
   const double once = std::numbers::pi / ranges.half();
-  return of_one(in_ratios(kFewest * once, kMost * once, 60));
+  return one_by_one(geometric_grid(kFewest * once, kMost * once, 60));
 }
 
 /// Weight and springs, with the friction that they bring.
@@ -147,7 +131,7 @@ auto effort_parts(const MotionRanges& ranges, const std::vector<KnownAxis>& othe
                                 {"coulomb_friction", {0}, kNoShape},
                                 {"offset", {0}, kNoShape}};
   add_friction(ranges, parts);
-  const auto widths = of_one(in_ratios(ranges.half() / 500.0, 0.4 * ranges.half(), 20));
+  const auto widths = one_by_one(geometric_grid(ranges.half() / 500.0, 0.4 * ranges.half(), 20));
   parts.push_back({"play_friction_2", {0}, widths});
   parts.push_back({"play_friction_2", {2}, widths});
   add_loads(ranges, axis, parts);

@@ -16,4 +16,30 @@ inline auto geometric_grid(double low, double high, std::size_t count) -> std::v
   return values;
 }
 
+/// Settings of one value each.
+inline auto one_by_one(const std::vector<double>& values) -> std::vector<std::vector<double>> {
+  std::vector<std::vector<double>> settings;
+  for (const double value : values) {
+    settings.push_back({value});
+  }
+  return settings;
+}
+
+/// Every combination of the values of each; of none the empty one. @param values_of  gives one's values
+template <typename Several, typename ValuesOf>
+auto combinations(const Several& several, ValuesOf&& values_of) -> std::vector<std::vector<double>> {
+  std::vector<std::vector<double>> settings = {{}};
+  for (const auto& one : several) {
+    std::vector<std::vector<double>> next;
+    for (const auto& start : settings) {
+      for (const double value : values_of(one)) {
+        next.push_back(start);
+        next.back().push_back(value);
+      }
+    }
+    settings = std::move(next);
+  }
+  return settings;
+}
+
 }  // namespace capstan::tools
