@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <iostream>
 #include <memory>
-#include <optional>
 
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/capstan/options.hpp"
@@ -28,27 +28,35 @@ auto law_of(const std::string& file) -> TensionStateParameters<double> {
   return tension_state_of(read_pull_push(read_text_file(file), file));
 }
 
+/// @param said  what the other jaw's axis was warned of
+auto read_for_map(const CsvLog& log, int axis, const std::vector<std::string>& said) -> AxisLog {
+  AxisLog read = read_palpation_log(log, axis);
+  for (const auto& warning : read.warnings) {
+    if (std::find(said.begin(), said.end(), warning) == said.end()) {
+      warn(warning);
+    }
+  }
+  return read;
+}
+
 auto run_palpate(const PalpateOptions& options) -> int {
   refuse_repeats(options.logs.files);
-  const PalpatingAxis jaw = {options.logs.axis, law_of(options.model)};
-  std::optional<PalpatingAxis> other;
-  if (options.against >= 0) {
-    other = {options.against, law_of(options.against_model)};
-  }
+  const TensionStateParameters<double> law = law_of(options.model);
+  const auto law_against = options.against < 0 ? TensionStateParameters<double>{} : law_of(options.against_model);
   const auto mappings = parse_mappings(options.logs.maps);
   std::vector<MapRow> rows;
   for (const auto& file : options.logs.files) {
     const CsvLog log = CsvLog::read(file, mappings);
-    for (const auto& warning : log.warnings()) {
-      std::cerr << "warning: " << warning << "\n";
-    }
     if (options.period_s == 0.0 && !log.has("site")) {
       warn(file +
            ": without a column 'site' and without --period the whole log is one site; where the tip touched "
            "several, give the seconds at each with --period");
     }
-    const auto more = other ? map_grip(log, jaw, *other, options.period_s)
-                            : map_sites(log, jaw.axis, options.period_s, jaw.parameters);
+    const auto sites = sites_of(log, options.period_s);
+    const AxisLog first = read_for_map(log, options.logs.axis, {});
+    const auto more = options.against < 0 ? map_sites(sites, {first, law})
+                                          : map_grip(sites, {first, law},
+                                                     {read_for_map(log, options.against, first.warnings), law_against});
     rows.insert(rows.end(), more.begin(), more.end());
   }
   std::cout << map_text(rows, options.stiff_factor);

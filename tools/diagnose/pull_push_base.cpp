@@ -26,7 +26,7 @@ auto head_of(const std::vector<AxisLog>& logs, Eigen::Index rows) -> std::vector
 /// The law that identify would write; nothing, and why, where it would write none.
 auto written_fit(const std::vector<AxisLog>& logs, std::string& why) -> std::optional<PullPushFit> {
   try {
-    PullPushFit fit = fit_pull_push(force_logs(logs));
+    PullPushFit fit = fit_pull_push(logs);
     if (fit.undetermined.empty()) {
       return fit;
     }

@@ -24,12 +24,12 @@ auto parameters_of(const PullPushFit& fit, ForceLawKind kind) -> ForceLawParamet
       .kind = kind, .pull_push = fit.law, .friction_nm = std::max(fit.friction_nm, 0.0), .offset_nm = fit.offset_nm};
 }
 
-auto run_both(const std::vector<ForceLog>& logs, const PullPushFit& fit) -> BothLaws {
+auto run_both(const std::vector<AxisLog>& logs, const PullPushFit& fit) -> BothLaws {
   using Law = ForceLaw<double, 2, 4>;
   const Law::Grid::Table none{};
   BothLaws both;
   std::vector<std::array<double, 3>> rows;
-  for (const ForceLog& log : logs) {
+  for (const AxisLog& log : logs) {
     Law pull;
     Law pull_push;
     pull.become(parameters_of(fit, ForceLawKind::kPull), none);
@@ -39,7 +39,7 @@ auto run_both(const std::vector<ForceLog>& logs, const PullPushFit& fit) -> Both
       const auto a = pull.update(log.tau_nm[i]);
       const auto b = pull_push.update(log.tau_nm[i]);
       if (a.known && b.known) {
-        rows.push_back({a.force, b.force, log.tau_out_nm[i]});
+        rows.push_back({a.force, b.force, log.effort[i]});
       }
     }
     both.log_rows.push_back(static_cast<Eigen::Index>(rows.size()) - before);
@@ -79,7 +79,7 @@ auto unseen_sentence(const BothLaws& both, const Blocks& blocks) -> std::string 
 
 }  // namespace
 
-auto fit_blend(const std::vector<ForceLog>& logs) -> PullPushFit {
+auto fit_blend(const std::vector<AxisLog>& logs) -> PullPushFit {
   PullPushFit fit = fit_pull_push(logs);
   const BothLaws both = run_both(logs, fit);
   const Blocks blocks = even_blocks(both.log_rows, kBlendBlocks);

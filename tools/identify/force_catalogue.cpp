@@ -137,21 +137,13 @@ auto force_form(const std::string& model, const std::vector<AxisLog>& logs) -> L
   form.shapes = form.catalogue->initial_shapes();
   const auto& term = form.catalogue->term(model);
   if (model == kPullPush) {
-    const PullPushFit fit = fit_pull_push(force_logs(logs));
+    const PullPushFit fit = fit_pull_push(logs);
     form.set_shapes(term, {fit.law.eta_top, fit.law.eta_bottom, fit.law.pretension_nm, fit.friction_nm, fit.offset_nm});
   } else {
-    const auto grid = fit_preisach(force_logs(logs)).table.inputs;
+    const auto grid = fit_preisach(logs).table.inputs;
     form.set_shapes(term, {grid.front(), grid[kPreisachLevels - 1]});
   }
   return form;
-}
-
-auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog> {
-  std::vector<ForceLog> result;
-  for (const auto& log : logs) {
-    result.push_back({log.name, log.time_s, log.q1_rad, log.tau_nm, log.effort});
-  }
-  return result;
 }
 
 auto pull_push_joint(const PullPushFit& fit) -> JointFile {
@@ -194,16 +186,7 @@ auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::V
 
 auto averaged_for_force(const std::string& model, const AxisLog& log) -> AxisLog {
   const Eigen::Index most_rows = model == kPullPush ? 16000 : 4000;  // one column, or one for each cell
-  constexpr double kLongestRowS = 0.04;  // beyond, the mean cuts off what a quick motion reaches
-  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / log.period_s));
-  const Eigen::Index stretch = std::min(longest, (log.samples() + most_rows - 1) / most_rows);
-  AxisLog result = log;
-  result.period_s *= static_cast<double>(stretch);
-  for_each_signal(result, [stretch](auto& signal) {
-    signal.conservativeResize(signal.size() / stretch * stretch);
-    signal = Eigen::VectorXd(decimated(signal, stretch));
-  });
-  return result;
+  return averaged_over(log, averaging_stretch(log.samples(), most_rows, log.period_s));
 }
 
 }  // namespace capstan::tools

@@ -26,9 +26,6 @@ auto force_form(const std::string& model, const std::vector<AxisLog>& logs) -> L
 /// A pull-push law as identify fits and writes it, as a law of the catalogue. @pre its kind is kPullPush
 auto pull_push_joint(const PullPushFit& fit) -> JointFile;
 
-/// Motor side and joint side of these logs.
-auto force_logs(const std::vector<AxisLog>& logs) -> std::vector<ForceLog>;
-
 /// What the steps of a Preisach grid may hide, by Richardson's rule from a grid twice as wide. Zero for laws without a
 /// grid.
 auto hidden_by_grid(const LawDesign& design, const LawForm& form, const Eigen::VectorXd& fitted) -> Eigen::VectorXd;

@@ -20,15 +20,14 @@ struct Errors {
   std::vector<double> size_nm;  ///< negative: not known
 };
 
-auto errors_of(const ForceLog& log, const ForceLawParameters<double>& parameters, const PreisachTable& table)
-    -> Errors {
+auto errors_of(const AxisLog& log, const ForceLawParameters<double>& parameters, const PreisachTable& table) -> Errors {
   Law law;
   law.become(parameters, table);
   Errors errors{&log.tau_nm, {}};
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     const auto estimate = law.update(log.tau_nm[i]);
     const bool told = estimate.known && !estimate.beyond_table && !estimate.saturated;
-    errors.size_nm.push_back(told ? std::abs(estimate.force - log.tau_out_nm[i]) : -1.0);
+    errors.size_nm.push_back(told ? std::abs(estimate.force - log.effort[i]) : -1.0);
   }
   return errors;
 }
@@ -70,7 +69,7 @@ auto joint_torque_by(const PullPushFit& fit, const Eigen::VectorXd& tau_nm) -> E
   return torque;
 }
 
-auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
+auto force_error_bar(const std::vector<AxisLog>& logs, const ForceLawParameters<double>& law,
                      const PreisachTable& table) -> std::optional<ForceErrorNumbers> {
   constexpr double kBeyond = 0.05;  // a board that goes where the logs went passes their ends by as much at times
   constexpr std::array<double, 6> kTurns = {0.05, 0.1, 0.2, 0.3, 0.4, 0.6};  // shares of the range of torque
@@ -83,7 +82,7 @@ auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters
   std::vector<double> sizes;
   double most = 0.0;
   double range = 0.0;
-  for (const ForceLog& log : logs) {
+  for (const AxisLog& log : logs) {
     all.push_back(errors_of(log, law, table));
     std::copy_if(all.back().size_nm.begin(), all.back().size_nm.end(), std::back_inserter(sizes),
                  [](double size) { return size >= 0.0; });

@@ -8,25 +8,22 @@
 
 #include "capstan/model/force_law.hpp"
 #include "capstan/tools/identify/least_squares.hpp"
-#include "capstan/tools/log/csv_log.hpp"
+#include "capstan/tools/log/axis_log.hpp"
 
 namespace capstan::tools {
 
-/// What a force law is identified from: motor side and joint side of one axis, tip locked or against something stiff.
-struct ForceLog {
-  std::string name;
-  Eigen::VectorXd time_s, q1_rad, tau_nm;
-  Eigen::VectorXd tau_out_nm;  ///< joint torque, from a tip force sensor
-  [[nodiscard]] auto samples() const -> Eigen::Index { return time_s.size(); }
-};
-
 inline constexpr Eigen::Index kFewestForceSamples = 200;
 
-/// What the motor alone knows; the joint's torque is 0. Throws BadInput with file, line and cure for a missing or bad
-/// column.
-auto read_motor_side(const CsvLog& log, int axis) -> ForceLog;
-/// With the joint's torque. Throws BadInput also for too few samples or a torque that does not move.
-auto read_force_log(const CsvLog& log, int axis) -> ForceLog;
+/// What a force law is identified from: motor side of one axis, and as effort the joint's torque from a tip force
+/// sensor; tip locked or against something stiff. Throws BadInput with file, line and cure as read_axis does, and for
+/// too few samples.
+auto read_force_log(const CsvLog& log, int axis) -> AxisLog;
+
+/// Rows that become one by their mean, so that no more than `most_rows` are left: 40 ms at most, for beyond, the mean
+/// cuts off what a quick motion reaches.
+auto averaging_stretch(Eigen::Index rows, Eigen::Index most_rows, double period_s) -> Eigen::Index;
+/// A log of the means of so many rows each.
+auto averaged_over(AxisLog log, Eigen::Index stretch) -> AxisLog;
 
 /// One number of a force law with its 95 % interval.
 struct ForceParameter {
@@ -67,14 +64,14 @@ struct PullPushFit : ForceFit {
 /// Friction numbers, pretension and ratio from slow triangles of torque in which each tendon goes slack, tip locked:
 /// (2.22), (2.26) and I, as least squares over the branches on which both tendons move or one is slack. Only ratios of
 /// torques count, so the radii need not be known; stiffness is r1^2 Kn, pretension I r1.
-auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit;
+auto fit_pull_push(const std::vector<AxisLog>& logs) -> PullPushFit;
 /// The law's parameters as a board takes them.
 auto force_law_of(const PullPushFit& fit) -> ForceLawParameters<double>;
 /// The joint's torque by that law as a board runs it, from the first row on.
 auto joint_torque_by(const PullPushFit& fit, const Eigen::VectorXd& tau_nm) -> Eigen::VectorXd;
 /// The same numbers, then the weights of (2.27) by least squares over every row on which both laws are known. A note
 /// says what blend and pull-push law leave of rows that the weights were not fitted to.
-auto fit_blend(const std::vector<ForceLog>& logs) -> PullPushFit;
+auto fit_blend(const std::vector<AxisLog>& logs) -> PullPushFit;
 
 inline constexpr std::size_t kPreisachLevels = 11;  ///< the thesis's grid
 inline constexpr std::size_t kFewestPreisachLevels = 5;
@@ -95,7 +92,7 @@ struct PreisachGrid {
 
 /// How far a force law was from the joint's torque in logs, 95 of 100 times, and what other loops add (kOtherLoops):
 /// near a reversal of the motor's torque and beyond, as a board tells it. Nothing where too few samples are left.
-auto force_error_bar(const std::vector<ForceLog>& logs, const ForceLawParameters<double>& law,
+auto force_error_bar(const std::vector<AxisLog>& logs, const ForceLawParameters<double>& law,
                      const PreisachTable& table) -> std::optional<ForceErrorNumbers>;
 
 struct PreisachFit : ForceFit {
@@ -112,6 +109,6 @@ auto relay_columns(const Levels& levels, const Eigen::VectorXd& tau_nm) -> Eigen
 
 /// The reversal table behind logs of any motion: a sum of relays with weights that are not negative, so the table is
 /// complete and monotone whatever the noise. A first-order-reversal log determines all of it, another what it visits.
-auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid = {}) -> PreisachFit;
+auto fit_preisach(const std::vector<AxisLog>& logs, const PreisachGrid& grid = {}) -> PreisachFit;
 
 }  // namespace capstan::tools

@@ -1,35 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "capstan/tools/identify/conditioning.hpp"
 #include "capstan/tools/identify/force_fit.hpp"
-#include "capstan/tools/log/axis_log.hpp"
 #include "capstan/tools/support/errors.hpp"
 
 namespace capstan::tools {
 
-auto read_motor_side(const CsvLog& log, int axis) -> ForceLog {
-  ForceLog result;
-  result.name = log.name();
-  result.time_s = log.time();
-  result.q1_rad = log.column(axis_column(axis, "q1_rad"));
-  result.tau_nm = log.column(axis_column(axis, "tau_Nm"));
-  result.tau_out_nm = Eigen::VectorXd::Zero(result.samples());
-  return result;
-}
-
-auto read_force_log(const CsvLog& log, int axis) -> ForceLog {
-  ForceLog result = read_motor_side(log, axis);
-  result.tau_out_nm = log.column(axis_column(axis, "tau_out_Nm"));
-  if (result.samples() < kFewestForceSamples) {
-    throw BadInput(log.name() + ": " + std::to_string(result.samples()) + " samples are too few to fit a force law; " +
-                   "record at least one slow cycle of torque");
-  }
-  for (const auto& [values, name] :
-       {std::pair{&result.tau_nm, "tau_Nm"}, std::pair{&result.tau_out_nm, "tau_out_Nm"}}) {
-    if (values->maxCoeff() == values->minCoeff()) {
-      throw BadInput(log.name() + ": " + axis_column(axis, name) +
-                     " does not change; check the sensor, or that the tip " + "is held while the motor pulls");
+auto read_force_log(const CsvLog& log, int axis) -> AxisLog {
+  for (const char* quantity : {"tau_out_Nm", "tau_Nm"}) {
+    const std::string name = axis_column(axis, quantity);
+    const Eigen::VectorXd torque = log.column(name);
+    if (torque.size() < kFewestForceSamples) {
+      throw BadInput(log.name() + ": " + std::to_string(torque.size()) + " samples are too few to fit a force law; " +
+                     "record at least one slow cycle of torque");
+    }
+    if (torque.maxCoeff() == torque.minCoeff()) {
+      throw BadInput(log.name() + ": " + name +
+                     " does not change; check the sensor, or that the tip is held while the motor pulls");
     }
   }
-  return result;
+  return read_axis(log, {.axis = axis, .force = true});
+}
+
+auto averaging_stretch(Eigen::Index rows, Eigen::Index most_rows, double period_s) -> Eigen::Index {
+  constexpr double kLongestRowS = 0.04;
+  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / period_s));
+  return std::clamp<Eigen::Index>((rows + most_rows - 1) / most_rows, 1, longest);
+}
+
+auto averaged_over(AxisLog log, Eigen::Index stretch) -> AxisLog {
+  log.period_s *= static_cast<double>(stretch);
+  for_each_signal(log, [stretch](auto& signal) { signal = Eigen::VectorXd(decimated(signal, stretch)); });
+  return log;
 }
 
 }  // namespace capstan::tools

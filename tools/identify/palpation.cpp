@@ -23,21 +23,11 @@ constexpr double kMostDampingSPerRad = 0.2;
 constexpr double kReleasedShare = 0.35;
 
 /// Means over 20 ms: at 1 kHz the noise of the torque turns more often than the motion, and every turn is phase I.
-auto averaged(const ForceLog& log) -> ForceLog {
+auto averaged(const AxisLog& log) -> AxisLog {
   constexpr double kStretch = 0.02;
   const double period = (log.time_s[log.samples() - 1] - log.time_s[0]) / static_cast<double>(log.samples() - 1);
   const auto stretch = std::max<Eigen::Index>(1, std::lround(kStretch / period));
-  const Eigen::Index rows = log.samples() / stretch;
-  ForceLog result;
-  result.name = log.name;
-  for (const auto& [from, to] : {std::pair{&log.time_s, &result.time_s}, std::pair{&log.q1_rad, &result.q1_rad},
-                                 std::pair{&log.tau_nm, &result.tau_nm}}) {
-    to->resize(rows);
-    for (Eigen::Index i = 0; i < rows; ++i) {
-      (*to)[i] = from->segment(i * stretch, stretch).mean();
-    }
-  }
-  return result;
+  return averaged_over(log, stretch);
 }
 
 /// One sample as the tension state sees it.
@@ -48,7 +38,7 @@ struct SeenRow {
   double q2;
 };
 
-auto see(const ForceLog& log, const TensionStateParameters<double>& parameters) -> std::vector<SeenRow> {
+auto see(const AxisLog& log, const TensionStateParameters<double>& parameters) -> std::vector<SeenRow> {
   TensionState<double> state(parameters);
   SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
   std::vector<SeenRow> seen;
@@ -83,7 +73,7 @@ auto pair_of(const TensionStateParameters<double>& p, bool forward) -> TendonPai
 }
 
 /// One joint: the motor's angle over its torque, (3.22).
-auto one_joint(const ForceLog& log, const std::vector<SeenRow>& seen, const TensionStateParameters<double>& parameters)
+auto one_joint(const AxisLog& log, const std::vector<SeenRow>& seen, const TensionStateParameters<double>& parameters)
     -> Pressed {
   return {log.time_s, log.tau_nm, log.q1_rad, seen, [&parameters](ForcePhase phase, bool forward, double slope) {
             const TendonPair pair = pair_of(parameters, forward);
@@ -229,7 +219,7 @@ auto combine(const std::optional<Stiffness>& a, const std::optional<Stiffness>& 
   return Stiffness{(wa * a->value + wb * b->value) / (wa + wb), 1.0 / std::sqrt(wa + wb)};
 }
 
-void require_palpable(const ForceLog& log, const TensionStateParameters<double>& parameters) {
+void require_palpable(const AxisLog& log, const TensionStateParameters<double>& parameters) {
   if (const auto fault = check(parameters); fault != TensionStateFault::kNone) {
     throw BadInput(describe(fault));
   }
@@ -354,10 +344,10 @@ auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double> 
           .friction_nm = std::max(0.0, fit.friction_nm)};
 }
 
-auto palpate(const ForceLog& full_log, const TensionStateParameters<double>& parameters,
+auto palpate(const AxisLog& full_log, const TensionStateParameters<double>& parameters,
              const std::vector<SiteSpan>& sites, double from_share) -> std::vector<SiteStiffness> {
   require_palpable(full_log, parameters);
-  const ForceLog log = averaged(full_log);
+  const AxisLog log = averaged(full_log);
   const auto seen = see(log, parameters);
   return stiffness_of(one_joint(log, seen, parameters), sites, from_share);
 }
@@ -371,7 +361,7 @@ auto palpate_between(const Jaw& first, const Jaw& second, const std::vector<Site
     throw BadInput(first.log.name + ": the jaws have " + std::to_string(first.log.samples()) + " and " +
                    std::to_string(second.log.samples()) + " samples; give both from one log");
   }
-  const ForceLog log = averaged(first.log);
+  const AxisLog log = averaged(first.log);
   const Grip grip(see(log, first.parameters), see(averaged(second.log), second.parameters), first.log.name);
   return stiffness_of(grip.pressed(log.time_s), sites, from_share);
 }

@@ -34,13 +34,13 @@ auto tension_state_of(const PullPushFit& fit) -> TensionStateParameters<double>;
 
 /// Stiffness site by site. Per stroke and phase the compliance dq1 / dtau is fitted while the joint's torque is above
 /// `from_share` of the largest in the log, so contact alone counts; the instrument's own share of it and the pulleys'
-/// ratio come out by `environment_stiffness`. The log needs no joint side: tau_out_nm is not read.
-auto palpate(const ForceLog& log, const TensionStateParameters<double>& parameters, const std::vector<SiteSpan>& sites,
+/// ratio come out by `environment_stiffness`. The log needs no joint side.
+auto palpate(const AxisLog& log, const TensionStateParameters<double>& parameters, const std::vector<SiteSpan>& sites,
              double from_share = 0.3) -> std::vector<SiteStiffness>;
 
-/// One of two jaws of a gripper: its motor's side of the log, and its law.
+/// One of two jaws of a gripper: its axis of the log, and its law.
 struct Jaw {
-  const ForceLog& log;
+  const AxisLog& log;
   const TensionStateParameters<double>& parameters;
 };
 

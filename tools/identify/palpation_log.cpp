@@ -11,19 +11,26 @@
 namespace capstan::tools {
 namespace {
 
-auto rows_within(const ForceLog& log, const SiteSpan& span) -> ForceLog {
+auto rows_within(const AxisLog& log, const SiteSpan& span) -> AxisLog {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
     if (log.time_s[i] >= span.begin_s && log.time_s[i] < span.end_s) {
       rows.push_back(i);
     }
   }
-  ForceLog part;
-  part.name = log.name;
-  part.time_s = log.time_s(rows);
-  part.q1_rad = log.q1_rad(rows);
-  part.tau_nm = log.tau_nm(rows);
-  return part;
+  return only_rows(log, rows);
+}
+
+/// @param stiffness_in  of a span, with at least two rows of this log in it
+template <typename StiffnessIn>
+auto mapped(const std::vector<NumberedSite>& sites, const AxisLog& log, StiffnessIn&& stiffness_in)
+    -> std::vector<MapRow> {
+  std::vector<MapRow> rows;
+  for (const auto& [number, span] : sites) {
+    const AxisLog part = rows_within(log, span);
+    rows.push_back({log.name, number, part.samples() < 2 ? SiteStiffness{} : stiffness_in(part, span)});
+  }
+  return rows;
 }
 
 /// "   0.0612 +- 0.0011"
@@ -53,13 +60,13 @@ auto bar(const Stiffness& stiffness, double full_scale) -> std::string {
 
 }  // namespace
 
-auto read_palpation_log(const CsvLog& log, int axis) -> ForceLog {
-  ForceLog result = read_motor_side(log, axis);
-  if (result.samples() < kFewestForceSamples || result.tau_nm.maxCoeff() == result.tau_nm.minCoeff()) {
-    throw BadInput(log.name() + ": no site was pressed in " + std::to_string(result.samples()) +
+auto read_palpation_log(const CsvLog& log, int axis) -> AxisLog {
+  const Eigen::VectorXd torque = log.column(axis_column(axis, "tau_Nm"));
+  if (torque.size() < kFewestForceSamples || torque.maxCoeff() == torque.minCoeff()) {
+    throw BadInput(log.name() + ": no site was pressed in " + std::to_string(torque.size()) +
                    " samples; press and release each at least once, with a row every 10 ms or more often");
   }
-  return result;
+  return read_axis(log, {.axis = axis, .needs_target = false, .needs_torque = true});
 }
 
 auto sites_of(const CsvLog& log, double period_s) -> std::vector<NumberedSite> {
@@ -95,40 +102,21 @@ auto sites_of(const CsvLog& log, double period_s) -> std::vector<NumberedSite> {
   return sites;
 }
 
-auto map_sites(const CsvLog& csv, int axis, double period_s, const TensionStateParameters<double>& parameters)
-    -> std::vector<MapRow> {
-  const ForceLog log = read_palpation_log(csv, axis);
-  std::vector<MapRow> rows;
-  for (const NumberedSite& site : sites_of(csv, period_s)) {
-    const ForceLog part = rows_within(log, site.span);
-    SiteStiffness stiffness;
-    if (part.samples() >= 2) {
-      stiffness = palpate(part, parameters, {site.span}).front();
-    }
-    rows.push_back({csv.name(), site.number, stiffness});
-  }
-  return rows;
+auto map_sites(const std::vector<NumberedSite>& sites, const Jaw& jaw) -> std::vector<MapRow> {
+  return mapped(sites, jaw.log, [&](const AxisLog& part, const SiteSpan& span) {
+    return palpate(part, jaw.parameters, {span}).front();
+  });
 }
 
-auto map_grip(const CsvLog& csv, const PalpatingAxis& first, const PalpatingAxis& second, double period_s)
-    -> std::vector<MapRow> {
-  if (first.axis == second.axis) {
-    throw BadInput(csv.name() + ": both jaws are axis " + std::to_string(first.axis) +
+auto map_grip(const std::vector<NumberedSite>& sites, const Jaw& first, const Jaw& second) -> std::vector<MapRow> {
+  if (first.log.number == second.log.number) {
+    throw BadInput(first.log.name + ": both jaws are axis " + std::to_string(first.log.number) +
                    "; give the other jaw's axis with --against");
   }
-  const ForceLog one = read_palpation_log(csv, first.axis);
-  const ForceLog other = read_palpation_log(csv, second.axis);
-  std::vector<MapRow> rows;
-  for (const NumberedSite& site : sites_of(csv, period_s)) {
-    const ForceLog part = rows_within(one, site.span);
-    const ForceLog other_part = rows_within(other, site.span);
-    SiteStiffness stiffness;
-    if (part.samples() >= 2) {
-      stiffness = palpate_between({part, first.parameters}, {other_part, second.parameters}, {site.span}).front();
-    }
-    rows.push_back({csv.name(), site.number, stiffness});
-  }
-  return rows;
+  return mapped(sites, first.log, [&](const AxisLog& part, const SiteSpan& span) {
+    const AxisLog other = rows_within(second.log, span);
+    return palpate_between({part, first.parameters}, {other, second.parameters}, {span}).front();
+  });
 }
 
 auto map_text(const std::vector<MapRow>& rows, double stiff_factor) -> std::string {

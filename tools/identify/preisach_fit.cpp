@@ -27,13 +27,13 @@ auto invisible(const Eigen::MatrixXd& columns, const Eigen::MatrixXd& table_from
   return result;
 }
 
-void judge_run(const std::vector<ForceLog>& logs, PreisachFit& result) {
+void judge_run(const std::vector<AxisLog>& logs, PreisachFit& result) {
   double squares = 0.0;
   for (const auto& log : logs) {
     Preisach<double, kMostPreisachLevels> law(result.table, StartState::kNegativeSaturation, 1e-9);
     for (Eigen::Index i = 0; i < log.samples(); ++i) {
       const auto estimate = law.update(log.tau_nm[i]);
-      squares += estimate.known ? std::pow(estimate.force - log.tau_out_nm[i], 2.0) : 0.0;
+      squares += estimate.known ? std::pow(estimate.force - log.effort[i], 2.0) : 0.0;
       result.samples += estimate.known ? 1 : 0;
     }
   }
@@ -81,7 +81,7 @@ auto ends_of(const PreisachTable& table, double low_half, double high_half) -> s
           {"saturation_high", "Nm", table.force(last, last), high_half}};
 }
 
-auto fit_preisach(const std::vector<ForceLog>& logs, const PreisachGrid& grid) -> PreisachFit {
+auto fit_preisach(const std::vector<AxisLog>& logs, const PreisachGrid& grid) -> PreisachFit {
   constexpr Eigen::Index kFewest = 200;
   ForceRows rows = averaged_rows(logs);
   PreisachFit result;

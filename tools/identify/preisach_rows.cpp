@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "capstan/tools/identify/conditioning.hpp"
+
 namespace capstan::tools {
 namespace {
 
@@ -57,31 +59,20 @@ auto levels_over(const ForceRows& rows, std::size_t count) -> Levels {
   return even_levels(rows.in.minCoeff() + margin, rows.in.maxCoeff() - margin, count);
 }
 
-auto averaged_rows(const std::vector<ForceLog>& logs) -> ForceRows {
+auto averaged_rows(const std::vector<AxisLog>& logs) -> ForceRows {
   constexpr Eigen::Index kMostRows = 8000;
-  constexpr double kLongestRowS = 0.04;  // beyond, the mean cuts off what a quick motion reaches
-  Eigen::Index total = 0;
-  for (const auto& log : logs) {
-    total += log.samples();
-  }
   const Eigen::VectorXd& time_s = logs.front().time_s;
   const double period_s = (time_s.tail(1)[0] - time_s[0]) / static_cast<double>(time_s.size() - 1);
-  const auto longest = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(kLongestRowS / period_s));
-  const Eigen::Index stretch = std::clamp<Eigen::Index>((total + kMostRows - 1) / kMostRows, 1, longest);
+  const Eigen::Index stretch = averaging_stretch(total_samples(logs), kMostRows, period_s);
   ForceRows averaged;
-  Eigen::Index rows = 0;
-  for (const auto& log : logs) {
-    averaged.log_rows.push_back(log.samples() / stretch);
-    rows += averaged.log_rows.back();
-  }
-  averaged.in.resize(rows);
-  averaged.out.resize(rows);
   Eigen::Index row = 0;
-  for (std::size_t k = 0; k < logs.size(); ++k) {
-    for (Eigen::Index i = 0; i < averaged.log_rows[k]; ++i, ++row) {
-      averaged.in[row] = logs[k].tau_nm.segment(i * stretch, stretch).mean();
-      averaged.out[row] = logs[k].tau_out_nm.segment(i * stretch, stretch).mean();
-    }
+  for (const auto& log : logs) {
+    const Eigen::Index rows = averaged.log_rows.emplace_back(log.samples() / stretch);
+    averaged.in.conservativeResize(row + rows);
+    averaged.out.conservativeResize(row + rows);
+    averaged.in.tail(rows) = decimated(log.tau_nm, stretch);
+    averaged.out.tail(rows) = decimated(log.effort, stretch);
+    row += rows;
   }
   return averaged;
 }

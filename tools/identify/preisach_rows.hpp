@@ -13,7 +13,7 @@ struct ForceRows {
   std::vector<Eigen::Index> log_rows;
 };
 /// Logs averaged over stretches: noise of the torque would else be taken for reversals.
-auto averaged_rows(const std::vector<ForceLog>& logs) -> ForceRows;
+auto averaged_rows(const std::vector<AxisLog>& logs) -> ForceRows;
 
 /// A relay in each cell of a grid, as columns over rows.
 struct Relays {

@@ -55,14 +55,14 @@ struct PullStroke {
 /// At first the part of each stroke where the output goes with the motor: from a tenth of its peak on, so that both
 /// tendons surely move in their whole length (or one is slack), to shortly before the turn, where friction begins to
 /// change sign.
-auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<PullStroke> {
+auto pulling_strokes(const std::vector<AxisLog>& logs) -> std::vector<PullStroke> {
   constexpr double kFrom = 0.1;
   constexpr double kBeforeTurn = 0.04;
   constexpr Eigen::Index kFewest = 50;
   std::vector<PullStroke> strokes;
   for (std::size_t number = 0; number < logs.size(); ++number) {
     const auto& log = logs[number];
-    const double peak = log.tau_out_nm.cwiseAbs().maxCoeff();
+    const double peak = log.effort.cwiseAbs().maxCoeff();
     const auto points = turning_points(log.q1_rad, 0.05 * (log.q1_rad.maxCoeff() - log.q1_rad.minCoeff()));
     // The first stroke does not begin with a turn: how far each tendon moves then is anybody's guess.
     for (std::size_t k = 1; k + 1 < points.size(); ++k) {
@@ -72,7 +72,7 @@ auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<PullStrok
       Eigen::Index begin = end;
       // Averaged over a little, for the sensor's noise must not choose the row.
       const Eigen::Index window = std::max<Eigen::Index>(1, length / 200);
-      while (begin - window > points[k] && s * log.tau_out_nm.segment(begin - window, window).mean() > kFrom * peak) {
+      while (begin - window > points[k] && s * log.effort.segment(begin - window, window).mean() > kFrom * peak) {
         begin -= window;
       }
       if (end - begin >= kFewest) {
@@ -83,7 +83,7 @@ auto pulling_strokes(const std::vector<ForceLog>& logs) -> std::vector<PullStrok
   return strokes;
 }
 
-auto rows_of(const std::vector<ForceLog>& logs, const std::vector<PullStroke>& strokes) -> StrokeRows {
+auto rows_of(const std::vector<AxisLog>& logs, const std::vector<PullStroke>& strokes) -> StrokeRows {
   StrokeRows rows;
   for (const auto& stroke : strokes) {
     const auto before = static_cast<Eigen::Index>(rows.sign.size());
@@ -98,7 +98,7 @@ auto rows_of(const std::vector<ForceLog>& logs, const std::vector<PullStroke>& s
     const auto& [number, first, begin, end, s] = strokes[k];
     const Eigen::Index at = rows.strokes[k].begin;
     rows.in.segment(at, end - begin) = s * logs[number].tau_nm.segment(begin, end - begin);
-    rows.out.segment(at, end - begin) = s * logs[number].tau_out_nm.segment(begin, end - begin);
+    rows.out.segment(at, end - begin) = s * logs[number].effort.segment(begin, end - begin);
     rows.q1.segment(at, end - begin) = s * logs[number].q1_rad.segment(begin, end - begin);
   }
   return rows;
@@ -208,19 +208,19 @@ auto solve_rows(const StrokeRows& rows, const Theta& start, LinearFit& fit) -> T
 
 /// Extends each stroke backward as far as the law holds: what comes before is phase II, where the pushed tendon does
 /// not move in its whole length yet. Returns whether any grew.
-auto grow(const std::vector<ForceLog>& logs, const Theta& theta, std::vector<PullStroke>& strokes) -> bool {
+auto grow(const std::vector<AxisLog>& logs, const Theta& theta, std::vector<PullStroke>& strokes) -> bool {
   constexpr double kHolds = 0.01;  // of the largest torque: several times the slope error that is left after a round
   bool grew = false;
   for (auto& stroke : strokes) {
     const auto& log = logs[stroke.log];
-    const double bound = kHolds * log.tau_out_nm.cwiseAbs().maxCoeff();
+    const double bound = kHolds * log.effort.cwiseAbs().maxCoeff();
     const auto line = line_of(theta, stroke.sign);
     const Eigen::Index window = std::max<Eigen::Index>(1, (stroke.end - stroke.first) / 200);
     while (stroke.begin - window > stroke.first) {
       double sum = 0.0;
       for (Eigen::Index i = stroke.begin - window; i < stroke.begin; ++i) {
         const double x = stroke.sign * (log.tau_nm[i] - theta[kOffset]) - theta[kFriction];
-        sum += stroke.sign * log.tau_out_nm[i] - line.at(x).torque;
+        sum += stroke.sign * log.effort[i] - line.at(x).torque;
       }
       if (std::abs(sum) > bound * static_cast<double>(window)) {
         break;
@@ -270,7 +270,7 @@ auto stiffness(const Theta& theta, const LinearFit& fit, const StrokeRows& rows,
 }
 
 /// The law run over every sample, the motor's friction taken out by its direction.
-void judge_run(const std::vector<ForceLog>& logs, PullPushFit& result) {
+void judge_run(const std::vector<AxisLog>& logs, PullPushFit& result) {
   double squares = 0.0;
   for (const auto& log : logs) {
     PullPush<double> law(result.law);
@@ -279,9 +279,9 @@ void judge_run(const std::vector<ForceLog>& logs, PullPushFit& result) {
       const bool forward = conditioner.update(log.q1_rad[i], log.tau_nm[i]).forward;
       const double tau = log.tau_nm[i] - result.offset_nm - (forward ? 1.0 : -1.0) * result.friction_nm;
       const auto estimate = law.update(tau, forward);
-      squares += estimate.known ? std::pow(estimate.force - log.tau_out_nm[i], 2.0) : 0.0;
+      squares += estimate.known ? std::pow(estimate.force - log.effort[i], 2.0) : 0.0;
       result.samples += estimate.known ? 1 : 0;
-      result.full_scale_nm = std::max(result.full_scale_nm, std::abs(log.tau_out_nm[i]));
+      result.full_scale_nm = std::max(result.full_scale_nm, std::abs(log.effort[i]));
     }
   }
   result.rmse_nm = std::sqrt(squares / static_cast<double>(std::max(1L, result.samples)));
@@ -289,7 +289,7 @@ void judge_run(const std::vector<ForceLog>& logs, PullPushFit& result) {
 
 }  // namespace
 
-auto fit_pull_push(const std::vector<ForceLog>& logs) -> PullPushFit {
+auto fit_pull_push(const std::vector<AxisLog>& logs) -> PullPushFit {
   auto strokes = pulling_strokes(logs);
   StrokeRows rows = rows_of(logs, strokes);
   const auto has = [&](double s) { return std::find(rows.sign.begin(), rows.sign.end(), s) != rows.sign.end(); };

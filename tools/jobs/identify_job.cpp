@@ -78,12 +78,12 @@ auto law_text(const Identified& identified) -> std::string {
 
 auto identify_force(const JobLogs& logs, const std::string& model, const Say& warn, const PreisachGrid& grid)
     -> IdentifiedForce {
-  std::vector<ForceLog> read;
+  std::vector<AxisLog> read;
   for (const auto& file : logs.files) {
-    for (const auto& warning : file.warnings()) {
+    read.push_back(read_force_log(file, logs.axis));
+    for (const auto& warning : read.back().warnings) {
       warn(warning);
     }
-    read.push_back(read_force_log(file, logs.axis));
   }
   if (model == "preisach") {
     return identified(fit_preisach(read, grid));

@@ -24,7 +24,7 @@ auto replay_angle(const CsvLog& log, int axis, const JointFile& joint, Arithmeti
 
 auto replay_torque(const CsvLog& log, int axis, const BoardForceLaw& law, Arithmetic arithmetic, const Say& warn)
     -> Eigen::VectorXd {
-  ReplayedForce force = replay_force(read_motor_side(log, axis).tau_nm, law, arithmetic);
+  ReplayedForce force = replay_force(log.column(axis_column(axis, "tau_Nm")), law, arithmetic);
   if (force.unknown > 0) {
     warn("the past of the joint is taken as demagnetised in the first " + std::to_string(force.unknown) +
          " samples; a log that begins with a full swing to one side does not need that");

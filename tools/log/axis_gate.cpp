@@ -127,6 +127,8 @@ void pass_gate(const CsvLog& csv, const AxisRequest& request, const std::string&
   std::vector<Eigen::Index> kept;
   if (!request.every_row) {
     leave_out(axis, wild);
+  }
+  if (!request.every_row && request.needs_target) {
     kept = repeat ? changed_rows(axis) : frames_of_joint(axis, beats, channels);
   }
   for (const auto& finding : findings) {

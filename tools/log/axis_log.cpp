@@ -252,7 +252,7 @@ auto read_axis(const CsvLog& all_rows, const AxisRequest& request) -> AxisLog {
   read_surroundings(csv, request, axis);
   read_side_signals(csv, request.axis, axis);
   pass_gate(csv, request, q1, axis);
-  if (axis.q2_rad.size() > 0 && !request.every_row) {
+  if (axis.q2_rad.size() > 0 && request.needs_target && !request.every_row) {
     note_crossed(axis);
   }
   return axis;

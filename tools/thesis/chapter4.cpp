@@ -138,7 +138,13 @@ auto reversal_run(std::size_t levels) -> ForceRun {
 }
 
 auto fitted_surface(const ForceRun& run, const PreisachGrid& grid) -> ForceSurface {
-  return fit_preisach({{"4.1", run.time_s, run.q1_rad, run.input_v, run.torque_nm}}, grid).table;
+  AxisLog log;
+  log.name = "4.1";
+  log.time_s = run.time_s;
+  log.q1_rad = run.q1_rad;
+  log.tau_nm = run.input_v;
+  log.effort = run.torque_nm;
+  return fit_preisach({log}, grid).table;
 }
 
 auto share_of(const Eigen::VectorXd& estimate_nm, const ForceRun& run) -> double {

@@ -77,7 +77,7 @@ auto tissue_coverage(int tissues, double frequency_hz, std::uint64_t first_seed)
     sim::PlantParameters p;
     p.environment = drawn_tissue(seed);
     const double seconds = 2.0 / frequency_hz;
-    const ForceLog log = servo_force_log(p, seconds, 0.2, 0.15, frequency_hz, seed);
+    const AxisLog log = servo_force_log(p, seconds, 0.2, 0.15, frequency_hz, seed);
     coverage.count(p.environment.deep_stiffness, palpate(log, law, {{0.0, seconds}})[0].combined);
   }
   return coverage;

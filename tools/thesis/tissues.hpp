@@ -16,20 +16,20 @@ namespace capstan::tools {
 /// What a driven plant shows of itself, at 1 kHz. @param drive  the current, A, at a time and a motor angle
 template <typename Drive>
 auto recorded_force(const sim::PlantParameters& p, const char* name, double seconds, std::uint64_t seed, Drive&& drive)
-    -> ForceLog {
+    -> AxisLog {
   constexpr double kTurn = 2.0 * std::numbers::pi;
   sim::Plant plant(p, seed);
   const auto rows = static_cast<Eigen::Index>(seconds * 1000.0);
-  ForceLog log;
+  AxisLog log;
   log.name = name;
-  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
+  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.effort}) {
     values->resize(rows);
   }
   for (Eigen::Index i = 0; i < rows; ++i) {
     log.time_s[i] = 0.001 * static_cast<double>(i);
     log.q1_rad[i] = kTurn / p.encoder_counts_per_turn * plant.readings().encoder_counts;
     log.tau_nm[i] = p.torque_constant_nm_per_a * plant.readings().current_a;
-    log.tau_out_nm[i] = plant.truth().tip_torque_nm;
+    log.effort[i] = plant.truth().tip_torque_nm;
     plant.step(drive(log.time_s[i], log.q1_rad[i]), true);
   }
   return log;
@@ -42,7 +42,7 @@ inline auto unit_triangle(double frequency_hz, double t) -> double {
 
 /// What a stiff servo on the motor angle records with real sensors: a triangle about an offset.
 inline auto servo_force_log(const sim::PlantParameters& p, double seconds, double amplitude_rad, double offset_rad,
-                            double frequency_hz, std::uint64_t seed) -> ForceLog {
+                            double frequency_hz, std::uint64_t seed) -> AxisLog {
   double integral = 0.0;
   double last = 0.0;
   return recorded_force(p, "servo", seconds, seed, [&](double t, double q1) {

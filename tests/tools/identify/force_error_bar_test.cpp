@@ -21,8 +21,8 @@ auto parameters() -> ForceLawParameters<double> {
 
 /// A torque of +-1 Nm, and what the law itself makes of it, but for an error: `near_nm` within 0.2 Nm of the torque's
 /// way since it turned, `far_nm` beyond.
-auto log_with(double near_nm, double far_nm) -> ForceLog {
-  ForceLog log;
+auto log_with(double near_nm, double far_nm) -> AxisLog {
+  AxisLog log;
   log.time_s = Eigen::VectorXd::LinSpaced(kRows, 0.0, 40.0);
   log.q1_rad = Eigen::VectorXd::Zero(kRows);
   log.tau_nm.resize(kRows);
@@ -30,7 +30,7 @@ auto log_with(double near_nm, double far_nm) -> ForceLog {
     const double phase = static_cast<double>(i % 400) / 400.0;
     log.tau_nm[i] = phase < 0.5 ? 4.0 * phase - 1.0 : 3.0 - 4.0 * phase;
   }
-  log.tau_out_nm.resize(kRows);
+  log.effort.resize(kRows);
   ForceLaw<double, kMostPreisachLevels, 16> law;
   law.become(parameters(), kNoTable);
   double turned = 0.0;
@@ -40,7 +40,7 @@ auto log_with(double near_nm, double far_nm) -> ForceLog {
     turned = now != forward ? log.tau_nm[i - 1] : turned;
     forward = now;
     const double error = std::abs(log.tau_nm[i] - turned) < 0.2 ? near_nm : far_nm;
-    log.tau_out_nm[i] = law.update(log.tau_nm[i]).force + (i % 2 == 0 ? error : -error);
+    log.effort[i] = law.update(log.tau_nm[i]).force + (i % 2 == 0 ? error : -error);
   }
   return log;
 }
@@ -69,8 +69,8 @@ TEST(ForceErrorBar, IsOfAllLogsTogether) {
 
 TEST(ForceErrorBar, OfNoLawOrTooFewSamplesIsNone) {
   EXPECT_FALSE(force_error_bar({log_with(0.01, 0.01)}, ForceLawParameters<double>{}, kNoTable));
-  ForceLog few = log_with(0.01, 0.01);
-  for (auto* signal : {&few.time_s, &few.q1_rad, &few.tau_nm, &few.tau_out_nm}) {
+  AxisLog few = log_with(0.01, 0.01);
+  for (auto* signal : {&few.time_s, &few.q1_rad, &few.tau_nm, &few.effort}) {
     signal->conservativeResize(50);
   }
   EXPECT_FALSE(force_error_bar({few}, parameters(), kNoTable));

@@ -17,7 +17,7 @@ namespace capstan::tools::plant {
 namespace {
 
 /// Turned by hand, so that no control has to hold the joint; the motor's own friction is then not in the torque.
-auto wander(const sim::PlantParameters& plant, double spring_nm_per_rad, Eigen::VectorXd* angle) -> ForceLog {
+auto wander(const sim::PlantParameters& plant, double spring_nm_per_rad, Eigen::VectorXd* angle) -> AxisLog {
   sim::PlantParameters touching = plant;
   if (std::isinf(spring_nm_per_rad)) {
     touching.environment.kind = sim::EnvironmentKind::kLocked;
@@ -39,15 +39,15 @@ auto hybrid_law(const sim::PlantParameters& plant, std::uint64_t seed) -> JointF
 }
 
 auto torque_range(const sim::PlantParameters& plant) -> double {
-  const ForceLog log = wander(plant, std::numeric_limits<double>::infinity(), nullptr);
-  return log.tau_out_nm.maxCoeff() - log.tau_out_nm.minCoeff();
+  const AxisLog log = wander(plant, std::numeric_limits<double>::infinity(), nullptr);
+  return log.effort.maxCoeff() - log.effort.minCoeff();
 }
 
 auto hybrid_error(const JointFile& law, const sim::PlantParameters& plant, double spring_nm_per_rad, double range_nm)
     -> HybridError {
   constexpr Eigen::Index kSettles = 10'000;
   Eigen::VectorXd angle;
-  const ForceLog log = wander(plant, spring_nm_per_rad, &angle);
+  const AxisLog log = wander(plant, spring_nm_per_rad, &angle);
   MotionLaw<Q24> board(SamplePeriod<Q24>(1000), to_fixed(motion_parameters(law)));
   Eigen::VectorXd angle_error(log.samples());
   Eigen::VectorXd torque_error(log.samples());
@@ -58,11 +58,11 @@ auto hybrid_error(const JointFile& law, const sim::PlantParameters& plant, doubl
     moving = way != 0.0 ? std::copysign(plant.motor_coulomb_nm, way) : moving;
     const Estimate<Q24> now = board.update(Q24::from_double(log.q1_rad[i]), Q24::from_double(log.tau_nm[i] + moving));
     angle_error[i] = now.q2.to_double() - angle[i];
-    torque_error[i] = board.joint_torque().force.to_double() - log.tau_out_nm[i];
+    torque_error[i] = board.joint_torque().force.to_double() - log.effort[i];
   }
   const Eigen::Index tail = log.samples() - kSettles;
   return {rms(angle_error.tail(tail)), rms(torque_error.tail(tail)) / range_nm,
-          log.tau_out_nm.tail(tail).cwiseAbs().maxCoeff()};
+          log.effort.tail(tail).cwiseAbs().maxCoeff()};
 }
 
 void ask_hybrid(std::uint64_t first, int joints) {

@@ -48,7 +48,7 @@ auto config_of(const std::string& text) -> ForceConfig {
 
 }  // namespace
 
-auto force_log_of(const std::string& learning, std::uint64_t seed, double spring_nm_per_rad) -> ForceLog {
+auto force_log_of(const std::string& learning, std::uint64_t seed, double spring_nm_per_rad) -> AxisLog {
   constexpr double kStrokeS = 10.0;
   sim::PlantParameters plant = drawn_plant(seed);
   plant.environment.kind = sim::EnvironmentKind::kLocked;
@@ -81,12 +81,12 @@ auto force_log_of(const std::string& learning, std::uint64_t seed, double spring
 }
 
 auto force_file_of(const std::string& model, std::uint64_t seed) -> std::string {
-  const ForceLog log = force_log_of(model, seed, std::numeric_limits<double>::infinity());
+  const AxisLog log = force_log_of(model, seed, std::numeric_limits<double>::infinity());
   return with_force_section(
       "", model == "preisach" ? force_section(fit_preisach({log})) : force_section(fit_pull_push({log})));
 }
 
-auto told_torque_errors(const std::string& section, const ForceLog& log) -> ToldErrors {
+auto told_torque_errors(const std::string& section, const AxisLog& log) -> ToldErrors {
   const auto config = std::make_unique<ForceConfig>(config_of(section));
   const auto law = std::make_unique<ForceControl>(*config);
   ForceErrorBar bar;
@@ -95,7 +95,7 @@ auto told_torque_errors(const std::string& section, const ForceLog& log) -> Told
     const Q24 motor = Q24::from_double(log.tau_nm[i]);
     law->rt_observe(motor);
     const double width = bar.rt_step(config->error, motor, law->estimate()).to_double();
-    count.add(std::abs(log.tau_out_nm[i] - law->estimate().force.to_double()), width);
+    count.add(std::abs(log.effort[i] - law->estimate().force.to_double()), width);
   }
   return count.result();
 }

@@ -11,11 +11,11 @@ namespace capstan::tools::plant {
 
 /// A drawn instrument turned by hand, tip held or against a spring.
 /// @param learning  whose strokes, to identify it from: pull_push, preisach; empty: a wandering motion
-auto force_log_of(const std::string& learning, std::uint64_t seed, double spring_nm_per_rad) -> ForceLog;
+auto force_log_of(const std::string& learning, std::uint64_t seed, double spring_nm_per_rad) -> AxisLog;
 
 /// What a board's error bars of the joint's torque are worth, in its own numbers; widths and errors in N m.
 /// @param section  a joint file with the force law
-auto told_torque_errors(const std::string& section, const ForceLog& log) -> ToldErrors;
+auto told_torque_errors(const std::string& section, const AxisLog& log) -> ToldErrors;
 
 /// The force law of a drawn instrument with its tip held, as a joint file.
 auto force_file_of(const std::string& model, std::uint64_t seed) -> std::string;

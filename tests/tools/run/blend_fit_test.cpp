@@ -28,13 +28,13 @@ auto file_of(const PullPushFit& fit) -> std::string {
 }
 
 /// What the law of a file leaves of another log, as a board runs it, N m.
-auto left_of(const ForceLog& log, const PullPushFit& fit) -> double {
+auto left_of(const AxisLog& log, const PullPushFit& fit) -> double {
   const auto replayed = replay_force(log.tau_nm, read_board_force_law(file_of(fit), "joint.toml"), Arithmetic::kFixed);
-  return std::sqrt((replayed.torque_nm - log.tau_out_nm).squaredNorm() / static_cast<double>(log.samples()));
+  return std::sqrt((replayed.torque_nm - log.effort).squaredNorm() / static_cast<double>(log.samples()));
 }
 
 TEST(BlendFit, LeavesLessOfTorquesThatItHasNotSeenThanThePullPushLaw) {
-  const ForceLog triangle = test::turn_by_hand(locked(), 60.0, test::triangle(0.25, 0.05));
+  const AxisLog triangle = test::turn_by_hand(locked(), 60.0, test::triangle(0.25, 0.05));
   const PullPushFit alone = fit_pull_push({triangle});
   const PullPushFit blend = fit_blend({triangle});
   ASSERT_TRUE(blend.undetermined.empty());
@@ -42,13 +42,13 @@ TEST(BlendFit, LeavesLessOfTorquesThatItHasNotSeenThanThePullPushLaw) {
   EXPECT_GT(blend.law.pull_weight, 0.0);
   for (const auto& tones : {std::pair{0.05, 0.025}, std::pair{0.02, 0.014}, std::pair{0.1, 0.03}}) {  // of figure 2.10
     const auto turn = 2.0 * std::numbers::pi;
-    const ForceLog other = test::turn_by_hand(locked(), 80.0, [&](double t) {
+    const AxisLog other = test::turn_by_hand(locked(), 80.0, [&](double t) {
       return 0.125 * (std::sin(turn * tones.first * t) + std::sin(turn * tones.second * t));
     });
     const double by_blend = left_of(other, blend);
     const double by_law = left_of(other, alone);
     std::printf("%.3g and %.3g Hz: blend %.3f, pull-push law %.3f mN m of %.1f\n", tones.first, tones.second,
-                1e3 * by_blend, 1e3 * by_law, 1e3 * other.tau_out_nm.cwiseAbs().maxCoeff());
+                1e3 * by_blend, 1e3 * by_law, 1e3 * other.effort.cwiseAbs().maxCoeff());
     EXPECT_LT(by_blend, by_law);
   }
 }

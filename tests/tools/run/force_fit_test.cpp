@@ -11,6 +11,7 @@
 #include "capstan/tests/tools/run/by_hand.hpp"
 #include "capstan/tests/tools/run/recipe_log.hpp"
 #include "capstan/tools/identify/force_section.hpp"
+#include "capstan/tools/jobs/identify_job.hpp"
 #include "capstan/tools/joint_file/joint_file.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/random.hpp"
@@ -99,7 +100,7 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
   sim::PlantParameters plant;
   plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = 0.5};
   const capstan::test::RandomMultisine motion(8, 1.0, 0.03, 0.3);
-  const ForceLog other =
+  const AxisLog other =
       turn_by_hand(plant, 60.0, [&](double t) { return 0.3 * std::tanh(2.0 * motion(t) + std::sin(0.4 * t)); });
   Preisach<double, kMostPreisachLevels> law(fit.table, StartState::kDemagnetised, 1e-9);
   double squares = 0.0;
@@ -108,7 +109,7 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
     const double rate = i > 0 ? other.q1_rad[i] - other.q1_rad[i - 1] : 0.0;
     const double force =
         law.update(other.tau_nm[i] + (rate > 0.0 ? plant.motor_coulomb_nm : -plant.motor_coulomb_nm)).force;
-    squares += std::pow(force - other.tau_out_nm[i], 2.0);
+    squares += std::pow(force - other.effort[i], 2.0);
   }
   const double share = std::sqrt(squares / static_cast<double>(other.samples())) / fit.full_scale_nm;
   std::printf("Preisach law on a motion it has not seen: %.2f %% of full scale\n", 100.0 * share);
@@ -118,13 +119,13 @@ TEST(PreisachFit, RecipeGivesALawThatFollowsAnotherMotionOfTheSameJoint) {
 constexpr double kRelayNoise = 2e-4;  // of the joint torque, N m
 
 /// A joint made of 40 x 40 relays, its input in N m.
-auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
+auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> AxisLog {
   capstan::test::Relays relays(40);
   const capstan::test::RandomMultisine motion(seed, 2.0, 0.05, 0.5);
   const auto samples = static_cast<Eigen::Index>(seconds * 100.0);
-  ForceLog log;
+  AxisLog log;
   log.name = "relays";
-  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.tau_out_nm}) {
+  for (auto* values : {&log.time_s, &log.q1_rad, &log.tau_nm, &log.effort}) {
     values->resize(samples);
   }
   Random random(seed);
@@ -135,7 +136,7 @@ auto relay_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog
     log.time_s[i] = t;
     log.q1_rad[i] = 0.1 * u;
     log.tau_nm[i] = 0.01 * u;
-    log.tau_out_nm[i] = 0.01 * relays.update(u) + kRelayNoise * random.normal();
+    log.effort[i] = 0.01 * relays.update(u) + kRelayNoise * random.normal();
   }
   return log;
 }
@@ -165,13 +166,13 @@ TEST(PreisachFit, ArbitraryMotionGivesTheTableOfTheRelaysItVisits) {
 }
 
 /// Root mean square on a motion that took no part, share of full scale, without the noise of that log.
-auto error_on(const PreisachFit& fit, const ForceLog& other) -> double {
+auto error_on(const PreisachFit& fit, const AxisLog& other) -> double {
   Preisach<double, kMostPreisachLevels> law(fit.table, StartState::kNegativeSaturation, 1e-9);
   double squares = 0.0;
   long known = 0;
   for (Eigen::Index i = 0; i < other.samples(); ++i) {
     const auto estimate = law.update(other.tau_nm[i]);
-    squares += estimate.known ? std::pow(estimate.force - other.tau_out_nm[i], 2.0) : 0.0;
+    squares += estimate.known ? std::pow(estimate.force - other.effort[i], 2.0) : 0.0;
     known += estimate.known ? 1 : 0;
   }
   const double without_noise = squares / static_cast<double>(known) - kRelayNoise * kRelayNoise;
@@ -179,15 +180,15 @@ auto error_on(const PreisachFit& fit, const ForceLog& other) -> double {
 }
 
 /// All that bends lies in a fifth of the range.
-auto squeezed_log(double amplitude, double seconds, std::uint32_t seed) -> ForceLog {
-  ForceLog log = relay_log(amplitude, seconds, seed);
+auto squeezed_log(double amplitude, double seconds, std::uint32_t seed) -> AxisLog {
+  AxisLog log = relay_log(amplitude, seconds, seed);
   log.tau_nm = log.tau_nm.unaryExpr([](double tau) { return tau + 0.2 * std::pow(tau / 0.05, 5.0); });
   return log;
 }
 
 TEST(PreisachFit, MoreLevelsErrLess) {
-  const ForceLog learned = squeezed_log(5.0, 600.0, 31);
-  const ForceLog other = squeezed_log(4.0, 200.0, 32);
+  const AxisLog learned = squeezed_log(5.0, 600.0, 31);
+  const AxisLog other = squeezed_log(4.0, 200.0, 32);
   const double coarse = error_on(fit_preisach({learned}, {9, false}), other);
   const PreisachFit fit = fit_preisach({learned}, {21, false});
   EXPECT_EQ(fit.table.levels, 21U);
@@ -196,8 +197,8 @@ TEST(PreisachFit, MoreLevelsErrLess) {
 }
 
 TEST(PreisachFit, LevelsGoWhereTheJointBends) {
-  const ForceLog learned = squeezed_log(5.0, 600.0, 33);
-  const ForceLog other = squeezed_log(4.0, 200.0, 34);
+  const AxisLog learned = squeezed_log(5.0, 600.0, 33);
+  const AxisLog other = squeezed_log(4.0, 200.0, 34);
   const PreisachFit even = fit_preisach({learned}, {9, false});
   const PreisachFit chosen = fit_preisach({learned}, {9, true});
   ASSERT_EQ(chosen.table.levels, 9U);
@@ -210,7 +211,7 @@ TEST(PreisachFit, LevelsGoWhereTheJointBends) {
 }
 
 TEST(PreisachFit, MotionThatNeverNestsLoopsLeavesTheInsideUndetermined) {
-  ForceLog log = relay_log(0.0, 20.0, 10);
+  AxisLog log = relay_log(0.0, 20.0, 10);
   const PreisachFit fit = fit_preisach({log});
   EXPECT_GT(fit.undetermined.size(), 30U);
   EXPECT_NE(fit.undetermined.front().find("f("), std::string::npos);
@@ -260,6 +261,36 @@ TEST(ForceLog, RefusesWhatCanNotBeFittedWithACure) {
   EXPECT_NE(sentence("time_s,axis0/q1_rad,axis0/tau_Nm\n0,0,0\n1,1,1\n").find("axis0/tau_out_Nm"), std::string::npos);
   EXPECT_NE(sentence(header + "0,0,0,0\n1,1,1,1\n").find("too few"), std::string::npos);
   EXPECT_NE(sentence(still).find("does not change"), std::string::npos);
+}
+
+auto identified_from(const AxisLog& log, const std::string& model, std::string* said) -> ForceFit {
+  const JobLogs logs = {.files = {CsvLog::parse(test::csv_of(log), "log.csv")}, .coupled_to = {}};
+  return identify_force(logs, model, [said](const std::string& warning) { *said += warning + "\n"; }).fit;
+}
+
+TEST(ForceLog, AChannelThatCanNotBeWhatItClaimsIsNamedAndWildValuesMoveNoLaw) {
+  sim::PlantParameters plant;
+  plant.environment.kind = sim::EnvironmentKind::kLocked;
+  const AxisLog clean = turn_by_hand(plant, 40.0, triangle(0.25, 0.05));
+  std::string said;
+  const ForceFit law = identified_from(clean, "pull_push", &said);
+  EXPECT_EQ(said, "");
+  AxisLog wild = clean;
+  test::make_wild(wild.effort);
+  AxisLog held = clean;
+  test::hold(held.tau_nm);
+  for (const std::string model : {"pull_push", "blend", "preisach"}) {
+    said.clear();
+    const ForceFit found = identified_from(wild, model, &said);
+    EXPECT_NE(said.find("axis0/tau_out_Nm stands out from both neighbours"), std::string::npos) << model << said;
+    if (model == "pull_push") {
+      EXPECT_NEAR(find(found, "eta_top").value, find(law, "eta_top").value, 0.01);
+      EXPECT_LT(found.rmse_nm, 1.1 * law.rmse_nm);
+    }
+    said.clear();
+    static_cast<void>(identified_from(held, model, &said));
+    EXPECT_NE(said.find("axis0/tau_Nm has a new value only every 10"), std::string::npos) << model << said;
+  }
 }
 
 }  // namespace

@@ -34,11 +34,11 @@ TEST_F(PalpationOfBoard, FreeAndLockedTipsHaveNoStiffness) {
 TEST_F(PalpationOfBoard, OneStrokeInAnswersWithTheDoubtOfAResistanceThatItCouldNotSee) {
   sim::PlantParameters p;
   p.environment = test::tissue(760003);
-  const ForceLog whole = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760003);
-  ForceLog in = whole;
+  const AxisLog whole = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760003);
+  AxisLog in = whole;
   constexpr Eigen::Index kEnd = 6250;  // the second stroke in has come to its end, and none out is whole
   constexpr Eigen::Index kBegin = 3750;
-  for (auto* values : {&in.time_s, &in.q1_rad, &in.tau_nm, &in.tau_out_nm}) {
+  for (auto* values : {&in.time_s, &in.q1_rad, &in.tau_nm, &in.effort}) {
     *values = values->segment(kBegin, kEnd - kBegin).eval();
   }
   const auto both = felt_by_board(whole, parameters_);
@@ -52,7 +52,7 @@ TEST_F(PalpationOfBoard, OneStrokeInAnswersWithTheDoubtOfAResistanceThatItCouldN
 TEST_F(PalpationOfBoard, ASiteBeginsWithoutAnythingOfTheLastOne) {
   sim::PlantParameters p;
   p.environment = test::tissue(760004);
-  const ForceLog log = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760004);
+  const AxisLog log = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760004);
   const Q24 amplitude = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff());
   Palpation palpation;
   for (int site = 1; site <= 2; ++site) {
@@ -80,7 +80,7 @@ TEST_F(PalpationOfBoard, TheMapMarksTheSitesThatTheHostMarks) {
     sim::PlantParameters p;
     p.environment = test::tissue(760010);
     p.environment.deep_stiffness = stiffness;
-    const ForceLog log = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760010 + static_cast<std::uint64_t>(site));
+    const AxisLog log = servo_log(p, 10.0, 0.2, 0.15, 0.2, 760010 + static_cast<std::uint64_t>(site));
     palpation.begin(on_board(parameters_),
                     {.site = ++site, .largest_nm = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff())});
     for (Eigen::Index i = 0; i < log.samples(); ++i) {

@@ -63,8 +63,8 @@ auto survey(const Survey& s) -> Both {
     const double truth = p.environment.deep_stiffness;
     p.environment = s.torque ? spring(p.environment) : p.environment;
     const double seconds = 2.0 / s.frequency_hz;
-    const ForceLog log = s.torque ? torque_log(p, seconds, 0.05 + truth, s.frequency_hz, seed)
-                                  : servo_log(p, seconds, 0.2, 0.15, s.frequency_hz, seed);
+    const AxisLog log = s.torque ? torque_log(p, seconds, 0.05 + truth, s.frequency_hz, seed)
+                                 : servo_log(p, seconds, 0.2, 0.15, s.frequency_hz, seed);
     both.host.count(truth, palpate(log, parameters, {{0.0, seconds}})[0].combined);
     both.board.count(truth, felt_by_board(log, parameters));
   }

@@ -14,6 +14,7 @@
 #include "capstan/tools/apply/force_lines.hpp"
 #include "capstan/tools/identify/force_section.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -64,6 +65,11 @@ auto nameplate(const sim::PlantParameters& plant) -> std::vector<std::string> {
           "set joint0.motor.torque_per_current " + std::to_string(plant.torque_constant_nm_per_a)};
 }
 
+auto map_of(const std::string& text, const TensionStateParameters<double>& parameters) -> std::vector<MapRow> {
+  const CsvLog log = CsvLog::parse(text, "board");
+  return map_sites(sites_of(log, 0.0), {read_palpation_log(log, 0), parameters});
+}
+
 auto parameters_of_the_instrument() -> TensionStateParameters<double> {
   sim::PlantParameters locked = plant_on(0.0);
   locked.environment = {.kind = sim::EnvironmentKind::kLocked};
@@ -76,7 +82,7 @@ TEST(PalpationLog, TheBoardsTorqueTrianglesGiveTheStiffnessThatTheTipTouched) {
     const sim::PlantParameters plant = plant_on(stiffness);
     auto lines = nameplate(plant);
     lines.insert(lines.end(), {"arm", "palpate joint0 site=4 amplitude=0.15 rates=0.05 cycles=2 every=10"});
-    const auto rows = map_sites(CsvLog::parse(log_of(plant, lines), "board"), 0, 0.0, parameters);
+    const auto rows = map_of(log_of(plant, lines), parameters);
     ASSERT_EQ(rows.size(), 1U);
     EXPECT_EQ(rows[0].site, 4);
     ASSERT_TRUE(rows[0].stiffness.combined.has_value());
@@ -111,7 +117,7 @@ TEST(PalpationLog, TheBoardTellsTheStiffnessOfTissueThatHoldsOneWayOnly) {
     double value = 0.0;
     double half = 0.0;
     ASSERT_EQ(std::sscanf(log.c_str() + line, "# site 2 stiffness %lf +- %lf", &value, &half), 2);
-    const auto rows = map_sites(CsvLog::parse(log, "board"), 0, 0.0, tension_state_of(fit));
+    const auto rows = map_of(log, tension_state_of(fit));
     ASSERT_TRUE(rows.at(0).stiffness.combined.has_value());
     const Stiffness& host = *rows[0].stiffness.combined;
     std::printf("deep %.3f N m/rad: board %.4f +- %.4f, host %.4f +- %.4f\n", deep, value, half, host.value,
@@ -150,6 +156,20 @@ TEST(PalpationLog, ALogInWhichNothingWasPressedIsRefused) {
   EXPECT_THROW(static_cast<void>(read_palpation_log(CsvLog::parse(text, "still"), 0)), BadInput);
   EXPECT_THROW(static_cast<void>(read_palpation_log(CsvLog::parse("time_s,axis0/q1_rad\n0,1\n1,2\n", "x"), 0)),
                BadInput);
+}
+
+TEST(PalpationLog, AChannelThatCanNotBeWhatItClaimsIsNamedAndEverySiteKeepsItsRows) {
+  AxisLog pressed = test::turn_by_hand(plant_on(0.2), 30.0, test::triangle(0.25, 0.05));
+  EXPECT_TRUE(read_palpation_log(CsvLog::parse(test::csv_of(pressed), "log.csv"), 0).warnings.empty());
+  AxisLog held = pressed;
+  test::make_wild(pressed.tau_nm);
+  test::hold(held.tau_nm);
+  for (const auto& [log, words] : {std::pair{&pressed, "axis0/tau_Nm stands out from both neighbours"},
+                                   std::pair{&held, "axis0/tau_Nm has a new value only every 10"}}) {
+    const AxisLog read = read_palpation_log(CsvLog::parse(test::csv_of(*log), "log.csv"), 0);
+    EXPECT_NE(joined(read.warnings).find(words), std::string::npos) << joined(read.warnings);
+    EXPECT_EQ(read.samples(), log->samples());
+  }
 }
 
 TEST(PalpationLog, TheMapShowsValuesIntervalsAndWhatStandsOut) {

@@ -34,8 +34,8 @@ TEST(Palpation, AbsoluteStiffnessOfASpringComesBackFromTheMotorAlone) {
     sim::PlantParameters plant;
     plant.environment = {.kind = sim::EnvironmentKind::kSpring, .stiffness = stiffness};
     plant.pretension_n = 27.6984;
-    ForceLog log = turn_by_hand(plant, 40.0, triangle(0.5, 0.05));
-    log.tau_out_nm.setZero();  // nobody at the joint tells
+    AxisLog log = turn_by_hand(plant, 40.0, triangle(0.5, 0.05));
+    log.effort.setZero();  // nobody at the joint tells
     const auto sites = palpate(log, parameters, {{0.0, 40.0}});
     ASSERT_EQ(sites.size(), 1U);
     ASSERT_TRUE(sites[0].combined.has_value()) << stiffness;
@@ -57,7 +57,7 @@ constexpr double kRecipePeriodS = 10.0;
 
 TEST(Palpation, MapOfTheRecipeShowsTheInclusionUnderTheFifthSiteAndNowhereElse) {
   const auto parameters = tension_state_of(fit_pull_push({record("recipe_pull_push.toml")}));
-  const ForceLog log = record("recipe_palpation.toml");
+  const AxisLog log = record("recipe_palpation.toml");
   std::vector<SiteSpan> spans;
   for (int i = 0; i < 9; ++i) {
     spans.push_back({kRecipePeriodS * i, kRecipePeriodS * (i + 1)});
@@ -90,7 +90,8 @@ TEST(Palpation, IntervalsOfTheRecipeHoldOverSeedsThatNothingWasChosenOn) {
   int inside = 0;
   double error = 0.0;
   for (std::uint64_t seed = kFirstSeed; seed < kFirstSeed + maps; ++seed) {
-    const auto rows = map_sites(log_of("recipe_palpation.toml", seed), 0, kRecipePeriodS, parameters);
+    const CsvLog log = log_of("recipe_palpation.toml", seed);
+    const auto rows = map_sites(sites_of(log, kRecipePeriodS), {read_palpation_log(log, 0), parameters});
     ASSERT_EQ(rows.size(), kRecipeStiffness.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const auto& felt = rows[i].stiffness.combined;
@@ -108,14 +109,14 @@ TEST(Palpation, IntervalsOfTheRecipeHoldOverSeedsThatNothingWasChosenOn) {
 
 TEST(Palpation, FreeTipFeelsNextToNothingAndASpanWithoutSamplesNothing) {
   sim::PlantParameters plant;
-  const ForceLog log = turn_by_hand(plant, 20.0, triangle(0.3, 0.1));
+  const AxisLog log = turn_by_hand(plant, 20.0, triangle(0.3, 0.1));
   const auto sites = palpate(log, tension_state_of(locked()), {{5.0, 20.0}, {30.0, 40.0}});
   EXPECT_LT(sites[0].combined.value_or(Stiffness{}).value, 0.005);
   EXPECT_FALSE(sites[1].combined.has_value()) << "no sample lies in that span";
 }
 
 TEST(Palpation, ParametersOutOfRangeAndMissingStiffnessAreRefused) {
-  ForceLog log;
+  AxisLog log;
   EXPECT_THROW(static_cast<void>(palpate(log, TensionStateParameters<double>{}, {})), BadInput);
   EXPECT_THROW(static_cast<void>(tension_state_of(PullPushFit{})), Refusal);
 }

@@ -22,7 +22,7 @@ inline auto log_of(const std::string& scenario, std::optional<std::uint64_t> see
   return CsvLog::parse(text.str(), scenario);
 }
 
-inline auto record(const std::string& scenario) -> ForceLog {
+inline auto record(const std::string& scenario) -> AxisLog {
   return read_force_log(log_of(scenario), 0);
 }
 

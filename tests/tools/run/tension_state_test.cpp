@@ -44,7 +44,7 @@ auto identified() -> TensionStateParameters<double> {
 }
 
 /// Regressors of (5.28), the direction by the conditioner.
-auto pseudo_kinematic_columns(const ForceLog& log) -> Eigen::MatrixXd {
+auto pseudo_kinematic_columns(const AxisLog& log) -> Eigen::MatrixXd {
   SampleConditioner<double> conditioner(SamplePeriod<double>(0.001), ConditionerShape<double>{});
   Eigen::MatrixXd columns(log.samples(), 4);
   for (Eigen::Index i = 0; i < log.samples(); ++i) {
@@ -63,9 +63,9 @@ auto errors_against(double stiffness, const TensionStateParameters<double>& para
   const capstan::test::RandomMultisine motion(14, 1.0, 0.03, 0.4);
   const auto wander = [&](double t) { return 0.25 * std::tanh(3.0 * motion(t) + std::sin(0.5 * t)); };
   Eigen::VectorXd learned_angle, angle;
-  const ForceLog learned = turn_by_hand(
+  const AxisLog learned = turn_by_hand(
       plant, 100.0, [](double t) { return triangle(0.28 - 0.0025 * std::min(t, 100.0), 0.1)(t); }, &learned_angle);
-  const ForceLog log = turn_by_hand(plant, 60.0, wander, &angle);
+  const AxisLog log = turn_by_hand(plant, 60.0, wander, &angle);
   const PreisachFit preisach = fit_preisach({learned});
   const Eigen::VectorXd theta = pseudo_kinematic_columns(learned).householderQr().solve(learned_angle);
   Preisach<double, kMostPreisachLevels> force_law(preisach.table, StartState::kDemagnetised, 1e-9);
@@ -76,11 +76,11 @@ auto errors_against(double stiffness, const TensionStateParameters<double>& para
     const bool forward = conditioner.update(log.q1_rad[i], log.tau_nm[i]).forward;
     const auto estimate = state.update(log.q1_rad[i], log.tau_nm[i], forward);
     angle_error[i] = estimate.q2 - angle[i];
-    torque_error[i] = estimate.joint_torque - log.tau_out_nm[i];
-    preisach_error[i] = force_law.update(log.tau_nm[i]).force - log.tau_out_nm[i];
+    torque_error[i] = estimate.joint_torque - log.effort[i];
+    preisach_error[i] = force_law.update(log.tau_nm[i]).force - log.effort[i];
   }
   const Eigen::Index tail = log.samples() - 10000;  // the first seconds are needed to learn the past
-  const double largest = log.tau_out_nm.cwiseAbs().maxCoeff();
+  const double largest = log.effort.cwiseAbs().maxCoeff();
   const Eigen::VectorXd kinematic_error = pseudo_kinematic_columns(log) * theta - angle;
   return {rms(angle_error.tail(tail)), rms(torque_error.tail(tail)) / largest, rms(kinematic_error.tail(tail)),
           rms(preisach_error.tail(tail)) / largest};

@@ -15,7 +15,7 @@ namespace capstan::tools::test {
 inline constexpr double kTurn = 2.0 * std::numbers::pi;
 
 inline auto servo_log(const sim::PlantParameters& p, double seconds, double amplitude_rad, double offset_rad,
-                      double frequency_hz, std::uint64_t seed) -> ForceLog {
+                      double frequency_hz, std::uint64_t seed) -> AxisLog {
   return servo_force_log(p, seconds, amplitude_rad, offset_rad, frequency_hz, seed);
 }
 inline auto triangle(double frequency_hz, double t) -> double {
@@ -23,7 +23,7 @@ inline auto triangle(double frequency_hz, double t) -> double {
 }
 template <typename Drive>
 auto recorded(const sim::PlantParameters& p, const char* name, double seconds, std::uint64_t seed, Drive&& drive)
-    -> ForceLog {
+    -> AxisLog {
   return recorded_force(p, name, seconds, seed, std::forward<Drive>(drive));
 }
 inline auto between(Random& random, double low, double high) -> double {
@@ -38,7 +38,7 @@ inline auto tissue(std::uint64_t seed) -> sim::Environment {
 
 /// What the board's own palpation records with real sensors: triangles of torque, to and fro.
 inline auto torque_log(const sim::PlantParameters& p, double seconds, double amplitude_nm, double frequency_hz,
-                       std::uint64_t seed) -> ForceLog {
+                       std::uint64_t seed) -> AxisLog {
   return recorded(p, "torque triangles", seconds, seed, [&](double t, double /*q1*/) {
     return amplitude_nm * triangle(frequency_hz, t) / p.torque_constant_nm_per_a;
   });
@@ -60,7 +60,7 @@ inline auto on_board(const TensionStateParameters<double>& p) -> ForceConfig {
 }
 
 /// What the firmware makes of the same rows, one a cycle.
-inline auto felt_by_board(const ForceLog& log, const TensionStateParameters<double>& parameters)
+inline auto felt_by_board(const AxisLog& log, const TensionStateParameters<double>& parameters)
     -> std::optional<Stiffness> {
   Palpation palpation;
   palpation.begin(on_board(parameters), {.site = 1, .largest_nm = Q24::from_double(log.tau_nm.cwiseAbs().maxCoeff())});

@@ -23,7 +23,7 @@ using test::between;
 enum class Grasp { kTogether, kMirrored, kSecondHeld };
 
 struct Jaws {
-  ForceLog first, second;
+  AxisLog first, second;
 };
 
 struct Object {
@@ -65,9 +65,9 @@ auto grip(const Object& object, Grasp grasp, double amplitude_rad, double second
   std::array<sim::Plant, 2> plants = {sim::Plant(parameters[0], seed), sim::Plant(parameters[1], seed + 1)};
   Jaws jaws;
   const auto rows = static_cast<Eigen::Index>(1000.0 * seconds);
-  for (ForceLog* log : {&jaws.first, &jaws.second}) {
+  for (AxisLog* log : {&jaws.first, &jaws.second}) {
     log->name = "grip";
-    for (auto* values : {&log->time_s, &log->q1_rad, &log->tau_nm, &log->tau_out_nm}) {
+    for (auto* values : {&log->time_s, &log->q1_rad, &log->tau_nm, &log->effort}) {
       values->setZero(rows);
     }
   }
@@ -76,7 +76,7 @@ auto grip(const Object& object, Grasp grasp, double amplitude_rad, double second
     const double t = 0.001 * static_cast<double>(i);
     std::array<double, 2> q1{};
     for (std::size_t k = 0; k < 2; ++k) {
-      ForceLog& log = k == 0 ? jaws.first : jaws.second;
+      AxisLog& log = k == 0 ? jaws.first : jaws.second;
       const sim::PlantParameters& p = plants[k].parameters();
       q1[k] = test::kTurn / p.encoder_counts_per_turn * plants[k].readings().encoder_counts;
       log.time_s[i] = t;
@@ -160,12 +160,15 @@ TEST_F(TwoJaws, LogOfBothAxesBecomesAMapAndOneJawIsNoGrip) {
          << jaws.second.q1_rad[i] << ',' << jaws.second.tau_nm[i] << '\n';
   }
   const CsvLog log = CsvLog::parse(text.str(), "grip.csv");
-  const auto rows = map_grip(log, {0, first_}, {1, second_}, 0.0);
+  const auto sites = sites_of(log, 0.0);
+  const AxisLog first = read_palpation_log(log, 0);
+  const AxisLog second = read_palpation_log(log, 1);
+  const auto rows = map_grip(sites, {first, first_}, {second, second_});
   ASSERT_EQ(rows.size(), 1U);
   ASSERT_TRUE(rows[0].stiffness.combined.has_value());
   EXPECT_NEAR(rows[0].stiffness.combined->value, 0.08, 0.004);
-  EXPECT_THROW(static_cast<void>(map_grip(log, {0, first_}, {0, second_}, 0.0)), BadInput);
-  EXPECT_THROW(static_cast<void>(map_grip(log, {0, first_}, {2, second_}, 0.0)), BadInput) << "no such axis";
+  EXPECT_THROW(static_cast<void>(map_grip(sites, {first, first_}, {first, second_})), BadInput);
+  EXPECT_THROW(static_cast<void>(read_palpation_log(log, 2)), BadInput) << "no such axis";
 }
 
 }  // namespace
