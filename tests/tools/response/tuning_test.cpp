@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "capstan/tests/tools/response/known_motor.hpp"
 #include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -15,100 +16,10 @@
 namespace capstan::tools {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
-/// A motor on a viscous bearing behind `delay` cycles, exactly discretised for a torque that is held: nothing of the
-/// product's. The control is written out as the firmware's documentation gives it.
-struct Motor {
-  double inertia = 2e-5, drag = 2e-4;
-  int delay = 1;
-  double swing_hz = 0.0;  ///< a mass on a spring beyond the encoder; 0: none
-
-  [[nodiscard]] auto plant(double hz) const -> Complex {
-    const Complex back = std::polar(1.0, -2e-3 * kPi * hz);
-    const double a = std::exp(-drag / inertia * 1e-3);
-    const double b1 = 1e-3 / drag - inertia / (drag * drag) * (1.0 - a);
-    const double b2 = inertia / (drag * drag) * (1.0 - a) - 1e-3 / drag * a;
-    Complex value = std::pow(back, delay) * (b1 * back + b2 * back * back) / ((1.0 - back) * (1.0 - a * back));
-    if (swing_hz > 0.0) {
-      const double ratio = hz / swing_hz;
-      value *= 1.0 + ratio * ratio / (Complex(1.0 - ratio * ratio, 0.04 * ratio));
-    }
-    return value;
-  }
-  [[nodiscard]] static auto control(const LoopGains& gains, double hz) -> Complex {
-    const Complex back = std::polar(1.0, -2e-3 * kPi * hz);
-    const double share = 0.001 / (gains.rate_time_constant_s + 0.001);
-    return gains.stiffness * (1.0 + gains.kp + gains.ki_per_s * 1e-3 / (1.0 - back)) +
-           gains.damping * (1.0 - back) * 1e3 * share / (1.0 - (1.0 - share) * back);
-  }
-
-  /// As a perfect log would show it.
-  [[nodiscard]] auto response(const LoopGains& gains, double circle = 1e-3) const -> Response {
-    Response all{.name = "known", .points = {}, .distortion = {}};
-    for (double hz = 1.0; hz < 400.0; hz *= 1.12) {
-      ResponsePoint point{.hz = hz};
-      point.motor = {plant(hz), circle * std::abs(plant(hz))};
-      point.joint = {1.0, 0.0};
-      point.loop = {plant(hz) * control(gains, hz), circle * std::abs(plant(hz) * control(gains, hz))};
-      point.coherence = 1.0;
-      all.points.push_back(point);
-    }
-    return all;
-  }
-
-  /// Where a loop of `factor` times all gains ends after 3 s from a small push: growth over the push.
-  [[nodiscard]] auto grows(const LoopGains& gains, double factor) const -> bool {
-    const double a = std::exp(-drag / inertia * 1e-3);
-    const double share = 0.001 / (gains.rate_time_constant_s + 0.001);
-    double angle = 1e-3;
-    double speed = 0.0;
-    double rate = 0.0;
-    double before = angle;
-    double integral = 0.0;
-    std::vector<double> torques(static_cast<std::size_t>(delay), 0.0);
-    double early = 0.0;
-    double late = 0.0;
-    for (int i = 0; i < 3000; ++i) {
-      rate += share * ((angle - before) * 1e3 - rate);
-      before = angle;
-      integral += gains.ki_per_s * 1e-3 * angle;
-      torques.push_back(-factor * (gains.stiffness * (angle * (1.0 + gains.kp) + integral) + gains.damping * rate));
-      const double torque = torques[torques.size() - 1 - static_cast<std::size_t>(delay)];
-      angle += inertia / drag * (1.0 - a) * (speed - torque / drag) + torque / drag * 1e-3;
-      speed = a * speed + (1.0 - a) * torque / drag;
-      (i < 1500 ? early : late) = std::max(i < 1500 ? early : late, i < 500 ? 0.0 : std::fabs(angle));
-    }
-    return late > early;
-  }
-};
-
-/// With which the motor is stable, as one whose log there is.
-auto gentle() -> LoopGains {
-  LoopGains gains;
-  gains.stiffness = 0.2;
-  gains.damping = 0.003;
-  return gains;
-}
-
-/// On a grid a thousand times finer than the lines.
-auto true_margins(const Motor& motor, const LoopGains& gains) -> Margins {
-  Margins margins;
-  Complex before = motor.plant(1.0) * Motor::control(gains, 1.0);
-  for (double hz = 1.0; hz < 400.0; hz *= 1.0002) {
-    const Complex now = motor.plant(hz) * Motor::control(gains, hz);
-    margins.modulus = std::min(margins.modulus, std::abs(1.0 + now));
-    if ((std::abs(before) > 1.0) != (std::abs(now) > 1.0)) {
-      margins.crossover_hz = hz;
-      margins.phase_deg = std::min(margins.phase_deg, std::fabs(std::arg(-now)) * 180.0 / kPi);
-    }
-    if (now.real() < 0.0 && (before.imag() < 0.0) != (now.imag() < 0.0)) {
-      margins.gain_db = std::min(margins.gain_db, std::fabs(20.0 * std::log10(std::abs(now))));
-    }
-    before = now;
-  }
-  return margins;
-}
+using test::gentle;
+using test::kPi;
+using test::Motor;
+using test::true_margins;
 
 TEST(Tuning, MarginsPromisedAreTheTrueOnesOfManyMotors) {
   for (const double inertia : {4e-6, 2e-5, 1e-4}) {
@@ -171,49 +82,6 @@ TEST(Tuning, MarginsOfAMotorThatDiffersBackwardAndForwardAreTheLowerOnes) {
   EXPECT_DOUBLE_EQ(both->onset, first->onset) << "the lighter swings first";
   response.ways.clear();
   EXPECT_LT(least(tune(response, present, {}).gains).phase_deg, 44.0);
-}
-
-TEST(LimitCycle, OnsetIsTheFactorAtWhichTheMotorInTimeBeginsToGrow) {
-  for (const int delay : {1, 3}) {
-    const Motor motor{.delay = delay};
-    const LoopGains gains = gentle();
-    const auto cycle = predict_limit_cycle(motor.response(gains), gains);
-    ASSERT_TRUE(cycle) << delay;
-    EXPECT_FALSE(motor.grows(gains, 0.97 * cycle->onset)) << delay;
-    EXPECT_TRUE(motor.grows(gains, 1.03 * cycle->onset)) << delay;
-    EXPECT_DOUBLE_EQ(swing_rad(*cycle, 2.0), 2.0 / (2.0 * kPi * cycle->hz));
-  }
-}
-
-TEST(LimitCycle, AMotorThatNeverSwingsIsToldNothing) {
-  // No delay, and the log ends long before the sampling shows.
-  const Motor motor{.delay = 0};
-  const LoopGains gains = gentle();
-  Response response = motor.response(gains);
-  std::erase_if(response.points, [](const ResponsePoint& point) { return point.hz > 15.0; });
-  EXPECT_FALSE(predict_limit_cycle(response, gains));
-}
-
-TEST(LimitCycle, AGainWithinTwoOfTheOnsetIsRefusedWithThatSentence) {
-  const Motor motor{.delay = 3};
-  const LoopGains present = gentle();
-  Wanted wanted;
-  bool told = false;
-  for (double hz = 10.0; hz < 100.0 && !told; hz *= 1.1) {
-    wanted.bandwidth_hz = hz;
-    try {
-      const Tuning tuning = tune(motor.response(present), present, wanted);
-      const auto cycle = predict_limit_cycle(motor.response(present), tuning.gains);
-      ASSERT_TRUE(cycle) << hz;
-      EXPECT_GE(cycle->onset, 2.0) << hz;
-      EXPECT_FALSE(motor.grows(tuning.gains, 1.9)) << hz;
-      EXPECT_NE(tuning.swings.find("begins to swing at"), std::string::npos);
-    } catch (const Refusal& refusal) {
-      told =
-          std::string(refusal.what()).find("times these gains a moving joint begins to swing at") != std::string::npos;
-    }
-  }
-  EXPECT_TRUE(told);
 }
 
 // Margins alone do not keep it away: 6 dB are less than two times, and here less is asked for.
@@ -398,21 +266,6 @@ TEST(Tuning, ThePageShowsBodeAndNyquist) {
   for (const char* words : {"Motor angle per torque: gain", "Coherence", "Nyquist", "set joint0.control.stiffness"}) {
     EXPECT_NE(page.find(words), std::string::npos) << words;
   }
-}
-
-TEST(LimitCycle, AShakeThatTurnsItsMotorAboutIsWarnedOfAndAGentleOneIsNot) {
-  const LoopGains gains = gentle();
-  Response response = Motor{}.response(gains);
-  response.travels = true;
-  response.motor_speed_rad_s = 0.9;
-  response.motor_shake_rad_s = 0.25;
-  EXPECT_EQ(tune(response, gains, {}).warning, "");
-  response.motor_shake_rad_s = 0.5;
-  const Tuning tuning = tune(response, gains, {});
-  EXPECT_NE(tuning.warning.find("turned the motor about"), std::string::npos) << tuning.warning;
-  EXPECT_NE(tuning_text(tuning, gains).find("warning: the shake"), std::string::npos);
-  response.motor_speed_rad_s = 0.0;
-  EXPECT_EQ(tune(response, gains, {}).warning, "") << "a joint that stands has no way to be turned about";
 }
 
 }  // namespace
