@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "capstan/tests/tools/response/known_motor.hpp"
+#include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
-#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
