@@ -90,17 +90,10 @@ class SlipPropagation {
         .common = {Traits::template shifted_down<kLog2Operators>(lag)}, .value = old_stretch(s), .forward = s.forward};
   }
 
-  /// Where a motion to and fro at this torque gets to: an operator trails by its half width, R / 2 on average, or,
-  /// wider than the torque is large, by the torque, for it never moves. Nothing of the old stretch is left.
+  /// Fully slipping: every operator trails by its half width, R / 2 on average, and nothing of the old stretch is left.
   [[nodiscard]] constexpr auto steady_state(const Sample<Scalar>& s) const -> ByDirection<Scalar, 1> {
-    const Scalar torque = s.forward ? s.tau : -s.tau;
-    Scalar lag{};
-    for (const Scalar width : width_) {
-      const Scalar half_width = width * kHalf;
-      // One that is not known, or pulls against the motion as a weight may, says nothing of where the other way turned.
-      lag -= torque <= Scalar{} ? half_width : std::min(half_width, torque);
-    }
-    return {.common = {Traits::template shifted_down<kLog2Operators>(s.forward ? lag : -lag)}, .forward = s.forward};
+    return {.common = {Traits::template shifted_down<kLog2Operators>(s.forward ? lowest_ : -lowest_)},
+            .forward = s.forward};
   }
 
  private:
