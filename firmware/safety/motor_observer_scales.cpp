@@ -24,9 +24,10 @@ constexpr std::int32_t kSudden = 11 * 256 / 4;
 constexpr std::int32_t kSuddenSlack8 = 9;
 // Speed that a load gives the motor within two cycles: of limits.joint_speed, eighths, and counts that a coarse encoder
 // shows. Chosen in November 2026 on drawn forceps, fingers, elbows and wrists (seeds 930000 to 930023, 931000 to
-// 931009, tuned 931500 to 931503) and the campaign's joints: no healthy motion came further than 0.73 of the one (a
-// wrist with twice the usual friction) and 2.7 counts of the other. A torn or loose tendon gives 1.1 to 5 times as
-// much.
+// 931009, tuned 931500 to 931503) and the campaign's joints: healthy motion came to 0.73 of the one (a wrist with twice
+// the usual friction; 0.91 on wrist 931503, which is stopped without this test too) and 2.7 counts of the other. A torn
+// or loose tendon gives 1.1 to 5 times as much. Joints 220045, 260065 and 260382, flung back by their tendons, came to
+// 1.1 to 1.5 of it until what a motor gains already was taken off.
 constexpr std::int32_t kGainedShare8 = 5;
 constexpr std::int32_t kGainedCounts = 17 * 256 / 4;
 // Of observer.excess, eighths. Chosen in November 2026 on some 87 drawn joints, five minutes each (of seeds 210000 to
