@@ -168,11 +168,8 @@ auto MotorObserver::rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> F
   const std::int32_t gained = moved_ >= 0 ? moved - moved_ : moved_ - moved;  // in the direction of motion
   const std::int32_t beyond = std::abs(gained) * 256 - scales_.slack;
   const bool unexplained = beyond > 0 && beyond > std::int64_t{scales_.gain} * (high_ - low_) >> 23;
-  const bool slows = unexplained && gained < 0 && moved_ != 0;
-  const bool suddenly = rt_slows_suddenly(moved, wanted);
-  const bool winding = rt_slows_while_winding(moved, wanted);
-  const bool let_go = rt_is_let_go(moved, wanted);
-  if (!slows && !suddenly && !winding && !let_go) {
+  const bool lost = unexplained && ((gained < 0 && moved_ != 0) || rt_is_let_go(moved, wanted));
+  if (!lost && !rt_slows_suddenly(moved, wanted) && !rt_slows_while_winding(moved, wanted)) {
     return 0;
   }
   return bit(moved == 0 ? Fault::kEncoderFrozen : Fault::kEncoderMotion);

@@ -111,7 +111,7 @@ class MotorObserver {
   [[gnu::always_inline]] inline auto rt_watch_current(std::int32_t measured, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_watch_speed(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_slows_suddenly(std::int32_t moved, std::int32_t wanted) -> bool;
-  [[gnu::always_inline]] inline auto rt_is_let_go(std::int32_t moved, std::int32_t wanted) -> bool;
+  [[gnu::noinline]] auto rt_is_let_go(std::int32_t moved, std::int32_t wanted) -> bool;
   [[gnu::always_inline]] inline auto rt_slows_while_winding(std::int32_t moved, std::int32_t wanted) -> bool;
   [[gnu::always_inline]] inline auto rt_watch_stretch(std::int32_t moved, std::int32_t wanted) -> FaultSet;
   [[gnu::always_inline]] inline auto rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> FaultSet;
