@@ -39,8 +39,7 @@ void print_counts(std::ostream& out, const char* what, const std::vector<Campaig
       unsafe);
   put(out,
       "  beyond a limit: %ld cases; %ld unsafe by the rule, %ld of them beyond a limit with torque cut at the onset "
-      "too; "
-      "%ld mechanical, within limits.fault_travel of that cut\n",
+      "too; %ld mechanical, within limits.fault_travel of that cut\n",
       unsafe + mechanical, unsafe, unavoidable, mechanical);
 }
 

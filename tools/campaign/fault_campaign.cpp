@@ -113,7 +113,7 @@ class Judge {
   /// What the firmware adds to it is held to its limit all the same.
   [[nodiscard]] auto by_mechanics(CampaignRow& row, const Hazard& hazard, const HazardLimits& limits) const -> bool {
     Trouble cut = row.trouble;
-    cut.cut_after_ms = 0;
+    cut.cut_at_onset = true;
     const Hazard least = hazard_beyond(healthy_, run_scene(scene_, cut).course);
     row.unavoidable_rad = std::max(row.unavoidable_rad, least.travel_rad);
     const bool beyond = least.severity(limits) > 1.0;

@@ -67,9 +67,6 @@ class Rig {
         begin(*trouble_->second);
       }
       operate();
-      if (trouble_ && trouble_->cut_after_ms == since - 1) {
-        post({.kind = Request::Kind::kDisarm});
-      }
       const bool had_torque = energised(telemetry().state);
       const bool arming = since == kArmCycle + 1;
       step();
@@ -111,6 +108,9 @@ class Rig {
     }
     if (!trouble_) {
       return;
+    }
+    if (trouble_->cut_at_onset) {
+      post({.kind = Request::Kind::kDisarm});
     }
     begin(trouble_->first);
   }

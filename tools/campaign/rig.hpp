@@ -29,8 +29,8 @@ struct Scene {
 };
 struct Trouble {
   OneFault first;
-  std::optional<OneFault> second = {};   ///< 50 ms later
-  std::optional<int> cut_after_ms = {};  ///< torque off by hand so long after the onset; 0: no firmware can better it
+  std::optional<OneFault> second = {};  ///< 50 ms later
+  bool cut_at_onset = false;            ///< torque off by hand at the onset: what no firmware can better
 };
 
 /// What became of the firmware and of the true joint.

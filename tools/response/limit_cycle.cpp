@@ -117,10 +117,13 @@ class InTime {
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle> {
   std::optional<LimitCycle> first;
   for (const Response* view : views_of(response)) {
-    const auto cycle = predict_limit_cycle(dense(*view), gains);
-    first = cycle && (!first || cycle->onset < first->onset) ? cycle : first;
+    first = sooner(first, predict_limit_cycle(dense(*view), gains));
   }
   return first;
+}
+
+auto sooner(const std::optional<LimitCycle>& a, const std::optional<LimitCycle>& b) -> std::optional<LimitCycle> {
+  return b && (!a || b->onset < a->onset) ? b : a;
 }
 
 auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle> {

@@ -28,6 +28,8 @@ struct LimitCycle {
 /// @pre with these gains the loop is stable
 auto predict_limit_cycle(const Response& response, const LoopGains& gains) -> std::optional<LimitCycle>;
 auto predict_limit_cycle(const Dense& all, const LoopGains& gains) -> std::optional<LimitCycle>;
+/// The one of lower onset; nothing swings later than something.
+auto sooner(const std::optional<LimitCycle>& a, const std::optional<LimitCycle>& b) -> std::optional<LimitCycle>;
 /// Whether it swings with that multiple of the gains, or with less.
 auto swings_by(const Dense& all, const LoopGains& gains, double factor) -> bool;
 /// Where the shake of a travelling joint turned its motor about, friction turned with it and is in the response as

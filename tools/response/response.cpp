@@ -156,8 +156,7 @@ void share_what_agrees(Response& response) {
   for (std::size_t i = 0; i < response.points.size() && !response.ways.empty(); ++i) {
     ResponsePoint& a = response.ways[0].points[i];
     ResponsePoint& b = response.ways[1].points[i];
-    const auto square = [](const Estimate& one) { return one.radius95 * one.radius95; };
-    if (std::norm(a.motor.value - b.motor.value) < kAgrees * kNoiseShare * (square(a.motor) + square(b.motor))) {
+    if (std::norm(a.motor.value - b.motor.value) < kAgrees * noise_between(a.motor, b.motor)) {
       a = b = response.points[i];
     }
   }
@@ -195,13 +194,12 @@ auto estimate_multisine(const ResponseLog& log, Response response) -> Response {
     const Periods backward = periods.going(false);
     const Periods forward = periods.going(true);
     if (std::min(backward.count(), forward.count()) >= kLeastWindows) {
-      Response one = response;
-      one.name += ", backward";
-      std::vector<Response> ways = {over(backward, std::move(one))};
-      one = response;
-      one.name += ", forward";
-      ways.push_back(over(forward, std::move(one)));
-      response.ways = std::move(ways);
+      const auto by_name = [&](const Periods& way, const char* name) {
+        Response one = response;
+        one.name += name;
+        return over(way, std::move(one));
+      };
+      response.ways = {by_name(backward, ", backward"), by_name(forward, ", forward")};
     }
   }
   response = over(periods, std::move(response));

@@ -38,6 +38,11 @@ struct Estimate {
 /// The mean square of what is within a circle of 95 %, of its radius's square; less where it is of few windows.
 inline constexpr double kNoiseShare = 1.0 / 3.0;
 
+/// Mean square by which noise makes two estimates of the same value differ.
+inline auto noise_between(const Estimate& a, const Estimate& b) -> double {
+  return kNoiseShare * (a.radius95 * a.radius95 + b.radius95 * b.radius95);
+}
+
 struct ResponsePoint {
   double hz = 0.0;
   Estimate motor{};  ///< motor angle per torque, rad/Nm

@@ -130,8 +130,7 @@ auto views_of(const Response& response) -> std::vector<const Response*> {
     if (matters(response, response.points[i])) {
       const Estimate& a = response.ways[0].points[i].motor;
       const Estimate& b = response.ways[1].points[i].motor;
-      const double noise = kNoiseShare * (a.radius95 * a.radius95 + b.radius95 * b.radius95);
-      squares += (std::norm(a.value - b.value) - noise) / std::norm(response.points[i].motor.value);
+      squares += (std::norm(a.value - b.value) - noise_between(a, b)) / std::norm(response.points[i].motor.value);
       ++count;
     }
   }

@@ -53,8 +53,7 @@ auto margins_over(const Plants& plants, const LoopGains& gains, LoopOf loop = lo
 auto first_cycle(const Plants& plants, const LoopGains& gains) -> std::optional<LimitCycle> {
   std::optional<LimitCycle> first;
   for (const Plant& plant : plants) {
-    const auto cycle = predict_limit_cycle(plant.all, gains);
-    first = cycle && (!first || cycle->onset < first->onset) ? cycle : first;
+    first = sooner(first, predict_limit_cycle(plant.all, gains));
   }
   return first;
 }

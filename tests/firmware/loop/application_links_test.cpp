@@ -34,9 +34,7 @@ TEST(Application, ALostLinkOverrulesAnArmingThatIsUnderWay) {
 TEST(Application, ALostLinkDoesNotAcknowledgeAFault) {
   Rig rig;
   rig.arm();
-  rig.io.estop = true;
-  rig.ticks(1);
-  rig.io.estop = false;
+  rig.touch_estop();
   ASSERT_EQ(rig.fault(), Fault::kEmergencyStop);
   rig.application.link_lost();
   rig.ticks(10);
@@ -62,9 +60,7 @@ TEST(Application, RestTakesTorqueAwayButLeavesAFaultForTheOperator) {
   rig.request({.kind = Request::Kind::kRest});
   EXPECT_EQ(rig.state(), State::kDisarmed);
   rig.arm();
-  rig.io.estop = true;
-  rig.ticks(1);
-  rig.io.estop = false;
+  rig.touch_estop();
   rig.request({.kind = Request::Kind::kRest});
   rig.ticks(10);
   EXPECT_EQ(rig.fault(), Fault::kEmergencyStop);
@@ -214,9 +210,7 @@ TEST(Application, WhatTakesTorqueAwayNeedsNoRoomAndOutranksWhatLiesThere) {
 TEST(Application, ARestDoesNotWeakenTheDisarmOfItsCycle) {
   Rig rig;
   rig.arm();
-  rig.io.estop = true;
-  rig.ticks(1);
-  rig.io.estop = false;
+  rig.touch_estop();
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kDisarm}));
   ASSERT_TRUE(rig.application.post({.kind = Request::Kind::kRest}));
   rig.ticks(1);

@@ -27,6 +27,12 @@ struct ApplicationRig {
       application.rt_tick();
     }
   }
+  /// Opens the emergency stop for a cycle.
+  void touch_estop() {
+    io.estop = true;
+    ticks(1);
+    io.estop = false;
+  }
   [[nodiscard]] auto state() const -> State { return application.telemetry().state; }
   [[nodiscard]] auto fault() const -> Fault { return application.telemetry().first_fault; }
 
