@@ -155,7 +155,7 @@ void FaultLog::rt_keep_heat(std::size_t axis, Q24 heat) {
   const auto raw = static_cast<std::uint32_t>(heat.raw());  // never negative
   const std::uint32_t whole = raw >> kHeatShift;
   // Below the first step it is cold, or noise about 0 would come and go as a step.
-  const std::uint32_t rounded = whole == 0 || raw == whole << kHeatShift ? whole : whole + 1;
+  const std::uint32_t rounded = whole == 0 ? 0 : (raw + (1U << kHeatShift) - 1U) >> kHeatShift;
   rt_put(memory_[heat_word(axis, axes_)], rounded);
 }
 

@@ -146,13 +146,14 @@ auto MotorObserver::rt_slows_while_winding(std::int32_t moved, std::int32_t want
 
 /// Twice the torque's range of the last six cycles, the time that current and motor take to follow it, explains what
 /// two cycles gain. What the motor gained already goes on: tendons that fling it back do so before they let it go.
+/// @pre the motor moved faster than in the cycle before
 auto MotorObserver::rt_is_let_go(std::int32_t moved, std::int32_t wanted) -> bool {
   const std::int32_t before = moved >= 0 ? before_[1] : -before_[1];
   const std::int32_t prior = moved >= 0 ? before_[2] : -before_[2];
   const std::int32_t known = std::max<std::int32_t>(before, 0) + std::max<std::int32_t>(2 * (before - prior), 0);
   const std::int32_t gained = (std::abs(moved) - known) * 256;
   const std::int32_t last = moved >= 0 ? before_[0] : -before_[0];
-  if (gained <= scales_.gained || last <= before || std::abs(moved) <= last) {
+  if (gained <= scales_.gained || last <= before) {
     return false;  // a blow gives its speed in one cycle
   }
   std::int32_t least = wanted;

@@ -80,5 +80,26 @@ TEST(MotorObserver, AJointThatSwingsWhileItWindsMaySlowDownAsItDidOfLate) {
   }
 }
 
+TEST(MotorObserver, AMotorThatItsTendonsSpringBackWhenTorqueComesMayStopWhileItWindsThemUp) {
+  for (const bool later : {false, true}) {
+    MotorObserver observer(observer_rig::commissioned_config());
+    MotorState motor;
+    Q24 wanted;
+    const auto step = [&](int moved, bool energised) {
+      motor.counts += moved;
+      wanted = motor.current_a = wanted + Q24::from_double(0.01);
+      return observer.rt_step(motor, wanted, energised);
+    };
+    for (int i = 0; i < 5; ++i) {
+      static_cast<void>(step(5, false));
+    }
+    observer.rt_arm();
+    for (int i = 0; i < (later ? 60 : 40); ++i) {
+      ASSERT_EQ(step(5, true), 0U) << i;
+    }
+    EXPECT_EQ((step(0, true) | step(0, true) | step(0, true)) == 0U, !later);
+  }
+}
+
 }  // namespace
 }  // namespace capstan
