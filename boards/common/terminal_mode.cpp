@@ -49,6 +49,8 @@ auto make_raw(int fd, speed_t speed) -> bool {
   if (speed != 0) {
     mode.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS);
     mode.c_cflag |= CLOCAL | CREAD;
+    // A byte that came damaged is handed on as NUL, which the shell refuses with its line.
+    mode.c_iflag = (mode.c_iflag & ~static_cast<tcflag_t>(IGNPAR)) | INPCK;
     if (cfsetispeed(&mode, speed) != 0 || cfsetospeed(&mode, speed) != 0) {
       return false;
     }

@@ -229,7 +229,7 @@ class CanNode {
     note(CanTrouble::kAlone, now.alone);
   }
 
-  static constexpr char kNoText = '\x01';
+  static constexpr char kNoText = '\0';
 
   Port& port_;
   const Clock& clock_;

@@ -6,7 +6,7 @@
 
 namespace capstan {
 namespace {
-constexpr char kNoText = 0x01;  // the shell refuses a line with it, and says why
+constexpr char kNoText = '\0';  // no key of a terminal: the shell refuses a line with it, and says why
 constexpr char kCancel = 0x03;
 constexpr char kBackspace = '\b';
 constexpr char kDelete = 0x7F;

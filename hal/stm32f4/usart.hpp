@@ -31,11 +31,13 @@ struct UsartErrors {
 static_assert(baud_error_permille(84'000'000, 115'200) < 5 && baud_error_permille(16'000'000, 115'200) < 5);
 
 /// Interrupt-driven 8N1 port with bounded rings. rt_isr() runs in the port's interrupt; everything else in one other
-/// context.
+/// context. Where bytes were lost one kGap stands before the next good one, so that no reader takes what is left of two
+/// lines for a line.
 template <RegisterCell Cell, std::size_t RxSize, std::size_t TxSize>
 class Usart {
  public:
   static constexpr std::size_t kTxRoom = TxSize;
+  static constexpr std::uint8_t kGap = 0;  ///< no text, and the end of a COBS frame
 
   Usart(UsartRegisters<Cell>& registers, NvicRegisters<Cell>& nvic, Interrupt interrupt) noexcept
       : registers_(registers), nvic_(nvic), interrupt_(interrupt) {}
@@ -87,13 +89,20 @@ class Usart {
     // Reading the status and then the data clears the flags (RM0090 section 30.6.1).
     const auto byte = static_cast<std::uint8_t>(registers_.dr.read() & 0xFFU);
     errors_.hardware_overruns += (status & usart::kSrOverrun) != 0 ? 1U : 0U;
-    if ((status & usart::kSrReceived) == 0) {
-      return;
-    }
     if ((status & (usart::kSrFraming | usart::kSrNoise)) != 0) {
       ++errors_.line_errors;
-    } else if (!rx_.push(byte)) {
+      gap_ = true;
+    } else if ((status & usart::kSrReceived) != 0) {
+      rt_keep(byte);
+    }
+    gap_ |= (status & usart::kSrOverrun) != 0;  // what was lost came behind this byte
+  }
+
+  void rt_keep(std::uint8_t byte) noexcept {
+    gap_ = gap_ && !rx_.push(kGap);
+    if (gap_ || !rx_.push(byte)) {
       ++errors_.ring_overruns;
+      gap_ = true;
     }
   }
 
@@ -115,6 +124,7 @@ class Usart {
   RingBuffer<RxSize> rx_;
   RingBuffer<TxSize> tx_;
   UsartErrors errors_;
+  bool gap_ = false;  // bytes were lost since the last one that was kept
 };
 
 }  // namespace capstan::stm32f4

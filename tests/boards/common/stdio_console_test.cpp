@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "capstan/boards/common/console.hpp"
+#include "capstan/boards/common/terminal_mode.hpp"
 
 namespace capstan {
 namespace {
@@ -96,7 +97,7 @@ TEST(StdioConsole, OnATerminalGetsCharactersAsTheyAreTypedAndWithoutEcho) {
 }
 
 TEST(StdioConsole, GivesTheTerminalBackWhenASignalEndsTheProgram) {
-  for (const int signal_number : {SIGINT, SIGTERM}) {
+  for (const int signal_number : {SIGINT, SIGTERM, SIGQUIT}) {
     ProgramOnATerminal program;
     const tcflag_t before = ICANON | ECHO;
     ASSERT_TRUE(program.shows("ready\r\n"));
@@ -104,6 +105,20 @@ TEST(StdioConsole, GivesTheTerminalBackWhenASignalEndsTheProgram) {
     const int status = program.end_by(signal_number);
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal_number) << "the cause of death stays the signal";
     EXPECT_EQ(program.local_modes() & before, before);
+  }
+}
+
+TEST(SerialLine, HandsADamagedByteOnAsOneThatIsNoText) {
+  for (const tcflag_t before : {tcflag_t{0}, tcflag_t{IGNPAR | PARMRK}}) {
+    const FileDescriptor master(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+    ASSERT_EQ(unlockpt(master.get()), 0);
+    termios mode{};
+    ASSERT_EQ(tcgetattr(master.get(), &mode), 0);
+    mode.c_iflag = before;
+    ASSERT_EQ(tcsetattr(master.get(), TCSANOW, &mode), 0);
+    ASSERT_TRUE(make_raw(master.get(), B115200));
+    ASSERT_EQ(tcgetattr(master.get(), &mode), 0);
+    EXPECT_EQ(mode.c_iflag & (INPCK | IGNPAR | PARMRK), tcflag_t{INPCK}) << "termios(3): it is read as NUL then";
   }
 }
 

@@ -11,6 +11,7 @@ namespace {
 using namespace test;
 
 struct Fed : test::Bench<2> {
+  explicit Fed(bool echo = false) : Bench<2>(echo) {}
   void send(const std::string& text, bool urgent = true) {
     for (const char c : text) {
       ASSERT_GT(input.room(), 0U);
@@ -110,6 +111,29 @@ TEST(ShellInput, ALineThatFoundNoRoomIsRefusedAndSoIsOneThatActsRightBehindIt) {
     EXPECT_EQ(error_of(lines[0]), "not_text");
     EXPECT_EQ(error_of(lines[1]), "after_damage");
   }
+}
+
+TEST(ShellInput, OnATerminalTooALineThatLostItsEndIsNotDone) {
+  Fed fed(true);
+  const auto gain = [&fed] { return fed.say("get joint0.control.stiffness"); };
+  const std::string before = gain();
+  fed.send("arm\nlog joint0 1000000\n");
+  fed.background(50);
+  ASSERT_TRUE(fed.shell.busy());
+  const std::string cut = "\nset joint0.control.stiffness 0";
+  while (fed.input.room() > cut.size()) {
+    fed.input.take(' ');
+  }
+  for (const char c : cut + ".5\n") {
+    fed.input.take(c);
+  }
+  fed.shell.receive('\x03');  // the log ends, the lines that wait stay
+  fed.background(10);
+  fed.sink.take();
+  fed.send("version\n");
+  fed.background(10);
+  EXPECT_NE(fed.sink.take().find("error not_text: "), std::string::npos);
+  EXPECT_EQ(gain(), before);
 }
 
 TEST(ShellInput, ItWantsNoMoreThanItHasRoomForWhereNothingCanMove) {

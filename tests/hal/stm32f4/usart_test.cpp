@@ -11,6 +11,8 @@
 namespace capstan::stm32f4 {
 namespace {
 
+using namespace std::string_literals;
+
 auto bytes_of(const std::string& text) -> std::vector<std::uint8_t> {
   return {text.begin(), text.end()};
 }
@@ -44,6 +46,12 @@ class UsartPort : public testing::Test {
       registers.dr.value = static_cast<std::uint8_t>(byte);
     }
     registers.sr.value |= usart::kSrReceived | extra_flags | (unread ? usart::kSrOverrun : 0U);
+  }
+  void receive(const std::string& text) {
+    for (const char c : text) {
+      arrive(c);
+      port.rt_isr();
+    }
   }
   void byte_left() { registers.sr.value |= usart::kSrTransmitEmpty; }
   [[nodiscard]] auto transmit_interrupt_on() const -> bool {
@@ -82,21 +90,35 @@ TEST_F(UsartPort, ReceivedBytesComeOutInOrder) {
   EXPECT_EQ(port.errors().hardware_overruns, 0U);
 }
 
-TEST_F(UsartPort, FullRingDropsTheNewestAndCountsIt) {
-  for (const char c : std::string("12345678XY")) {
-    arrive(c);
-    port.rt_isr();
-  }
+TEST_F(UsartPort, FullRingDropsTheNewestCountsItAndMarksTheGap) {
+  receive("12345678XY");
   EXPECT_EQ(read_all(), "12345678");
+  EXPECT_EQ(port.errors().ring_overruns, 2U);
+  receive("ab");
+  EXPECT_EQ(read_all(), "\0ab"s);
+  receive("cd");
+  EXPECT_EQ(read_all(), "cd") << "one mark for a gap";
+}
+
+TEST_F(UsartPort, RoomForTheMarkAloneIsNoRoomForTheByteBehindIt) {
+  receive("12345678X");
+  std::uint8_t byte = 0;
+  ASSERT_TRUE(port.read(byte));
+  receive("Y");
+  EXPECT_EQ(read_all(), "2345678\0"s);
+  receive("Z");
+  EXPECT_EQ(read_all(), "\0Z"s);
   EXPECT_EQ(port.errors().ring_overruns, 2U);
 }
 
-TEST_F(UsartPort, LateInterruptKeepsTheFirstByteAndCountsTheLoss) {
+TEST_F(UsartPort, LateInterruptKeepsTheFirstByteCountsTheLossAndMarksIt) {
   arrive('a');
   arrive('b');
   port.rt_isr();
   EXPECT_EQ(read_all(), "a");
   EXPECT_EQ(port.errors().hardware_overruns, 1U);
+  receive("c");
+  EXPECT_EQ(read_all(), "\0c"s);
 }
 
 TEST_F(UsartPort, OverrunWithoutAByteStillClearsItsFlag) {
@@ -107,13 +129,15 @@ TEST_F(UsartPort, OverrunWithoutAByteStillClearsItsFlag) {
   EXPECT_EQ(read_all(), "");
 }
 
-TEST_F(UsartPort, DamagedByteIsThrownAwayAndCounted) {
+TEST_F(UsartPort, DamagedByteIsThrownAwayCountedAndMarked) {
   arrive('a', usart::kSrFraming);
   port.rt_isr();
   arrive('b', usart::kSrNoise);
   port.rt_isr();
   EXPECT_EQ(read_all(), "");
   EXPECT_EQ(port.errors().line_errors, 2U);
+  receive("cd");
+  EXPECT_EQ(read_all(), "\0cd"s) << "one mark, before the next good byte";
 }
 
 TEST_F(UsartPort, ChipSendsOneByteForEachInterrupt) {
