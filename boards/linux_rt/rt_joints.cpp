@@ -103,6 +103,9 @@ auto can_joints(const CanSetup& setup, const GpioSetup& gpio, Banks& banks, std:
   for (const CanBusSetup& bus : setup.buses) {
     buses.push_back(std::make_unique<CanBus>(bus, setup, out));
   }
+  for (const auto& bus : buses) {
+    bus->catch_up();
+  }
   return kMake[drives - 1](std::move(buses), gpio, banks, fault_memory);
 }
 

@@ -139,7 +139,7 @@ auto BusMaster::rt_messages(bool torque, Time now) -> Outbox {
   constexpr Time kHalfCycle = std::chrono::microseconds(500);
   if (heartbeat_at_ == Time{} || now - heartbeat_at_ > kHeartbeatPeriod - kHalfCycle) {
     out.add(heartbeat_frame(kMasterNode, NmtState::kOperational));
-    heartbeat_at_ = now;
+    offered_heartbeat_at_ = now;
   }
   out.add({.id = cob::kSync});
   return out;
@@ -184,6 +184,7 @@ void BusMaster::rt_packed(const Commands& commands, Outbox& out) {
 void BusMaster::rt_sync_sent(Time at) {
   sync_at_ = at;
   sent_controlword_ = offered_controlword_;
+  heartbeat_at_ = offered_heartbeat_at_;
   answer_due_ = true;
   sync_pending_ = options_.confirms;
 }

@@ -84,6 +84,7 @@ class BusMaster {
   std::size_t next_to_repeat_ = 0;
   Time sync_at_{};
   Time heartbeat_at_{};
+  Time offered_heartbeat_at_{};
   bool answer_due_ = false;
   bool sync_pending_ = false;
   bool stuck_ = false;

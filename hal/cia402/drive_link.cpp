@@ -65,8 +65,7 @@ void DriveLink::rt_heartbeat(const Frame& frame, Time arrived) {
   }
   switch (static_cast<NmtState>(frame.data[0])) {
     case NmtState::kOperational:
-      last_heartbeat_ = arrived;
-      heard_ = true;
+      last_heartbeat_ = std::max(last_heartbeat_, arrived);  // a clock that was set makes one that waited look old
       return;
     case NmtState::kBootUp:
       rt_lose(Anomaly::kRestarted, 0);
@@ -105,9 +104,9 @@ void DriveLink::rt_enter(std::uint16_t statusword) {
 }
 
 auto DriveLink::rt_sense(Time now, bool answer_due) -> AxisSensed {
-  if (!heard_) {
-    last_heartbeat_ = now;  // it was operational when it was set up
-    heard_ = true;
+  if (!looked_) {
+    last_heartbeat_ = now;  // it was operational when it was set up, however long ago that is
+    looked_ = true;
   }
   if (!lost_ && now - last_heartbeat_ > kHeartbeatTimeout) {
     rt_lose(Anomaly::kHeartbeatLost, 0);

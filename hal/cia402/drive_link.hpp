@@ -82,7 +82,7 @@ class DriveLink {
   bool lost_ = false;                             // until it is set up anew
   bool dropped_ = false;                          // until the firmware takes the torque away
   bool reached_ = false;                          // operation enabled, since torque is wanted
-  bool heard_ = false;
+  bool looked_ = false;                           // rt_sense() was called before
   Time last_heartbeat_{};
   std::uint32_t cycles_waiting_ = 0;  // for operation enabled
   std::uint32_t cycles_in_fault_ = 0;

@@ -174,6 +174,12 @@ CanBus::~CanBus() {
   take_out_of_operation(socket_, nodes);
 }
 
+void CanBus::catch_up() {
+  for (Received received; socket_.rt_receive(received);) {
+    master_.rt_receive(received);
+  }
+}
+
 void CanBus::rt_receive(std::span<AxisSensed> axes) {
   constexpr std::size_t kMostInACycle = 24;  // a bus of 1 Mbit/s carries at most 21 in a millisecond
   Received received;

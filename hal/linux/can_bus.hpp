@@ -49,6 +49,8 @@ class CanBus {
   /// Takes the drives out of operation.
   ~CanBus();
 
+  /// Takes all that has arrived while other buses were set up. Before the first cycle only: it takes what it takes.
+  void catch_up();
   /// Takes what has arrived, at most as much as a bus carries in a cycle.
   void rt_receive(std::span<AxisSensed> axes);
   /// Steps the drives; then look whether every bus is sound.

@@ -70,6 +70,17 @@ TEST(BusMaster, ItsHeartbeatComesEvery40ms) {
   EXPECT_EQ(heartbeats, 10);
 }
 
+TEST(BusMaster, AHeartbeatThatThePortDidNotTakeGoesAgainInTheNextCall) {
+  Rig rig;
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<Frame> messages = rig.command();
+    EXPECT_EQ(std::count(messages.begin(), messages.end(), frame(0x77F, {5})), 1) << i;
+  }
+  rig.bus.rt_sync_sent(rig.now);
+  const std::vector<Frame> messages = rig.command();
+  EXPECT_EQ(std::count(messages.begin(), messages.end(), frame(0x77F, {5})), 0);
+}
+
 TEST(BusMaster, EachDriveGetsItsOwnTorque) {
   Rig rig;
   rig.wanted = {amperes(0.5), amperes(-1)};

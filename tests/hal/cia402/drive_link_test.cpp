@@ -84,6 +84,20 @@ TEST(DriveLink, AStatusOfAnotherLengthIsNotUsed) {
   EXPECT_EQ(rig.count(Anomaly::kStatusMissing), 1U);
 }
 
+TEST(DriveLink, HeartbeatsThatWaitedWhileAnotherBusWasSetUpDoNotLoseIt) {
+  Rig rig;
+  for (std::int64_t i = 0; i < 24; ++i) {
+    rig.drive.rt_heartbeat(frame(0x701, {5}), ms(40 * i));
+  }
+  static_cast<void>(rig.drive.rt_sense(ms(10'000), false));
+  EXPECT_TRUE(rig.drive.rt_sound());
+  rig.drive.rt_heartbeat(frame(0x701, {5}), ms(960));  // the next that waited
+  static_cast<void>(rig.drive.rt_sense(ms(10'090), false));
+  EXPECT_TRUE(rig.drive.rt_sound());
+  static_cast<void>(rig.drive.rt_sense(ms(10'091), false));
+  EXPECT_FALSE(rig.drive.rt_sound()) << "one that is silent from then on is lost in 90 ms";
+}
+
 TEST(DriveLink, AnAnswerToAnEarlierSyncIsNotUsed) {
   Rig rig;
   rig.drive.rt_status(status(kEnabled), ms(1), ms(2));
