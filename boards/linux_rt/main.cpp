@@ -126,7 +126,7 @@ void say_how_it_went(const capstan::RtReport& report, const capstan::Console& co
 
 auto run(const BoardOptions& options) -> int {
   static_cast<void>(capstan::lock_memory());  // before threads exist; the loop looks whether it is so, and says it
-  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     static_cast<void>(std::signal(signal_number, request_stop));
   }
   capstan::FileBanks banks =

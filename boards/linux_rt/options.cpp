@@ -100,6 +100,9 @@ void apply(int code, BoardOptions& options) {
       options.can.fd = true;
       break;
     case kGpio:
+      if (!options.gpio.chip.empty()) {
+        throw std::runtime_error("--gpio is given twice; name all lines in one, they have to be of one chip");
+      }
       options.gpio = parse_gpio(optarg);
       break;
     case kSimulatedDrives:
@@ -153,6 +156,14 @@ auto parse_options(std::span<char* const> arguments) -> BoardOptions {
   if (options.action == BoardOptions::Action::kSelftest && !options.can.buses.empty()) {
     throw std::runtime_error("--selftest moves a joint by itself, so only the simulated one; leave out --can");
   }
+  if (options.can.buses.empty() && (options.gpio.brake || options.gpio.enable || options.gpio.watchdog)) {
+    throw std::runtime_error(
+        "Without --can the joint is simulated, and brake, enable or watchdog of --gpio would release a real one that "
+        "nobody drives; leave them out, or name the drives with --can");
+  }
+  if (options.action == BoardOptions::Action::kSelftest && options.gpio.estop) {
+    throw std::runtime_error("--selftest arms once, before an emergency stop counts as closed; leave out --gpio");
+  }
   return options;
 }
 
@@ -171,7 +182,8 @@ Without --can the joint is the simulated plant inside this program, in lock-step
   --fd              set values in CAN FD frames
   --gpio CHIP:DUTY=LINE[,...]
                     lines of a GPIO chip (/dev/gpiochip0); duties: estop (input, high: closed), enable, brake (high:
-                    open), watchdog (square wave while the cycle runs); ! before a number inverts it
+                    open), watchdog (square wave while the cycle runs); ! before a number inverts it; all
+                    but estop only with --can
   --simulated-drives
                     the drives on the buses are simulated by capstan_drives: torque without commissioned motor observers
 

@@ -81,6 +81,9 @@ auto judge(const SelftestResult& result) -> Verdict {
   if (const FaultInfo& fault = info(result.firmware.first_fault); fault.code != Fault::kNone) {
     verdict.failures.push_back(std::string("The firmware took the torque away, ") + fault.name + ": " + fault.cause +
                                "; " + fault.cure);
+  } else if (!energised(result.firmware.state)) {
+    verdict.failures.emplace_back(
+        "The joint had no torque at the end, so no cycle that moves one was timed; run it again, for longer (--for)");
   }
   if (!result.machine.real_time) {
     verdict.notes.emplace_back(

@@ -84,6 +84,10 @@ TEST(BoardOptions, HardwareIsReadAsItIsWritten) {
   EXPECT_FALSE(options.gpio.brake);
 }
 
+TEST(BoardOptions, AnEmergencyStopMayStopASimulatedJoint) {
+  EXPECT_TRUE(parse({"--gpio", "/dev/gpiochip2:estop=3"}).gpio.estop);
+}
+
 TEST(BoardOptions, ParsingTwiceGivesTheSame) {
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(parse({"--cpu", "3"}).rt.cpu, 3);
@@ -116,6 +120,11 @@ TEST(BoardOptions, WhatIsWrongIsNamedAndTheCureToo) {
       {{"--can", "can0:1,2,3,4,5"}, "5 drives"},
       {{"--can", "can0:1", "--can", "can1:2", "--can", "can2:3"}, "3 buses"},
       {{"--can", "can0:1", "--selftest"}, "--selftest"},
+      {{"--selftest", "--gpio", "/dev/g:estop=5"}, "--selftest"},
+      {{"--selftest", "--gpio", "/dev/g:brake=5"}, "Without --can"},
+      {{"--gpio", "/dev/g:estop=1,enable=5"}, "Without --can"},
+      {{"--gpio", "/dev/g:watchdog=5"}, "Without --can"},
+      {{"--can", "can0:1", "--gpio", "/dev/g:estop=3", "--gpio", "/dev/h:enable=4"}, "--gpio is given twice"},
       {{"--pdo", "many"}, "'many'"},
       {{"--gpio", "/dev/gpiochip0"}, "'/dev/gpiochip0'"},
       {{"--gpio", "/dev/g:stop=3"}, "'stop=3'"},

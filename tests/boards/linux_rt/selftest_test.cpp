@@ -78,6 +78,12 @@ TEST(Selftest, AFaultOfTheFirmwareFailsAndIsNamed) {
   expect_failure(result, "following_error");
 }
 
+TEST(Selftest, AJointWithoutTorqueFails) {
+  SelftestResult result = sound();
+  result.firmware.state = State::kDisarmed;
+  expect_failure(result, "no torque at the end");
+}
+
 TEST(Selftest, ALoopThatNeverRanFails) {
   SelftestResult result = sound();
   result.loop.cycles = 0;
