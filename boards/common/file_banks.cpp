@@ -6,6 +6,7 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -47,6 +48,12 @@ auto read_all(int fd, std::span<std::uint8_t> bytes, off_t at) -> bool {
   return transfer_all(pread, fd, bytes, at);
 }
 
+/// What the first erasing leaves of a store when it is cut short, and nothing else does.
+auto holds_erased(int fd, std::size_t size) -> bool {
+  std::vector<std::uint8_t> bytes(size);
+  return read_all(fd, bytes, 0) && std::all_of(bytes.begin(), bytes.end(), [](auto byte) { return byte == 0xFF; });
+}
+
 }  // namespace
 
 FileBanks::FileBanks(const std::string& path)
@@ -67,11 +74,11 @@ FileBanks::FileBanks(FileDescriptor file, const std::string& name) : file_(std::
     fail(" is in use by another program; end it or give another file");
   }
   struct stat info {};
-  if (fstat(file_.get(), &info) != 0 || !S_ISREG(info.st_mode) ||
-      (info.st_size != 0 && info.st_size != position(kBanks, 0))) {
+  if (fstat(file_.get(), &info) != 0 || !S_ISREG(info.st_mode) || info.st_size > position(kBanks, 0) ||
+      (info.st_size < position(kBanks, 0) && !holds_erased(file_.get(), static_cast<std::size_t>(info.st_size)))) {
     fail(" is something else: a store is a file of 32768 bytes; give another name");
   }
-  if (info.st_size == 0 && !(do_erase(0) && do_erase(1))) {
+  if (info.st_size < position(kBanks, 0) && !(do_erase(0) && do_erase(1))) {
     fail(" cannot be written (" + std::string(std::strerror(errno)) + "); check that the disk has room");
   }
 }

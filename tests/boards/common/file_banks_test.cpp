@@ -44,6 +44,22 @@ TEST_F(FileBanksTest, ANewStoreIsErasedAndOf32Kilobytes) {
   EXPECT_EQ(std::filesystem::file_size(path()), 32768U);
 }
 
+TEST_F(FileBanksTest, AStoreWhoseFirstErasingWasCutShortIsErasedAnew) {
+  for (const std::size_t size : {1U, 4096U, 16384U, 32767U}) {
+    std::ofstream(path(), std::ios::binary) << std::string(size, '\xFF');
+    FileBanks banks(path());
+    EXPECT_TRUE(is_erased(contents(banks, 1))) << size;
+    EXPECT_EQ(std::filesystem::file_size(path()), 32768U);
+  }
+  for (const std::size_t at : {0U, 16383U}) {
+    std::string held(16384, '\xFF');
+    held[at] = 'x';
+    std::ofstream(path(), std::ios::binary) << held;
+    EXPECT_THROW(FileBanks{path()}, std::runtime_error);
+    EXPECT_EQ(std::filesystem::file_size(path()), 16384U) << "it is somebody's, and stays as it was";
+  }
+}
+
 TEST_F(FileBanksTest, WritingOnlyClearsBitsUntilTheBankIsErased) {
   FileBanks banks(path());
   const std::array<std::uint8_t, 1> first{0xF0};
