@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <bit>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -29,11 +30,26 @@ auto crc_of(std::span<const std::uint32_t> words) -> std::uint32_t {
   return crc.value();
 }
 
+/// Whether a file begins as no fault log does, however torn or damaged: not with its mark or zeros, but for a few bits.
+auto is_of_somebody_else(const std::string& path) -> bool {
+  constexpr int kDamagedBits = 4;
+  const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  std::uint32_t begin = 0;
+  const auto count = file ? ::read(file.get(), &begin, sizeof(begin)) : -1;
+  const std::uint32_t seen =
+      count <= 0 ? 0 : ~std::uint32_t{0} >> (8 * (sizeof(begin) - static_cast<std::size_t>(count)));
+  return std::popcount((begin ^ kMagic) & seen) > kDamagedBits && std::popcount(begin & seen) > kDamagedBits;
+}
+
 }  // namespace
 
 RetainedMemory::RetainedMemory(std::string path, std::size_t words) : words_(words), path_(std::move(path)) {
   struct stat info {};
-  if (::stat(path_.c_str(), &info) == 0 && !read()) {
+  const bool is_there = ::stat(path_.c_str(), &info) == 0;
+  if (is_there && (!S_ISREG(info.st_mode) || is_of_somebody_else(path_))) {
+    throw std::runtime_error(path_ + " is something else than a fault log; move it, or give --storage another name");
+  }
+  if (is_there && !read()) {
     remark_ = path_ + " is torn, damaged or of another layout, so the faults in it are lost and a new log begins";
   }
   written_ = file_content();

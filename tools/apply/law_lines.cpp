@@ -45,10 +45,11 @@ auto number_behind(const std::string& line, const std::string& words) -> int {
 
 auto law_lines(const std::string& file, int axis, bool force) -> std::vector<std::string> {
   const std::string text = read_text_file(file);
-  if (text.find(kEffortSchema) != std::string::npos) {
+  const std::string_view schema = schema_of(text);
+  if (schema.starts_with(kEffortSchemas)) {
     return effort_lines(parse_effort_file(text, file), file, axis);
   }
-  if (text.find(kMachineFamily) != std::string::npos) {
+  if (schema.starts_with(kMachineFamily)) {
     return machine_lines(text, file);
   }
   std::vector<std::string> force_law = force_lines(text, file, axis);

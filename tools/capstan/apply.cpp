@@ -8,7 +8,10 @@
 #include "capstan/tools/apply/machine_lines.hpp"
 #include "capstan/tools/apply/shell_client.hpp"
 #include "capstan/tools/capstan/commands.hpp"
+#include "capstan/tools/capstan/options.hpp"
+#include "capstan/tools/joint_file/effort_file.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/held_stops.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -47,17 +50,64 @@ void tell_board(ShellClient& shell, const std::string& line) {
   }
 }
 
+/// Takes back what is staged of lines that were not all taken, and closes the maintenance that they opened. A board
+/// that no longer answers can not be asked.
+void take_back(ShellClient& shell, bool in_maintenance) {
+  try {
+    static_cast<void>(shell.ask("abandon"));
+  } catch (const Refusal&) {
+    // What was staged came into force, or the line is gone.
+  }
+  if (in_maintenance) {
+    try {
+      static_cast<void>(shell.ask("maintenance close"));
+    } catch (const Refusal&) {
+      // It ends by itself.
+    }
+  }
+}
+
+/// All lines or none: what is refused, or stopped by Ctrl-C, leaves the board as it was.
+void tell_all(ShellClient& shell, const std::vector<std::string>& lines, const std::string& key, HeldStops& stops) {
+  bool in_maintenance = false;
+  try {
+    for (const std::string& line : lines) {
+      if (stops.came(std::chrono::milliseconds(0))) {
+        throw Refusal("stopped before all was written; the board has what it had before");
+      }
+      const bool opens = line == "maintenance open";
+      in_maintenance |= opens;
+      tell_board(shell, opens && !key.empty() ? line + " " + key : line);
+    }
+  } catch (...) {
+    take_back(shell, in_maintenance);
+    throw;
+  }
+}
+
+/// A law of an effort knows the axis of its log, and the board's joint may be another.
+void tell_other_axis(const std::string& model, int axis) {
+  if (!is_effort_file(model)) {
+    return;
+  }
+  if (const std::string target = read_effort_file(model).target; axis_of_column(target) != axis) {
+    warn(model + ": the law is of " + target + ", and goes into joint " + std::to_string(axis) +
+         "; --axis N chooses another joint");
+  }
+}
+
 auto apply(const ApplyOptions& options) -> int {
   const std::vector<std::string> lines = law_lines(options.model, options.axis, options.force);
   if (options.axis_given) {
     expect_axis(lines, options.axis, options.model);
+  } else {
+    tell_other_axis(options.model, options.axis);
   }
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
   expect_joints(lines, version);
-  for (const std::string& line : lines) {
-    tell_board(shell, line == "maintenance open" && !options.key.empty() ? line + " " + options.key : line);
-  }
+  HeldStops stops;
+  tell_all(shell, lines, options.key, stops);
   int verified = 0;
   for (const std::string& line : lines) {
     if (line.starts_with("set ")) {

@@ -183,7 +183,7 @@ auto flash(const FlashOptions& options) -> int {
     HeldStops stops;  // outlives the folder
     const PieceFolder folder;
     const FlashJob job{folder.write("sector0.bin", image.sector0), folder.write("code.bin", image.code),
-                       options.boot_port};
+                       options.boot_port, image.sector0.size(), image.code.size()};
     const auto commands = programming_commands(programmer, job);
     if (options.dry_run) {
       for (const CommandLine& command : commands) {

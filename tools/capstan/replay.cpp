@@ -21,6 +21,7 @@ struct ReplayOptions {
   std::string model;
   std::string arithmetic = "fixed";
   std::string output;
+  bool axis_given = false;
 };
 
 /// A law of an effort as a board runs it: causal, in fixed point.
@@ -38,9 +39,13 @@ auto run_board_replay(const ReplayOptions& options, const CsvLog& csv, const Eff
   return kExitDone;
 }
 
-/// A law of an effort explains one column by the motion: in double by that of the whole log.
-auto run_effort_replay(const ReplayOptions& options) -> int {
+/// A law of an effort explains one column by the motion: in double by that of the whole log. Its axis is the law's own
+/// unless another is asked for.
+auto run_effort_replay(ReplayOptions options) -> int {
   const EffortLaw law = read_effort_file(options.model);
+  if (!options.axis_given) {
+    options.logs.axis = axis_of_column(law.target);
+  }
   const CsvLog csv = CsvLog::read(options.logs.files.front(), parse_mappings(options.logs.maps));
   if (options.arithmetic == "fixed") {
     return run_board_replay(options, csv, law);
@@ -117,7 +122,10 @@ void add_replay(CLI::App& app, int& exit_status) {
       ->capture_default_str()
       ->check(CLI::IsMember({"fixed", "double"}));
   command->add_option("-o,--output", options->output, "log to write")->required();
-  command->callback([options, &exit_status] { exit_status = run_replay(*options); });
+  command->callback([options, command, &exit_status] {
+    options->axis_given = command->count("--axis") > 0;
+    exit_status = run_replay(*options);
+  });
 }
 
 }  // namespace capstan::tools

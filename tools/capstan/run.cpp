@@ -13,6 +13,7 @@
 #include "capstan/tools/apply/law_lines.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/pending_file.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -141,8 +142,10 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
     model.insert(model.end(), lines.begin(), lines.end());
   }
   std::ofstream log;
+  std::optional<PendingFile> pending;
   if (!options.log.empty()) {
-    log = open_to_write(options.log);
+    expect_writable(options.log);
+    log = open_to_write(pending.emplace(options.log).name());
   }
   const auto begin = std::chrono::steady_clock::now();
   const RunSummary summary = run_scenario(scenario, model, banks, options.log.empty() ? nullptr : &log);
@@ -151,6 +154,7 @@ auto run_scripted(const sim::Scenario& scenario, Banks& banks, const RunOptions&
   print_errors(scenario, summary);
   if (!options.log.empty()) {
     finish_writing(log, options.log);
+    pending->keep();
     std::printf("  log written to %s\n", options.log.c_str());
   }
   if (!summary.fault.empty()) {

@@ -222,6 +222,10 @@ auto run_shell(const ShellOptions& options) -> int {
   log->end();
   std::cerr << "recorded " << recorder.rows() << " samples in " << options.record << ", " << recorder.lost()
             << " lost, " << recorder.damaged() << " frames damaged, " << recorder.foreign() << " of other signals\n";
+  if (recorder.after_restart() > 0) {
+    std::cerr << "the board started anew, and the " << recorder.after_restart()
+              << " samples from then on are not in the log; record them into another\n";
+  }
   if (recorder.rows() == 0) {
     std::cerr << "so no log was written; 'frames 10 joint0.q2' at the prompt sends what a log is made of\n";
   }

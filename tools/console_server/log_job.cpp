@@ -22,6 +22,11 @@ constexpr const char* kLaw = "law.toml";
 constexpr const char* kSaid = "said";
 constexpr const char* kLines = "lines";
 
+auto refused(const std::string& why) -> std::string {
+  return nlohmann::json{{"status", kExitRefused}, {"said", why}}.dump(-1, ' ', false,
+                                                                      nlohmann::json::error_handler_t::replace);
+}
+
 auto to_write(const std::string& file) -> FileDescriptor {
   return FileDescriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
 }
@@ -50,6 +55,16 @@ auto LogJob::start(std::string_view log, std::vector<std::string> words, std::st
   if (process_.running()) {
     return false;
   }
+  try {
+    begin(log, std::move(words), options, second, lines_on_stdout, done);
+  } catch (const std::exception& why) {
+    done(refused(why.what()));  // a full disk, or a folder that was swept away, is no end of the console
+  }
+  return true;
+}
+
+void LogJob::begin(std::string_view log, std::vector<std::string> words, std::string_view options,
+                   const std::string& second, bool lines_on_stdout, const Done& done) {
   const std::string axis(options.substr(0, options.find('/')));
   axis_ = std::atoi(axis.c_str());  // what is no number, the command refuses
   words.push_back("--axis=" + axis);
@@ -68,9 +83,8 @@ auto LogJob::start(std::string_view log, std::vector<std::string> words, std::st
       std::move(words), {.in = nothing.get(), .out = (lines_on_stdout ? lines : said).get(), .err = said.get()},
       [this, done](int status) { done(answer(status)); });
   if (!begun) {
-    done(nlohmann::json{{"status", kExitRefused}, {"said", "the host program does not start; try again"}}.dump());
+    done(refused("the host program does not start; try again"));
   }
-  return true;
 }
 
 auto LogJob::report() const -> std::optional<std::string> {

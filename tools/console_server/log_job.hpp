@@ -37,6 +37,9 @@ class LogJob {
   /// @param second  the option that is what stands behind the axis
   auto start(std::string_view log, std::vector<std::string> words, std::string_view options, const std::string& second,
              bool lines_on_stdout, Done done) -> bool;
+  /// Throws std::exception where the folder takes no files.
+  void begin(std::string_view log, std::vector<std::string> words, std::string_view options, const std::string& second,
+             bool lines_on_stdout, const Done& done);
   [[nodiscard]] auto answer(int status) const -> std::string;
 
   TemporaryFolder folder_;

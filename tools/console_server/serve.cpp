@@ -53,7 +53,12 @@ void serve_console(const ConsoleOptions& options,
     io.stop();
   });
   ready(server.address(), options.foxglove ? server.show_signals(feed) : "");
-  io.run();
+  try {
+    io.run();
+  } catch (...) {
+    hub.close();  // whatever ends the console takes torque away
+    throw;
+  }
 }
 
 }  // namespace capstan::tools

@@ -76,26 +76,13 @@ auto programming_commands(const std::string& programmer, const FlashJob& job) ->
     return {code, sector0};
   }
   // The second call goes on with the boot loader that the first one has woken (-c).
-  return {{"stm32flash", "-w", job.code_file, "-v", "-S", kCode, job.serial},
-          {"stm32flash", "-c", "-w", job.sector0_file, "-v", "-S", kSector0, "-g", kSector0, job.serial}};
-}
-
-HeldStops::HeldStops() {
-  sigemptyset(&stops_);
-  sigaddset(&stops_, SIGINT);
-  sigaddset(&stops_, SIGTERM);
-  sigprocmask(SIG_BLOCK, &stops_, &usual_);
-}
-
-HeldStops::~HeldStops() {
-  sigprocmask(SIG_SETMASK, &usual_, nullptr);
-}
-
-auto HeldStops::came(std::chrono::milliseconds wait) -> bool {
-  const timespec most{.tv_sec = 0, .tv_nsec = std::chrono::nanoseconds(wait).count()};
-  const bool now = ::sigtimedwait(&stops_, nullptr, &most) > 0;
-  came_ = came_ || now;
-  return now;
+  // Without its length a piece at the flash's start has versions up to 0.6 erase the whole chip.
+  const auto piece = [](const char* address, std::size_t bytes) {
+    return std::string(address) + ":" + std::to_string(bytes);
+  };
+  return {{"stm32flash", "-w", job.code_file, "-v", "-S", piece(kCode, job.code_bytes), job.serial},
+          {"stm32flash", "-c", "-w", job.sector0_file, "-v", "-S", piece(kSector0, job.sector0_bytes), "-g", kSector0,
+           job.serial}};
 }
 
 auto run_program(const CommandLine& command, HeldStops& stops) -> int {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "capstan/tools/support/held_stops.hpp"
+
 namespace capstan::tools {
 
 /// What a program that writes flash is given.
@@ -13,6 +15,7 @@ struct FlashJob {
   std::string sector0_file;  ///< bytes for 0x08000000
   std::string code_file;     ///< bytes for 0x0800C000
   std::string serial;        ///< device at the chip's serial boot loader, for stm32flash
+  std::size_t sector0_bytes = 0, code_bytes = 0;
 };
 
 using CommandLine = std::vector<std::string>;
@@ -28,24 +31,6 @@ auto choose_programmer(const std::string& wanted, const std::string& serial) -> 
 /// Command lines that write both pieces, code first, so that a board whose flashing was cut short still has the
 /// start-up code that finds its image damaged and says so; verify where the program can; restart the chip at the end.
 auto programming_commands(const std::string& programmer, const FlashJob& job) -> std::vector<CommandLine>;
-
-/// Keeps Ctrl-C and SIGTERM from ending this program while it lives; one that came ends it afterwards.
-class HeldStops {
- public:
-  HeldStops();
-  HeldStops(const HeldStops&) = delete;
-  auto operator=(const HeldStops&) -> HeldStops& = delete;
-  ~HeldStops();
-  /// Whether one came within this time, or before.
-  [[nodiscard]] auto came(std::chrono::milliseconds wait) -> bool;
-  [[nodiscard]] auto came() const -> bool { return came_; }
-  /// What a program is to begin with.
-  [[nodiscard]] auto usual() const -> const sigset_t& { return usual_; }
-
- private:
-  sigset_t stops_{}, usual_{};
-  bool came_ = false;
-};
 
 /// Runs one command with its output on standard error; its exit status, 127 if it could not be started. A stop that
 /// comes meanwhile ends it, too.

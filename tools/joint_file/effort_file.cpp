@@ -44,7 +44,12 @@ auto catalogue_for(const SectionReader& reader, const toml::table& law) -> const
 
 auto parse_table(const toml::table& root, const std::string& name) -> EffortLaw {
   const SectionReader reader(name);
-  if (root["schema"].value<std::string>() != kEffortSchema) {
+  const auto schema = root["schema"].value<std::string>();
+  if (schema && schema->starts_with(kEffortSchemas) && *schema != kEffortSchema) {
+    throw BadInput(place(name, 1) + "the law is of another version, " + *schema + ", and this program reads " +
+                   kEffortSchema + "; update capstan, or write the file again with this version");
+  }
+  if (schema != kEffortSchema) {
     throw BadInput(place(name, 1) + "the schema is not capstan.effort/1; write schema = \"capstan.effort/1\" or make " +
                    "the file with capstan diagnose -o");
   }
@@ -103,7 +108,7 @@ auto read_effort_file(const std::string& path) -> EffortLaw {
 }
 
 auto is_effort_file(const std::string& path) -> bool {
-  return read_text_file(path).find(kEffortSchema) != std::string::npos;
+  return schema_of(read_text_file(path)).starts_with(kEffortSchemas);
 }
 
 }  // namespace capstan::tools

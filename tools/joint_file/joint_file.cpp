@@ -184,6 +184,25 @@ auto to_fixed(const LawParameters<double>& parameters) -> LawParameters<Q24> {
   return fixed;
 }
 
+auto schema_of(std::string_view text) -> std::string_view {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  text.remove_prefix(text.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+  while (!text.empty()) {
+    std::string_view line = trimmed(text.substr(0, text.find('\n')));
+    text.remove_prefix(
+        std::min(text.size(), text.find('\n') == std::string_view::npos ? text.size() : text.find('\n') + 1));
+    if (line.starts_with('[')) {
+      return {};
+    }
+    if (const auto equals = line.find('='); trimmed(line.substr(0, equals)) == "schema" && equals != line.npos) {
+      line = trimmed(line.substr(equals + 1));
+      const std::string_view value = line.substr(std::min<std::size_t>(1, line.size()));
+      return value.substr(0, value.find(line.empty() ? '"' : line.front()));
+    }
+  }
+  return {};
+}
+
 auto joint_file_text(const JointFile& joint) -> std::string {
   const bool angle = joint.catalogue->target() == TargetKind::kAngle;
   std::string text = std::string("# A law of ") + (angle ? "a joint" : "an effort") +

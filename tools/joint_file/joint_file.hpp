@@ -49,6 +49,9 @@ struct FitSummary {
 inline constexpr const char* kJointSchema = "capstan.joint/1";
 /// Written for people and other programs; nothing here reads it back, for nothing runs a law of an effort.
 inline constexpr const char* kEffortSchema = "capstan.effort/1";
+inline constexpr std::string_view kEffortSchemas = "capstan.effort/";  ///< of any version
+/// What the text of a law or a machine says its schema is, before its first section; empty where it says nothing.
+auto schema_of(std::string_view text) -> std::string_view;
 
 /// How sure a law is. A board runs each of them; its shell says which it is.
 enum class LawStatus : std::uint8_t {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 
 #include "capstan/tools/log/axis_gate.hpp"
@@ -174,6 +175,15 @@ auto is_effort_column(const std::string& name) -> bool {
 
 auto axis_column(int axis, const std::string& quantity) -> std::string {
   return "axis" + std::to_string(axis) + "/" + quantity;
+}
+
+auto axis_of_column(const std::string& column) -> int {
+  constexpr std::string_view kAxis = "axis";
+  int axis = 0;
+  if (column.starts_with(kAxis)) {
+    std::from_chars(column.data() + kAxis.size(), column.data() + column.size(), axis);
+  }
+  return axis;
 }
 
 auto moving_axes(const CsvLog& log, int axis) -> std::vector<int> {

@@ -105,5 +105,7 @@ auto is_effort_column(const std::string& name) -> bool;
 
 /// Column name by the contract: "axis0/q1_rad".
 auto axis_column(int axis, const std::string& quantity) -> std::string;
+/// Its axis; 0 of a column that names none.
+auto axis_of_column(const std::string& column) -> int;
 
 }  // namespace capstan::tools

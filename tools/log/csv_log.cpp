@@ -79,12 +79,14 @@ auto CsvLog::parse(std::string bytes, std::string name, std::vector<ColumnMappin
 void CsvLog::read_header(std::string_view line) {
   for (std::size_t i = 0; i < cells_in(line); ++i) {
     names_.emplace_back(trimmed(cell_of(line, i)));
-    if (std::count(names_.begin(), names_.end(), names_.back()) > 1) {
-      throw BadInput(place(name_, 1) + "column " + names_.back() + " appears twice; rename one of them");
-    }
   }
   if (std::all_of(names_.begin(), names_.end(), [](const auto& name) { return parse_number(name).has_value(); })) {
     throw BadInput(place(name_, 1) + "the first line holds numbers; put the column names there");
+  }
+  for (const std::string& name : names_) {
+    if (std::count(names_.begin(), names_.end(), name) > 1) {
+      throw BadInput(place(name_, 1) + "column " + name + " appears twice; rename one of them");
+    }
   }
 }
 
@@ -247,11 +249,11 @@ auto CsvLog::clock_column() const -> std::optional<Eigen::VectorXd> {
       !parse_clock(cell_of(line_text(lines_.front()), source.indices.front()))) {
     return std::nullopt;
   }
-  constexpr std::int64_t kDay = 86'400'000'000'000;
+  constexpr std::int64_t kHour = 3'600'000'000'000;
   Eigen::VectorXd time(static_cast<Eigen::Index>(rows()));
   std::int64_t first = 0;
   std::int64_t last = 0;
-  std::int64_t days = 0;
+  std::int64_t begun = 0;  // days, or hours where the times have minutes only
   for (std::size_t row = 0; row < rows(); ++row) {
     const std::string_view cell = cell_of(line_text(lines_[row]), source.indices.front());
     const auto clock = parse_clock(cell);
@@ -260,10 +262,11 @@ auto CsvLog::clock_column() const -> std::optional<Eigen::VectorXd> {
                      std::string(trimmed(cell)) + "', which is no time like 2026-11-22T05:18:23.123 as in the rows " +
                      "before; repair the line or cut the log before it");
     }
-    std::int64_t now = clock->nanoseconds + days;
-    if (!clock->dated && row > 0 && now < last - kDay / 2) {  // past midnight
-      days += kDay;
-      now += kDay;
+    const std::int64_t turn = std::count(cell.begin(), cell.end(), ':') == 1 ? kHour : 24 * kHour;
+    std::int64_t now = clock->nanoseconds + begun;
+    if (!clock->dated && row > 0 && now < last - turn / 2) {  // past midnight, or a full hour
+      begun += turn;
+      now += turn;
     }
     first = row == 0 ? now : first;
     last = now;
@@ -278,12 +281,15 @@ auto CsvLog::time() const -> Eigen::VectorXd {
   for (Eigen::Index i = 1; i < time.size(); ++i) {
     if (!(time[i] > time[i - 1])) {
       const bool repeated = time[i] == time[i - 1];
+      const Eigen::Index steps = time.size() - 1;
+      const bool coarse = (time.tail(steps).array() == time.head(steps).array()).count() > steps / 10;
       const bool whole = clock && repeated && ((time.array() - time.array().round()).abs() < 1e-6).all();
       throw BadInput(place(name_, lines_[static_cast<std::size_t>(i)].number) + "time_s " +
                      (repeated ? "repeats " : "runs backward to ") + exact(time[i]) +
                      (repeated ? "" : " after " + exact(time[i - 1])) +
                      (whole ? ", as the times have no fractions of a second; export them with milliseconds"
-                            : "; remove the line, or split the file if two recordings were joined"));
+                      : repeated && coarse ? ", as many rows do; export the times with more digits"
+                                           : "; remove the line, or split the file if two recordings were joined"));
     }
   }
   return time;

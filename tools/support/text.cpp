@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/pending_file.hpp"
 
 namespace capstan::tools {
 
@@ -125,33 +126,14 @@ void finish_writing(std::ofstream& file, const std::string& path) {
 }
 
 void write_text_file(const std::string& path, std::string_view text) {
-  namespace fs = std::filesystem;
-  const auto write = [&](const std::string& to) {
-    std::ofstream file(to, std::ios::binary | std::ios::trunc);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.close();
-    return !file.fail();
-  };
-  constexpr const char* kNoRoom = ": the file can not be written; check that the folder exists and has room";
-  std::error_code error;
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
-    // A device or a pipe takes the text itself: a file that is renamed to it would stand in its place.
-    if (!write(path)) {
-      throw BadInput(path + kNoRoom);
-    }
-    return;
+  PendingFile pending(path);
+  std::ofstream file(pending.name(), std::ios::binary | std::ios::trunc);
+  file.write(text.data(), static_cast<std::streamsize>(text.size()));
+  file.close();
+  if (!file) {
+    throw BadInput(path + ": the file can not be written; check that the folder exists and has room");
   }
-  const std::string temporary = path + ".part";
-  if (!write(temporary)) {
-    fs::remove(temporary, error);
-    throw BadInput(path + kNoRoom);
-  }
-  fs::rename(temporary, path, error);
-  if (error) {
-    const std::string why = error.message();
-    fs::remove(temporary, error);
-    throw BadInput(path + ": the file can not be written (" + why + "); choose another name");
-  }
+  pending.keep();
 }
 
 }  // namespace capstan::tools

@@ -48,8 +48,7 @@ auto open_to_write(const std::string& path) -> std::ofstream;
 /// Its end: only now is it certain that the disk took all of it. Throws BadInput.
 void finish_writing(std::ofstream& file, const std::string& path);
 
-/// Writes by way of a temporary file beside it, so that a failure leaves no half-written file; into a device or a pipe
-/// as it is. Throws BadInput.
+/// Writes by way of a PendingFile, so that a failure leaves no half-written file. Throws BadInput.
 void write_text_file(const std::string& path, std::string_view text);
 
 }  // namespace capstan::tools

@@ -113,8 +113,8 @@ auto FrameRecorder::take_data(std::string_view packet) -> bool {
   }
   const std::uint32_t tick = u32_at(packet, telemetry::kHeaderBytes);
   const auto passed = static_cast<std::int32_t>(tick - tick_);
-  if (rows_ > 0 && passed <= 0) {
-    ++foreign_;  // the board has started anew: its time would run backward
+  if (after_restart_ > 0 || (rows_ > 0 && passed <= 0)) {
+    ++after_restart_;  // its time would run backward, and once it has caught up, be that of two runs
     return true;
   }
   time_ms_ = rows_ == 0 ? tick : time_ms_ + passed;

@@ -26,6 +26,8 @@ class FrameRecorder {
   /// Frames that were no use: damaged, or of signals that the log has no columns for.
   [[nodiscard]] auto damaged() const -> std::uint64_t { return damaged_; }
   [[nodiscard]] auto foreign() const -> std::uint64_t { return foreign_; }
+  /// Frames since the board started anew, which belong into another log.
+  [[nodiscard]] auto after_restart() const -> std::uint64_t { return after_restart_; }
 
  private:
   struct Channel {
@@ -48,6 +50,7 @@ class FrameRecorder {
   std::uint64_t lost_ = 0;
   std::uint64_t damaged_ = 0;
   std::uint64_t foreign_ = 0;
+  std::uint64_t after_restart_ = 0;
 };
 
 }  // namespace capstan::tools

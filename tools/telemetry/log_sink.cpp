@@ -115,6 +115,9 @@ class FileSink final : public LogSink {
       log_->begin(columns_);
     }
     log_->row(time_ms, values);
+    if (!file_) {
+      finish_writing(file_, path_);  // throws: nobody records for hours what the disk does not take
+    }
   }
   void end() override {
     if (log_ != nullptr) {

@@ -68,6 +68,16 @@ TEST_F(RetainedMemoryFile, FileTornAtAnyByteOrDamagedIsSaidAndAsGoodAsNone) {
   EXPECT_NE(RetainedMemory(path, 13).remark(), "") << "of a board with another number of joints";
 }
 
+TEST_F(RetainedMemoryFile, AFileOfSomebodyElseIsRefusedAndLeftAsItIs) {
+  for (const std::string text : {"notes", "me", "time_s,axis0/q1_rad\n0,0\n"}) {
+    put(text);
+    EXPECT_THROW(RetainedMemory(path, 12), std::runtime_error) << text;
+    EXPECT_EQ(content(), text);
+  }
+  put(std::string(56, '\0'));
+  EXPECT_NE(RetainedMemory(path, 12).remark(), "") << "zeros are what a power cut leaves";
+}
+
 TEST_F(RetainedMemoryFile, WriteThatNeverEndedLeavesTheOldFile) {
   {
     RetainedMemory memory(path, 12);

@@ -194,6 +194,9 @@ TEST_F(Command, AFullDiskIsSaidAndLeavesNoPieces) {
 TEST_F(Command, WhatIsRefusedLeavesTheOldLogAlone) {
   write_text_file(path("log.csv"), "old");
   EXPECT_EQ(run("run --for 0.1 --model no_such_law.toml --log \"" + path("log.csv") + "\"").status, 2);
+  write_text_file(path("refused.toml"), "shell = [\"set joint0.control.stiffness 1e9\"]\n");
+  EXPECT_NE(run("run --for 0.1 --scenario \"" + path("refused.toml") + "\" --log \"" + path("log.csv") + "\"").status,
+            0);
   EXPECT_NE(run("record no_such_port joint0.q2 -o \"" + path("log.csv") + "\"").status, 0);
   EXPECT_EQ(read_text_file(path("log.csv")), "old");
 }

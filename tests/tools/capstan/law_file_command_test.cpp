@@ -53,6 +53,43 @@ TEST_F(LawFileCommand, AnEffortsLawRunsOverLogsOfSeveralRatesAndOfASlowRecorder)
   EXPECT_EQ(rows_replayed(), 2400U) << "every row of the log";
 }
 
+TEST_F(LawFileCommand, AnEffortsLawIsReplayedOverItsOwnAxisAndSaysIntoWhichJointItGoes) {
+  const std::string log = write_effort("log.csv", 2);
+  ASSERT_EQ(run("identify " + log + " --model rigid_dynamics -o \"" + path("law.toml") + "\"").status, 0);
+  const auto of_axis_2 = [](std::string text) {
+    for (std::size_t at = 0; (at = text.find("axis0/", at)) != std::string::npos;) {
+      text.replace(at, 5, "axis2");
+    }
+    return text;
+  };
+  write_text_file(path("log.csv"), of_axis_2(read_text_file(path("log.csv"))));
+  write_text_file(path("law.toml"), of_axis_2(read_text_file(path("law.toml"))));
+  const Outcome outcome = replayed(log, "law.toml");
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  EXPECT_TRUE(CsvLog::read(path("replayed.csv")).has("axis2/tau_est_Nm"));
+  const std::string apply = "apply \"" + path("law.toml") + "\" --port tcp:1";
+  EXPECT_NE(run(apply).output.find("the law is of axis2/tau_Nm, and goes into joint 0"), std::string::npos);
+  EXPECT_EQ(run(apply + " --axis 1").output.find("the law is of"), std::string::npos) << "who asks for a joint knows";
+}
+
+TEST_F(LawFileCommand, AKindIsReadFromTheSchemaAndNotFromWordsInTheFile) {
+  const std::string log = write_effort("log.csv", 2);
+  ASSERT_EQ(run("identify " + log + " --model rigid_dynamics -o \"" + path("law.toml") + "\"").status, 0);
+  const std::string law = read_text_file(path("law.toml"));
+  write_text_file(path("law.toml"), "# of capstan.machine/1\n" + law);
+  EXPECT_EQ(replayed(log, "law.toml").status, 0);
+  EXPECT_NE(run("apply \"" + path("law.toml") + "\" --port tcp:1").output.find("nothing answers"), std::string::npos);
+  std::string newer = law;
+  newer.replace(newer.find("capstan.effort/1"), 16, "capstan.effort/2");
+  write_text_file(path("law.toml"), newer);
+  for (const Outcome& outcome : {replayed(log, "law.toml"), run("apply \"" + path("law.toml") + "\" --port tcp:1")}) {
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.output.find("another version, capstan.effort/2, and this program reads capstan.effort/1; update"),
+              std::string::npos)
+        << outcome.output;
+  }
+}
+
 TEST_F(LawFileCommand, ATorquesLawRunsOverLogsOfSeveralRates) {
   write_text_file(path("force.toml"),
                   "schema = \"capstan.joint/1\"\n[force]\nmodel = \"preisach\"\ninputs = [-0.1, 0, 0.1]\n"

@@ -138,8 +138,10 @@ TEST_F(FlashCommand, TakesWhicheverProgramIsThereInOrder) {
   EXPECT_EQ(calls(), "");
   ASSERT_EQ(run("stm32f405 --boot-port /dev/ttyUSB7 " + path("image.hex")), 0) << output_;
   EXPECT_NE(calls().find("stm32flash -w"), std::string::npos);
-  EXPECT_NE(calls().find("-v -S 0x0800C000 /dev/ttyUSB7\n"), std::string::npos) << calls();
-  EXPECT_NE(calls().find("-S 0x08000000 -g 0x08000000 /dev/ttyUSB7\n"), std::string::npos) << calls();
+  const auto bytes = [this](const char* piece) { return std::to_string(fs::file_size(path(piece))); };
+  EXPECT_NE(calls().find("-v -S 0x0800C000:" + bytes("code") + " /dev/ttyUSB7\n"), std::string::npos) << calls();
+  EXPECT_NE(calls().find("-S 0x08000000:" + bytes("sector0") + " -g 0x08000000 /dev/ttyUSB7\n"), std::string::npos)
+      << calls();
   for (const char* name : {"dfu-util", "st-flash", "openocd"}) {
     fs::remove(path("calls"));
     install(name);

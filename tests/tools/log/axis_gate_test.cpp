@@ -46,6 +46,16 @@ TEST(AxisLogGate, TimeInAnotherUnitIsRefusedWithTheCureAndTakesNoLonger) {
   EXPECT_TRUE(time_unit_fault(0.25).empty());
 }
 
+TEST(AxisLogGate, StepsOfTimeThatTwoUnitsMakeALikelyLogOfNameBothWithTheirRates) {
+  const std::string tens = time_unit_fault(100.0);
+  EXPECT_NE(tens.find("milliseconds (10 Hz) or microseconds (10000 Hz)"), std::string::npos) << tens;
+  EXPECT_NE(tens.find("time_s*1e-3\" or --map \"time_s=time_s*1e-6\""), std::string::npos) << tens;
+  EXPECT_NE(time_unit_fault(1e5).find("microseconds (10 Hz) or nanoseconds (10000 Hz)"), std::string::npos);
+  EXPECT_EQ(time_unit_fault(1000.0).find("milli"), std::string::npos) << "no joint is logged at 1 Hz";
+  EXPECT_NE(time_unit_fault(0.5).find("milliseconds (2000 Hz), not"), std::string::npos) << time_unit_fault(0.5);
+  EXPECT_NE(time_unit_fault(1e12).find("FACTOR"), std::string::npos);
+}
+
 TEST(AxisLogGate, AWildValueIsNamedByItsLineAndAStraightLineTakesItsPlace) {
   Log log;
   log.q2[100] = 50.0;

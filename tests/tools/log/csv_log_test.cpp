@@ -96,6 +96,42 @@ TEST(CsvLog, ALogWithoutRowsOrHeaderIsRefused) {
   EXPECT_THROW(CsvLog::read("/no/such/file.csv"), BadInput);
 }
 
+TEST(CsvLog, ALogWithoutHeaderIsToldSoAlsoIfItsFirstRowRepeatsANumber) {
+  const auto refusal = [](const char* text) -> std::string {
+    try {
+      static_cast<void>(CsvLog::parse(text, "x.csv"));
+      return "";
+    } catch (const BadInput& problem) {
+      return problem.what();
+    }
+  };
+  EXPECT_NE(refusal("0,0,0.52,0.06\n0.01,0,0.5,0.06\n").find("the first line holds numbers"), std::string::npos);
+  EXPECT_NE(refusal("time_s,a,a\n0,1,2\n").find("column a appears twice"), std::string::npos);
+}
+
+TEST(CsvLog, MinutesAndSecondsGoOnOverTheFullHourAndHoursOverMidnight) {
+  const auto end = [](const char* rows) {
+    const Eigen::VectorXd time = CsvLog::parse(std::string("time_s,a\n") + rows, "x.csv").time();
+    return time[time.size() - 1];
+  };
+  EXPECT_NEAR(end("59:59.900,1\n00:00.000,1\n00:00.100,1\n"), 0.2, 1e-9);
+  EXPECT_NEAR(end("23:59:59.900,1\n00:00:00.000,1\n00:00:00.100,1\n"), 0.2, 1e-9);
+}
+
+TEST(CsvLog, TimesOfTooFewDigitsAreToldSo) {
+  std::string rows = "time_s,a\n";
+  for (int i = 0; i < 40; ++i) {
+    rows += (i < 20 ? "1.7e+09,1\n" : "1.70001e+09,1\n");
+  }
+  try {
+    static_cast<void>(CsvLog::parse(rows, "x.csv").time());
+    FAIL();
+  } catch (const BadInput& problem) {
+    EXPECT_NE(std::string(problem.what()).find("export the times with more digits"), std::string::npos)
+        << problem.what();
+  }
+}
+
 TEST(CsvLog, RemarksOfABoardAreSkippedAndLineNumbersCountThem) {
   const CsvLog log = CsvLog::parse("# no stiffness\ntime_s,a\n0,1\n# site 3\n1,2\n# site 4 stiffness 0.1\n", "x.csv");
   EXPECT_EQ(log.column("a"), Eigen::Vector2d(1.0, 2.0));

@@ -160,9 +160,28 @@ TEST(Frames, OtherSignalsAndATimeThatRunsBackwardAreNoRowsOfThisLog) {
   static_cast<void>(recorder.feed(bytes));
   const auto rows = recorder.rows();
   static_cast<void>(recorder.feed(others));
+  const auto foreign = recorder.foreign();
+  EXPECT_EQ(foreign, 50U);
   static_cast<void>(recorder.feed(bytes));
   EXPECT_EQ(recorder.rows(), rows);
-  EXPECT_GT(recorder.foreign(), 100U);
+  EXPECT_EQ(recorder.foreign(), foreign);
+  EXPECT_EQ(recorder.after_restart(), rows);
+}
+
+TEST(Frames, ABoardThatStartedAnewDoesNotGoOnInTheLogOnceItsTimeHasCaughtUp) {
+  Bench first;
+  Bench second;
+  Truth truth;
+  const std::string shorter = session(first, "frames 10 joint0.q2 joint0.reference machine.state", 300, truth);
+  const std::string longer = session(second, "frames 10 joint0.q2 joint0.reference machine.state", 1000, truth);
+  std::ostringstream log;
+  const auto log_sink = csv_sink(log);
+  FrameRecorder recorder(*log_sink);
+  static_cast<void>(recorder.feed(shorter));
+  const auto rows = recorder.rows();
+  static_cast<void>(recorder.feed(longer));
+  EXPECT_EQ(recorder.rows(), rows);
+  EXPECT_GT(recorder.after_restart(), rows);
 }
 
 TEST(Frames, AreSwitchedOffByTheCommandAndWhenThePeerLeavesAndShareTheRecorderWithLogs) {

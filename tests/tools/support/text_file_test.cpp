@@ -36,6 +36,29 @@ TEST_F(TextFile, ReplacesAFileAndLeavesNoPart) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(TextFile, LeavesOtherFilesAloneWhateverTheyAreCalled) {
+  const fs::path part = folder_ / "law.toml.part";
+  std::ofstream(part) << "mine";
+  const fs::path taken = folder_ / ("law.toml." + std::to_string(getpid()) + ".part");
+  std::ofstream(taken) << "mine too";
+  write_text_file((folder_ / "law.toml").string(), "now");
+  EXPECT_EQ(contents(part), "mine");
+  EXPECT_EQ(contents(taken), "mine too");
+  EXPECT_EQ(contents(folder_ / "law.toml"), "now");
+}
+
+TEST_F(TextFile, ThroughALinkReplacesWhatItPointsToAndKeepsItsPermissions) {
+  const fs::path real = folder_ / "law_3.toml";
+  const fs::path link = folder_ / "current.toml";
+  std::ofstream(real) << "before";
+  fs::permissions(real, fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("law_3.toml", link);
+  write_text_file(link.string(), "now");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(contents(real), "now");
+  EXPECT_EQ(fs::status(real).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
 TEST_F(TextFile, GoesIntoAPipeThatStays) {
   const fs::path path = folder_ / "pipe";
   ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
