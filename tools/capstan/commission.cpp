@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `commission`: from a bare motor to a tuned joint, on a board or on a simulated one.
-#include <array>
-#include <csignal>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 
+#include "capstan/tools/capstan/attended_board.hpp"
 #include "capstan/tools/capstan/commands.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -24,24 +23,6 @@ struct CommissionCommand {
   bool yes = false, again = false, restarted = false, without_inertia = false;
   bool state_given = false, machine_given = false;
 };
-
-constexpr std::array kStops{SIGINT, SIGTERM, SIGHUP};
-volatile std::sig_atomic_t stop_asked = 0;
-
-auto agrees(const CommissionCommand& options, const std::string& question) -> bool {
-  if (options.yes) {
-    return true;
-  }
-  std::cerr << "  " << question << " [y/N] " << std::flush;
-  std::string answer;
-  return std::getline(std::cin, answer) && (answer == "y" || answer == "yes");
-}
-
-/// "commission.txt" as "commission.joint1.txt": what is known of one joint is not taken for another's.
-auto with_joint(const std::string& name, int axis) -> std::string {
-  const std::size_t dot = name.rfind('.');
-  return name.substr(0, dot) + ".joint" + std::to_string(axis) + name.substr(dot);
-}
 
 /// One file a joint.
 auto state_of(const CommissionCommand& options, int axis) -> std::string {
@@ -76,28 +57,6 @@ auto progress_of(const CommissionCommand& options, int axis) -> Progress {
   return anew;
 }
 
-/// What waits for the board ends, torque goes off and is not given again, and parameters go back. Nothing ends that: a
-/// terminal that is closed may hang up twice.
-void stop(int /*signal_number*/) {
-  stop_asked = 1;
-  for (const int signal_number : kStops) {
-    static_cast<void>(std::signal(signal_number, SIG_IGN));
-  }
-}
-
-void stop_on_signals() {
-  static_cast<void>(std::signal(SIGPIPE, SIG_IGN));  // who reads what this says may go before it
-  for (const int signal_number : kStops) {
-    struct sigaction now {};
-    static_cast<void>(::sigaction(signal_number, nullptr, &now));
-    if (signal_number != SIGHUP || now.sa_handler != SIG_IGN) {  // nohup
-      now = {};
-      now.sa_handler = stop;
-      static_cast<void>(::sigaction(signal_number, &now, nullptr));
-    }
-  }
-}
-
 auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
   if (first_repeat(options.axes) != options.axes.end()) {
     throw BadInput("--axis names a joint twice; give each once, for instance 0,1,2");
@@ -126,10 +85,10 @@ void commission_joints(BoardShell& line, const CommissionCommand& options, const
                        std::vector<Progress> progress) {
   const Operator person{
       .tell = [](const std::string& text) { std::cerr << text << "\n"; },
-      .agrees = [&options](const std::string& question) { return agrees(options, question); },
+      .agrees = [&options](const std::string& question) { return agrees(options.yes, question); },
       .assures =
           [&options](const std::string& question) {
-            return options.restarted || (!options.yes && agrees(options, question));
+            return options.restarted || (!options.yes && agrees(false, question));
           },
       .keep = [&options](int axis, const Progress& now) { write_text_file(state_of(options, axis), now.text()); }};
   for (std::size_t i = 0; i < joints.size(); ++i) {
@@ -169,7 +128,7 @@ void require_inertia(const CommissionCommand& options) {
     throw BadInput(warning + "; give the data sheet's --inertia, or say --without-inertia");
   }
   std::cerr << warning << "\n";
-  if (!agrees(options, "are both right for certain?")) {
+  if (!agrees(options.yes, "are both right for certain?")) {
     throw Refusal("nothing was begun; give the data sheet's --inertia");
   }
 }
@@ -192,14 +151,12 @@ auto run_commission(const CommissionCommand& options) -> int {
     scenario.seed = options.seed;
     line = std::make_unique<SimShell>(scenario);
   } else {
-    stop_on_signals();
-    line = std::make_unique<PortShell>(options.port);
-    line->stop_by(stop_asked);
+    line = open_board(options.port);
   }
   try {
     commission_joints(*line, options, joints, std::move(progress));
   } catch (const Stopped& stopped) {
-    throw Refusal(stopped.what());
+    throw Refusal(std::string(stopped.what()) + "; the same command continues from here");
   }
   return kExitDone;
 }

@@ -15,7 +15,7 @@ namespace capstan::tools {
 /// The person wants it to end. No Refusal: nobody may take it for what a motor or a joint did.
 class Stopped : public std::runtime_error {
  public:
-  Stopped() : std::runtime_error("stopped on request, torque is off; the same command continues from here") {}
+  Stopped() : std::runtime_error("stopped on request, torque is off") {}
 };
 
 /// A board's shell, one line out and one answer back.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "capstan/tools/commission/steps.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -92,7 +93,7 @@ class Kept {
       }
     };
   }
-  void step_is_over(const Progress& progress) {
+  void keep(const Progress& progress) {
     progress_ = progress;
     person_.keep(axis_, progress_);
   }
@@ -102,6 +103,60 @@ class Kept {
   int axis_;
   Progress progress_;
 };
+
+/// Steps that belong together.
+struct Sequence {
+  std::span<const Step> steps;
+  const char* when_stopped;  ///< what is to be said of that
+};
+constexpr Sequence kAll{kSteps, "; the same command continues from here"};
+constexpr Sequence kGains{std::span(kSteps).last<3>(), "; the gains are those of before"};
+
+/// Those that are not done yet. Throws Refusal with the step's name.
+void run_steps(const Sequence& sequence, const Operator& person, JointConsole& joint, CommissionSteps& steps,
+               const Progress& progress, const std::function<void(const Step&)>& is_over) {
+  for (const Step& step : sequence.steps) {
+    const auto end = [&step](const std::string& why) { throw Refusal(std::string(step.name) + ": " + why); };
+    if (progress.is_done(step.name)) {
+      person.tell(std::string(step.name) + ": done before");
+      continue;
+    }
+    person.tell(std::string(step.name) + ": " + step.explains);
+    if (step.moves && !person.agrees("may the joint move?")) {
+      end(std::string(Stopped().what()) + sequence.when_stopped);
+    }
+    try {
+      step.run(steps);
+      joint.restore();
+    } catch (const Refusal& refusal) {
+      joint.restore();
+      end(refusal.what());
+    } catch (const Stopped& stopped) {
+      joint.restore();
+      end(std::string(stopped.what()) + sequence.when_stopped);
+    }
+    is_over(step);
+  }
+}
+
+/// What the board of a commissioned joint knows of it. Throws Refusal where it does not.
+auto known_of(const JointConsole& joint, const CommissionOptions& options) -> Progress {
+  constexpr double kPerGm2 = 1e-3;
+  Progress known;
+  known.inertia_kgm2 = options.inertia_kgm2.value_or(kPerGm2 * joint.value("observer.inertia"));
+  known.backward_nm = joint.value("control.torque_backward");
+  known.forward_nm = joint.value("control.torque_forward");
+  known.reversal_rad = joint.value("control.reversal_angle");
+  const bool knows_friction = known.forward_nm > known.backward_nm;
+  if (known.inertia_kgm2 <= 0.0 || !knows_friction) {
+    throw Refusal(joint.name() + " is not commissioned (" +
+                  (knows_friction ? "observer.inertia is 0" : "control.torque_forward and torque_backward are 0") +
+                  "): nobody has checked its wiring, and how hard it may be shaken is not known; run 'capstan "
+                  "commission' first" +
+                  (knows_friction ? ", or give --inertia if its board cannot find that value" : ""));
+  }
+  return known;
+}
 
 }  // namespace
 
@@ -185,35 +240,28 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
   JointConsole joint(board, options.axis, options.key, kept.before());
   CommissionSteps steps(joint, person, options, all);
   put_back(joint, person, all.progress);
-  for (const Step& step : kSteps) {
-    if (!options.saves && std::string(step.name) == "save") {
-      continue;
-    }
-    if (all.progress.is_done(step.name)) {
-      person.tell(std::string(step.name) + ": done before");
-      continue;
-    }
-    person.tell(std::string(step.name) + ": " + step.explains);
-    const auto end = [&step](const std::string& why) { throw Refusal(std::string(step.name) + ": " + why); };
-    if (step.moves && !person.agrees("may the joint move?")) {
-      end(Stopped().what());
-    }
-    try {
-      step.run(steps);
-      joint.restore();
-    } catch (const Refusal& refusal) {
-      joint.restore();
-      end(refusal.what());
-    } catch (const Stopped& stopped) {
-      joint.restore();
-      end(stopped.what());
-    }
-    if (step.moves) {
-      all.progress.board = joint.mark();
-    }
-    all.progress.done.emplace_back(step.name);
-    kept.step_is_over(all.progress);
-  }
+  const std::size_t steps_here = options.saves ? kSteps.size() : kSteps.size() - 1;
+  run_steps({kAll.steps.first(steps_here), kAll.when_stopped}, person, joint, steps, all.progress,
+            [&](const Step& step) {
+              if (step.moves) {
+                all.progress.board = joint.mark();
+              }
+              all.progress.done.emplace_back(step.name);
+              kept.keep(all.progress);
+            });
+  return all;
+}
+
+auto retune(BoardShell& board, const Operator& person, const CommissionOptions& options) -> Commissioned {
+  Commissioned all{.progress = {}, .response = {}, .tuning = {}};
+  Kept kept(person, options.axis, {});
+  JointConsole joint(board, options.axis, options.key, kept.before());
+  all.progress = known_of(joint, options);
+  all.progress.axis = options.axis;
+  all.progress.board = joint.mark();
+  kept.keep(all.progress);
+  CommissionSteps steps(joint, person, options, all);
+  run_steps(kGains, person, joint, steps, all.progress, [](const Step&) {});
   return all;
 }
 

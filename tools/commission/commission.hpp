@@ -18,6 +18,7 @@ struct CommissionOptions {
   std::optional<double> inertia_kgm2;  ///< of motor and input pulley by the data sheet: tells wrong counts
   std::string key;                     ///< of maintenance, where the board has one
   bool saves = true;                   ///< at the end; with several joints commission_together does
+  Wanted wanted = {};                  ///< of the gains
 };
 
 /// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
@@ -68,6 +69,12 @@ void give_back(BoardShell& board, const Operator& person, const CommissionOption
 /// killed or the board lost, the progress that was kept has them, and the next run gives them back.
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned;
+
+/// Other gains for a joint that is commissioned, by the same steps: tune, check and `save`, which is asked for only
+/// after the check. Ends as commission() does; there is no going on from the midst. Throws Refusal with a sentence,
+/// too, where its board does not know what commissioning finds.
+/// @pre nothing waits to be given back
+auto retune(BoardShell& board, const Operator& person, const CommissionOptions& options) -> Commissioned;
 
 /// Of joints that are commissioned and not saved: margins of each, all being under control, then `save`.
 /// Throws Refusal with its sentence where a margin is lost; the gains of all are those of `before` then, and nothing is

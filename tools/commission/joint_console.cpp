@@ -73,7 +73,7 @@ void JointConsole::set(const std::string& parameter, const std::string& value) {
   values_[parameter] = value;
 }
 
-void JointConsole::set_together(const Parameters& parameters) {
+void JointConsole::stage(const Parameters& parameters) {
   board_.ask("maintenance open" + (key_.empty() ? "" : " " + key_));
   board_.ask("begin");
   try {
@@ -87,8 +87,22 @@ void JointConsole::set_together(const Parameters& parameters) {
   }
   for (const auto& [parameter, value] : parameters) {
     values_[parameter] = value;
+  }
+}
+
+void JointConsole::set_together(const Parameters& parameters) {
+  stage(parameters);
+  for (const auto& [parameter, value] : parameters) {
     before_.erase(parameter);
   }
+}
+
+void JointConsole::try_together(const Parameters& parameters) {
+  for (const auto& [parameter, value] : parameters) {
+    before_.try_emplace(parameter, text(parameter));
+  }
+  tell_before();
+  stage(parameters);
 }
 
 void JointConsole::restore() {

@@ -35,6 +35,8 @@ class JointConsole {
   void set(const std::string& name, const std::string& value);
   /// Parameters that make sense only together, and count from now on: all of them or none.
   void set_together(const Parameters& parameters);
+  /// The same for a while.
+  void try_together(const Parameters& parameters);
   /// What was set counts from now on.
   void keep(const std::string& name) { before_.erase(name); }
   /// What was set for a while is as it was before. Torque is off then.
@@ -64,6 +66,8 @@ class JointConsole {
 
  private:
   void read_parameters();
+  /// By begin and commit.
+  void stage(const Parameters& parameters);
   void tell_before() { keep_before_({before_.begin(), before_.end()}); }
   /// "; latched encoder_motion: ...", or what would block arming; nothing: there is no fault.
   auto fault() -> std::string;
