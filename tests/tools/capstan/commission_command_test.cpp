@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How `capstan commission` ends when it is ended from outside.
+// How `capstan commission` and `capstan tune PORT` end when they are ended from outside, and what they are asked
+// wrongly.
 #include "capstan/tests/tools/capstan/command_fixture.hpp"
 
 namespace capstan::tools {
@@ -82,6 +83,79 @@ TEST_F(CommissionCommand, EachJointHasAFileOfItsOwnAndOnlyItGoesOnFromThere) {
   const Outcome other = run(command + " --state other.txt", here);
   EXPECT_EQ(other.status, 1);
   EXPECT_NE(other.output.find("is of joint1, and this is joint0"), std::string::npos) << other.output;
+}
+
+/// `capstan tune` of a board, which is commissioned by hand: inertia and friction are what it has to know.
+class TuneBoardCommand : public CommissionCommand {
+ protected:
+  auto commissioned_board() const -> std::string {
+    return board() +
+           "printf 'maintenance open\\nbegin\\nset joint0.observer.inertia 0.02 gm2\\nset joint0.observer.coulomb "
+           "0.02\\n"
+           "set joint0.observer.against 0.02\\nset joint0.observer.noise 0.003\\nset joint0.control.torque_forward "
+           "0.08 "
+           "Nm\\nset joint0.control.torque_backward -0.08 Nm\\ncommit\\n' | \"" CAPSTAN_PROGRAM "\" shell $port > \"" +
+           path("set up") + "\"; ";
+  }
+};
+
+TEST_F(TuneBoardCommand, AfterItWasKilledTheNextRunGivesBackWhatItHadSetForAWhile) {
+  const std::string here = "cd \"" + path("") + "\"; ";
+  const std::string killed =
+      ": > said; \"" CAPSTAN_PROGRAM
+      "\" tune $port --corridor 0.8 --yes >> said 2>&1 & program=$!; for i in $(seq 400); do [ -e "
+      "tune.joint0.txt ] && break; sleep 0.02; done; sleep 0.3; kill -KILL $program; wait "
+      "$program; ";
+  const Outcome next = run("tune $port --corridor 0.8", here + commissioned_board() + dump("before") + killed +
+                                                            dump("killed") + "cp tune.joint0.txt kept.txt; echo n | ");
+  EXPECT_TRUE(read_text_file(path("killed")) != read_text_file(path("before")));
+  EXPECT_NE(read_text_file(path("kept.txt")).find("\nbefore limits.joint_max="), std::string::npos);
+  EXPECT_EQ(next.status, 1);
+  EXPECT_NE(next.output.find("restores the settings that an interrupted run had changed"), std::string::npos)
+      << next.output;
+  EXPECT_NE(next.output.find("tune: stopped on request, torque is off; the gains are those of before"),
+            std::string::npos)
+      << next.output;
+  EXPECT_FALSE(exists("tune.joint0.txt"));
+}
+
+TEST_F(TuneBoardCommand, ItIsStoppedByCtrlCAndTheBoardIsAsBefore) {
+  const std::string here = "cd \"" + path("") + "\"; ";
+  const std::string stopped = ": > said; \"" CAPSTAN_PROGRAM
+                              "\" tune $port --corridor 0.8 --yes >> said 2>&1 & program=$!; for i in $(seq 400); do [ "
+                              "-e tune.joint0.txt ] && break; sleep 0.02; done; sleep 0.3; kill -INT $program; wait "
+                              "$program; echo status $? >> said; ";
+  const Outcome status =
+      run("shell $port", here + commissioned_board() + dump("before") + stopped + dump("after") + "echo status | ");
+  const std::string said = read_text_file(path("said"));
+  EXPECT_NE(said.find("tune: stopped on request, torque is off; the gains are those of before\nstatus 1\n"),
+            std::string::npos)
+      << said;
+  EXPECT_EQ(read_text_file(path("after")), read_text_file(path("before")));
+  EXPECT_NE(status.output.find("state disarmed"), std::string::npos) << status.output;
+  EXPECT_FALSE(exists("tune.joint0.txt"));
+}
+
+TEST_F(TuneBoardCommand, WhatIsAskedWronglyIsAnsweredWithTheCure) {
+  struct Wrong {
+    const char* arguments;
+    int status;
+    const char* sentence;
+  };
+  for (const Wrong& wrong : {Wrong{"tune $port --yes", 2, "a board needs --corridor"},
+                             Wrong{"tune $port --corridor 0.8 --dump dump.txt", 2, "--dump is for a log"},
+                             Wrong{"tune $port --corridor 0.8 --map axis0/q1_rad=a", 2, "--map is for a log"},
+                             Wrong{"tune log.csv --corridor 0.8", 2, "--corridor is for a board, and log.csv is a log"},
+                             Wrong{"tune log.csv --yes", 2, "--yes is for a board"},
+                             Wrong{"tune /dev/ttyNone --corridor 0.8", 2, "the port does not open"},
+                             Wrong{"tune $port --corridor 0.8 --axis 2", 2, "the board has no joint2"},
+                             Wrong{"tune $port --corridor 0.8 --yes", 1, "joint0 is not commissioned"},
+                             Wrong{"tune $port --corridor 0.8 --state set.txt", 2, "is not a progress file"}}) {
+    write_text_file(path("set.joint0.txt"), "time_s,axis0/q1_rad\n");
+    const Outcome outcome = run(wrong.arguments, "cd \"" + path("") + "\"; " + board());
+    EXPECT_EQ(outcome.status, wrong.status) << wrong.arguments << ": " << outcome.output;
+    EXPECT_NE(outcome.output.find(wrong.sentence), std::string::npos) << wrong.arguments << ": " << outcome.output;
+  }
 }
 
 }  // namespace
