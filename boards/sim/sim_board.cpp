@@ -39,6 +39,10 @@ class SimBoard::JointsOf final : public SimBoard::Joints {
     }
   }
   void put_on_bench(std::span<const double> currents_a) override {
+    if (currents_a.empty()) {
+      io_.take_off_bench();
+      return;
+    }
     typename Io::Commands commands;
     for (std::size_t i = 0; i < std::min(Axes, currents_a.size()); ++i) {
       commands[i] = {currents_a[i], true};

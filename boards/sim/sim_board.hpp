@@ -27,7 +27,7 @@ class SimBoard final : public Board {
   void tick(std::span<const double> references_rad = {});
 
   /// One cycle in which supplies of the bench drive the motors with these currents, one per axis; the firmware measures
-  /// and estimates, and nothing that it wants reaches a motor. Throws as tick does.
+  /// and estimates, and nothing that it wants reaches a motor. None: it drives them again. Throws as tick does.
   void tick_on_bench(std::span<const double> currents_a);
 
   [[nodiscard]] auto axes() const -> std::size_t;

@@ -27,6 +27,7 @@ constexpr auto kTargets = std::to_array<std::pair<std::string_view, FaultTarget>
     {"bus", FaultTarget::kBus},
     {"camera", FaultTarget::kCamera},
     {"tip_force", FaultTarget::kTipForce},
+    {"tip", FaultTarget::kTip},
 });
 constexpr auto kKinds = std::to_array<std::pair<std::string_view, FaultKind>>({
     {"off", FaultKind::kOff},
@@ -89,6 +90,8 @@ void FaultSchedule::add(const Fault& fault) {
           "fault: an amplifier cannot be nan; choose another kind");
   require(fault.target != FaultTarget::kBus || (fault.kind == FaultKind::kOff && fault.amount >= 0.0),
           "fault: the bus can only be off; `amount` is how long the amplifier goes on, s");
+  require(fault.target != FaultTarget::kTip || fault.kind == FaultKind::kJump,
+          "fault: the tip can only jump, by `amount` N m; choose another target");
   faults_.push_back(fault);
   reset_.push_back(false);
 }
@@ -335,6 +338,15 @@ double FaultSchedule::supply(double time_s) const {
       share = std::min(share, fault.amount);
   }
   return share;
+}
+
+double FaultSchedule::tip_torque(double time_s) const {
+  double torque = 0.0;
+  for (const Fault& fault : faults_) {
+    if (fault.target == FaultTarget::kTip && active(fault, time_s))
+      torque += fault.amount;
+  }
+  return torque;
 }
 
 bool FaultSchedule::snapped(double time_s, bool top) const {

@@ -21,6 +21,7 @@ enum class FaultTarget {
   kBus,       ///< what carries readings and commands
   kCamera,    ///< on the joint, in the log only
   kTipForce,  ///< the tip's force sensor, in the log only
+  kTip,       ///< the joint itself: a jump adds the torque `amount` to what acts on it, as a weight on a thread does
 };
 
 enum class FaultKind {
@@ -79,6 +80,9 @@ class FaultSchedule {
 
   /// Share of the supply's voltage that is there.
   [[nodiscard]] double supply(double time_s) const;
+
+  /// On the joint, N m.
+  [[nodiscard]] double tip_torque(double time_s) const;
 
   /// Has this tendon torn by now?
   [[nodiscard]] bool snapped(double time_s, bool top) const;

@@ -126,6 +126,7 @@ Loads Periphery::loads(double time_s, const DrivetrainState& s) const {
   }
   if (e.tremor_nm != 0.0)
     result.tip_torque_nm = e.tremor_nm * det_sin(2.0 * std::numbers::pi * e.tremor_hz * time_s);
+  result.tip_torque_nm += faults_.tip_torque(time_s);
   if (e.sticky_spot_nm != 0.0) {
     const double distance = (s.q2_rad - e.sticky_spot_angle_rad) / e.sticky_spot_width_rad;
     result.extra_joint_coulomb_nm = e.sticky_spot_nm * det_exp(-std::min(distance * distance, 100.0));

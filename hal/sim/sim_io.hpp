@@ -75,6 +75,7 @@ class PlantIo {
 
   /// The motors hang on supplies of the bench that give these currents from now on, and the board only watches.
   void put_on_bench(const Commands& commands) { bench_ = commands; }
+  void take_off_bench() { bench_.reset(); }
 
   /// Empty while all is well.
   [[nodiscard]] auto failure() const -> const std::string& { return failure_; }

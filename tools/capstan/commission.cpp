@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <numbers>
 
 #include "capstan/tools/capstan/attended_board.hpp"
 #include "capstan/tools/capstan/commands.hpp"
@@ -20,6 +21,8 @@ struct CommissionCommand {
   std::vector<double> inertia_gm2;
   std::string port, key, state = "commission.txt", report, machine = "machine.toml";
   std::uint64_t seed = 1;
+  double turn_motor_deg = 0.0, turn_joint_deg = 0.0, weight_g = 0.0, arm_mm = 0.0;
+  bool find_ends = false;
   bool yes = false, again = false, restarted = false, without_inertia = false;
   bool state_given = false, machine_given = false;
 };
@@ -57,6 +60,29 @@ auto progress_of(const CommissionCommand& options, int axis) -> Progress {
   return anew;
 }
 
+auto turn_of(const CommissionCommand& options) -> std::optional<HandTurn> {
+  if (options.turn_motor_deg == 0.0 && options.turn_joint_deg == 0.0) {
+    return {};
+  }
+  if (options.turn_motor_deg != 0.0 && options.turn_joint_deg != 0.0) {
+    throw BadInput("--turn-motor and --turn-joint are two ways to the same; give one");
+  }
+  const bool of_joint = options.turn_joint_deg != 0.0;
+  return HandTurn{.angle_rad = std::numbers::pi / 180.0 * (of_joint ? options.turn_joint_deg : options.turn_motor_deg),
+                  .of_joint = of_joint};
+}
+
+auto weight_of(const CommissionCommand& options) -> std::optional<double> {
+  constexpr double kGravity = 9.81;  // m/s2
+  if (options.weight_g == 0.0 && options.arm_mm == 0.0) {
+    return {};
+  }
+  if (options.weight_g == 0.0 || options.arm_mm == 0.0) {
+    throw BadInput("--weight and --arm go together; give the mass in g and its distance from the joint's axis in mm");
+  }
+  return 1e-6 * options.weight_g * options.arm_mm * kGravity;
+}
+
 auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOptions> {
   if (first_repeat(options.axes) != options.axes.end()) {
     throw BadInput("--axis names a joint twice; give each once, for instance 0,1,2");
@@ -72,7 +98,10 @@ auto joints_of(const CommissionCommand& options) -> std::vector<CommissionOption
                       .corridor_rad = options.corridor_rad,
                       .inertia_kgm2 = {},
                       .key = options.key,
-                      .saves = options.axes.size() == 1});
+                      .saves = options.axes.size() == 1,
+                      .turn = turn_of(options),
+                      .weight_nm = weight_of(options),
+                      .finds_ends = options.find_ends});
     if (inertias > 0) {
       joints.back().inertia_kgm2 = 1e-3 * options.inertia_gm2[inertias == 1 ? 0 : i];
     }
@@ -187,6 +216,27 @@ void add_commission(CLI::App& app, int& exit_status) {
       ->check(CLI::Range(1e-6, 1e6));
   command->add_flag("--without-inertia", options->without_inertia,
                     "the inertia is not known, and counts and torque per current are certain");
+  command
+      ->add_option("--turn-motor", options->turn_motor_deg,
+                   "deg by which you turn the motor's pulley by hand when asked, and back: tells encoder counts per "
+                   "turn and their sign; 360 is good")
+      ->check(CLI::Range(30.0, 36000.0));
+  command
+      ->add_option("--turn-joint", options->turn_joint_deg,
+                   "deg by which you turn the joint instead: tells the sign and counts that are wrong by a factor")
+      ->check(CLI::Range(20.0, 360.0));
+  command
+      ->add_option("--weight", options->weight_g,
+                   "g that you hang on the joint when asked: tells the torque per current; with --arm")
+      ->check(CLI::Range(0.1, 1e5));
+  command
+      ->add_option("--arm", options->arm_mm,
+                   "mm from the joint's axis to the weight: of an arm that is level in the middle of the corridor, or "
+                   "the radius of a drum with a thread")
+      ->check(CLI::Range(0.1, 1e4));
+  command->add_flag("--find-ends", options->find_ends,
+                    "look for end stops in the corridor, with little more torque than friction takes, and set the "
+                    "limits of joint and motor there");
   command->add_option("--key", options->key, "maintenance key, if one is set on the board");
   const CLI::Option* state =
       command

@@ -49,7 +49,7 @@ auto read(const TuneOptions& options) -> Response {
 
 void report(const TuneOptions& options, const Response& response, const std::optional<Tuning>& tuning) {
   if (!options.report.empty()) {
-    const std::string page = write_response_report(options.report, response, tuning);
+    const std::string page = write_response_report(options.report, response, tuning, options.axis);
     std::cerr << "wrote " << page << "\n";
   }
 }

@@ -13,31 +13,49 @@
 namespace capstan::tools {
 namespace {
 
+auto always(const CommissionOptions& /*options*/) -> bool {
+  return true;
+}
+
 struct Step {
   const char* name;
   bool moves;
   const char* explains;
   void (*run)(CommissionSteps& steps);
+  bool (*wanted)(const CommissionOptions& options) = always;
 };
 
-constexpr std::array<Step, 8> kSteps = {{
+constexpr std::array<Step, 11> kSteps = {{
     {"look", false, "reads encoder and current sensor for a second, without torque", &CommissionSteps::look},
+    {"turn", false,
+     "you turn it by hand and back, without torque; compares what the encoder counts with motor.encoder_counts and its "
+     "sign",
+     &CommissionSteps::turn, [](const CommissionOptions& options) { return options.turn.has_value(); }},
     {"shake", true,
      "shakes the motor by less than 5 deg in open loop and checks that the encoder counts, in which direction, and "
      "that the current sensor measures the torque",
      &CommissionSteps::shake},
     {"press", true, "presses the motor slowly both ways by less than 5 deg and checks that both tendons pull",
      &CommissionSteps::press},
+    {"ends", true,
+     "moves the joint to both ends of the corridor in small steps, with little more torque than its friction takes, "
+     "and looks for end stops on the way",
+     &CommissionSteps::ends, [](const CommissionOptions& options) { return options.finds_ends; }},
     {"travel", true,
      "moves the joint slowly within the corridor, measures friction both ways and checks that it moves freely",
      &CommissionSteps::travel},
+    {"weigh", true,
+     "moves the joint slowly with your weight on it; what that changes of the torque both ways tells the torque per "
+     "current",
+     &CommissionSteps::weigh, [](const CommissionOptions& options) { return options.weight_nm.has_value(); }},
     {"motor", true, "runs the board's own commissioning, which finds the motor observer's values",
      &CommissionSteps::motor},
     {"tune", true,
      "shakes the joint while it travels, for about two minutes, and computes gains with margins from the response",
      &CommissionSteps::tune_gains},
     {"check", true, "compares the new gains with the old ones by a step and a sine", &CommissionSteps::check},
-    {"save", false, "saves the values found", &CommissionSteps::save},
+    {"save", false, "saves the values found", &CommissionSteps::save,
+     [](const CommissionOptions& options) { return options.saves; }},
 }};
 
 constexpr const char* kAnew = "start again with --again, or give this joint a --state of its own";
@@ -48,7 +66,7 @@ void require_own(JointConsole& joint, const Progress& progress) {
     throw Refusal("the recorded progress is of joint" + std::to_string(*progress.axis) + ", and this is " +
                   joint.name() + "; give each joint a --state of its own");
   }
-  if (const std::string mark = joint.mark(); !progress.board.empty() && progress.board != mark) {
+  if (const std::string mark = joint.mark(progress.set); !progress.board.empty() && progress.board != mark) {
     throw Refusal("the recorded progress is of another joint or another scale (" + progress.board +
                   "), and this is one of " + mark + "; " + kAnew);
   }
@@ -112,16 +130,31 @@ struct Sequence {
 constexpr Sequence kAll{kSteps, "; the same command continues from here"};
 constexpr Sequence kGains{std::span(kSteps).last<3>(), "; the gains are those of before"};
 
-/// Those that are not done yet. Throws Refusal with the step's name.
+/// What follows from a step must not be older than it.
+void require_in_order(const Step& step, std::span<const Step> later, const Progress& progress) {
+  for (const Step& one : later) {
+    if (progress.is_done(one.name)) {
+      throw Refusal(std::string(step.name) + ": comes ahead of '" + one.name +
+                    "', which is done already; start again with --again");
+    }
+  }
+}
+
+/// Those that are wanted and not done yet. Throws Refusal with the step's name.
 void run_steps(const Sequence& sequence, const Operator& person, JointConsole& joint, CommissionSteps& steps,
                const Progress& progress, const std::function<void(const Step&)>& is_over) {
-  for (const Step& step : sequence.steps) {
-    const auto end = [&step](const std::string& why) { throw Refusal(std::string(step.name) + ": " + why); };
+  for (std::size_t i = 0; i < sequence.steps.size(); ++i) {
+    const Step& step = sequence.steps[i];
+    if (!step.wanted(steps.options())) {
+      continue;
+    }
     if (progress.is_done(step.name)) {
       person.tell(std::string(step.name) + ": done before");
       continue;
     }
+    require_in_order(step, sequence.steps.subspan(i + 1), progress);
     person.tell(std::string(step.name) + ": " + step.explains);
+    const auto end = [&step](const std::string& why) { throw Refusal(std::string(step.name) + ": " + why); };
     if (step.moves && !person.agrees("may the joint move?")) {
       end(std::string(Stopped().what()) + sequence.when_stopped);
     }
@@ -244,7 +277,7 @@ auto commission(BoardShell& board, const Operator& person, const CommissionOptio
   run_steps({kAll.steps.first(steps_here), kAll.when_stopped}, person, joint, steps, all.progress,
             [&](const Step& step) {
               if (step.moves) {
-                all.progress.board = joint.mark();
+                all.progress.board = joint.mark({});
               }
               all.progress.done.emplace_back(step.name);
               kept.keep(all.progress);
@@ -258,7 +291,7 @@ auto retune(BoardShell& board, const Operator& person, const CommissionOptions& 
   JointConsole joint(board, options.axis, options.key, kept.before());
   all.progress = known_of(joint, options);
   all.progress.axis = options.axis;
-  all.progress.board = joint.mark();
+  all.progress.board = joint.mark({});
   kept.keep(all.progress);
   CommissionSteps steps(joint, person, options, all);
   run_steps(kGains, person, joint, steps, all.progress, [](const Step&) {});

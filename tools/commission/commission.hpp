@@ -12,13 +12,22 @@
 
 namespace capstan::tools {
 
+/// A person turns the motor, or the joint, by this angle and back, rad.
+struct HandTurn {
+  double angle_rad = 0.0;
+  bool of_joint = false;
+};
+
 struct CommissionOptions {
   int axis = 0;
-  double corridor_rad = 0.0;           ///< of the joint, either way from where it stands
-  std::optional<double> inertia_kgm2;  ///< of motor and input pulley by the data sheet: tells wrong counts
-  std::string key;                     ///< of maintenance, where the board has one
-  bool saves = true;                   ///< at the end; with several joints commission_together does
-  Wanted wanted = {};                  ///< of the gains
+  double corridor_rad = 0.0;             ///< of the joint, either way from where it stands
+  std::optional<double> inertia_kgm2;    ///< of motor and input pulley by the data sheet: tells wrong counts
+  std::string key;                       ///< of maintenance, where the board has one
+  bool saves = true;                     ///< at the end; with several joints commission_together does
+  Wanted wanted = {};                    ///< of the gains
+  std::optional<HandTurn> turn = {};     ///< tells counts per turn and their sign
+  std::optional<double> weight_nm = {};  ///< torque of a known weight about the joint: tells the torque per current
+  bool finds_ends = false;               ///< looks for end stops in the corridor
 };
 
 /// What was found, and which steps are over. Kept in a file, so that commissioning can be stopped and goes on.
@@ -62,11 +71,12 @@ struct Commissioned {
 void give_back(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress& progress);
 
 /// From a bare motor to a tuned joint, step by step: look (without torque), shake (encoder, current sensor, inertia),
-/// press (tendons), travel (friction, a blocked joint), motor (the board's own `commission`), tune, check, save. Before
-/// `travel` the motor moves by less than 5 deg. Steps that are done are not done again, on the joint they were done on.
-/// Throws Refusal with the step and a sentence with its cure; Stopped where no step had begun. However it ends, torque
-/// is off; unless it ended well, gains and limits are those of before. Where it can not end itself, as this program was
-/// killed or the board lost, the progress that was kept has them, and the next run gives them back.
+/// press (tendons), travel (friction, a blocked joint), motor (the board's own `commission`), tune, check, save; where
+/// they are asked for also turn (counts per turn, by hand), ends (end stops) and weigh (torque per current). Before
+/// `ends` and `travel` the motor moves by less than 5 deg. Steps that are done are not done again, on the joint they
+/// were done on. Throws Refusal with the step and a sentence with its cure; Stopped where no step had begun. However it
+/// ends, torque is off; unless it ended well, gains and limits are those of before. Where it can not end itself, as
+/// this program was killed or the board lost, the progress that was kept has them, and the next run gives them back.
 auto commission(BoardShell& board, const Operator& person, const CommissionOptions& options, Progress progress)
     -> Commissioned;
 

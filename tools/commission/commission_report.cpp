@@ -38,7 +38,8 @@ auto write_commission_report(const std::string& folder, const Commissioned& comm
       "<h1>Commissioning</h1>\n<ol>\n" +
       items + "</ol>\n<h2>Parameters</h2>\n<table><tr><th>name</th><th>value</th></tr>\n" + rows + "</table>\n";
   if (commissioned.response) {
-    write_response_report(folder + "/response", *commissioned.response, commissioned.tuning);
+    write_response_report(folder + "/response", *commissioned.response, commissioned.tuning,
+                          commissioned.progress.axis.value_or(0));
     page += "<p><a href=\"response/index.html\">Frequency response and margins</a></p>\n";
   }
   const std::string path = folder + "/index.html";

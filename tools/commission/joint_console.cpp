@@ -133,7 +133,7 @@ auto JointConsole::gains_dump() -> std::string {
   return dump;
 }
 
-auto JointConsole::mark() -> std::string {
+auto JointConsole::mark(const Parameters& found) -> std::string {
   std::string board;
   for (const std::string& line : board_.ask("version")) {
     const std::size_t from = line.find("board ");
@@ -141,8 +141,12 @@ auto JointConsole::mark() -> std::string {
       board = line.substr(from, line.find(" parameters ") - from) + ", ";
     }
   }
-  return board + text("motor.encoder_counts") + " counts, sign " + text("motor.encoder_sign") + ", " +
-         text("motor.torque_per_current");
+  const auto scale = [&](const std::string& parameter) {
+    const auto own = std::find_if(found.begin(), found.end(), [&](const auto& one) { return one.first == parameter; });
+    return own == found.end() ? text(parameter) : own->second;
+  };
+  return board + scale("motor.encoder_counts") + " counts, sign " + scale("motor.encoder_sign") + ", " +
+         scale("motor.torque_per_current");
 }
 
 auto JointConsole::first_other(const Parameters& parameters) const -> std::string {

@@ -47,8 +47,9 @@ class JointConsole {
   [[nodiscard]] auto gains_dump() -> std::string;
 
   /// What tells this board's joint from others, as far as it can be told: kind and joints of the board, scale of the
-  /// motor. Nothing of it changes while the joint is commissioned.
-  auto mark() -> std::string;
+  /// motor.
+  /// @param found  what commissioning has found of them counts, whatever the board has
+  auto mark(const Parameters& found) -> std::string;
   /// Of parameters that it should have the first that it has otherwise; nothing: none.
   [[nodiscard]] auto first_other(const Parameters& parameters) const -> std::string;
 

@@ -31,11 +31,8 @@ constexpr double kSpringsBack = 0.06;                      // of the way; tendon
 // Of the way, when the torque is largest. A motor with dry friction alone has gone a sixth at most, the cube of the
 // time from where it lets go (with viscous friction a half, but it does not spring back); on tendons 0.68 to 0.92.
 constexpr double kAtPeak = 1.0 / 3.0;
-constexpr double kAtPeakCounts = 6.0;  // each way: a count is half of that third
-constexpr double kOneSided = 3.0;      // of the ways
-constexpr double kTurnShare = 0.1;     // of the whole way: less is no turn
-// Ways over which friction may go over to the other direction; on the elbows 1150 to 1159 they are 0.1 to 0.4 rad.
-constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
+constexpr double kAtPeakCounts = 6.0;   // each way: a count is half of that third
+constexpr double kOneSided = 3.0;       // of the ways
 constexpr double kLeastHalfRad = 0.05;  // of a corridor: less is no way for any step
 // limits.following_error: half of it without a count is `encoder_frozen`. A coarse encoder and friction leave elbows
 // 4000 to 4006 without a count for more than the half of 32 (0.05 rad), not of 60.
@@ -43,59 +40,12 @@ constexpr double kFrozenRad = 0.05, kFrozenCounts = 100.0;
 constexpr double kOffForS = 3.0;     // a leg of `travel`, in which friction is not known yet
 constexpr double kHomeShare = 0.05;  // of the corridor
 constexpr int kMostWaits = 30;       // of a second, until it is at home
-constexpr double kBlocked = 0.25;    // rise of the torque over the last half of a leg, of that at its end
 // Of the continuous torque, for a motor whose answer to the board's own dither, half as large, is fewer counts than
 // that: of the 50 elbows 1300 to 1349 four with 1.2 and less did not show their inertia. They
 // travel a third further, too.
 constexpr double kLouderDither = 0.1;
 constexpr double kFewDitherCounts = 1.3;
 constexpr double kDitherHz = 83.3;
-
-/// Rows at which a motion to and fro turns.
-auto turns_of(const Eigen::VectorXd& angle) -> std::vector<Eigen::Index> {
-  const double least = kTurnShare * (angle.maxCoeff() - angle.minCoeff());
-  std::vector<Eigen::Index> turns;
-  bool forward = true;
-  Eigen::Index furthest = 0;
-  for (Eigen::Index i = 1; i < angle.size(); ++i) {
-    const double back = (forward ? 1.0 : -1.0) * (angle[furthest] - angle[i]);
-    if (back > least) {
-      turns.push_back(furthest);
-      forward = !forward;
-    }
-    furthest = back > least || back < 0.0 ? i : furthest;
-  }
-  return turns;
-}
-
-/// Tendons bend before they slide: after a turn, what is left of the other direction's torque falls as exp(-way /
-/// angle). That angle, rad, by least squares over the first half of every leg; 0: at once.
-/// @param steady_nm  backward and forward
-auto reversal_angle(const Eigen::VectorXd& angle, const Eigen::VectorXd& torque, const std::array<double, 2>& steady_nm)
-    -> double {
-  const double half = 0.5 * (angle.maxCoeff() - angle.minCoeff());
-  std::vector<std::array<double, 2>> rows;  // way since the turn, share that is left
-  const std::vector<Eigen::Index> turns = turns_of(angle);
-  for (std::size_t k = 0; k + 1 < turns.size(); ++k) {
-    const double from = angle[turns[k]];
-    const std::size_t to = angle[turns[k + 1]] > from ? 1 : 0;
-    for (Eigen::Index i = turns[k]; i < turns[k + 1] && std::fabs(angle[i] - from) < half; ++i) {
-      rows.push_back({std::fabs(angle[i] - from), (torque[i] - steady_nm[to]) / (steady_nm[1 - to] - steady_nm[to])});
-    }
-  }
-  const auto off = [&rows](double over) {
-    double squares = 0.0;
-    for (const auto& [way, left] : rows) {
-      squares += std::pow(left - (over > 0.0 ? std::exp(-way / over) : 0.0), 2);
-    }
-    return squares;
-  };
-  double best = 0.0;
-  for (double over = kReversalFromRad; over < half; over *= kReversalStep) {
-    best = off(over) < off(best) ? over : best;
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -117,6 +67,10 @@ auto CommissionSteps::continuous_nm() const -> double {
 
 auto CommissionSteps::here() -> double {
   return joint_.column(joint_.rows("log", "20 10"), "q2_est_rad").mean();
+}
+
+auto CommissionSteps::motor_here() -> double {
+  return joint_.column(joint_.rows("log", "20 10"), "q1_rad").mean();
 }
 
 auto CommissionSteps::corridor() const -> Corridor {
@@ -176,7 +130,7 @@ void CommissionSteps::calm() {
 
 void CommissionSteps::let_go() {
   keep_to_corridor();
-  const double motor = joint_.column(joint_.rows("log", "20 10"), "q1_rad").mean();
+  const double motor = motor_here();
   std::array<std::pair<const char*, double>, 2> limits{
       {{"limits.motor_min", motor - kMotorWayRad}, {"limits.motor_max", motor + kMotorWayRad}}};
   if (limits[0].second >= joint_.value(limits[1].first)) {
@@ -280,70 +234,6 @@ void CommissionSteps::press(CommissionSteps& steps) {
   throw Refusal("the motor does not turn by " + rounded(enough / kDegree, 2) +
                 " deg under its continuous torque: it is blocked; free it, or check limits.continuous_current and "
                 "motor.torque_per_current");
-}
-
-void CommissionSteps::travel(CommissionSteps& steps) {
-  JointConsole& joint = steps.joint_;
-  steps.keep_to_corridor();
-  steps.calm();
-  joint.set("limits.current", joint.text("limits.continuous_current"));
-  steps.watch_frozen();
-  const double reach = 0.6 * steps.corridor_.half;
-  joint.arm();
-  CsvLog log = [&] {
-    try {
-      return joint.rows("experiment", "triangle every=5 cycles=3 repeats=1 amplitude=" + rounded(reach, 6) +
-                                          "rad offset=" + rounded(steps.corridor_.middle, 6) +
-                                          "rad speeds=" + rounded(reach / 1.5, 6) + "rad/s");
-    } catch (const Refusal& refusal) {
-      throw Refusal(
-          std::string(
-              "the joint does not follow a slow motion, so it is blocked or presses against something; free it (") +
-          refusal.what() + ")");
-    }
-  }();
-  joint.disarm();
-  const Eigen::VectorXd torque = joint.column(log, "tau_Nm");
-  const Eigen::VectorXd angle = joint.column(log, "q1_rad");
-  const double middle = 0.5 * (angle.maxCoeff() + angle.minCoeff());
-  const double half = 0.5 * (angle.maxCoeff() - angle.minCoeff());
-  std::array<double, 2> at_middle{};
-  std::array<double, 2> at_end{};
-  std::array<int, 2> middles{};
-  std::array<int, 2> ends{};
-  for (Eigen::Index i = angle.size() / 3; i + 4 < angle.size(); ++i) {
-    const std::size_t forward = angle[i + 4] > angle[i] ? 1 : 0;
-    const double place = (forward == 1 ? 1.0 : -1.0) * (angle[i] - middle) / half;
-    if (std::fabs(place) < 0.15) {
-      at_middle[forward] += torque[i];
-      ++middles[forward];
-    } else if (place > 0.7 && place < 0.95) {
-      at_end[forward] += torque[i];
-      ++ends[forward];
-    }
-  }
-  if (middles[0] * middles[1] * ends[0] * ends[1] == 0) {
-    throw Refusal("the motor did not move both ways as commanded; look at the log of 'experiment " + joint.name() +
-                  " triangle'");
-  }
-  for (std::size_t i = 0; i < 2; ++i) {
-    at_middle[i] /= middles[i];
-    at_end[i] /= ends[i];
-  }
-  const double band = at_end[1] - at_end[0];
-  const double rise = (band - (at_middle[1] - at_middle[0])) / band;
-  if (rise > kBlocked) {
-    throw Refusal("the torque goes on rising as the motor turns (" + rounded(100.0 * rise, 2) +
-                  " % over half a leg): the joint is blocked or presses against something; free it, or make the "
-                  "corridor smaller; or its tendons have so much friction that they only stretch over such a short "
-                  "travel: then make the corridor larger");
-  }
-  steps.all_.progress.backward_nm = at_middle[0];
-  steps.all_.progress.forward_nm = at_middle[1];
-  steps.all_.progress.reversal_rad = reversal_angle(angle, torque, at_middle);
-  steps.find("friction: " + rounded(at_middle[1], 3) + " Nm forward, " + rounded(at_middle[0], 3) +
-             " Nm backward; it changes over within " + rounded(steps.all_.progress.reversal_rad, 2) +
-             " rad of the motor");
 }
 
 auto CommissionSteps::commission_by_board(const std::string& order) -> bool {

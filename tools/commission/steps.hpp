@@ -13,15 +13,19 @@ class CommissionSteps {
       : joint_(joint), person_(person), options_(options), all_(all), stood_rad_(here()), corridor_(corridor()) {}
 
   static void look(CommissionSteps& steps);
+  static void turn(CommissionSteps& steps);
   static void shake(CommissionSteps& steps);
   static void press(CommissionSteps& steps);
+  static void ends(CommissionSteps& steps);
   static void travel(CommissionSteps& steps);
+  static void weigh(CommissionSteps& steps);
   static void motor(CommissionSteps& steps);
   static void tune_gains(CommissionSteps& steps);
   static void check(CommissionSteps& steps);
   static void save(CommissionSteps& steps);
   /// Margins of a tuned joint while all others are held by theirs.
   static void together(CommissionSteps& steps);
+  [[nodiscard]] auto options() const -> const CommissionOptions& { return options_; }
 
  private:
   void find(const std::string& sentence);
@@ -46,6 +50,39 @@ class CommissionSteps {
   void watch_frozen();
   /// Torque that a motion takes one way more than the other has to be that of `travel`.
   void require_same_friction(double backward_nm, double forward_nm) const;
+  /// The person has done what the question says. Throws Stopped.
+  void require_done(const std::string& question);
+  /// Of the motor, mean of a fifth of a second without torque, rad.
+  [[nodiscard]] auto motor_here() -> double;
+  /// @param per_turn  counts that a turn by hand showed, below 0 where they fell   @param hand_share  its error
+  void judge_counts(double per_turn, double hand_share);
+  /// @param factor  of the present torque per current, by a weight   @param share  its error
+  void judge_torque(double factor, double share);
+  /// What a slow motion takes.
+  struct SlowMotion {
+    double backward_nm, forward_nm;  ///< about its middle
+    double rise;                     ///< of the torque over the last half of a leg, of that at its end
+    double reversal_rad;             ///< see Progress
+  };
+  /// To and fro about the middle of the corridor with calm gains at continuous current, and torque off behind it.
+  auto slow_motion(double reach_rad) -> SlowMotion;
+  /// Throws Refusal where the torque goes on rising.
+  static void require_free(const SlowMotion& motion);
+  void know(const SlowMotion& motion);
+  /// Where motor and joint came to a stop, rad.
+  struct End {
+    double motor_rad, joint_rad;
+  };
+  /// A step of a motion towards the ends.
+  struct Pace {
+    double step_rad;
+    double most_nm;  ///< what takes more is a stop
+  };
+  /// From the middle in steps; nothing: to the end of the corridor.
+  [[nodiscard]] auto end_towards(double sign, const Pace& pace) -> std::optional<End>;
+  [[nodiscard]] auto arrives(double target_rad, const Pace& pace) -> bool;
+  /// Limits of joint and motor there.
+  void decide_end(const End& end, double sign, double margin_rad);
   /// Gains that suit the motor's inertia alone, until there are better ones.
   void calm();
   /// Hardly any control, and no way of the motor beyond 2.9 deg.

@@ -13,7 +13,6 @@ namespace capstan::tools {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr const char* kMeasuredColour = "#444";
 constexpr const char* kBandColour = "#bbb";
 constexpr const char* kTunedColour = "#0f766e";
 constexpr const char* kFrequency = "frequency [log10 Hz]";
@@ -46,32 +45,55 @@ void unwrap(Series& phase) {
   }
 }
 
-auto bode(const Response& response, const std::string& name, const std::string& unit, Estimate ResponsePoint::*which)
-    -> std::vector<Plot> {
-  const auto& points = response.points;
+/// One response as the plots show it.
+struct View {
+  const Response* response;
+  const char* label;
+  const char* colour;
+  const char* band;  ///< colour of its circles
+};
+
+/// Backward and forward by themselves where margins are taken of each.
+auto shown_views(const Response& response) -> std::vector<View> {
+  const std::vector<const Response*> views = views_of(response);
+  if (views.size() == 1) {
+    return {{views[0], "measured", "#444", kBandColour}};
+  }
+  return {{views[0], "backward", "#b45309", "#fcd9a8"}, {views[1], "forward", "#1d4ed8", "#bfdbfe"}};
+}
+
+auto bode(const std::vector<View>& views, const std::string& name, const std::string& unit,
+          Estimate ResponsePoint::*which) -> std::vector<Plot> {
   Plot gain{.title = name + ": gain",
             .x_label = kFrequency,
             .y_label = "gain [dB of 1 " + unit + "]",
             .series = {},
             .y_range = {}};
-  gain.series.push_back(series(points, "95 % circle", kBandColour, [which](const ResponsePoint& p) {
-    return decibel(std::abs((p.*which).value) + (p.*which).radius95);
-  }));
-  gain.series.push_back(series(points, "", kBandColour, [which](const ResponsePoint& p) {
-    const double size = std::abs((p.*which).value);
-    return decibel(std::max(size - (p.*which).radius95, 0.1 * size));
-  }));
-  gain.series.push_back(series(points, "measured", kMeasuredColour,
-                               [which](const ResponsePoint& p) { return decibel(std::abs((p.*which).value)); }));
   Plot phase{.title = name + ": phase", .x_label = kFrequency, .y_label = "phase [deg]", .series = {}, .y_range = {}};
-  phase.series.push_back(series(points, "measured", kMeasuredColour,
-                                [which](const ResponsePoint& p) { return kDegrees * std::arg((p.*which).value); }));
-  unwrap(phase.series.back());
+  for (const View& view : views) {
+    const auto& points = view.response->points;
+    const std::string circle = views.size() == 1 ? "95 % circle" : "95 % circle " + std::string(view.label);
+    gain.series.push_back(series(points, circle, view.band, [which](const ResponsePoint& p) {
+      return decibel(std::abs((p.*which).value) + (p.*which).radius95);
+    }));
+    gain.series.push_back(series(points, "", view.band, [which](const ResponsePoint& p) {
+      const double size = std::abs((p.*which).value);
+      return decibel(std::max(size - (p.*which).radius95, 0.1 * size));
+    }));
+  }
+  for (const View& view : views) {
+    const auto& points = view.response->points;
+    gain.series.push_back(series(points, view.label, view.colour,
+                                 [which](const ResponsePoint& p) { return decibel(std::abs((p.*which).value)); }));
+    phase.series.push_back(series(points, view.label, view.colour,
+                                  [which](const ResponsePoint& p) { return kDegrees * std::arg((p.*which).value); }));
+    unwrap(phase.series.back());
+  }
   return {gain, phase};
 }
 
 /// The loop near -1.
-auto nyquist(const Response& response, const std::optional<Tuning>& tuning) -> Plot {
+auto nyquist(const std::vector<View>& views, const std::optional<Tuning>& tuning) -> Plot {
   constexpr double kFar = 3.0;
   Plot plot{.title = "Nyquist: the loop, -1 being the point to stay away from",
             .x_label = "real part",
@@ -98,8 +120,8 @@ auto nyquist(const Response& response, const std::optional<Tuning>& tuning) -> P
     circle.y[i] = 0.5 * std::sin(static_cast<double>(i) / 36.0 * std::numbers::pi);
   }
   plot.series.push_back(circle);
-  for (const Response* view : views_of(response)) {
-    add(measured_loop(*view), "measured", kMeasuredColour);
+  for (const View& view : views) {
+    add(measured_loop(*view.response), view.label, view.colour);
   }
   if (tuning) {
     add(tuning->loop, "with the new gains", kTunedColour);
@@ -108,9 +130,10 @@ auto nyquist(const Response& response, const std::optional<Tuning>& tuning) -> P
 }
 
 auto plots_of(const Response& response, const std::optional<Tuning>& tuning) -> std::vector<Plot> {
-  std::vector<Plot> plots = bode(response, "Motor angle per torque", "rad/Nm", &ResponsePoint::motor);
+  const std::vector<View> views = shown_views(response);
+  std::vector<Plot> plots = bode(views, "Motor angle per torque", "rad/Nm", &ResponsePoint::motor);
   if (response.on_torque) {
-    std::vector<Plot> loop = bode(response, "Loop, broken at the torque", "1", &ResponsePoint::loop);
+    std::vector<Plot> loop = bode(views, "Loop, broken at the torque", "1", &ResponsePoint::loop);
     if (tuning) {
       loop[0].series.push_back(series(tuning->loop, "with the new gains", kTunedColour,
                                       [](const LoopPoint& p) { return decibel(std::abs(p.value)); }));
@@ -120,14 +143,18 @@ auto plots_of(const Response& response, const std::optional<Tuning>& tuning) -> 
     }
     plots.insert(plots.end(), loop.begin(), loop.end());
   }
-  plots.push_back({.title = "Coherence",
-                   .x_label = kFrequency,
-                   .y_label = "share of the power",
-                   .series = {series(response.points, "measured", kMeasuredColour,
-                                     [](const ResponsePoint& p) { return p.coherence; })},
-                   .y_range = std::pair{0.0, 1.05}});
+  Plot coherence{.title = "Coherence",
+                 .x_label = kFrequency,
+                 .y_label = "share of the power",
+                 .series = {},
+                 .y_range = std::pair{0.0, 1.05}};
+  for (const View& view : views) {
+    coherence.series.push_back(
+        series(view.response->points, view.label, view.colour, [](const ResponsePoint& p) { return p.coherence; }));
+  }
+  plots.push_back(std::move(coherence));
   if (response.on_torque) {
-    plots.push_back(nyquist(response, tuning));
+    plots.push_back(nyquist(views, tuning));
   }
   return plots;
 }
@@ -140,6 +167,19 @@ auto padded(const std::string& text, std::size_t width) -> std::string {
 auto share_text(const Estimate& estimate) -> std::string {
   const double percent = 100.0 * estimate.radius95 / std::max(std::abs(estimate.value), 1e-12);
   return percent > 100.0 ? ">100%" : percent < 0.01 ? "<0.01%" : rounded(percent, 2) + "%";
+}
+
+auto table_of(const Response& response) -> std::string {
+  std::string text = "      Hz   rad/Nm      +-    deg |     loop      +-    deg | coherence\n";
+  for (const ResponsePoint& p : response.points) {
+    const auto three = [](const Estimate& e) {
+      return padded(rounded(std::abs(e.value), 3), 9) + padded(share_text(e), 8) +
+             padded(rounded(kDegrees * std::arg(e.value), 3), 7);
+    };
+    text += padded(rounded(p.hz, 3), 8) + three(p.motor) + " |" +
+            (response.on_torque ? three(p.loop) : padded("", 24)) + " | " + rounded(p.coherence, 3) + "\n";
+  }
+  return text;
 }
 
 auto margins_text(const Margins& margins) -> std::string {
@@ -157,14 +197,9 @@ auto response_text(const Response& response) -> std::string {
                      (response.on_torque ? "torque" : "reference") + ", " + std::to_string(response.windows) +
                      (response.windows == 1 ? " sweep" : " periods") +
                      (response.travels ? " while the joint travels\n" : " while the joint stands\n");
-  text += "      Hz   rad/Nm      +-    deg |     loop      +-    deg | coherence\n";
-  for (const ResponsePoint& p : response.points) {
-    const auto three = [](const Estimate& e) {
-      return padded(rounded(std::abs(e.value), 3), 9) + padded(share_text(e), 8) +
-             padded(rounded(kDegrees * std::arg(e.value), 3), 7);
-    };
-    text += padded(rounded(p.hz, 3), 8) + three(p.motor) + " |" +
-            (response.on_torque ? three(p.loop) : padded("", 24)) + " | " + rounded(p.coherence, 3) + "\n";
+  for (const View& view : shown_views(response)) {
+    text += view.response == &response ? "" : std::string(view.label) + ":\n";
+    text += table_of(*view.response);
   }
   if (response.distortion.known) {
     text += "distortion of the motor's motion: even " + rounded(100.0 * response.distortion.even, 2) + " %, odd " +
@@ -208,8 +243,8 @@ auto tuning_text(const Tuning& tuning, const LoopGains& present) -> std::string 
   return text;
 }
 
-auto write_response_report(const std::string& folder, const Response& response, const std::optional<Tuning>& tuning)
-    -> std::string {
+auto write_response_report(const std::string& folder, const Response& response, const std::optional<Tuning>& tuning,
+                           int axis) -> std::string {
   make_folder(folder);
   std::string page = "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Frequency response: " +
                      escaped(response.name) + "</title><style>" + kStyle +
@@ -221,7 +256,7 @@ auto write_response_report(const std::string& folder, const Response& response, 
   if (tuning) {
     page += "<h2>Gains</h2>\n<p>Limited by " + escaped(tuning->limited_by) + ".</p>\n<p>" + escaped(tuning->swings) +
             "</p>\n<p>" + escaped(tuning->warning) + "</p>\n<pre>" +
-            escaped(joined(tuning_lines(tuning->gains, 0), "\n")) + "</pre>\n";
+            escaped(joined(tuning_lines(tuning->gains, axis), "\n")) + "</pre>\n";
   }
   const std::string path = folder + "/index.html";
   write_text_file(path, page + "</body></html>\n");

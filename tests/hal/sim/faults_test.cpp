@@ -194,6 +194,24 @@ TEST(MoreFaults, TheLogsSensorsHaveEveryKindOfTheirOwnAndTheBoardSeesNothingOfIt
   }
 }
 
+TEST(MoreFaults, AWeightOnTheTipIsATorqueOnTheJointForThatLong) {
+  PlantParameters p = quiet();
+  p.environment = {.kind = EnvironmentKind::kSpring, .stiffness = 5.0};
+  Plant plant(p, 2);
+  const auto rest = [&] {
+    for (int i = 0; i < 500; ++i)
+      plant.step(0.0, true);
+    return plant.truth().q2_rad;
+  };
+  const double before = rest();
+  plant.schedule(
+      {.time_s = 0.6, .target = FaultTarget::kTip, .kind = FaultKind::kJump, .amount = 0.1, .duration_s = 0.8});
+  EXPECT_GT(rest(), before + 0.005) << "pushed forward, with most of 0.1 / 5 rad, tendons and friction take the rest";
+  EXPECT_LT(plant.truth().q2_rad, before + 0.02);
+  static_cast<void>(rest());
+  EXPECT_LT(rest(), before + 0.01) << "and let go";
+}
+
 TEST(MoreFaults, TargetsThatCannotHaveAKindAreRefused) {
   FaultSchedule schedule(1);
   for (const Fault& bad : std::vector<Fault>{
@@ -206,6 +224,7 @@ TEST(MoreFaults, TargetsThatCannotHaveAKindAreRefused) {
            {.target = FaultTarget::kBus, .kind = FaultKind::kStuck},
            {.target = FaultTarget::kEncoder, .kind = FaultKind::kSlow, .amount = 0.0},
            {.target = FaultTarget::kEncoder, .kind = FaultKind::kIntermittent, .amount = 1.5},
+           {.target = FaultTarget::kTip, .kind = FaultKind::kStuck},
        }) {
     EXPECT_THROW(schedule.add(bad), std::invalid_argument);
   }

@@ -11,6 +11,7 @@
 #include "capstan/tests/tools/response/known_loop.hpp"
 #include "capstan/tools/response/response_report.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -98,6 +99,36 @@ TEST(Response, OfAJointThatDiffersBackwardAndForwardItIsEachWaysPlant) {
   EXPECT_GT(least_coherence(*views[0]), 0.99);
   EXPECT_GT(least_coherence(*views[1]), 0.99);
   EXPECT_EQ(refusal_of(response), "");
+}
+
+// The plots pooled both, and so showed a coherence and a response that no margin was taken of.
+TEST(Response, ThePageShowsBothWaysByThemselvesWhereTheyDifferAndOneWhereNot) {
+  KnownLoop backward;
+  backward.noise_nm = 2e-4;
+  backward.gain = 1e-3;
+  KnownLoop forward;
+  forward.noise_nm = backward.noise_nm;
+  const auto page_of = [](const Response& response) {
+    return read_text_file(write_response_report(testing::TempDir() + "ways_report", response, {}, 0));
+  };
+  const auto count = [](const std::string& text, const std::string& part) {
+    int found = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  const Response unlike = estimate_response(travelling(backward, forward));
+  ASSERT_EQ(views_of(unlike).size(), 2U);
+  const std::string both = page_of(unlike);
+  for (const char* label : {">backward<", ">forward<"}) {
+    EXPECT_EQ(count(both, label), 6) << label << ": plant and loop, gain and phase each, coherence and Nyquist";
+  }
+  EXPECT_EQ(count(both, ">measured<"), 0);
+  EXPECT_EQ(count(both, "\nbackward:\n"), 1) << "a table each";
+  const std::string one = page_of(estimate_response(travelling(forward, forward)));
+  EXPECT_EQ(count(one, ">measured<"), 6);
+  EXPECT_EQ(count(one, ">backward<"), 0);
 }
 
 TEST(Response, OfAJointThatIsTheSameBothWaysItIsOne) {

@@ -261,9 +261,9 @@ TEST(Tuning, ThePageShowsBodeAndNyquist) {
   const LoopGains present = gentle();
   const Response response = motor.response(present);
   const std::string path =
-      write_response_report(testing::TempDir() + "response_report", response, tune(response, present, {}));
+      write_response_report(testing::TempDir() + "response_report", response, tune(response, present, {}), 2);
   const std::string page = read_text_file(path);
-  for (const char* words : {"Motor angle per torque: gain", "Coherence", "Nyquist", "set joint0.control.stiffness"}) {
+  for (const char* words : {"Motor angle per torque: gain", "Coherence", "Nyquist", "set joint2.control.stiffness"}) {
     EXPECT_NE(page.find(words), std::string::npos) << words;
   }
 }
