@@ -21,7 +21,9 @@ constexpr double kHandRad = 3.0 * std::numbers::pi / 180.0;  // a mark that a ha
 constexpr double kLeastHandShare = 0.01;
 constexpr double kJointHandShare = 0.2;  // a joint that a hand turns bends its tendons before the motor follows
 constexpr double kFewestCounts = 16.0;   // of an encoder that counts a turn by hand
-constexpr std::array kFactors = {0.125, 0.25, 0.5, 2.0, 4.0, 8.0};  // of edges that are counted, or are not
+// Present counts times these: right, or of edges that are counted or are not.
+constexpr std::array kFactors = {1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0};
+constexpr double kLetGoShare = 0.15;  // by which a motor that is let go springs back: 0.07 rad of 1 (forceps 4476)
 
 constexpr double kWeighReach = 0.6;      // of the corridor, as in `travel`
 constexpr double kFrictionShare = 0.03;  // by which friction changes from one slow motion to the next: 0.99 to 1.02
@@ -80,15 +82,19 @@ void CommissionSteps::judge_counts(double per_turn, double hand_share) {
   }
   const double counts = joint_.value("motor.encoder_counts");
   const double ratio = std::fabs(per_turn) / counts;
-  if (std::fabs(ratio - 1.0) <= hand_share) {
+  const auto near = [ratio](double share) {
+    return std::find_if(kFactors.begin(), kFactors.end(),
+                        [&](double one) { return std::fabs(ratio / one - 1.0) <= share; });
+  };
+  const auto* const factor = near(hand_share);
+  if (factor == kFactors.begin()) {
     find(by_hand + ", and motor.encoder_counts agrees: " + rounded(counts, 8));
     return;
   }
-  const auto factor = std::find_if(kFactors.begin(), kFactors.end(),
-                                   [&](double one) { return std::fabs(ratio / one - 1.0) <= hand_share; });
-  if (factor == kFactors.end() && options_.turn->of_joint) {
+  if (factor == kFactors.end() && (options_.turn->of_joint || near(kLetGoShare) != kFactors.end())) {
     throw Refusal(by_hand + ", and motor.encoder_counts is " + rounded(counts, 8) +
-                  ": compare it and motor_angle.beta with the data sheets, or turn the motor instead (--turn-motor)");
+                  ": neither right nor wrong by a factor. Turn the motor (--turn-motor) by more, and hold it at both "
+                  "ends until you have answered, for tendons spring back; or compare the encoder's data sheet");
   }
   const std::string right = rounded(std::round(factor == kFactors.end() ? std::fabs(per_turn) : *factor * counts), 8);
   require_done(by_hand + ", and motor.encoder_counts is " + rounded(counts, 8) + "; set it to " + right + "?");

@@ -21,7 +21,8 @@ constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a
 constexpr double kReach = 0.6;     // of the corridor, either way
 constexpr double kLegS = 3.0;      // of a slow motion
 
-// `ends`, chosen on the forceps 4480 to 4483 with and without stops.
+// `ends`, set in November 2026 ahead of the first run and tried on the forceps 4478 and 4479; docs/tuning.md reports
+// other seeds.
 constexpr double kEndsReach = 0.3;    // of the corridor: where friction is measured first
 constexpr double kEndsTorque = 1.3;   // of what friction takes: more is a stop ...
 constexpr double kEndsShare = 0.95;   // ... and of the continuous torque, which the motor does not exceed here
