@@ -28,7 +28,9 @@ constexpr double kLetGoShare = 0.15;  // by which a motor that is let go springs
 constexpr double kWeighReach = 0.6;      // of the corridor, as in `travel`
 constexpr double kFrictionShare = 0.03;  // by which friction changes from one slow motion to the next: 0.99 to 1.02
 constexpr double kWeightShare = 0.05;    // of a weight and an arm that a person measures
-constexpr double kLeastLoad = 0.3;       // of friction, by which it has to change the torque
+constexpr double kLeastLoad = 0.2;       // of friction, by which the weight has to change the torque ...
+// ... and at most may: one tendon goes slack at 1 / (e^eta - 1) of it, 0.47 on the forceps, and then passes more on.
+constexpr double kMostLoad = 0.45, kGoodLoad = 0.35;
 
 auto degrees(double rad) -> std::string {
   return rounded(rad * 360.0 / kTurnRad, 4) + " deg";
@@ -125,15 +127,22 @@ void CommissionSteps::weigh(CommissionSteps& steps) {
     }
   }();
   steps.require_done("take the weight off: done?");
-  // Taut tendons pass the weight on one to one, forward and backward; where one goes slack it is e^eta times as much.
-  const double shift =
-      std::min(std::fabs(with.forward_nm - known.forward_nm), std::fabs(with.backward_nm - known.backward_nm));
+  // Taut tendons of stiffness a and b pass the weight on by (a e^eta + b) / (a + b e^eta) forward, and by the
+  // reciprocal of that backward: one to one where they are alike.
+  const double forward = with.forward_nm - known.forward_nm;
+  const double backward = with.backward_nm - known.backward_nm;
+  const double shift = std::sqrt(std::max(0.0, forward * backward));
   const double friction = 0.5 * (known.forward_nm - known.backward_nm);
+  const std::string changed = "the weight changed the torque by " + rounded(1e3 * shift, 2) + " mNm, ";
+  const std::string about = "; take one about " + rounded(kGoodLoad * friction / std::max(shift, 1e-3 * friction), 2) +
+                            " times as heavy, or an arm as much longer";
   if (shift < kLeastLoad * friction) {
-    throw Refusal("the weight changed the torque by " + rounded(1e3 * shift, 2) + " mNm, which " +
-                  rounded(1e3 * friction, 2) +
-                  " mNm of friction hide; take a heavier one or a longer arm, hang it so that the joint carries it, or "
-                  "compare motor.torque_per_current with the data sheets of motor and gear");
+    throw Refusal(changed + "which " + rounded(1e3 * friction, 2) + " mNm of friction hide" + about +
+                  ", and hang it so that the joint carries it");
+  }
+  if (shift > kMostLoad * friction) {
+    throw Refusal(changed + "beside " + rounded(1e3 * friction, 2) +
+                  " mNm of friction: so heavy that a tendon may go slack" + about);
   }
   steps.judge_torque(load / shift, kWeightShare + kFrictionShare * friction / shift);
 }

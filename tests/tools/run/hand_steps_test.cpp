@@ -24,15 +24,14 @@ auto options_of(const sim::Scenario& scenario) -> CommissionOptions {
 
 /// The hand of a person on the motor's pulley, or on the joint, which holds it there: a supply of the bench.
 void turn_to(SimBoard& board, double angle_rad, bool joint) {
-  constexpr double kApPerRad = 12.0, kAsPerRad = 0.4, kMostA = 2.4, kSlowRadS = 1.0, kThereRad = 0.002;
+  constexpr double kApPerRad = 12.0, kAsPerRad = 0.15, kMostA = 2.4, kSlowRadS = 1.0, kThereRad = 0.002;
   const auto where = [&] { return joint ? board.truth(0).q2_rad : board.truth(0).q1_rad; };
   double reference = where();
   double integral = 0.0;
   double last = where();
-  for (int cycle = 0; cycle < 20'000; ++cycle) {
-    if (reference == angle_rad && std::fabs(where() - angle_rad) < kThereRad) {
-      break;
-    }
+  int rests = 0;  // cycles at its end, so that what holds it there is steady
+  for (int cycle = 0; cycle < 20'000 && rests < 500; ++cycle) {
+    rests += reference == angle_rad && std::fabs(where() - angle_rad) < kThereRad ? 1 : 0;
     reference += std::clamp(angle_rad - reference, -1e-3 * kSlowRadS, 1e-3 * kSlowRadS);
     const double off = reference - where();
     integral = std::clamp(integral + 0.01 * off, -0.2, 0.2);
@@ -230,9 +229,12 @@ TEST(WeighByHand, TheTorquePerCurrentComesFromAKnownWeight) {
       line.ask("set joint0.motor.torque_per_current " + rounded(wrong * right) + " Nm/A");
       CommissionOptions options = options_of(scenario);
       options.inertia_kgm2 = {};
-      const double continuous_a = line.board().board().machine().config()[0].limits.continuous_current_a.to_double();
-      options.weight_nm = 0.28 * right * continuous_a * scenario.plant.output_radius_m / scenario.plant.input_radius_m;
-      const Said said = commissioned(line, options, "weigh", hanging(line, *options.weight_nm));
+      const Said weighs_none = commissioned(line, options, "travel", [](const std::string&) {});
+      const Progress& known = weighs_none.progress;
+      ASSERT_TRUE(known.is_done("travel")) << seed << ": " << weighs_none.refusal;
+      const double friction = 0.5 * (known.forward_nm - known.backward_nm) / wrong;
+      options.weight_nm = 0.35 * friction * scenario.plant.output_radius_m / scenario.plant.input_radius_m;
+      const Said said = commissioned(line, options, "weigh", hanging(line, *options.weight_nm), known);
       EXPECT_EQ(said.refusal.find("motor: stopped on request"), 0U) << seed << ' ' << wrong << ": " << said.refusal;
       const double found = line.board().board().machine().config()[0].motor.torque_per_current_nm_per_a.to_double();
       std::printf("%llu | set to %.2f of it | found %.3f of it | %s\n", static_cast<unsigned long long>(seed), wrong,
@@ -250,7 +252,8 @@ TEST(WeighByHand, AWeightThatCannotTellOrDoesNotHangIsRefused) {
     const char* sentence;
   };
   for (const Case& one :
-       {Case{0.01, "mNm of friction hide; take a heavier one"}, Case{0.5, "Nm continuously; take a lighter one"}}) {
+       {Case{0.01, "mNm of friction hide; take one about "}, Case{0.04, "a tendon may go slack; take one about "},
+        Case{0.5, "Nm continuously; take a lighter one"}}) {
     Happening line(scenario);
     CommissionOptions options = options_of(scenario);
     options.weight_nm = one.weight_nm;
@@ -276,7 +279,10 @@ TEST(EndStops, AreFoundAtLowTorqueAndTheJointIsCommissionedBetweenThem) {
     CommissionOptions options = options_of(scenario);
     options.finds_ends = true;
     const Said ends = commissioned(line, options, "ends", [](const std::string&) {});
-    ASSERT_TRUE(ends.progress.is_done("ends")) << seed << ": " << ends.refusal;
+    EXPECT_TRUE(ends.progress.is_done("ends")) << seed << ": " << ends.refusal;
+    if (!ends.refusal.starts_with("travel: stopped on request")) {
+      continue;
+    }
     std::printf("%llu | %s\n", static_cast<unsigned long long>(seed), ends.progress.found.back().c_str());
     const LimitConfig& limits = line.board().board().machine().config()[0].limits;
     EXPECT_GT(limits.joint_min_rad.to_double(), -0.5) << seed;
