@@ -26,7 +26,7 @@ constexpr std::array kFactors = {1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0};
 constexpr double kLetGoShare = 0.15;  // by which a motor that is let go springs back: 0.07 rad of 1 (forceps 4476)
 
 constexpr double kWeighReach = 0.6;      // of the corridor, as in `travel`
-constexpr double kFrictionShare = 0.03;  // by which friction changes from one slow motion to the next: 0.99 to 1.02
+constexpr double kFrictionShare = 0.02;  // by which friction changes from one slow motion to the next: 0.99 to 1.02
 constexpr double kWeightShare = 0.05;    // of a weight and an arm that a person measures
 constexpr double kLeastLoad = 0.2;       // of friction, by which the weight has to change the torque ...
 // ... and at most may: one tendon goes slack at 1 / (e^eta - 1) of it, 0.47 on the forceps, and then passes more on.
