@@ -69,18 +69,23 @@ class CommissionSteps {
   /// Throws Refusal where the torque goes on rising.
   static void require_free(const SlowMotion& motion);
   void know(const SlowMotion& motion);
-  /// Where motor and joint came to a stop, rad.
+  /// Rad: where the motor pressed, and the joint's last place ahead of the stop.
   struct End {
     double motor_rad, joint_rad;
   };
   /// A step of a motion towards the ends.
   struct Pace {
     double step_rad;
-    double most_nm;  ///< what takes more is a stop
+    double most_nm;  ///< what takes more is a stop in any case
   };
   /// From the middle in steps; nothing: to the end of the corridor.
   [[nodiscard]] auto end_towards(double sign, const Pace& pace) -> std::optional<End>;
-  [[nodiscard]] auto arrives(double target_rad, const Pace& pace) -> bool;
+  /// Where a step ended.
+  struct Stood {
+    double motor_rad, joint_rad, torque_nm;
+    bool there;  ///< at its target, with no more torque than it may take
+  };
+  [[nodiscard]] auto step_to(double target_rad, const Pace& pace) -> Stood;
   /// Limits of joint and motor there.
   void decide_end(const End& end, double sign, double margin_rad);
   /// Gains that suit the motor's inertia alone, until there are better ones.

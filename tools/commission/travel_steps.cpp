@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <vector>
 
 #include "capstan/tools/commission/steps.hpp"
 #include "capstan/tools/support/errors.hpp"
+#include "capstan/tools/support/statistics.hpp"
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
@@ -19,16 +20,19 @@ constexpr double kTurnShare = 0.1;  // of the whole way: less is no turn
 constexpr double kReversalFromRad = 0.005, kReversalStep = 1.1;
 constexpr double kBlocked = 0.25;  // rise of the torque over the last half of a leg, of that at its end
 constexpr double kReach = 0.6;     // of the corridor, either way
-constexpr double kLegS = 3.0;      // of a slow motion
+constexpr double kSlowLegS = 3.0;  // of a slow motion
 
-// `ends`, set in November 2026 ahead of the first run and tried on the forceps 4478 and 4479; docs/tuning.md reports
-// other seeds.
-constexpr double kEndsReach = 0.3;    // of the corridor: where friction is measured first
-constexpr double kEndsTorque = 1.3;   // of what friction takes: more is a stop ...
-constexpr double kEndsShare = 0.95;   // ... and of the continuous torque, which the motor does not exceed here
-constexpr double kStepOfError = 0.4;  // of limits.following_error: at half of it without a count the encoder is dead
-constexpr double kArrived = 0.5;      // of a step
-constexpr int kArriveLooks = 20;      // of a tenth of a second
+// `ends`, chosen in November 2026 on the forceps 4478, the elbow 4530 and the wrist 4530; docs/tuning.md reports other
+// seeds. Free steps took the same torque within 1 %, the first two at a stop 18 to 36 % more.
+constexpr double kEndsReach = 0.3;       // of the corridor: where friction is measured first
+constexpr double kStepOfError = 0.4;     // of limits.following_error: at half of it without a count the encoder is dead
+constexpr double kArrived = 0.5;         // of a step
+constexpr int kArriveLooks = 20;         // of a tenth of a second
+constexpr std::size_t kSteadySteps = 4;  // that took the same ...
+constexpr double kSteady = 0.05;         // ... within this share, ...
+constexpr double kRises = 1.15;          // ... and then this much more: a stop
+constexpr double kEndsTorque = 1.3;      // of what friction takes: a stop in any case ...
+constexpr double kEndsShare = 0.95;   // ... as is this of the continuous torque, which is the most the motor has here
 constexpr double kMarginSteps = 2.0;  // from the stop to the joint's limit: tendons bend there
 
 /// Rows at which a motion to and fro turns.
@@ -110,6 +114,34 @@ auto torque_to_and_fro(const Eigen::VectorXd& angle, const Eigen::VectorXd& torq
   return sums;
 }
 
+auto median_of(const std::vector<double>& values, std::size_t from, std::size_t to) -> double {
+  return median(Eigen::Map<const Eigen::VectorXd>(values.data() + from, static_cast<Eigen::Index>(to - from)));
+}
+
+/// Whether the last step took more torque than some steps before it, which took the same: a stop, where a weight or
+/// tendons that still bend change it slowly or all the time.
+auto rises(const std::vector<double>& torque) -> bool {
+  if (torque.size() < kSteadySteps + 2) {
+    return false;
+  }
+  const std::size_t to = torque.size() - 2;
+  const std::size_t from = to - kSteadySteps;
+  const double level = median_of(torque, from, to);
+  const auto [least, most] = std::minmax_element(torque.begin() + static_cast<std::ptrdiff_t>(from),
+                                                 torque.begin() + static_cast<std::ptrdiff_t>(to));
+  return *most - *least < kSteady * level && torque.back() > kRises * level;
+}
+
+/// The last step ahead of a stop.
+auto last_free(const std::vector<double>& torque) -> std::size_t {
+  const double level = median_of(torque, 0, torque.size());
+  std::size_t free = torque.size() - 1;
+  while (free > 0 && torque[free] > (1.0 + kSteady) * level) {
+    --free;
+  }
+  return free;
+}
+
 }  // namespace
 
 auto CommissionSteps::slow_motion(double reach_rad) -> SlowMotion {
@@ -121,7 +153,7 @@ auto CommissionSteps::slow_motion(double reach_rad) -> SlowMotion {
     try {
       return joint_.rows("experiment", "triangle every=5 cycles=3 repeats=1 amplitude=" + rounded(reach_rad, 6) +
                                            "rad offset=" + rounded(corridor_.middle, 6) +
-                                           "rad speeds=" + rounded(2.0 * reach_rad / kLegS, 6) + "rad/s");
+                                           "rad speeds=" + rounded(2.0 * reach_rad / kSlowLegS, 6) + "rad/s");
     } catch (const Refusal& refusal) {
       throw Refusal(
           std::string(
@@ -169,26 +201,34 @@ void CommissionSteps::travel(CommissionSteps& steps) {
              " Nm backward; it changes over within " + rounded(motion.reversal_rad, 2) + " rad of the motor");
 }
 
-auto CommissionSteps::arrives(double target_rad, const Pace& pace) -> bool {
-  for (int look = 0; look < kArriveLooks; ++look) {
+auto CommissionSteps::step_to(double target_rad, const Pace& pace) -> Stood {
+  Stood stood{};
+  for (int look = 0; look < kArriveLooks && !stood.there; ++look) {
     const CsvLog log = joint_.rows("log", "10 10");
-    if (std::fabs(joint_.column(log, "tau_Nm").mean()) > pace.most_nm) {
-      return false;
-    }
     const Eigen::VectorXd angle = joint_.column(log, "q2_est_rad");
-    if (std::fabs(angle[angle.size() - 1] - target_rad) < kArrived * pace.step_rad) {
-      return true;
+    const Eigen::VectorXd motor = joint_.column(log, "q1_rad");
+    stood = {.motor_rad = motor[motor.size() - 1],
+             .joint_rad = angle[angle.size() - 1],
+             .torque_nm = std::fabs(joint_.column(log, "tau_Nm").mean()),
+             .there = std::fabs(angle[angle.size() - 1] - target_rad) < kArrived * pace.step_rad};
+    if (stood.torque_nm > pace.most_nm) {
+      stood.there = false;
+      break;
     }
   }
-  return false;
+  return stood;
 }
 
 auto CommissionSteps::end_towards(double sign, const Pace& pace) -> std::optional<End> {
-  for (double way = pace.step_rad; way <= corridor_.half; way += pace.step_rad) {
-    const double target = corridor_.middle + sign * way;
+  std::vector<Stood> way;
+  std::vector<double> torque;
+  for (double on = pace.step_rad; on <= corridor_.half; on += pace.step_rad) {
+    const double target = corridor_.middle + sign * on;
     static_cast<void>(joint_.order("move " + joint_.name() + " " + rounded(target, 6) + " rad"));
-    if (!arrives(target, pace)) {
-      return End{.motor_rad = motor_here(), .joint_rad = here()};
+    way.push_back(step_to(target, pace));
+    torque.push_back(way.back().torque_nm);
+    if (!way.back().there || rises(torque)) {
+      return End{.motor_rad = way.back().motor_rad, .joint_rad = way[last_free(torque)].joint_rad};
     }
   }
   return {};
@@ -234,7 +274,7 @@ void CommissionSteps::ends(CommissionSteps& steps) {
       sentence += side + " none within the corridor, ";
     }
   }
-  steps.find(sentence + "a stop being what takes more than " + rounded(pace.most_nm, 2) + " Nm of the motor");
+  steps.find(sentence + "pressed with " + rounded(pace.most_nm, 2) + " Nm at most");
   steps.corridor_ = steps.corridor();
 }
 

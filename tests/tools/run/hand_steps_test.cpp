@@ -285,11 +285,11 @@ TEST(EndStops, AreFoundAtLowTorqueAndTheJointIsCommissionedBetweenThem) {
     }
     std::printf("%llu | %s\n", static_cast<unsigned long long>(seed), ends.progress.found.back().c_str());
     const LimitConfig& limits = line.board().board().machine().config()[0].limits;
-    EXPECT_GT(limits.joint_min_rad.to_double(), -0.5) << seed;
-    EXPECT_LT(limits.joint_min_rad.to_double(), -0.2) << seed;
-    EXPECT_LT(limits.joint_max_rad.to_double(), 0.62) << seed;
-    EXPECT_GT(limits.joint_max_rad.to_double(), 0.35) << seed;
+    // An estimate is off by what the tendons bend: most on elbows, whose are unlike and soft.
+    EXPECT_NEAR(limits.joint_min_rad.to_double(), -0.35, 0.15) << seed;
+    EXPECT_NEAR(limits.joint_max_rad.to_double(), 0.5, 0.15) << seed;
     EXPECT_LT(limits.motor_max_rad.to_double(), 1.0) << seed;
+    EXPECT_GT(limits.motor_min_rad.to_double(), -1.0) << seed;
     const Said all = commissioned(
         line, options, "", [](const std::string&) {}, ends.progress);
     EXPECT_EQ(all.refusal, "") << seed;
