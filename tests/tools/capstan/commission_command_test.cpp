@@ -85,6 +85,23 @@ TEST_F(CommissionCommand, EachJointHasAFileOfItsOwnAndOnlyItGoesOnFromThere) {
   EXPECT_NE(other.output.find("is of joint1, and this is joint0"), std::string::npos) << other.output;
 }
 
+TEST_F(CommissionCommand, HalfOfAHandsMeasureIsAnsweredWithTheOtherHalf) {
+  const std::string command = "commission --corridor 0.8 --inertia 0.02 --yes ";
+  const std::string here = "cd \"" + path("") + "\"; ";
+  const Outcome twice = run(command + "--turn-motor 360 --turn-joint 45", here);
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.output.find("two ways to the same; give one"), std::string::npos) << twice.output;
+  for (const char* half : {"--weight 300", "--arm 12"}) {
+    const Outcome outcome = run(command + half, here);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_NE(outcome.output.find("--weight and --arm go together"), std::string::npos) << outcome.output;
+  }
+  // A script turns nothing.
+  const Outcome idle = run(command + "--turn-motor 360", here);
+  EXPECT_EQ(idle.status, 1);
+  EXPECT_NE(idle.output.find("turn: the encoder gave 0 counts"), std::string::npos) << idle.output;
+}
+
 /// `capstan tune` of a board, which is commissioned by hand: inertia and friction are what it has to know.
 class TuneBoardCommand : public CommissionCommand {
  protected:
