@@ -122,6 +122,11 @@ void CommissionSteps::watch_frozen() {
 void CommissionSteps::calm() {
   joint_.set("control.stiffness", rounded(kCalmStiffness * all_.progress.inertia_kgm2, 6) + " Nm/rad");
   joint_.set("control.damping", rounded(kCalmDamping * all_.progress.inertia_kgm2, 6) + " Nms/rad");
+  // Of tuned gains the rate's filter is far faster: a coarse encoder's steps drown the shake (elbows 4580 to 4582).
+  const LoopGains usual;
+  joint_.set("control.rate_time_constant", rounded(usual.rate_time_constant_s) + " s");
+  joint_.set("control.kp", rounded(usual.kp));
+  joint_.set("control.ki", rounded(usual.ki_per_s) + " 1/s");
   joint_.set("control.reversal_time", rounded(kCalmReversalS) + " s");
   joint_.set("control.torque_backward", rounded(all_.progress.backward_nm, 6) + " Nm");
   joint_.set("control.torque_forward", rounded(all_.progress.forward_nm, 6) + " Nm");
