@@ -22,6 +22,7 @@ struct Axis {
   World w;
   Signal acceleration, rigid;
   double inertia = 0.0, drag = 0.0;
+  double hangs_at = 0.0;  ///< the weight is nothing there, rad
 };
 
 auto rms(const Signal& signal) -> double {
@@ -43,6 +44,7 @@ auto axis_of(const Case& c, Draw& draw) -> Axis {
   // Some axes have next to no drag, some little but drag.
   axis.drag = axis.inertia * rms(axis.acceleration) / rms(axis.w.speed) * draw.ratio_between(0.1, 5.0);
   axis.rigid = axis.inertia * axis.acceleration + axis.drag * axis.w.speed;
+  axis.hangs_at = draw.between(0.0, 2.0 * kPi);
   return axis;
 }
 
@@ -65,6 +67,19 @@ auto random_walk(Eigen::Index steps, Draw& draw) -> Signal {
     value = x;
   }
   return walk;
+}
+
+/// Pulls back to a rest that may be anywhere in the motion; hardens, or does not.
+auto spring_of(const Axis& axis, Draw& draw) -> Signal {
+  const Signal away = axis.w.q / axis.w.q_span - draw.between(-0.5, 0.5);
+  const double hardening = draw.one_of(2) == 0 ? 0.0 : draw.between(2.0, 10.0);
+  return away + hardening * away.cube();
+}
+
+/// Drag by a power of the speed: grease that thins, or what is churned.
+auto power_law_of(const Axis& axis, Draw& draw) -> Signal {
+  const double exponent = draw.one_of(2) == 0 ? draw.between(0.2, 0.6) : draw.between(1.6, 3.0);
+  return axis.w.sign * (axis.w.speed.abs() / rms(axis.w.speed)).pow(exponent);
 }
 
 auto delayed(const Signal& signal, double delay_s) -> Signal {
@@ -100,13 +115,19 @@ auto named_efforts() -> const std::map<std::string, Effort>& {
          return Signal(bristle(a.w.q, way) / way);
        }},
       {"offset", [](const Axis& a, Draw&) { return Signal(Signal::Ones(a.w.q.size())); }},
-      {"gravity", [](const Axis& a, Draw& d) { return Signal((a.w.q + d.between(0.0, 2.0 * kPi)).sin()); }},
+      {"gravity", [](const Axis& a, Draw&) { return Signal((a.w.q - a.hangs_at).sin()); }},
+      {"load_friction",  // of a gear that carries the weight
+       [](const Axis& a, Draw&) { return Signal(a.w.sign * (a.w.q - a.hangs_at).sin().abs()); }},
+      {"power_law_friction", power_law_of},
+      {"spring", spring_of},
       {"angle_periodic",
        [](const Axis& a, Draw& d) {
          return Signal((std::round(d.between(4.0, 24.0)) * a.w.q + d.between(0.0, 6.0)).sin());
        }},
       {"axis_coupling",
-       [](const Axis& a, Draw& d) { return Signal(a.w.other_q + d.between(0.0, 2.0) * a.w.other_tau); }},
+       [](const Axis& a, Draw& d) {
+         return d.one_of(2) == 0 ? Signal(a.w.other_q + d.between(0.0, 2.0) * a.w.other_tau) : slope(a.w.other_q);
+       }},
       {"thermal_drift",
        [](const Axis& a, Draw& d) {
          return d.one_of(2) == 0 ? Signal(1.0 - (-a.w.time / (d.between(0.2, 0.8) * a.w.duration)).exp())
@@ -120,13 +141,12 @@ auto named_efforts() -> const std::map<std::string, Effort>& {
 
 auto nameless_efforts() -> const std::map<std::string, Effort>& {
   static const std::map<std::string, Effort> kEfforts = {
-      {"quadratic_drag", [](const Axis& a, Draw&) { return Signal(a.w.speed * a.w.speed.abs()); }},
       {"dead_zone",  // of the sensor: what is below it is not seen
        [](const Axis& a, Draw& d) {
          const double zone = d.between(0.2, 0.8) * rms(a.rigid);
          return Signal(-a.rigid.max(-zone).min(zone));
        }},
-      {"load_friction", [](const Axis& a, Draw&) { return Signal(a.w.sign * a.rigid.abs()); }},
+      {"effort_friction", [](const Axis& a, Draw&) { return Signal(a.w.sign * a.rigid.abs()); }},
       {"place_friction",
        [](const Axis& a, Draw& d) {
          return Signal(a.w.sign * (2.0 * kPi * a.w.q / a.w.q_span * d.between(0.7, 1.5) + d.between(0.0, 6.0)).sin());
@@ -137,7 +157,6 @@ auto nameless_efforts() -> const std::map<std::string, Effort>& {
          return Signal(a.w.sign * (1.0 + a.w.speed.abs() / speed).log());
        }},
       {"random_walk", [](const Axis& a, Draw& d) { return random_walk(a.w.q.size(), d); }},
-      {"spring", [](const Axis& a, Draw&) { return a.w.q; }},
       {"sticky_spot",
        [](const Axis& a, Draw& d) {
          return Signal(a.w.sign * (-((a.w.q - d.between(-0.4, 0.4)) / 0.2).square()).exp());
@@ -184,7 +203,8 @@ auto efforts_of(const Case& c, const Axis& axis, Draw& draw) -> Efforts {
     if (!has_own_size(name)) {
       effect *= draw.ratio_between(0.1, 0.6) * rms(axis.rigid) / rms(effect);
     }
-    if (name == "friction_asymmetry") {  // its level beside Coulomb's is an offset as well
+    if (name == "friction_asymmetry" ||
+        name == "spring") {  // a level beside Coulomb's, or a rest, is an offset as well
       beside.push_back(Signal::Ones(effect.size()));
     }
     const double own = rms(outside(axis, beside, effect));
@@ -214,9 +234,13 @@ auto listed_efforts() -> const std::vector<std::vector<std::string>>& {
   static const std::vector<std::vector<std::string>> kTruths = [] {
     std::vector<std::vector<std::string>> truths;
     for (const auto& entry : named_efforts()) {
-      const bool beside_coulomb = entry.first == "friction_asymmetry" || entry.first == "stribeck_friction";
-      truths.push_back(beside_coulomb ? std::vector<std::string>{"coulomb_friction", entry.first}
-                                      : std::vector<std::string>{entry.first});
+      const std::string& name = entry.first;
+      truths.push_back({name});
+      if (name == "friction_asymmetry" || name == "stribeck_friction") {
+        truths.back().insert(truths.back().begin(), "coulomb_friction");
+      } else if (name == "load_friction") {
+        truths.back().insert(truths.back().begin(), "gravity");
+      }
     }
     return truths;
   }();

@@ -6,7 +6,7 @@
 namespace capstan::tools::blind {
 
 /// What an axis may ask for beyond inertia and drag: effects with a name in the catalogue (Stribeck's and an asymmetry
-/// come with Coulomb's, as on any machine), and effects that nobody has a name for.
+/// come with Coulomb's, a load's friction with the weight, as on any machine), and effects that nobody has a name for.
 auto listed_efforts() -> const std::vector<std::vector<std::string>>&;
 auto unlisted_efforts() -> const std::vector<std::string>&;
 
