@@ -23,6 +23,7 @@ struct DiagnoseCommand {
   std::string base, target, json, report, next, output;
   std::vector<std::string> tests;
   TendonDrawing drawing;
+  bool alone = false;
 };
 
 /// An effort's error is read beside the effort.
@@ -100,7 +101,8 @@ auto run_diagnose(const DiagnoseCommand& options) -> int {
                   .tests = tests_of(options),
                   .base = options.base,
                   .target = options.target,
-                  .drawing = options.drawing};
+                  .drawing = options.drawing,
+                  .alone = options.alone};
   if (isatty(STDERR_FILENO) != 0) {
     job.progress = [](const std::string& what) { std::cerr << "... " << what << "\n"; };
   }
@@ -156,6 +158,10 @@ void add_diagnose(CLI::App& app, int& exit_status) {
       ->add_option("--test", options->tests,
                    "log that takes no part in fit or choice and on which the law is tested too; repeatable")
       ->allow_extra_args(false);
+  command
+      ->add_flag("--alone", options->alone,
+                 "leave the channels of other joints out: a law of an effort with them runs on no board")
+      ->excludes("--coupled-to");
   add_drawing(*command, options->drawing);
   command->add_option("--json", options->json, "write the diagnosis as JSON");
   command->add_option("--report", options->report, "folder for the HTML page and its pictures");

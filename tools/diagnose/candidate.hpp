@@ -29,7 +29,9 @@ struct Candidate {
   std::vector<std::string> builds_on;
   /// Effects that it has within itself: where these do as well, it gives way, and it is no rival of theirs.
   std::vector<std::string> special_cases;
-  std::vector<Sign> signs;  ///< one per column of a variant that belongs to the effect
+  std::vector<Sign> signs;   ///< one per column of a variant that belongs to the effect
+  std::size_t searched = 0;  ///< shapes that a fit searches for; the others are given
+  bool wider = false;        ///< a form of an effect that has the usual one within itself
   std::vector<Variant> variants;
 };
 
@@ -49,6 +51,9 @@ struct LawResidual {
 /// the one that fits the residual best on the rows that fit.
 auto catalogue_candidates(const Preparation& p, const LawForm& law, const LawResidual& residual)
     -> std::vector<Candidate>;
+
+/// A spring's rest may be anywhere, so a level comes with it where the law has none; it is no effect of its own.
+auto brings_offset(const LawForm& law, const std::string& effect) -> bool;
 
 /// Free parameters of an effect: coefficients and shapes.
 auto parameter_count(const Candidate& candidate) -> std::size_t;

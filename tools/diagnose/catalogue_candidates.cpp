@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 
 #include "capstan/tools/diagnose/candidate.hpp"
 #include "capstan/tools/support/geometric_grid.hpp"
@@ -64,17 +65,81 @@ auto grid_of(const ShapeInfo& info, std::size_t points, const SignalReach& reach
   return values;
 }
 
+/// Where the motor was, for shapes that are places or shares of its motion.
+struct MotionPlace {
+  double centre = 0.0, half = 0.0;
+
+  explicit MotionPlace(const Eigen::VectorXd& q1)
+      : centre(0.5 * (q1.maxCoeff() + q1.minCoeff())), half(0.5 * (q1.maxCoeff() - q1.minCoeff())) {}
+};
+
+/// A place on the way of the motor: where something rests.
+auto is_place(const ShapeInfo& info) -> bool {
+  return info.minimum < 0.0;
+}
+
+/// Of the rests that grown laws may have (law_parts.cpp): springs from beside the motion to beside it, and a load whose
+/// size comes again after half a turn.
+constexpr int kSpringRests = 13;
+constexpr double kFarthestRest = 1.2;  // of the motion's half range
+constexpr int kLoadRests = 12;
+
+auto step_of_places(const CatalogueTerm& term, const MotionPlace& motion) -> double {
+  return term.name == "spring" ? 2.0 * kFarthestRest * motion.half / (kSpringRests - 1) : std::numbers::pi / kLoadRests;
+}
+
+auto places_of(const CatalogueTerm& term, const MotionPlace& motion) -> std::vector<double> {
+  const bool spring = term.name == "spring";
+  std::vector<double> places;
+  for (int i = 0; i < (spring ? kSpringRests : kLoadRests); ++i) {
+    places.push_back((spring ? motion.centre - kFarthestRest * motion.half : 0.0) + i * step_of_places(term, motion));
+  }
+  return places;
+}
+
+/// An effect in the form in which its name is asked first, or in a wider one: a spring that hardens about the middle of
+/// the motion, or about a rest beside it.
+struct Form {
+  const CatalogueTerm* term;
+  bool wider;
+
+  [[nodiscard]] auto searches(const ShapeInfo& info) const -> bool {
+    return info.of != ShapeOf::kGiven && (wider || term->name != "spring");
+  }
+  [[nodiscard]] auto searched() const -> std::size_t {
+    return static_cast<std::size_t>(
+        std::count_if(term->shapes.begin(), term->shapes.end(), [this](const auto& info) { return searches(info); }));
+  }
+};
+
 /// Every combination of the shapes' grids; a term without shapes has one, empty.
-auto shape_grid(const CatalogueTerm& term, const SignalReach& reach) -> std::vector<Shapes> {
-  const std::size_t points = term.shapes.size() > 1 ? 6 : kGridPoints;
-  return combinations(term.shapes, [&](const auto& info) { return grid_of(info, points, reach); });
+auto shape_grid(const Form& form, const SignalReach& reach, const MotionPlace& motion) -> std::vector<Shapes> {
+  const std::size_t points = form.searched() > 1 ? 6 : kGridPoints;
+  return combinations(form.term->shapes, [&](const auto& info) {
+    if (form.searches(info)) {
+      return is_place(info) ? places_of(*form.term, motion) : grid_of(info, points, reach);
+    }
+    const bool is_speed = std::string_view(info.name) == "speed";
+    return std::vector<double>{is_place(info) ? motion.centre : (is_speed ? reach.dq1 : motion.half)};
+  });
 }
 
 /// A few settings around the best, closer than the grid.
-auto fine_grid(const CatalogueTerm& term, const Shapes& best, const SignalReach& reach) -> std::vector<Shapes> {
+auto fine_grid(const Form& form, const Shapes& best, const SignalReach& reach, const MotionPlace& motion)
+    -> std::vector<Shapes> {
   std::vector<Shapes> grid;
   for (std::size_t s = 0; s < best.size(); ++s) {
-    const ShapeInfo& info = term.shapes[s];
+    const ShapeInfo& info = form.term->shapes[s];
+    if (!form.searches(info)) {
+      continue;
+    }
+    if (is_place(info)) {
+      for (const double share : {-0.5, 0.0, 0.5}) {
+        grid.push_back(best);
+        grid.back()[s] += share * step_of_places(*form.term, motion);
+      }
+      continue;
+    }
     const ShapeRange range = grid_range(info, reach);
     const double step = std::pow(range.high / range.low, 1.0 / static_cast<double>(kGridPoints - 1));
     const bool in_ratio = info.scale == ShapeScale::kRatio;
@@ -112,7 +177,8 @@ class Builder {
   Builder(const Preparation& p, const LawForm& law, const LawResidual& residual)
       : p_(p), law_(law), residual_(residual), rows_(p.split.of(Role::kFit)) {}
 
-  auto build(const CatalogueTerm& term) const -> Candidate {
+  auto build(const Form& form) const -> Candidate {
+    const CatalogueTerm& term = *form.term;
     Candidate candidate;
     candidate.name = term.name;
     candidate.in_catalogue = true;
@@ -132,12 +198,21 @@ class Builder {
     }
     Best best;
     const SignalReach& reach = p_.noncausal.reach();
-    add(term, shape_grid(term, reach), kKeptOfGrid, candidate, best);
+    const MotionPlace motion(p_.signals.q1);
+    if (brings_offset(law_, term.name)) {
+      candidate.signs.push_back(Sign::kAny);
+    }
+    candidate.searched = form.searched();
+    candidate.wider = form.wider;
+    if (form.wider) {
+      candidate.special_cases = {"offset", "gravity", term.name};
+    }
+    add(term, shape_grid(form, reach, motion), kKeptOfGrid, candidate, best);
     if (candidate.variants.empty()) {
       return candidate;  // it changes nothing here, as a delay of a law that is nought
     }
-    if (!term.shapes.empty()) {
-      add(term, fine_grid(term, best.shapes, reach), 1, candidate, best);
+    if (candidate.searched > 0) {
+      add(term, fine_grid(form, best.shapes, reach, motion), 1, candidate, best);
     }
     if (term.acts_on_output) {
       candidate.variants.insert(candidate.variants.begin(), {best.shapes, exact_columns(term, best.shapes)});
@@ -155,8 +230,7 @@ class Builder {
            Best& best) const {
     for (std::size_t i = 0; i < grid.size(); ++i) {
       const Shapes& shapes = grid[i];
-      // Friction behind a play that the motion hardly crosses is a spring.
-      if (term.name == "play_friction" && 4.0 * shapes[0] > p_.signals.q1.maxCoeff() - p_.signals.q1.minCoeff()) {
+      if (is_another(term, shapes)) {
         continue;
       }
       Eigen::MatrixXd columns = term.acts_on_output ? change_of_law(term, shapes) : sum_columns(term, shapes);
@@ -174,8 +248,19 @@ class Builder {
     }
   }
 
+  /// Friction behind a play that the motion hardly crosses is a spring, and a power near 1 is drag, which the law has.
+  auto is_another(const CatalogueTerm& term, const Shapes& shapes) const -> bool {
+    constexpr double kNearOne = 0.75;  // the nearest that grown laws take is 0.7 (law_parts.cpp)
+    return (term.name == "play_friction" && shapes[0] > 0.5 * MotionPlace(p_.signals.q1).half) ||
+           (term.name == "power_law_friction" && shapes[0] > kNearOne && shapes[0] < 1.0 / kNearOne);
+  }
+
   auto sum_columns(const CatalogueTerm& term, const Shapes& shapes) const -> Eigen::MatrixXd {
     Eigen::MatrixXd columns = p_.noncausal.columns(term, shapes);
+    if (brings_offset(law_, term.name)) {
+      columns.conservativeResize(Eigen::NoChange, columns.cols() + 1);
+      columns.rightCols(1).setOnes();
+    }
     for (const auto& other : *law_.catalogue) {
       if (other.acts_on_output && law_.has(other.name)) {
         columns = p_.noncausal.apply(other, law_.shapes_of(other), columns);
@@ -221,24 +306,31 @@ class Builder {
 auto catalogue_candidates(const Preparation& p, const LawForm& law, const LawResidual& residual)
     -> std::vector<Candidate> {
   const Builder builder(p, law, residual);
-  std::vector<const CatalogueTerm*> terms;
+  std::vector<Form> forms;
   for (const auto& term : *law.catalogue) {
     if (!law.has(term.name) && !term.placed) {
-      terms.push_back(&term);
+      forms.push_back({&term, false});
+      if (term.name == "spring") {
+        forms.push_back({&term, true});
+      }
     }
   }
-  std::vector<Candidate> candidates(terms.size());
-  two_at_a_time(terms.size(), [&](std::size_t i) { candidates[i] = builder.build(*terms[i]); });
+  std::vector<Candidate> candidates(forms.size());
+  two_at_a_time(forms.size(), [&](std::size_t i) { candidates[i] = builder.build(forms[i]); });
   // A term of the torque shows nothing where no torque was logged.
   std::erase_if(candidates, [](const auto& candidate) { return candidate.variants.empty(); });
   return candidates;
+}
+
+auto brings_offset(const LawForm& law, const std::string& effect) -> bool {
+  return effect == "spring" && !law.has("offset");
 }
 
 auto parameter_count(const Candidate& candidate) -> std::size_t {
   if (!candidate.in_catalogue) {
     return candidate.signs.size() + (candidate.variants.size() > 1 ? 1 : 0);
   }
-  return candidate.signs.size() + candidate.variants.front().shapes.size();
+  return candidate.signs.size() + candidate.searched;
 }
 
 }  // namespace capstan::tools

@@ -12,8 +12,7 @@ namespace {
 
 /// Probes of the search, and the terms of grown laws that say the same.
 constexpr std::pair<const char*, const char*> kTermsOfProbes[] = {
-    {"shear_thinning", "power_law_friction"},     {"quadratic_drag", "power_law_friction"},
-    {"curved_drag", "power_law_friction"},        {"stiffness", "spring"},
+    {"shear_thinning", "power_law_friction"},     {"curved_drag", "power_law_friction"},
     {"load_dependent_friction", "load_friction"}, {"angle_dependent_friction", "load_friction"},
     {"coulomb_friction", "coulomb_friction"},     {"stribeck_friction", "stribeck_friction"}};
 

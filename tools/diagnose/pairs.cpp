@@ -79,7 +79,8 @@ auto may_pair(const Catalogue& catalogue, const Candidate& a, const Candidate& b
   const auto stands = [](const Candidate& one, const Candidate& other) {
     return !one.waits || std::find(one.builds_on.begin(), one.builds_on.end(), other.name) != one.builds_on.end();
   };
-  if (!a.in_catalogue || !b.in_catalogue || (a.acts_on_output && b.acts_on_output) || !stands(a, b) || !stands(b, a)) {
+  if (a.wider || b.wider || !a.in_catalogue || !b.in_catalogue || (a.acts_on_output && b.acts_on_output) ||
+      !stands(a, b) || !stands(b, a)) {
     return false;
   }
   const CatalogueTerm& first = catalogue.term(a.name);

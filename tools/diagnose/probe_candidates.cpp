@@ -102,18 +102,12 @@ class Probes {
   /// Of an effort: drag that is not in proportion to the speed, and what pulls back.
   void of_speed() {
     const auto v = s_.dq1.array();
-    add("quadratic_drag", {{(v * v.abs()).matrix()}, {v.cube().matrix()}});
     const double fastest = v.abs().maxCoeff();
     std::vector<std::vector<Column>> thinning;
     for (const double share : {0.03, 0.1, 0.3}) {
       thinning.push_back({(v / (1.0 + v.abs() / (share * fastest))).matrix()});
     }
     add("shear_thinning", std::move(thinning), Sign::kAny, {"coulomb_friction"});  // which it is at no speed at all
-    const Column level = Column::Ones(rows());                                     // a spring's rest may be anywhere
-    const auto centred = s_.q1.array() - s_.q1.mean();
-    add("stiffness",
-        {{centred.matrix(), centred.square().matrix(), level}, {centred.matrix(), centred.cube().matrix(), level}},
-        Sign::kAny, {"offset"});
     std::vector<std::vector<Column>> relaxing;
     for (const double time_s : {0.1, 0.3, 1.0, 3.0, 10.0}) {
       if (time_s < span_s_ / 3.0) {

@@ -30,13 +30,21 @@ auto all_present(const Preparation& p, const LawForm& law, const Blocks& learned
 }  // namespace
 
 auto proposal(const Round& round, std::size_t candidate, std::size_t variant) -> Proposal {
-  return {round.evidence.candidates[candidate].name, round.evidence.candidates[candidate].variants[variant].shapes};
+  const Candidate& effect = round.evidence.candidates[candidate];
+  const Shapes& shapes = effect.variants[variant].shapes;
+  return {effect.name, shapes, !shapes.empty() && effect.searched == 0};
 }
 
 auto law_with(const Preparation& p, LawForm law, const std::vector<Proposal>& added) -> std::optional<LawForm> {
   const Blocks learned = p.certain();
   for (const auto& one : added) {
     law.terms.push_back(one.name);
+    if (brings_offset(law, one.name)) {
+      law.terms.emplace_back("offset");
+    }
+    if (one.held) {
+      law.held.push_back(one.name);
+    }
     law.set_shapes(law.catalogue->term(one.name), one.shapes);
   }
   law = refine_shapes(p.noncausal, p.target, learned, law);

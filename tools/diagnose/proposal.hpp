@@ -11,6 +11,7 @@ namespace capstan::tools {
 struct Proposal {
   std::string name;
   Shapes shapes;
+  bool held = false;  ///< the shapes stay as they are
 };
 
 auto proposal(const Round& round, std::size_t candidate, std::size_t variant) -> Proposal;

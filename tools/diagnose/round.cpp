@@ -112,6 +112,9 @@ auto summary_of(const Round& round, const CandidateTrial* chosen, const std::vec
   summary.lacks_something = round.adequacy.lacks_something;
   for (const auto& trial : round.trials) {
     const auto& candidate = round.evidence.candidates[trial.candidate];
+    if (candidate.wider && &trial != chosen) {
+      continue;
+    }
     summary.ranking.push_back({candidate.name, candidate.in_catalogue,
                                std::min(1.0, 2.0 * std::min(trial.p_value, trial.p_sieve)), trial.log_e_value,
                                trial.explained, trial.log_likelihood, outcome_of(round, trial, chosen, confusable)});
@@ -124,7 +127,10 @@ auto summary_of(const Round& round, const CandidateTrial* chosen, const std::vec
 auto names_of(const Round& round, const std::vector<std::size_t>& candidates) -> std::vector<std::string> {
   std::vector<std::string> names;
   for (const std::size_t candidate : candidates) {
-    names.push_back(round.evidence.candidates[candidate].name);
+    const std::string& name = round.evidence.candidates[candidate].name;
+    if (!is_one_of(names, name)) {  // an effect may be there in two forms
+      names.push_back(name);
+    }
   }
   return names;
 }

@@ -59,16 +59,18 @@ class Searcher {
 
   /// The trial itself, or the special case of it that this log can not tell from it, or that leaves no more on rows it
   /// was not fitted to, whatever a noise model judged from the residual makes of the steps at reversals. Beside another
-  /// effect that was found what the other left blurs the comparison, and half as much energy again is no difference.
+  /// effect that was found what the other left blurs the comparison, and half as much energy again is no difference;
+  /// nor is it where the trial is a wider form of its effect, whose freedom makes up for what noise took from the law.
   auto simplest(const Round& round, const CandidateTrial* best, bool beside_another) const -> const CandidateTrial* {
     constexpr double kBlurred = 1.5;
     if (best == nullptr) {
       return best;
     }
-    const bool listed = round.evidence.candidates[best->candidate].in_catalogue;
-    const double allowed = best->energies.sum() * (beside_another ? kBlurred : listed ? 1.0 : 0.0);
+    const Candidate& general = round.evidence.candidates[best->candidate];
     const auto names = names_of(round, confusable(round, *best));
-    for (const auto& special : round.evidence.candidates[best->candidate].special_cases) {
+    for (const auto& special : general.special_cases) {
+      const bool blurred = beside_another || (general.wider && special != general.name);
+      const double allowed = best->energies.sum() * (blurred ? kBlurred : general.in_catalogue ? 1.0 : 0.0);
       const CandidateTrial* trial = trial_of(round, special);
       if (trial == nullptr || !passes(*trial, round.evidence)) {
         continue;
@@ -80,14 +82,24 @@ class Searcher {
     return best;
   }
 
-  /// Those that this log can not tell from the trial, without those that contain it: these never are told apart.
+  static auto energies_of(const Round& round, std::size_t candidate) -> const Eigen::VectorXd& {
+    const auto found = std::find_if(round.trials.begin(), round.trials.end(),
+                                    [candidate](const auto& trial) { return trial.candidate == candidate; });
+    return found->energies;
+  }
+
+  /// Those that this log can not tell from the trial, without those that contain it: these never are told apart, unless
+  /// another effect's wider form certainly does better.
   auto rivals(const Round& round, const CandidateTrial& trial) const -> std::vector<std::size_t> {
     const std::string& name = round.evidence.candidates[trial.candidate].name;
     auto candidates = confusable(round, trial);
     candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                     [&](std::size_t candidate) {
-                                      const auto& special = round.evidence.candidates[candidate].special_cases;
-                                      return std::find(special.begin(), special.end(), name) != special.end();
+                                      const Candidate& other = round.evidence.candidates[candidate];
+                                      const bool better =
+                                          other.wider && other.name != name &&
+                                          clearly_positive(trial.energies - energies_of(round, candidate));
+                                      return !better && is_one_of(other.special_cases, name);
                                     }),
                      candidates.end());
     return candidates;
@@ -330,7 +342,7 @@ class Searcher {
     }
     for (const auto& trial : round.trials) {
       const auto& candidate = round.evidence.candidates[trial.candidate];
-      if (candidate.in_catalogue) {
+      if (candidate.in_catalogue && !candidate.wider) {
         search_.detectable.push_back({candidate.name, trial.detectable});
       }
     }

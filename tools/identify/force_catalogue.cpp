@@ -2,9 +2,11 @@
 #include "capstan/tools/identify/force_catalogue.hpp"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "capstan/tools/identify/force_fit.hpp"
+#include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
 namespace {
@@ -93,6 +95,8 @@ auto opposite(Sign sign) -> Sign {
 /// What an effort may hold, and the creep of a tendon under torque. A motor pays for friction; here the joint goes
 /// without what friction takes.
 auto with_effects(CatalogueTerm law) -> Catalogue {
+  // Of a motor's motion; a gear's own friction with the load stands in gear_law_catalogue().
+  constexpr std::array kOfMotors = {"inertia", "power_law_friction", "spring", "load_friction"};
   std::vector<CatalogueTerm> terms = {std::move(law)};
   CatalogueTerm creep = catalogue_term("viscoelastic_creep");
   for (auto& coefficient : creep.coefficients) {
@@ -104,7 +108,7 @@ auto with_effects(CatalogueTerm law) -> Catalogue {
     if (term.acts_on_output && !creep.name.empty()) {
       terms.push_back(std::exchange(creep, {}));
     }
-    if (term.name != "inertia") {
+    if (!is_one_of(kOfMotors, term.name)) {
       terms.push_back(term);
       for (auto& coefficient : terms.back().coefficients) {
         coefficient.sign = opposite(coefficient.sign);

@@ -2,10 +2,12 @@
 #include "capstan/tools/identify/term_catalogue.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 #include <type_traits>
 
+#include "capstan/tools/identify/noncausal_samples.hpp"
 #include "capstan/tools/identify/term_words.hpp"
 
 namespace capstan::tools {
@@ -147,12 +149,59 @@ void take_words_of_effort(std::vector<CatalogueTerm>& terms) {
   }
 }
 
+/// What another axis's speed asks of this motor, beside its angle and torque: a cable that it drags along. Samples hold
+/// no rate of it.
+void add_speed_of_other(std::vector<CatalogueTerm>& terms) {
+  const auto found =
+      std::find_if(terms.begin(), terms.end(), [](const auto& term) { return term.name == "axis_coupling"; });
+  found->equation += " + d q1o'";
+  found->coefficients.push_back({"drag", "Nms/rad", Sign::kAny, "effort per speed of the other axis"});
+  found->columns = [columns = found->columns](const Samples& samples, double period_s, const Shapes& shapes) {
+    // Half a window: a motion of 5 Hz loses 1 % of its speed. Chosen on no log.
+    constexpr double kHalfWindowS = 0.01;
+    Eigen::MatrixXd result = columns(samples, period_s, shapes);
+    Eigen::VectorXd angle(result.rows());
+    std::transform(samples.begin(), samples.end(), angle.begin(), [](const auto& s) { return s.others[0].q1; });
+    const auto half = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::lround(kHalfWindowS / period_s)));
+    result.conservativeResize(Eigen::NoChange, result.cols() + 1);
+    result.rightCols(1) = local_slope(angle, half, period_s);
+    return result;
+  };
+}
+
+/// How what measured machines have beside friction and weight relates to the other effects of an effort. Their laws
+/// hold more of each term (select/effort_catalogue.hpp); here stands what a name can be asked of.
+auto terms_of_machines() -> std::vector<CatalogueTerm> {
+  CatalogueTerm power = sum_term<effort::PowerLawFriction<double>>();
+  power.coefficients[0].sign = Sign::kNonNegative;
+  power.shapes[1].of = ShapeOf::kGiven;
+  power.special_cases = {"coulomb_friction"};  // at no speed at all
+  power.doubles = {"coulomb_friction", "stribeck_friction", "play_friction"};
+  power.shown_by = Motion::kSpeeds;
+  CatalogueTerm spring = sum_term<effort::Spring<double>>();
+  spring.shapes[1].of = ShapeOf::kGiven;
+  spring.special_cases = {"offset"};
+  spring.doubles = {"offset", "gravity", "angle_periodic"};
+  spring.shown_by = Motion::kTurns;
+  CatalogueTerm load = sum_term<effort::LoadFriction<double>>();
+  load.columns = [columns = load.columns](const Samples& samples, double period_s, const Shapes& shapes) {
+    return Eigen::MatrixXd(columns(samples, period_s, shapes).leftCols(1));  // of the weight, as large either way
+  };
+  load.coefficients.resize(1);
+  load.coefficients[0].sign = Sign::kNonNegative;
+  load.shapes[1].of = ShapeOf::kGiven;
+  load.builds_on = {"gravity"};
+  load.special_cases = {"coulomb_friction"};  // where the load hardly changes
+  load.doubles = {"coulomb_friction"};
+  load.shown_by = Motion::kTurns;
+  return {std::move(power), std::move(spring), std::move(load)};
+}
+
 /// A linear axis: metres and newtons. Its weight does not turn with it, so that is part of the offset.
 void make_linear(std::vector<CatalogueTerm>& terms) {
   static const UnitTable kLinear = {{"rad", "m"},        {"rad/s", "m/s"}, {"Nm", "N"},   {"Nm/rad", "N/m"},
                                     {"Nms/rad", "Ns/m"}, {"Nm/K", "N/K"},  {"kgm2", "kg"}};
-  terms.erase(std::remove_if(terms.begin(), terms.end(), [](const auto& term) { return term.name == "gravity"; }),
-              terms.end());
+  std::erase_if(terms, [](const auto& term) { return term.name == "gravity" || term.name == "load_friction"; });
   for (auto& term : terms) {
     for (auto& coefficient : term.coefficients) {
       coefficient.unit = unit_by(kLinear, coefficient.unit);
@@ -175,7 +224,11 @@ auto efforts(AxisKind axis) -> Catalogue {
   std::vector<CatalogueTerm> terms;
   add_sum_terms<EffortTerms>(terms);
   take_si_inertia(terms.front());
+  for (auto& term : terms_of_machines()) {
+    terms.push_back(std::move(term));
+  }
   add_shared_terms(terms);
+  add_speed_of_other(terms);
   add_output_terms(terms);
   take_special_cases_of_effort<EffortTerms>(terms);
   take_special_cases_of_effort<SharedTerms>(terms);

@@ -10,14 +10,29 @@
 #include "capstan/tools/support/text.hpp"
 
 namespace capstan::tools {
+namespace {
+
+/// The same logs as if no other joint's motion had been logged.
+void leave_alone(std::vector<AxisLog>& logs) {
+  for (AxisLog& log : logs) {
+    log.others.clear();
+    std::erase_if(log.side, [](const SideSignal& side) { return side.name.starts_with("axis"); });
+  }
+}
+
+}  // namespace
 
 auto diagnose(const DiagnoseJob& job, const Say& warn) -> Diagnosis {
   LawRequest asked = request_for(job.base, job.target, job.logs);
   add_moving_axes(job.logs.files, asked.columns);
   need_torque_of_all(job.logs.files, job.tests, asked.columns);
-  const auto axes = read_recordings(job.logs.files, asked.columns, warn);
+  auto axes = read_recordings(job.logs.files, asked.columns, warn);
   DiagnoseOptions wanted;
   wanted.test_logs = read_recordings(job.tests, asked.columns, warn);
+  if (job.alone) {
+    leave_alone(axes);
+    leave_alone(wanted.test_logs);
+  }
   wanted.base_law = asked.law;
   wanted.base_model = job.base;
   wanted.drawing = job.drawing;

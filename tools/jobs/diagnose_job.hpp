@@ -12,6 +12,7 @@ struct DiagnoseJob {
   std::string base;            ///< a name, or the path of a joint file; empty: by what is logged
   std::string target;          ///< column to explain; empty: the base law's own
   TendonDrawing drawing = {};  ///< of a joint with tendons
+  bool alone = false;          ///< leaves out what other joints' channels would explain, as a board does
   Say progress = [](const std::string&) {};
 };
 

@@ -93,11 +93,20 @@ void make_linear_effort(std::vector<CatalogueTerm>& terms) {
   }
 }
 
-/// The terms of effort_catalogue(), its output terms taken out of the way.
+/// Those of which a law may hold more than a name is asked of.
+auto is_of_machines(const std::string& term) -> bool {
+  bool found = false;
+  MachineEffortTerms::for_each<double>([&]<typename Term>() { found = found || term == Term::kInfo.name; });
+  return found;
+}
+
+/// The other terms of effort_catalogue(), its output terms taken out of the way.
 auto known_terms(AxisKind axis, std::vector<CatalogueTerm>& output) -> std::vector<CatalogueTerm> {
   std::vector<CatalogueTerm> terms;
   for (const auto& term : effort_catalogue(axis)) {
-    (term.acts_on_output ? output : terms).push_back(term);
+    if (!is_of_machines(term.name)) {
+      (term.acts_on_output ? output : terms).push_back(term);
+    }
   }
   return terms;
 }

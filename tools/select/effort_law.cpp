@@ -258,7 +258,7 @@ auto runnable_law(const JointFile& law, const std::vector<AxisLog>& logs) -> Eff
     }
     joint.terms.push_back(term.name);
     const CatalogueTerm& from = law.catalogue->term(term.name);
-    for (std::size_t i = 0; i < term.coefficients.size(); ++i) {
+    for (std::size_t i = 0; i < from.coefficients.size(); ++i) {  // it may hold more than was asked of
       joint.parameters.coefficients[term.first_coefficient + i] =
           law.parameters.coefficients[from.first_coefficient + i];
       joint.coefficient_ci95[term.first_coefficient + i] = law.coefficient_ci95[from.first_coefficient + i];

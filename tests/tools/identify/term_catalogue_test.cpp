@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <sstream>
 
@@ -109,9 +110,9 @@ TEST(TermCatalogue, AnUnusualSignHasItsReason) {
 }
 
 TEST(EffortCatalogue, HasEveryNameOfTheContract) {
-  for (const char* name :
-       {"viscous_friction", "coulomb_friction", "friction_asymmetry", "stribeck_friction", "play_friction", "offset",
-        "gravity", "axis_coupling", "angle_periodic", "transport_delay", "thermal_drift"}) {
+  for (const char* name : {"viscous_friction", "coulomb_friction", "friction_asymmetry", "stribeck_friction",
+                           "play_friction", "offset", "gravity", "axis_coupling", "angle_periodic", "transport_delay",
+                           "thermal_drift", "spring", "power_law_friction", "load_friction"}) {
     EXPECT_TRUE(effort_catalogue(AxisKind::kRotary).has(name)) << name;
   }
   EXPECT_EQ(effort_catalogue(AxisKind::kRotary).target(), TargetKind::kEffort);
@@ -131,6 +132,23 @@ TEST(EffortCatalogue, UnitsFollowTheKindOfAxis) {
   EXPECT_STREQ(effort_catalogue(AxisKind::kLinear).term("play_friction").shapes[0].unit, "m");
   EXPECT_EQ(effort_catalogue(AxisKind::kLinear).target_unit(), "N");
   EXPECT_FALSE(effort_catalogue(AxisKind::kLinear).has("gravity"));
+}
+
+// An arm's cable that is dragged along by another axis: what that moves at asks for torque as well as where it is.
+TEST(EffortCatalogue, AnotherAxisActsByItsSpeedToo) {
+  constexpr double kPeriodS = 0.002;
+  Samples samples(1000);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    samples[i].others[0].q1 = std::sin(3.0 * kPeriodS * static_cast<double>(i));
+  }
+  const CatalogueTerm& term = effort_catalogue(AxisKind::kRotary).term("axis_coupling");
+  ASSERT_STREQ(term.coefficients.back().name, "drag");
+  EXPECT_STREQ(term.coefficients.back().unit, "Nms/rad");
+  const auto columns = term.columns(samples, kPeriodS, {});
+  ASSERT_EQ(columns.cols(), static_cast<Eigen::Index>(term.coefficients.size()));
+  for (Eigen::Index i = 10; i < 990; ++i) {
+    EXPECT_NEAR(columns(i, columns.cols() - 1), 3.0 * std::cos(3.0 * kPeriodS * static_cast<double>(i)), 1e-3);
+  }
 }
 
 TEST(EffortCatalogue, InertiaIsPerRadPerSecondSquared) {

@@ -189,15 +189,21 @@ TEST(EffortLines, RefuseWhatNoBoardRunsWithACure) {
   EffortLaw law = good;
   law.joint.terms.push_back("axis_coupling_axis2");
   EXPECT_NE(refusal_of(law).find("axis 2 brings"), std::string::npos) << refusal_of(law);
+  EXPECT_NE(refusal_of(law).find("diagnose the log again with --alone"), std::string::npos) << refusal_of(law);
   law = good;
   law.joint.terms.push_back("transport_delay");
-  EXPECT_NE(refusal_of(law).find("no board runs the term transport_delay"), std::string::npos) << refusal_of(law);
+  EXPECT_NE(refusal_of(law).find("no board runs the term transport_delay; take its section out"), std::string::npos)
+      << refusal_of(law);
   law = good;
   law.target = "axis0/current_A";
   EXPECT_NE(refusal_of(law).find("explains axis0/current_A"), std::string::npos) << refusal_of(law);
   law = good;
   law.joint.parameters.coefficients[law.joint.catalogue->term("offset").first_coefficient] = 250.0;
   EXPECT_NE(refusal_of(law).find("offset is 250"), std::string::npos) << refusal_of(law);
+  EXPECT_NE(refusal_of(law).find("before the gear (of ratio N: --map \"axis0/q1_rad=axis0/q1_rad*N\" --map "
+                                 "\"axis0/tau_Nm=axis0/tau_Nm/N\")"),
+            std::string::npos)
+      << refusal_of(law);
   law.joint.parameters.coefficients[law.joint.catalogue->term("offset").first_coefficient] = std::nan("");
   EXPECT_NE(refusal_of(law), "");
   law = good;
@@ -205,6 +211,30 @@ TEST(EffortLines, RefuseWhatNoBoardRunsWithACure) {
   EXPECT_NE(refusal_of(law).find("behind a gear"), std::string::npos) << refusal_of(law);
   law.joint = JointFile(effort_law_catalogue(AxisKind::kLinear));
   EXPECT_NE(refusal_of(law).find("linear axis"), std::string::npos) << refusal_of(law);
+  EXPECT_NE(refusal_of(law).find("--map \"axis0/q1_rad=axis0/q1_m/R\" --map \"axis0/tau_Nm=axis0/tau_N*R\""),
+            std::string::npos)
+      << refusal_of(law);
+}
+
+TEST(EffortLines, FrictionByAReferenceSpeedBeyondTheBoardsIsTheSameByASlowerOne) {
+  constexpr double kLevel = 0.23;
+  constexpr double kExponent = 0.3;
+  constexpr double kReference = 310.0;  // rad/s: a motor before a gear of 50
+  EffortLaw law = full_law();
+  const CatalogueTerm& term = law.joint.catalogue->term("power_law_friction");
+  for (double& coefficient : law.joint.parameters.coefficients) {
+    coefficient = 0.0;
+  }
+  law.joint.parameters.coefficients[term.first_coefficient] = kLevel;
+  law.joint.parameters.shapes[term.first_shape] = kExponent;
+  law.joint.parameters.shapes[term.first_shape + 1] = kReference;
+  ASSERT_EQ(refusal_of(law), "");
+  TorqueLaw<double> runs(SamplePeriod<double>(0.001), board_effort_law(law, "law.toml").law);
+  for (const double speed : {0.5, 20.0, 127.0}) {
+    Sample<double> sample;
+    sample.dq1 = speed;
+    EXPECT_NEAR(runs.update(sample).torque_nm, kLevel * std::pow(speed / kReference, kExponent), 1e-6) << speed;
+  }
 }
 
 }  // namespace
