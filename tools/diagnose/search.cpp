@@ -34,6 +34,7 @@ class Searcher {
     while (search_.effects.size() < kMostEffects && take_step(round)) {
     }
     check_backward(round);
+    settle_level(base, round);
     conclude(round);
     // One of many effects passes by chance now and then, where nothing that matters is missing.
     if (!base_lacks_something && !search_.lacks_something && search_.share.lower < kNamedShare) {
@@ -69,7 +70,7 @@ class Searcher {
     const Candidate& general = round.evidence.candidates[best->candidate];
     const auto names = names_of(round, confusable(round, *best));
     for (const auto& special : general.special_cases) {
-      const bool blurred = beside_another || (general.wider && special != general.name);
+      const bool blurred = beside_another || (brings_offset(search_.law, general.name) && special != general.name);
       const double allowed = best->energies.sum() * (blurred ? kBlurred : general.in_catalogue ? 1.0 : 0.0);
       const CandidateTrial* trial = trial_of(round, special);
       if (trial == nullptr || !passes(*trial, round.evidence)) {
@@ -82,10 +83,13 @@ class Searcher {
     return best;
   }
 
-  static auto energies_of(const Round& round, std::size_t candidate) -> const Eigen::VectorXd& {
-    const auto found = std::find_if(round.trials.begin(), round.trials.end(),
-                                    [candidate](const auto& trial) { return trial.candidate == candidate; });
-    return found->energies;
+  /// Leaves a tenth less or more, for certain.
+  static auto does_better(const Round& round, std::size_t candidate, const CandidateTrial& trial) -> bool {
+    constexpr double kTenthLess = 0.9;
+    const auto other = std::find_if(round.trials.begin(), round.trials.end(),
+                                    [candidate](const auto& one) { return one.candidate == candidate; });
+    return other->energies.sum() < kTenthLess * trial.energies.sum() &&
+           clearly_positive(trial.energies - other->energies);
   }
 
   /// Those that this log can not tell from the trial, without those that contain it: these never are told apart, unless
@@ -93,15 +97,14 @@ class Searcher {
   auto rivals(const Round& round, const CandidateTrial& trial) const -> std::vector<std::size_t> {
     const std::string& name = round.evidence.candidates[trial.candidate].name;
     auto candidates = confusable(round, trial);
-    candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
-                                    [&](std::size_t candidate) {
-                                      const Candidate& other = round.evidence.candidates[candidate];
-                                      const bool better =
-                                          other.wider && other.name != name &&
-                                          clearly_positive(trial.energies - energies_of(round, candidate));
-                                      return !better && is_one_of(other.special_cases, name);
-                                    }),
-                     candidates.end());
+    candidates.erase(
+        std::remove_if(candidates.begin(), candidates.end(),
+                       [&](std::size_t candidate) {
+                         const Candidate& other = round.evidence.candidates[candidate];
+                         return !(other.wider && other.name != name && does_better(round, candidate, trial)) &&
+                                is_one_of(other.special_cases, name);
+                       }),
+        candidates.end());
     return candidates;
   }
 
@@ -310,6 +313,24 @@ class Searcher {
       }
       search_.law = law_without(search_.law, name);
       search_.effects.erase(search_.effects.begin() + static_cast<std::ptrdiff_t>(i));
+      round = std::move(without);
+    }
+  }
+
+  /// A level that came with a spring which is gone is an effect by itself, or goes too.
+  void settle_level(const LawForm& base, Round& round) {
+    const std::string level = "offset";
+    const bool named = std::any_of(search_.effects.begin(), search_.effects.end(),
+                                   [&](const auto& effect) { return effect.name == level; });
+    if (named || base.has(level) || !search_.law.has(level) || search_.law.has("spring")) {
+      return;
+    }
+    Round without = hold_round(p_, law_without(search_.law, level));
+    const CandidateTrial* trial = trial_of(without, level);
+    if (trial != nullptr && passes(*trial, without.evidence)) {
+      search_.effects.push_back(added_effect(without, *trial, {}));
+    } else {
+      search_.law = law_without(search_.law, level);
       round = std::move(without);
     }
   }
