@@ -103,6 +103,22 @@ auto motion_of(const AxisLog& log, const Eigen::VectorXd& angle, const Eigen::Ve
   return samples;
 }
 
+/// The motors of other axes as the terms of a joint's angle see them, by slots.
+void see_others(const AxisLog& log, const EffortView& view, Samples& samples) {
+  const LocalCubic cubic(half_width(view.window_s, log));
+  for (std::size_t slot = 0; slot < std::min(kMostOthers, log.others.size()); ++slot) {
+    const OtherAxis& other = log.others[slot];
+    const Eigen::VectorXd position = cubic.derivative(other.q1_rad, 0);
+    const Eigen::VectorXd speed = speed_of(log, other.q1_rad, view.window_s);
+    const double standstill = kStandstillShare * quantile(speed.cwiseAbs(), 0.99);
+    bool forward = true;
+    for (Eigen::Index i = 0; i < log.samples(); ++i) {
+      forward = std::abs(speed[i]) > standstill ? speed[i] > 0.0 : forward;
+      samples[static_cast<std::size_t>(i)].others[slot] = {position[i], other.tau_nm[i], forward};
+    }
+  }
+}
+
 }  // namespace
 
 LocalCubic::LocalCubic(Eigen::Index half_width) : half_(half_width) {
@@ -158,6 +174,7 @@ EffortDesign::EffortDesign(const std::vector<AxisLog>& logs, const EffortView& v
     : view_(view), others_(axes_beside(logs)) {
   for (const auto& log : logs) {
     samples_.push_back(motion_of(log, log.q1_rad, moved(log.tau_nm, view.skew_s, log.period_s), view, view.standstill));
+    see_others(log, view, samples_.back());
     periods_.push_back(log.period_s);
     rows_ += log.samples();
   }

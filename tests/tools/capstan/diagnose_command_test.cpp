@@ -68,6 +68,21 @@ TEST_F(DiagnoseCommand, WhatIsNotWrittenIsSaidAndAnOlderFileIsNotTakenForIt) {
   EXPECT_EQ(read_text_file(path("next.toml")), "# an older motion\n");
 }
 
+// Such a law runs on a board, which sees its own motor only.
+TEST_F(DiagnoseCommand, ALawAloneHoldsNoOtherAxis) {
+  const std::string log = write("coupled.csv", test::effort_log({.seed = 1}));
+  const auto law_of = [&](const std::string& options) {
+    const Outcome outcome =
+        run("diagnose " + log + "--target axis0/tau_Nm " + options + "-o \"" + path("law.toml") + "\"");
+    EXPECT_TRUE(outcome.status == 0 || outcome.status == 1) << outcome.output;
+    return read_text_file(path("law.toml"));
+  };
+  EXPECT_NE(law_of("").find("[terms.axis_coupling"), std::string::npos);
+  const std::string alone = law_of("--alone ");
+  EXPECT_NE(alone.find("[terms.inertia]"), std::string::npos);
+  EXPECT_EQ(alone.find("coupling"), std::string::npos) << alone;
+}
+
 TEST_F(DiagnoseCommand, AReportsFolderKeepsNothingOfAnOlderPage) {
   std::filesystem::create_directory(path("report"));
   write("report/map_angle.svg", "<svg/>");

@@ -389,6 +389,25 @@ TEST(DeliveredEffortLaw, OfNamesThatLeaveMuchIsTheGrownLaw) {
   EXPECT_LT(error_over(*d.effort_law, log), 0.5 * error_over(runnable_law(complete.law, {log}), log));
 }
 
+// The law that runs sees what the other axis does as the search saw it.
+TEST(DeliveredEffortLaw, OfACouplingHoldsTheOtherAxis) {
+  EffortRequest request;
+  AxisLog log = test::synthetic_effort_log(request);
+  request.seed = 4;
+  OtherAxis other{1, test::synthetic_effort_log(request).q1_rad, Eigen::VectorXd::Zero(log.samples())};
+  const Eigen::Index inner = log.samples() - 2;
+  log.effort += 0.02 * other.q1_rad;
+  log.effort.segment(1, inner) += 0.01 / (2.0 * log.period_s) * (other.q1_rad.tail(inner) - other.q1_rad.head(inner));
+  log.others = {other};
+  log.side = {{"axis1/q1_rad", other.q1_rad}};
+  const Diagnosis d = diagnose({log}, {});
+  expect_named(d, {"axis_coupling"});
+  EXPECT_EQ(d.law.status, LawStatus::kConfirmed);
+  EXPECT_NEAR(coefficient_of(d, "axis_coupling", 0), 0.02, 0.002);
+  EXPECT_NEAR(coefficient_of(d, "axis_coupling", 3), 0.01, 0.001);
+  EXPECT_LT(error_over(*d.effort_law, log), 1.2 * d.noise_floor);
+}
+
 TEST(DeliveredEffortLaw, WithoutMotionOrWithAFewRowsThereIsNone) {
   AxisLog log = test::synthetic_effort_log({});
   EXPECT_TRUE(can_select_effort_law({log}));
