@@ -61,18 +61,18 @@ auto names_do_as_well(const Diagnosis& d, const EffortSelection& selection) -> b
 constexpr double kClearlyLess = 0.9;
 
 /// The grown law, as it runs, errs clearly less on rows that it has not seen than the named one, which has seen them,
-/// against an effort seen as the grown law sees it, which averages noise away; and no more for certain against one seen
-/// as the named law does, in which fast motion survives, and with it noise that hides how much less (psm_one's roll
-/// joint, 29 November 2026: 0.45 and 0.92 of the named law's error).
+/// against an effort seen as the grown law sees it, which averages noise away; and not for certain more against one
+/// seen as the named law does, in which fast motion survives, and with it noise that hides how much less (psm_one's
+/// roll joint, 29 November 2026: 0.45 and 0.92 of the named law's error).
 auto clearly_beats(const EffortSelection& selection, const EffortLaw& named, const std::vector<AxisLog>& logs) -> bool {
   const Eigen::VectorXd grown = run_effort_law(logs, selection.law);
-  const auto beats = [&](const EffortView& view, double by) {
+  const auto ratio = [&](const EffortView& view) {
     const Eigen::VectorXd measured = EffortDesign(logs, view).seen(stacked_target(logs));
     EffortLaw other = named;
     other.view = view;
-    return ratio_interval(measured, unseen_blocks(selection), run_effort_law(logs, other), grown)[1] < by;
+    return ratio_interval(measured, unseen_blocks(selection), run_effort_law(logs, other), grown);
   };
-  return beats(selection.law.view, kClearlyLess) && beats(named.view, 1.0);
+  return ratio(selection.law.view)[1] < kClearlyLess && ratio(named.view)[0] < 1.0;
 }
 
 /// What the law has beside what it began with, by the names of effects.

@@ -149,13 +149,14 @@ void take_words_of_effort(std::vector<CatalogueTerm>& terms) {
   }
 }
 
-/// What another axis's speed asks of this motor, beside its angle and torque: a cable that it drags along. Samples hold
-/// no rate of it.
-void add_speed_of_other(std::vector<CatalogueTerm>& terms) {
+/// What another axis's motion asks of this motor, beside its angle and torque: a cable that it drags along, mass that
+/// both move. Samples hold no rate of it.
+void add_rates_of_other(std::vector<CatalogueTerm>& terms) {
   const auto found =
       std::find_if(terms.begin(), terms.end(), [](const auto& term) { return term.name == "axis_coupling"; });
-  found->equation += " + d q1o'";
+  found->equation += " + d q1o' + m q1o''";
   found->coefficients.push_back({"drag", "Nms/rad", Sign::kAny, "effort per speed of the other axis"});
+  found->coefficients.push_back({"inertia", "kgm2", Sign::kAny, "effort per acceleration of the other axis"});
   found->columns = [columns = found->columns](const Samples& samples, double period_s, const Shapes& shapes) {
     // Half a window: a motion of 5 Hz loses 1 % of its speed. Chosen on no log.
     constexpr double kHalfWindowS = 0.01;
@@ -163,8 +164,9 @@ void add_speed_of_other(std::vector<CatalogueTerm>& terms) {
     Eigen::VectorXd angle(result.rows());
     std::transform(samples.begin(), samples.end(), angle.begin(), [](const auto& s) { return s.others[0].q1; });
     const auto half = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(std::lround(kHalfWindowS / period_s)));
-    result.conservativeResize(Eigen::NoChange, result.cols() + 1);
-    result.rightCols(1) = local_slope(angle, half, period_s);
+    result.conservativeResize(Eigen::NoChange, result.cols() + 2);
+    const Eigen::VectorXd speed = local_slope(angle, half, period_s);
+    result.rightCols(2) << speed, local_slope(speed, half, period_s);
     return result;
   };
 }
@@ -228,7 +230,7 @@ auto efforts(AxisKind axis) -> Catalogue {
     terms.push_back(std::move(term));
   }
   add_shared_terms(terms);
-  add_speed_of_other(terms);
+  add_rates_of_other(terms);
   add_output_terms(terms);
   take_special_cases_of_effort<EffortTerms>(terms);
   take_special_cases_of_effort<SharedTerms>(terms);

@@ -135,19 +135,21 @@ TEST(EffortCatalogue, UnitsFollowTheKindOfAxis) {
 }
 
 // An arm's cable that is dragged along by another axis: what that moves at asks for torque as well as where it is.
-TEST(EffortCatalogue, AnotherAxisActsByItsSpeedToo) {
+TEST(EffortCatalogue, AnotherAxisActsByItsSpeedAndAccelerationToo) {
   constexpr double kPeriodS = 0.002;
   Samples samples(1000);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     samples[i].others[0].q1 = std::sin(3.0 * kPeriodS * static_cast<double>(i));
   }
   const CatalogueTerm& term = effort_catalogue(AxisKind::kRotary).term("axis_coupling");
-  ASSERT_STREQ(term.coefficients.back().name, "drag");
-  EXPECT_STREQ(term.coefficients.back().unit, "Nms/rad");
+  ASSERT_STREQ(term.coefficients.back().name, "inertia");
+  EXPECT_STREQ(term.coefficients.back().unit, "kgm2");
   const auto columns = term.columns(samples, kPeriodS, {});
   ASSERT_EQ(columns.cols(), static_cast<Eigen::Index>(term.coefficients.size()));
-  for (Eigen::Index i = 10; i < 990; ++i) {
-    EXPECT_NEAR(columns(i, columns.cols() - 1), 3.0 * std::cos(3.0 * kPeriodS * static_cast<double>(i)), 1e-3);
+  for (Eigen::Index i = 20; i < 980; ++i) {
+    const double phase = 3.0 * kPeriodS * static_cast<double>(i);
+    EXPECT_NEAR(columns(i, columns.cols() - 2), 3.0 * std::cos(phase), 1e-3);
+    EXPECT_NEAR(columns(i, columns.cols() - 1), -9.0 * std::sin(phase), 5e-3);
   }
 }
 
