@@ -154,7 +154,7 @@ void take_words_of_effort(std::vector<CatalogueTerm>& terms) {
 void add_rates_of_other(std::vector<CatalogueTerm>& terms) {
   const auto found =
       std::find_if(terms.begin(), terms.end(), [](const auto& term) { return term.name == "axis_coupling"; });
-  found->equation += " + d q1o' + m q1o''";
+  found->equation = "b q1o + J_o a_t tau_o + (1 - J_o) a_b tau_o + d q1o' + m q1o'', o the other axis";
   found->coefficients.push_back({"drag", "Nms/rad", Sign::kAny, "effort per speed of the other axis"});
   found->coefficients.push_back({"inertia", "kgm2", Sign::kAny, "effort per acceleration of the other axis"});
   found->columns = [columns = found->columns](const Samples& samples, double period_s, const Shapes& shapes) {
@@ -189,6 +189,7 @@ auto terms_of_machines() -> std::vector<CatalogueTerm> {
   load.columns = [columns = load.columns](const Samples& samples, double period_s, const Shapes& shapes) {
     return Eigen::MatrixXd(columns(samples, period_s, shapes).leftCols(1));  // of the weight, as large either way
   };
+  load.equation = "s W |sin(q1 - rest)|, s = 2J - 1";
   load.coefficients.resize(1);
   load.coefficients[0].sign = Sign::kNonNegative;
   load.shapes[1].of = ShapeOf::kGiven;
