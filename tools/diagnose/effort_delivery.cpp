@@ -87,6 +87,14 @@ auto beside_start(const EffortSelection& selection) -> std::vector<std::string> 
   return names;
 }
 
+/// The law holds nothing beside what it began with but what the names say: their own law, fitted through another view.
+auto holds_only_names(const EffortSelection& selection, const Diagnosis& d) -> bool {
+  const auto names = beside_start(selection);
+  return std::all_of(names.begin(), names.end(), [&d](const std::string& name) {
+    return std::any_of(d.effects.begin(), d.effects.end(), [&](const auto& effect) { return effect.name == name; });
+  });
+}
+
 /// What the law corrects without a name for it.
 auto unnamed_of(const EffortSelection& selection, const std::vector<std::string>& effects, const Diagnosis& d)
     -> UnnamedPart {
@@ -276,8 +284,14 @@ void deliver_effort_law(const std::vector<AxisLog>& logs, Diagnosis& d) {
     d.verdict = Verdict::kUnknown;
     d.reason = kAnotherPredictsBetter;
   }
-  keep_held_names(selection, more_than_named, d);
+  const bool same_effects = more_than_named && holds_only_names(selection, d);
+  keep_held_names(selection, more_than_named && !same_effects, d);
   take_selection(logs, selection, ratio, d);
+  if (same_effects && d.verdict == Verdict::kEffect) {
+    set_status(LawStatus::kConfirmed, *d.effort_law);
+    d.law.status = LawStatus::kConfirmed;
+    d.unnamed.reset();
+  }
 }
 
 }  // namespace capstan::tools
