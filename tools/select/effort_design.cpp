@@ -65,9 +65,6 @@ auto rests(const Eigen::VectorXd& angle) -> bool {
 }
 
 auto speed_of(const AxisLog& log, const Eigen::VectorXd& angle, double window_s) -> Eigen::VectorXd {
-  if (rests(angle)) {
-    return Eigen::VectorXd::Zero(angle.size());  // what rounding leaves of it would have directions
-  }
   return LocalCubic(half_width(window_s, log)).derivative(angle, 1) / log.period_s;
 }
 
@@ -142,8 +139,11 @@ auto LocalCubic::derivative(const Eigen::VectorXd& signal, int order, Eigen::Ind
                                        : (order == 1 ? Eigen::RowVector4d(0.0, 1.0, 2.0 * x, 3.0 * x * x)
                                                      : Eigen::RowVector4d(0.0, 0.0, 2.0, 6.0 * x));
     at /= std::pow(static_cast<double>(half_), order);
-    result[k] = x == 0.0 && order < 2 ? at[order] * from_window_.row(order).dot(signal.segment(first, size))
-                                      : (at * from_window_).dot(signal.segment(first, size));
+    const Eigen::RowVectorXd weights =
+        x == 0.0 && order < 2 ? Eigen::RowVectorXd(at[order] * from_window_.row(order)) : at * from_window_;
+    // From the sample itself on: where nothing moves the derivatives are 0, and no rounding has a direction.
+    const double here = signal[k * step];
+    result[k] = weights.dot((signal.segment(first, size).array() - here).matrix()) + (order == 0 ? here : 0.0);
   }
   return result;
 }

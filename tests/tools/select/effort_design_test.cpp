@@ -51,6 +51,18 @@ TEST(EffortDesign, TheDirectionStaysAtAStandstill) {
   EXPECT_TRUE(forward_at(1.7));
 }
 
+TEST(EffortDesign, AMotorThatStandsHasNoSpeedNotEvenARoundedOne) {
+  AxisLog log = sine_log();
+  log.q1_rad.tail(200).setConstant(-0.5121 * (1.0 + 1e-6));
+  const EffortDesign design({log}, kView);
+  for (std::size_t i = 210; i < 400; ++i) {  // a window beyond the first
+    const auto& sample = design.samples()[0][i];
+    ASSERT_EQ(sample.dq1, 0.0) << "drag that grows with a small power of the speed would be large at " << i;
+    ASSERT_EQ(sample.ddq1, 0.0);
+    ASSERT_EQ(sample.q1, log.q1_rad[399]);
+  }
+}
+
 TEST(EffortDesign, DryFrictionLetsGoAtAStandstillWhereTheViewSaysSo) {
   AxisLog log = sine_log();
   log.q1_rad.tail(200).setConstant(log.q1_rad[199]);
