@@ -11,6 +11,9 @@
 namespace capstan::tools {
 namespace {
 
+/// Of a column's energy the law takes up all but this share: what is left is rounding, and no direction.
+constexpr double kRounding = 1e-10;
+
 /// Lays the columns of all parts side by side; the candidates' variants learn where theirs begin.
 auto lay_out(const LawResidual& residual, const Eigen::MatrixXd& flexible, std::vector<Candidate>& candidates,
              Layout& layout) -> Eigen::MatrixXd {
@@ -147,6 +150,12 @@ auto BlockGrams::projected(const std::vector<std::size_t>& blocks) const -> Proj
   const Eigen::MatrixXd cross = scale.asDiagonal() * all.topRightCorner(k, rest);
   Projected result;
   result.gram = all.bottomRightCorner(rest, rest) - cross.transpose() * law.ldlt().solve(cross);
+  for (Eigen::Index i = 1; i < rest; ++i) {
+    if (result.gram(i, i) < kRounding * all(k + i, k + i)) {
+      result.gram.row(i).setZero();
+      result.gram.col(i).setZero();
+    }
+  }
   for (const std::size_t block : blocks) {
     result.rows += rows_[block];
   }

@@ -19,12 +19,37 @@ constexpr double kConfirmed = 2.7;
 /// Times the evidence that any confirmation needs: beyond this no doubt about what neither law explains is left.
 constexpr double kOverwhelming = 3.0;
 
-/// A matrix R with R R' = covariance, which is positive semidefinite: R times independent normals has that covariance.
+/// Scale products to correlations: columns without any energy have none with others.
+auto correlations(const Eigen::MatrixXd& products) -> Eigen::MatrixXd {
+  const Eigen::VectorXd sizes = products.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd per_size = (sizes.array() > 0.0).select(sizes.cwiseInverse(), 0.0);
+  Eigen::MatrixXd scaled = per_size.asDiagonal() * products * per_size.asDiagonal();
+  scaled.diagonal().setOnes();
+  return scaled;
+}
+
+/// Gives each candidate's column some energy that no other column has, so much that their products have a square root
+/// whatever rounding leaves of columns that others reproduce. Without it draws of noise gained a hundred times what
+/// noise does, and how much turned with the last decimal of a log.
+auto told_apart(Projected rows, Eigen::Index variants) -> Projected {
+  auto own = rows.gram.block(1, 1, variants, variants);
+  const Eigen::MatrixXd shared = correlations(own);
+  for (double share = 1e-9; share < 1.0; share *= 10.0) {
+    Eigen::MatrixXd apart = shared;
+    apart.diagonal().array() += share;
+    if (apart.llt().info() == Eigen::Success) {
+      own.diagonal() *= 1.0 + share;
+      break;
+    }
+  }
+  return rows;
+}
+
+/// A matrix R with R R' = covariance: R times independent normals has that covariance. Without pivots, whose order
+/// turns with the last decimal of a log and takes the draws with it.
 auto square_root(const Eigen::MatrixXd& covariance) -> Eigen::MatrixXd {
-  const Eigen::LDLT<Eigen::MatrixXd> factors(covariance);
-  const Eigen::VectorXd spread = factors.vectorD().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::MatrixXd lower = factors.matrixL();
-  return factors.transpositionsP().transpose() * (lower * spread.asDiagonal());
+  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
+         Eigen::MatrixXd(correlations(covariance).llt().matrixL());
 }
 
 /// Gain, in noise variances, of the null_maximum candidate in draws of noise alone; sorted.
@@ -76,7 +101,8 @@ class TrialJudge {
       : evidence_(evidence),
         known_(evidence.noise_from_repeats ? &evidence.noise : nullptr),
         learned_rows_(p.split.learned()),
-        fit_products_(evidence.white().projected(evidence.fit)),
+        fit_products_(told_apart(evidence.white().projected(evidence.fit),
+                                 evidence.layout.flexible - evidence.layout.first_variant())),
         learned_products_(evidence.white().projected(evidence.learned)),
         null_maxima_(null_maxima(evidence, fit_products_)),
         law_(law_model(evidence.layout)) {

@@ -50,6 +50,15 @@ TEST(BlockGrams, ALawColumnThatIsNothingIsNoTrouble) {
   EXPECT_NEAR(projected.error_energy(), columns.col(1).squaredNorm(), 1e-9);
 }
 
+TEST(BlockGrams, OfAColumnThatTheLawTakesUpNothingIsLeftNotEvenRounding) {
+  Eigen::MatrixXd columns = normals(300, 6, 5);
+  columns.col(4) = 1e3 * (columns.col(0) - columns.col(1) / 3.0 + columns.col(2) / 7.0);
+  const Projected projected = BlockGrams(columns, {3, 6, 6}, equal_blocks(3, 100)).projected({0, 1, 2});
+  EXPECT_EQ(projected.gram.row(1).norm(), 0.0);
+  EXPECT_EQ(projected.gram.col(1).norm(), 0.0);
+  EXPECT_NEAR(projected.gram(2, 2), columns.col(5).squaredNorm(), 0.1 * columns.col(5).squaredNorm());
+}
+
 TEST(BlockGrams, EnergyIsWhatAModelLeavesOfABlockWhetherItHasFewColumnsOrMany) {
   const Eigen::MatrixXd columns = normals(10, 9, 4);
   const BlockGrams grams(columns, {1, 9, 9}, equal_blocks(1, 10));
