@@ -18,6 +18,7 @@
 #include "capstan/tools/identify/force_catalogue.hpp"
 #include "capstan/tools/identify/log_zeros.hpp"
 #include "capstan/tools/identify/tendon_fit.hpp"
+#include "capstan/tools/joint_file/width_limit.hpp"
 #include "capstan/tools/select/deciding_numbers.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/statistics.hpp"
@@ -62,6 +63,16 @@ void note_range(const AxisLog& log, std::vector<std::string>& warnings) {
   note("/q1", log.q1_rad, "log the angle behind the gear, or scale it with --map");
   note("/q2", log.q2_rad, "log it in rad or m, or scale it with --map");
   note("/tau", log.tau_nm, "scale it with --map");
+}
+
+/// Nor a width that ends where no board could hold a wider one.
+void note_widths(Diagnosis& d) {
+  const auto widths = widths_at_limit(d.law);
+  if (!widths.empty()) {
+    d.warnings.push_back(joined(widths) + (widths.size() == 1 ? " is" : " are") +
+                         " at the limit of a board's numbers, 60: wider plays are not searched, so the joint may have "
+                         "more hysteresis than the law; log the angle behind the gear, or scale it with --map");
+  }
 }
 
 void describe_logs(const std::vector<AxisLog>& logs, const DiagnoseOptions& options, Diagnosis& d) {
@@ -360,6 +371,7 @@ auto diagnose(const std::vector<AxisLog>& recorded, const DiagnoseOptions& optio
   }
   say_what_is_held(d);
   warn_of_uncertain_gain(d);
+  note_widths(d);
   if (d.traces.after.size() > 0) {
     const MapSignals signals{d.traces.time_s, d.traces.q1, d.traces.load};
     d.map_before = residual_map(signals, d.traces.measured - d.traces.before);

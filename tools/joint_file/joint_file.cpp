@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "capstan/tools/joint_file/table_section.hpp"
+#include "capstan/tools/joint_file/width_limit.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
 #include "capstan/tools/support/toml_text.hpp"
@@ -36,6 +37,9 @@ auto term_text(const JointFile& joint, const CatalogueTerm& term) -> std::string
     if (switched >= 0 && joint.parameters.shapes[term.first_shape + static_cast<std::size_t>(switched)] == 0.0) {
       continue;
     }
+    text += is_at_limit(term.shapes[i], joint.parameters.shapes[at])
+                ? "# at the limit of a board's numbers, wider ones were not searched:\n"
+                : "";
     text += std::string(term.shapes[i].name) + " = " +
             quantity(joint.parameters.shapes[at], term.shapes[i].unit, joint.shape_ci95[at]);
   }
