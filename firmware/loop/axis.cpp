@@ -188,9 +188,9 @@ auto Axis::rt_drive(const MotorState& motor, Q24 torque_nm, bool energised) -> A
     waiting.enabled = true;
     return waiting;
   }
-  const Q24 look_nm = driven ? observer_.rt_look() * config_.motor.torque_per_current_nm_per_a : Q24{};
-  looked_ = look_nm != Q24{};
-  return gate_.rt_step(config_.limits, motor, torque_nm + look_nm, driven, dither_nm_);
+  const Q24 look_a = driven ? observer_.rt_look() : Q24{};
+  looked_ = look_a != Q24{};
+  return gate_.rt_step(config_.limits, motor, torque_nm, driven, dither_nm_, look_a);
 }
 
 void Axis::rt_report(const MotorState& motor, const JointEstimate& estimate, const JointEstimate* pitch,

@@ -55,8 +55,8 @@ auto Gate::rt_limit_rate(Q24 wanted_a) -> Q24 {
   return servo_a_ + clamp(change + behind * kCatchUpShare, -step, step);
 }
 
-auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm)
-    -> AxisDrive {
+auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm,
+                   Q24 look_a) -> AxisDrive {
   met_ = 0;
   rt_update_i2t(motor.current_a);
   if (!energised) {
@@ -72,6 +72,9 @@ auto Gate::rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torqu
   if (abs(wanted) > peak) {
     rt_flag(hot_ ? Limit::kThermal : Limit::kCurrent);
     wanted = clamp(wanted, -peak, peak);
+  }
+  if (look_a != Q24{}) {  // on the limited torque: beyond the limit the wish hides a look that takes torque away
+    wanted = clamp(wanted + look_a, -peak, peak);
   }
   servo_a_ = rt_limit_rate(wanted);
   wanted = clamp(servo_a_ + dither_nm * scales_.per_torque_constant, -peak, peak);

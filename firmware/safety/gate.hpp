@@ -12,8 +12,9 @@ class Gate {
   void rt_configure(const AxisConfig& config) { scales_ = Scales(config); }
   /// @param energised  the supervisor's permission; without it the drive is off and the rate begins at zero again
   /// @param dither_nm  an experiment's own torque, on top
-  auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm = Q24{})
-      -> AxisDrive;
+  /// @param look_a  the motor observer's look
+  auto rt_step(const LimitConfig& limits, const MotorState& motor, Q24 torque_nm, bool energised, Q24 dither_nm = Q24{},
+               Q24 look_a = Q24{}) -> AxisDrive;
   /// The next torque rises from zero.
   void rt_restart() { drive_a_ = drive_nm_ = wanted_a_ = servo_a_ = Q24{}; }
   /// Of the winding, which the gate can not rule because it is not the gate's current that heats it.

@@ -10,9 +10,11 @@ namespace {
 // Or of the speed, eighths, for a tip that hits something: on tendons of K its motor of J loses K / J t^2 / 2 of it in
 // t. Seed 270341 lost 0.31 in two cycles against two; half of the counts are half of it in one.
 constexpr std::int32_t kHitShare8 = 3;
-// Of the torque with which the motor turned round, eighths: friction along a tendon is a share of its tension, and
-// commissioning is without load. Of the same joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it;
-// after the winding's heat limit took torque away 0.38 were left of 2.2 A (seeds 260382, 260065).
+// Of the torque with which the motor turned round, eighths, beside half of what is allowed without a load: friction
+// along a tendon is a share of its tension, so what a load adds to the torque adds to what goes unanswered. Of the same
+// joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it; after the winding's heat limit took torque
+// away 0.38 were left of 2.2 A (seeds 260382, 260065). Half of it alone stopped wrists whose pitch joint swings at 0.58
+// to 0.67 of 1.5 to 2 A (950205, 956007, 971007, on which this was chosen; 970022 goes to 0.8 and stops still).
 constexpr std::int32_t kLoadShare8 = 4;
 // Of the torque of the last count, eighths, that may go without another before an impulse is counted: a joint that
 // turns round under load lets its tendons go where their friction holds, so the first count takes a tenth to a sixth of
@@ -27,6 +29,9 @@ constexpr std::int32_t kLately = 2;
 constexpr std::uint32_t kExplainsCycles = 5;
 // After a look, in which a healthy motor springs back from it.
 constexpr std::int32_t kLookFades = 20;
+// Longest wait of a look for a count, cycles: at the slew limit the largest `frozen` of the drawn elbows, 1.5 A, goes
+// in 15.
+constexpr std::int32_t kLookHeld = 24;
 // Of `frozen`, eighths, that the torque may have gone on by between the last count and a look: the look alone is at 8
 // of them after four cycles and at 10 after five, so a dead encoder is found in the same cycle. Without, the coarse
 // counts of drawn elbows came one cycle late (4110 and 3633 of commission_test).
@@ -38,6 +43,7 @@ constexpr std::int32_t kSpringingCycles = 50;
 // Silence after which the encoder is asked: longer than three of the last intervals between counts.
 constexpr std::int32_t kSilentCycles = 5;
 constexpr std::int32_t kSilentIntervals = 3;
+constexpr std::int32_t kMostInterval = 15;  // so a slow motor is asked within 50 cycles
 constexpr std::int32_t kMostSilentCycles = 10'000;
 /// Counts in a cycle: 98 rad/s and more with as many counts a turn as there may be, so that sums of six fit.
 auto within_reach(std::int64_t counts) -> std::int32_t {
@@ -51,7 +57,7 @@ auto within_reach(std::int64_t counts) -> std::int32_t {
 void MotorObserver::rt_arm() {
   answer_.rt_rest();
   confirmed_up_ = confirmed_down_ = answered_ = stretched_ = turned_ = slewed_ = given_ = 0;
-  unanswered_ = look_ = 0;
+  unanswered_ = look_ = held_ = 0;
   springing_ = moved_ == 0 ? 0 : kSpringingCycles;
   silent_ = kMostSilentCycles;
   interval_ = 0;
@@ -61,11 +67,18 @@ auto MotorObserver::rt_look() -> Q24 {
   if (look_ >= kLookCycles || scales_.gain == 0) {
     return Q24{};
   }
-  ++look_;
+  // A look that no count has answered goes on until one comes: where the slew limit is slow, or the servo works against
+  // it, its torque does not get as far as `frozen` in its own time, and a dead encoder passes.
+  if (look_ == kLookCycles / 2 && silent_ > kLookCycles / 2 && held_ < kLookHeld) {
+    ++held_;
+  } else {
+    ++look_;
+    held_ = 0;
+  }
   looking_ = kLookFades;
-  const std::int32_t place = std::min(look_, kLookCycles - look_);
+  const std::int32_t place = std::min(look_, kLookCycles - look_) + held_;
   const std::int32_t against = look_backward_ ? -place : place;
-  return Q24::from_raw(scales_.frozen / 2 * against);  // one and a half times `frozen` after six cycles
+  return Q24::from_wide(std::int64_t{scales_.frozen / 2} * against);  // one and a half times `frozen` after six cycles
 }
 
 void MotorObserver::rt_remember(std::int32_t moved, std::int32_t wanted) {
@@ -197,7 +210,7 @@ auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) ->
   if (left <= scales_.excess || scales_.excess == 0) {
     return 0;
   }
-  return left > turned_ / 8 * kLoadShare8 + scales_.turn ? bit(Fault::kEncoderMotion) : 0;
+  return left > (scales_.excess >> 1) + turned_ / 8 * kLoadShare8 ? bit(Fault::kEncoderMotion) : 0;
 }
 
 /// A motor that turned slowly may have stopped, or its encoder.
@@ -208,8 +221,8 @@ void MotorObserver::rt_listen(std::int32_t moved) {
     return;
   }
   silent_ = std::min(silent_ + 1, kMostSilentCycles);
-  if (silent_ == kSilentCycles + kSilentIntervals * interval_ && look_ >= kLookCycles) {
-    look_ = 0;
+  if (silent_ == kSilentCycles + kSilentIntervals * std::min(interval_, kMostInterval) && look_ >= kLookCycles) {
+    look_ = held_ = 0;
     look_backward_ = wanted_ > 0;
     // What the encoder confirmed before the silence was under another load.
     confirmed_up_ = std::max(confirmed_up_, wanted_);
@@ -265,7 +278,7 @@ auto MotorObserver::rt_watch_answer(std::int32_t moved, std::int32_t wanted) -> 
   unanswered_ = 0;
   confirmed_up_ = forward_ ? wanted : std::min(confirmed_up_, wanted);
   confirmed_down_ = forward_ ? std::max(confirmed_down_, wanted) : wanted;
-  return runs_away || against > scales_.against ? bit(Fault::kEncoderMotion) : 0;
+  return runs_away || (against > scales_.against && std::abs(moved) > scales_.creep) ? bit(Fault::kEncoderMotion) : 0;
 }
 
 auto MotorObserver::rt_step(const MotorState& motor, Q24 drive_a, bool energised) -> FaultSet {

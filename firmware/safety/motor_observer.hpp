@@ -25,10 +25,9 @@ namespace capstan {
 /// - **Torque without motion.** Torque that goes beyond where the encoder last confirmed it (counts in its own
 /// direction)
 ///   by more than `frozen`, or by `rise` for longer than the impulse J * dv needs, has to be answered by a count.
-/// - **Motion against torque.** Counts do not go on where the torque has gone against them by `against`; and where it
-/// has
-///   gone by `frozen`, they do not gain speed: a servo on an encoder of the wrong sign drives the count that it means
-///   to stop.
+/// - **Motion against torque.** Counts do not go on at speed where the torque has gone against them by `against`; and
+///   where it has gone by `frozen`, they do not gain speed: a servo on an encoder of the wrong sign drives the count
+///   that it means to stop.
 /// - **Torque without way.** A motor that turns round stretches its tendons the other way first, and each count of that
 ///   answers for `stiffness` of torque; what goes beyond by more than a healthy motor's `excess` has a count that is
 ///   too small, or one that goes on by itself: half, drift, lag. A motor that goes on while its torque falls is helped
@@ -53,7 +52,8 @@ class MotorObserver {
   /// from the torque of before, so its motion is not judged for 50 cycles.
   void rt_arm();
   /// A look, A, to be added to the wanted current: a triangle to and fro, larger than what the motor's own friction
-  /// holds and far smaller than what moves the joint. A dead encoder or amplifier fails rt_step within its 24 cycles.
+  /// holds and far smaller than what moves the joint. It goes on until a count answers it; a dead encoder or amplifier
+  /// fails rt_step first.
   /// The first is that of rt_arm; another one whenever the encoder falls silent. It takes torque away, for a joint that
   /// is about to break away would go with one that adds some.
   auto rt_look() -> Q24;
@@ -86,6 +86,7 @@ class MotorObserver {
     std::int32_t frozen = 0;      // A
     std::int32_t slack = 0;       // counts/256
     std::int32_t against = 0;     // A
+    std::int32_t creep = 0;       // counts in a cycle, that a changing load moves the motor by against its torque
     std::int32_t rise = 0;        // A
     std::int32_t impulse = 0;     // A cycles
     std::int32_t mismatch = 0;    // A
@@ -95,7 +96,6 @@ class MotorObserver {
     std::int32_t most = 0;        // counts, that answer for any torque
     std::int32_t slew = 0;        // A, that torque changes by in a cycle, but for steps
     std::int32_t helped = 0;      // A, that one answers for against its own direction
-    std::int32_t turn = 0;        // A, twice the motor's own friction
     std::int32_t excess = 0;      // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;      // counts/256, two cycles against the two before
     std::int32_t gained = 0;      // counts/256 in a cycle, that a load gives within two
@@ -132,6 +132,7 @@ class MotorObserver {
   std::int32_t unanswered_ = 0;      // A cycles
   std::int32_t strayed_ = 0;         // A cycles
   std::int32_t look_ = kLookCycles;
+  std::int32_t held_ = 0;  // cycles that a look has waited for a count
   LookAnswer answer_;
   std::int32_t slow_ = 0;       // speed where the torque last went with the motion, counts in a cycle
   std::int32_t springing_ = 0;  // cycles in which what a torque of before has stretched may move the motor

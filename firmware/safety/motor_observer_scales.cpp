@@ -46,6 +46,11 @@ constexpr std::int32_t kRiseCoulombs8 = 8;
 // `frozen` 9 of 36 joints from seed 40000 stopped, so that limit decides what a wrong sign costs, see the document.
 constexpr std::int64_t kAgainst8 = 20;
 constexpr std::int64_t kAgainstFrozens = 3;
+// Of limits.joint_speed, eighths, below which counts may go on against the torque: a load that changes slowly (a
+// wrist's pitch joint swings) takes the motor along at 0.03 to 0.13 rad/s, however far the torque has gone (956002,
+// 970022, 970053). An encoder of the wrong sign makes a motor fast. Chosen in November 2026 on those; RAVEN's elbow
+// counts slower than that anyway, so there every count is judged.
+constexpr std::int32_t kCreepShare8 = 2;
 // A count that gains speed against the torque. Of limits.joint_speed: 1.2 times in all with once of it within four
 // cycles, or 2.5 times in all. Chosen in November 2026 on the campaign's five joints and the drawn ones of seeds 81000
 // to 81023, 81111, 90000 to 90045, 95000 to 95045, 100000 to 100046 and 105000 to 105045: no healthy motion came
@@ -120,7 +125,6 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
   stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
   helped = stretch / 8 * kHelpedShare8;
-  turn = limited(2 * friction);
   slew = slew_limit(config).raw();
   const std::int64_t largest = scaled(own.excess_nm, kExcess8 << 21, constant);
   excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
@@ -131,6 +135,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
                : limited((per_turn * 1000 >> 24) * own.answer_rad_per_a.raw() / 100 * LookAnswer::kLeastPercent >> 24);
   // counts/256 = 256 cpr / (2 pi) v / 1000
   const std::int64_t fast = limited((per_turn >> 24) * config.limits.joint_speed_rad_s.raw() >> 24);
+  creep = limited(fast * kCreepShare8 / 2048);
   gained = std::max(kGainedCounts, limited(fast * kGainedShare8 / 8));
   const auto faster = [fast](std::int64_t share) {
     return std::max<std::int32_t>(kRunawayCounts - 1, limited(fast * share / 2560));
@@ -140,7 +145,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   runaway = faster(kRunawayShare);
   runaway_lately = faster(kSuddenShare);
   for (std::int32_t* current :
-       {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &turn, &slew, &excess}) {
+       {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &slew, &excess}) {
     *current >>= 1;
   }
   slew = std::max<std::int32_t>(slew, 1);
