@@ -37,6 +37,21 @@ TEST(Gate, ExactlyAtTheEndOfTheTravelThereIsNoTorqueOutwards) {
   EXPECT_GT(gate.rt_step(config.limits, motor_at(config.limits.motor_min_rad), torque, true).current_a, Q24{});
 }
 
+// A joint that presses wants more than it gets, and a look below the wish would not show.
+TEST(Gate, ALookTakesTorqueAwayFromTheLimitAndNotFromTheWish) {
+  const AxisConfig config = config_without_rate_limit();
+  const double peak = config.limits.current_a.to_double();
+  for (const double side : {1.0, -1.0}) {
+    Gate gate(config);
+    const Q24 wish = q(side * 2.0 * peak) * config.motor.torque_per_current_nm_per_a;
+    const auto current = [&](double look_a) {
+      return gate.rt_step(config.limits, motor_at(Q24{}), wish, true, Q24{}, q(look_a)).current_a.to_double();
+    };
+    EXPECT_NEAR(current(-side * 0.5), side * (peak - 0.5), 1e-4);
+    EXPECT_NEAR(current(side * 0.5), side * peak, 1e-4);
+  }
+}
+
 // The servo's own torque keeps to the rate before the dither is added, so only a dither shows the limit of the sum.
 TEST(Gate, AnExperimentsDitherKeepsToTheRateInBothDirections) {
   const AxisConfig config;

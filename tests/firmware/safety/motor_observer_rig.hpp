@@ -23,8 +23,7 @@ inline auto commissioned_config() -> AxisConfig {
 struct Rig {
   explicit Rig(const AxisConfig& config = commissioned_config()) : observer(config) {
     observer.rt_arm();
-    for (int i = 0; i < 12; ++i) {
-      static_cast<void>(observer.rt_look());  // over
+    while (observer.rt_look() != Q24{}) {  // over
     }
     MotorState motor;
     motor.counts = counts;

@@ -140,6 +140,20 @@ TEST(MotorObserver, WithACountNowAndThenTorqueMayRise) {
   }
 }
 
+// 0.39 A against it are too much at speed; a load that goes away lets a motor creep on, however far its torque has
+// gone.
+TEST(MotorObserver, CountsGoOnAgainstTheTorqueAtACreepOnly) {
+  for (const int speed : {1, 5}) {
+    Rig rig;
+    ASSERT_EQ(rig.step(-1, 1.2), 0U);
+    FaultSet faults = 0;
+    for (int i = 1; i <= 1000; ++i) {
+      faults |= rig.step(i < 100 ? 1 : std::min(speed, 1 + (i - 100) / 100), 1.2 - 0.001 * i);
+    }
+    EXPECT_EQ(faults, speed == 1 ? 0U : bit(Fault::kEncoderMotion));
+  }
+}
+
 TEST(MotorObserver, AnEncoderThatGoesBackWhileTorqueRisesCountsTheWrongWay) {
   Rig rig;
   static_cast<void>(rig.step(1, 0.0));
