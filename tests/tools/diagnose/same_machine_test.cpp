@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "capstan/tools/diagnose/diagnose.hpp"
+#include "capstan/tools/diagnose/diagnosis.hpp"
 #include "capstan/tools/identify/law_fit.hpp"
 #include "capstan/tools/log/axis_log.hpp"
 #include "capstan/tools/log/csv_log.hpp"
