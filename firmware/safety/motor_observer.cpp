@@ -10,11 +10,9 @@ namespace {
 // Or of the speed, eighths, for a tip that hits something: on tendons of K its motor of J loses K / J t^2 / 2 of it in
 // t. Seed 270341 lost 0.31 in two cycles against two; half of the counts are half of it in one.
 constexpr std::int32_t kHitShare8 = 3;
-// Of the torque with which the motor turned round, eighths, beside half of what is allowed without a load: friction
-// along a tendon is a share of its tension, so what a load adds to the torque adds to what goes unanswered. Of the same
-// joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it; after the winding's heat limit took torque
-// away 0.38 were left of 2.2 A (seeds 260382, 260065). Half of it alone stopped wrists whose pitch joint swings at 0.58
-// to 0.67 of 1.5 to 2 A (950205, 956007, 971007, on which this was chosen; 970022 goes to 0.8 and stops still).
+// Of the torque with which the motor turned round, eighths: friction along a tendon is a share of its tension, and
+// commissioning is without load. Of the same joints those that turned round from 2 to 2.5 A left 0.28 to 0.32 of it;
+// after the winding's heat limit took torque away 0.38 were left of 2.2 A (seeds 260382, 260065).
 constexpr std::int32_t kLoadShare8 = 4;
 // Of the torque of the last count, eighths, that may go without another before an impulse is counted: a joint that
 // turns round under load lets its tendons go where their friction holds, so the first count takes a tenth to a sixth of
@@ -210,7 +208,7 @@ auto MotorObserver::rt_watch_stretch(std::int32_t moved, std::int32_t wanted) ->
   if (left <= scales_.excess || scales_.excess == 0) {
     return 0;
   }
-  return left > (scales_.excess >> 1) + turned_ / 8 * kLoadShare8 ? bit(Fault::kEncoderMotion) : 0;
+  return left > turned_ / 8 * kLoadShare8 + scales_.turn ? bit(Fault::kEncoderMotion) : 0;
 }
 
 /// A motor that turned slowly may have stopped, or its encoder.

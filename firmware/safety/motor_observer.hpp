@@ -96,6 +96,7 @@ class MotorObserver {
     std::int32_t most = 0;        // counts, that answer for any torque
     std::int32_t slew = 0;        // A, that torque changes by in a cycle, but for steps
     std::int32_t helped = 0;      // A, that one answers for against its own direction
+    std::int32_t turn = 0;        // A, twice the motor's own friction
     std::int32_t excess = 0;      // A, beyond what was answered for; 0: not watched
     std::int32_t sudden = 0;      // counts/256, two cycles against the two before
     std::int32_t gained = 0;      // counts/256 in a cycle, that a load gives within two

@@ -125,6 +125,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   charge = limited(std::max(impulse_of(config, config.limits.joint_speed_rad_s, kStrayShare8), kChargeNoises * noise));
   stretch = limited(scaled(own.stiffness_nm_per_rad, kTwoPi, constant) / config.motor.encoder_counts_per_turn);
   helped = stretch / 8 * kHelpedShare8;
+  turn = limited(2 * friction);
   slew = slew_limit(config).raw();
   const std::int64_t largest = scaled(own.excess_nm, kExcess8 << 21, constant);
   excess = stretch == 0 || largest == 0 ? 0 : limited(largest + kExcessNoises * noise + kExcessCounts * count);
@@ -145,7 +146,7 @@ MotorObserver::Scales::Scales(const AxisConfig& config) {
   runaway = faster(kRunawayShare);
   runaway_lately = faster(kSuddenShare);
   for (std::int32_t* current :
-       {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &slew, &excess}) {
+       {&frozen, &against, &rise, &impulse, &mismatch, &charge, &stretch, &helped, &turn, &slew, &excess}) {
     *current >>= 1;
   }
   slew = std::max<std::int32_t>(slew, 1);
