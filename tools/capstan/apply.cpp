@@ -103,10 +103,10 @@ auto apply(const ApplyOptions& options) -> int {
   } else {
     tell_other_axis(options.model, options.axis);
   }
+  HeldStops stops;
   ShellClient shell(options.port);
   const auto version = shell.ask("version");
   expect_joints(lines, version);
-  HeldStops stops;
   tell_all(shell, lines, options.key, stops);
   int verified = 0;
   for (const std::string& line : lines) {

@@ -32,7 +32,7 @@ auto time_unit_fault(double period_s) -> std::string {
   for (const SmallUnit& unit : kUnits) {
     const double period = period_s * unit.seconds;
     if (period >= kFastestPeriod && period <= kSlowestPeriod) {
-      units.push_back(std::string(unit.name) + " (" + rounded(1.0 / period) + " Hz)");
+      units.push_back(std::string(unit.name) + " (" + rounded(1.0 / period, 5) + " Hz)");
       cures.push_back(std::string("--map \"time_s=time_s*") + unit.factor + "\"");
     }
   }

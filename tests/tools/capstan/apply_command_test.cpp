@@ -34,7 +34,7 @@ TEST_F(ApplyCommand, StoppedHalfWayItLeavesNothingStaged) {
   write_text_file(path("machine.toml"), "schema = \"capstan.machine/1\"\n[joint0]\n\"limits.current\" = \"9 A\"\n");
   const Outcome shell =
       after("kill -STOP $board; " + apply("machine.toml") +
-                " & sleep 0.3; kill -INT $!; sleep 0.1; kill -CONT $board; wait $!; echo status $? >> \"" +
+                " & sleep 0.3; kill -TERM $!; sleep 0.1; kill -CONT $board; wait $!; echo status $? >> \"" +
                 path("applied") + "\"; ",
             "maintenance\\ncommit\\nget joint0.limits.current\\n");
   EXPECT_NE(applied().find("stopped before all was written"), std::string::npos) << applied();
