@@ -7,6 +7,7 @@
 #include <map>
 
 #include "capstan/tests/tools/run/drawn_joint.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -71,11 +72,6 @@ auto run(const sim::Scenario& scenario, const std::vector<std::string>& wrong, P
   outcome.torque_off = !energised(line.board().machine().telemetry().state);
   outcome.stiffness = line.board().machine().config()[0].control.stiffness_nm_per_rad.to_double();
   return outcome;
-}
-
-auto number_from(const char* variable, long usual) -> std::uint64_t {
-  const char* text = std::getenv(variable);
-  return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
 }
 
 TEST(Commission, DrawnJointsAreCommissionedWithinTheirCorridorAndEndWithoutTorque) {

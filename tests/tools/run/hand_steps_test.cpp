@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "capstan/tests/tools/run/happening.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -216,12 +217,8 @@ auto hanging(Happening& line, double weight_nm) -> std::function<void(const std:
 }
 
 TEST(WeighByHand, TheTorquePerCurrentComesFromAKnownWeight) {
-  const auto number = [](const char* variable, long usual) {
-    const char* text = std::getenv(variable);
-    return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
-  };
-  const std::uint64_t first = number("CAPSTAN_SEED", 4477);
-  for (std::uint64_t seed = first; seed < first + number("CAPSTAN_PLANTS", 1); ++seed) {
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 4477);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 1); ++seed) {
     const sim::Scenario scenario = draw(seed);
     const double right = scenario.plant.torque_constant_nm_per_a;
     for (const double wrong : {1.0, 0.6, 1.5}) {
@@ -265,12 +262,8 @@ TEST(WeighByHand, AWeightThatCannotTellOrDoesNotHangIsRefused) {
 }
 
 TEST(EndStops, AreFoundAtLowTorqueAndTheJointIsCommissionedBetweenThem) {
-  const auto number = [](const char* variable, long usual) {
-    const char* text = std::getenv(variable);
-    return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
-  };
-  const std::uint64_t first = number("CAPSTAN_SEED", 4478);
-  for (std::uint64_t seed = first; seed < first + number("CAPSTAN_PLANTS", 1); ++seed) {
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 4478);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 1); ++seed) {
     sim::Scenario scenario = draw(seed);
     scenario.plant.stop_low_rad = -0.35;
     scenario.plant.stop_high_rad = 0.5;

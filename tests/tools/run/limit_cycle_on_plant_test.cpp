@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "capstan/tests/tools/run/board_rig.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/support/random.hpp"
 #include "capstan/tools/support/text.hpp"
@@ -159,11 +160,6 @@ auto ramp(const Drawn& drawn) -> Seen {
 }
 
 /// For longer tables: CAPSTAN_SEED=600 CAPSTAN_PLANTS=40 limit_cycle_on_plant_test
-auto number_from(const char* variable, long usual) -> std::uint64_t {
-  const char* text = std::getenv(variable);
-  return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
-}
-
 TEST(LimitCycleOnPlant, OnsetFrequencyAndSizeAreForetoldOnDrawnPlants) {
   std::printf("seed | onset predicted, seen | Hz predicted, seen | mrad predicted, seen | runs away\n");
   const std::uint64_t first = number_from("CAPSTAN_SEED", 500);

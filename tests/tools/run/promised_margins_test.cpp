@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "capstan/tests/tools/run/drawn_joint.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -56,11 +57,6 @@ auto promised_and_measured(const sim::Scenario& scenario) -> Pair {
   return {.promised = all.tuning->whole_nominal,
           .phase_deg = number_before(sentence, " deg"),
           .gain_db = number_before(sentence, " dB")};
-}
-
-auto number_from(const char* variable, long usual) -> std::uint64_t {
-  const char* text = std::getenv(variable);
-  return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
 }
 
 /// For a table: CAPSTAN_SEED=1700 CAPSTAN_PLANTS=10 promised_margins_test; of one joint CAPSTAN_INSTRUMENT=raven2:1

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "capstan/tests/tools/run/drawn_joint.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/response/limit_cycle.hpp"
 #include "capstan/tools/support/errors.hpp"
@@ -132,11 +133,6 @@ auto raised(SimShell& line, const sim::PlantParameters& plant, const Ready& read
     }
   }
   return seen;
-}
-
-auto number_from(const char* variable, long usual) -> std::uint64_t {
-  const char* text = std::getenv(variable);
-  return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
 }
 
 /// For a table: CAPSTAN_SEED=4310 CAPSTAN_PLANTS=4 promised_onset_test; of one joint CAPSTAN_INSTRUMENT=raven2:1

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "capstan/tests/tools/run/happening.hpp"
+#include "capstan/tests/tools/run/number_from.hpp"
 #include "capstan/tools/commission/commission.hpp"
 #include "capstan/tools/support/errors.hpp"
 
@@ -177,12 +178,8 @@ TEST(Retune, SofterGainsThatWereAskedForAreTaken) {
 
 // As CAPSTAN_INSTRUMENT=raven2:1 CAPSTAN_SEED=4580 CAPSTAN_PLANTS=3.
 TEST(Retune, ADrawnJointGetsAboutTheGainsThatCommissioningGaveIt) {
-  const auto number = [](const char* variable, long usual) {
-    const char* text = std::getenv(variable);
-    return static_cast<std::uint64_t>(text == nullptr ? usual : std::atol(text));
-  };
-  const std::uint64_t first = number("CAPSTAN_SEED", 4472);
-  for (std::uint64_t seed = first; seed < first + number("CAPSTAN_PLANTS", 1); ++seed) {
+  const std::uint64_t first = number_from("CAPSTAN_SEED", 4472);
+  for (std::uint64_t seed = first; seed < first + number_from("CAPSTAN_PLANTS", 1); ++seed) {
     const sim::Scenario drawn = draw(seed);
     Happening line(drawn);
     CommissionOptions options = options_with();
